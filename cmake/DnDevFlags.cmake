@@ -1,0 +1,11 @@
+# Flags of our own builds only: never exported, never seen by a project that uses dn.
+add_library(dn_dev_flags INTERFACE)
+target_compile_options(dn_dev_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wno-psabi
+  -ffp-contract=off
+  $<$<BOOL:${DN_WERROR}>:-Werror>)
+if(DN_SANITIZE)
+  target_compile_options(dn_dev_flags INTERFACE
+    -fsanitize=${DN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(dn_dev_flags INTERFACE -fsanitize=${DN_SANITIZE})
+endif()

@@ -1,0 +1,38 @@
+# dn_add_layer(<name> DIR <folder> SOURCES <files under folder/src> PUBLIC <targets> [PRIVATE <targets>])
+#
+# One library per layer, each with its own include root, so that an include against the layer diagram
+# does not compile. Call it from the folder's own CMakeLists.txt; DIR is relative to the project root.
+function(dn_add_layer name)
+  cmake_parse_arguments(A "" "DIR" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  list(TRANSFORM A_SOURCES PREPEND "${PROJECT_SOURCE_DIR}/${A_DIR}/src/")
+  add_library(dn_${name} ${A_SOURCES})
+  add_library(dn::${name} ALIAS dn_${name})
+  set_target_properties(dn_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(dn_${name} PUBLIC cxx_std_20)
+  target_include_directories(dn_${name}
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/${A_DIR}/include>
+           $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE ${PROJECT_SOURCE_DIR}/${A_DIR}/src)
+  target_link_libraries(dn_${name}
+    PUBLIC ${A_PUBLIC}
+    PRIVATE ${A_PRIVATE} $<BUILD_INTERFACE:dn_dev_flags>)
+  install(TARGETS dn_${name} EXPORT dnTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${A_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+endfunction()
+
+# dn_add_test(<name> SOURCES <files> LINK <targets> [LABEL <unit|property|golden|example|cli|package|slow>])
+#
+# One GoogleTest program; every TEST becomes a ctest entry.
+function(dn_add_test name)
+  cmake_parse_arguments(A "" "LABEL" "SOURCES;LINK" ${ARGN})
+  if(NOT A_LABEL)
+    set(A_LABEL unit)
+  endif()
+  add_executable(${name} ${A_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_link_libraries(${name} PRIVATE ${A_LINK} GTest::gmock GTest::gtest_main dn_dev_flags)
+  target_compile_definitions(${name} PRIVATE DN_SHARED_DATA_DIR="${DN_SHARED_DATA_DIR}")
+  gtest_discover_tests(${name} PROPERTIES LABELS "${A_LABEL}" DISCOVERY_TIMEOUT 120 TIMEOUT 600)
+endfunction()

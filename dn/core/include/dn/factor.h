@@ -1,0 +1,145 @@
+#pragma once
+
+#include <ceres/internal/autodiff.h>
+#include <ceres/internal/parameter_dims.h>
+#include <dn/block.h>
+
+#include <Eigen/Core>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace dn {
+
+/// One edge of the network: a whitened, unitless residual of some blocks.
+///
+/// A factor never returns a silent zero residual; Evaluate returns false only where the model is
+/// undefined.
+class FactorBase {
+ public:
+  virtual ~FactorBase() = default;
+
+  /// Number of residuals.
+  virtual int residual_size() const = 0;
+
+  /// Kinds of the blocks, in the order in which Evaluate takes them.
+  virtual const std::vector<BlockKind>& block_kinds() const = 0;
+
+  /// Residual r and, where J and J[i] are not null, the Jacobians with respect to the *stored*
+  /// coordinates of block i, row-major residual_size x stored_size. A Jacobian whose product with
+  /// the block's PlusJacobian is right is right: only that product is used.
+  virtual bool Evaluate(double const* const* x, double* r, double** J) const = 0;
+
+ protected:
+  FactorBase() = default;
+  FactorBase(const FactorBase&) = default;
+  FactorBase& operator=(const FactorBase&) = default;
+};
+
+/// Writes the tangent Jacobian J_r_x of a block into stored coordinates, row-major, for
+/// FactorBase::Evaluate. x: the block's stored value; J: the destination, may be null (nothing is
+/// done).
+template <class Matrix>
+void PutJacobian(const BlockKind& kind, const double* x, const Eigen::MatrixBase<Matrix>& J_r_x,
+                 double* J) {
+  if (J == nullptr) return;
+  constexpr int kRows = Matrix::RowsAtCompileTime;
+  if (kind.parametrisation == Parametrisation::kVector) {
+    for (int r = 0; r < J_r_x.rows(); ++r) {
+      for (int c = 0; c < J_r_x.cols(); ++c) J[r * J_r_x.cols() + c] = J_r_x(r, c);
+    }
+    return;
+  }
+  // PlusJacobian has orthogonal columns of squared length 1/4: its pseudo-inverse is 4
+  // PlusJacobian^T.
+  using RowMajor = Eigen::Matrix<double, kRows, 4, Eigen::RowMajor>;
+  const Eigen::Matrix<double, 3, 4> lift =
+      4.0 * RotationPlusJacobian(kind.parametrisation, x).transpose();
+  Eigen::Map<RowMajor> out(J, J_r_x.rows(), 4);
+  out.noalias() = J_r_x.template leftCols<3>() * lift;
+}
+
+/// Base of a factor with R residuals on blocks of fixed kinds, with Jacobians of its own.
+///
+/// Derive as `class MyFactor : public Factor<MyFactor, R, Rotation, Vec<3>>` and write Evaluate
+/// with Put<I>(x, J, J_r_xi). Add it with Network::Add(factor, block0, block1).
+template <class Derived, int R, class... Kinds>
+class Factor : public FactorBase {
+ public:
+  static constexpr int kResiduals = R;
+  using BlockKinds = std::tuple<Kinds...>;
+
+  int residual_size() const final { return R; }
+  const std::vector<BlockKind>& block_kinds() const final {
+    static const std::vector<BlockKind> kinds{Kinds::kKind...};
+    return kinds;
+  }
+
+ protected:
+  /// Writes the tangent Jacobian J_r_xI (R x tangent size of block I), skipping null requests.
+  template <int I, class Matrix>
+  static void Put(double const* const* x, double** J, const Eigen::MatrixBase<Matrix>& J_r_xI) {
+    using Kind = std::tuple_element_t<I, BlockKinds>;
+    static_assert(Matrix::RowsAtCompileTime == R, "Put: the Jacobian needs one row per residual");
+    static_assert(Matrix::ColsAtCompileTime == Kind::kTangentSize,
+                  "Put: the Jacobian needs one column per tangent coordinate of the block");
+    if (J != nullptr) PutJacobian(Kind::kKind, x[I], J_r_xI, J[I]);
+  }
+};
+
+/// Base of a factor that only states its residual; Jacobians come from automatic differentiation.
+///
+/// Derive as `struct MyFactor : dn::AutoFactor<MyFactor, R, Kinds...>` and write
+/// `template <class T> bool Residual(const T* x0, ..., T* r) const`. That is the whole of a custom
+/// factor.
+template <class Derived, int R, class... Kinds>
+class AutoFactor : public Factor<Derived, R, Kinds...> {
+ public:
+  bool Evaluate(double const* const* x, double* r, double** J) const override {
+    const Call call{static_cast<const Derived*>(this)};
+    constexpr auto kIndices = std::index_sequence_for<Kinds...>{};
+    if (J == nullptr) return CallPlain(call, x, r, kIndices);
+    using Dims = ceres::internal::StaticParameterDims<Kinds::kSize...>;
+    return ceres::internal::AutoDifferentiate<R, Dims>(call, x, R, r, J);
+  }
+
+ private:
+  struct Call {
+    const Derived* factor;
+    template <class... Args>
+    bool operator()(Args... args) const {
+      return factor->Residual(args...);
+    }
+  };
+
+  template <std::size_t... I>
+  static bool CallPlain(const Call& call, double const* const* x, double* r,
+                        std::index_sequence<I...>) {
+    return call(x[I]..., r);
+  }
+};
+
+/// Base of a factor whose number of blocks is known only at run time (a sum of bias processes,
+/// say).
+class DynamicFactor : public FactorBase {
+ public:
+  int residual_size() const final { return residual_size_; }
+  const std::vector<BlockKind>& block_kinds() const final { return kinds_; }
+
+ protected:
+  DynamicFactor(int residual_size, std::vector<BlockKind> kinds)
+      : residual_size_(residual_size), kinds_(std::move(kinds)) {}
+
+  /// Writes the tangent Jacobian of block i, skipping null requests.
+  template <class Matrix>
+  void Put(int i, double const* const* x, double** J,
+           const Eigen::MatrixBase<Matrix>& J_r_xi) const {
+    if (J != nullptr) PutJacobian(kinds_[static_cast<std::size_t>(i)], x[i], J_r_xi, J[i]);
+  }
+
+ private:
+  int residual_size_;
+  std::vector<BlockKind> kinds_;
+};
+
+}  // namespace dn

@@ -1,0 +1,167 @@
+#pragma once
+
+#include <dn/block.h>
+#include <dn/error.h>
+#include <dn/factor.h>
+
+#include <deque>
+#include <limits>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <unordered_map>
+#include <vector>
+
+namespace dn {
+
+/// Handle of a block of a known kind; only valid in the network that gave it.
+template <class Kind>
+struct Block {
+  int id = -1;
+};
+
+using BlockId = int;
+using FactorId = int;
+
+/// Robust loss rho(s) on the squared norm s of a factor's residual. width is in units of sigma.
+struct Loss {
+  enum class Type { kNone, kHuber, kCauchy };
+  Type type = Type::kNone;
+  double width = 1.0;
+};
+
+/// What a block is in the words of the field: used by reports and by the diagnosis of a rank
+/// deficiency.
+struct BlockLabel {
+  std::string quantity;  ///< "boresight", "attitude", "gyro bias"; empty: the block's name
+  std::vector<std::string> components;  ///< one per tangent coordinate: {"roll", "pitch", "yaw"}
+  std::string unit;                     ///< of the reported values: "deg", "m", "mg"
+  double per_si = 1.0;                  ///< reported = SI value * per_si
+  double t_s = std::numeric_limits<double>::quiet_NaN();  ///< epoch; NaN for a constant
+};
+
+/// A block as the network holds it.
+struct BlockRecord {
+  std::string name;
+  BlockKind kind;
+  std::unique_ptr<double[]> value;
+  bool held = false;
+  BlockLabel label;
+};
+
+/// A factor as the network holds it.
+struct FactorRecord {
+  std::shared_ptr<const FactorBase> factor;
+  std::vector<BlockId> blocks;
+  Loss loss;
+  bool active = true;
+  int group = 0;  ///< index into Network::groups()
+  double t_s = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// A dynamic network: named blocks of unknowns and the factors (edges) between them.
+///
+/// It describes the problem only; dn::Solve and dn::Marginals (layer solvers) work on it. Blocks
+/// and factors of a user's own kind are first-class: they solve, and appear by name in every
+/// report.
+class Network {
+ public:
+  Network() = default;
+  Network(Network&&) = default;
+  Network& operator=(Network&&) = default;
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+
+  /// Adds a rotation perturbed from the right. q is normalised. Throws InvalidInput if the name is
+  /// taken, or q is not finite or has zero norm.
+  Block<Rotation> AddRotation(const std::string& name, const Eigen::Quaterniond& q);
+
+  /// Adds a rotation perturbed from the left (the boresight). Throws as AddRotation.
+  Block<LeftRotation> AddLeftRotation(const std::string& name, const Eigen::Quaterniond& q);
+
+  /// Adds N real numbers. Throws InvalidInput if the name is taken or a value is not finite.
+  template <int N>
+  Block<Vec<N>> AddVector(const std::string& name, const Eigen::Matrix<double, N, 1>& value) {
+    return {AddBlock(name, Vec<N>::kKind, value.data())};
+  }
+
+  /// Adds a factor on blocks; a block of the wrong kind does not compile.
+  template <class F, class... Kinds>
+  FactorId Add(F factor, Block<Kinds>... blocks) {
+    static_assert(std::is_same_v<std::tuple<Kinds...>, typename F::BlockKinds>,
+                  "Network::Add: the blocks do not match the factor's block table, see its header");
+    return AddFactor(std::make_shared<F>(std::move(factor)), {blocks.id...});
+  }
+
+  /// Adds a factor whose blocks are known at run time. Throws InvalidInput when number or kinds do
+  /// not match the factor's.
+  FactorId AddFactor(std::shared_ptr<const FactorBase> factor, const std::vector<BlockId>& blocks);
+
+  /// Replaces the factor (same block kinds and residual size), for instance after
+  /// re-preintegration.
+  void ReplaceFactor(FactorId id, std::shared_ptr<const FactorBase> factor);
+
+  /// Keeps a block at its value, or frees it again.
+  void Hold(BlockId id, bool held = true) { block(id).held = held; }
+  template <class Kind>
+  void Hold(Block<Kind> b, bool held = true) {
+    Hold(b.id, held);
+  }
+
+  /// Names the group of a factor ("gnss position", "lidar p2p") and its epoch, for statistics.
+  void Tag(FactorId id, const std::string& group, double t_s);
+
+  void SetLabel(BlockId id, BlockLabel label) { block(id).label = std::move(label); }
+  void SetLoss(FactorId id, Loss loss);
+  void SetActive(FactorId id, bool active) { factor_mutable(id).active = active; }
+
+  /// Current value of a block.
+  template <class Kind>
+  typename Kind::Value Value(Block<Kind> b) const {
+    return typename Kind::Value(Eigen::Map<const typename Kind::Value>(block(b.id).value.get()));
+  }
+
+  /// Sets the value of a block; quaternions are normalised. Throws InvalidInput if not finite.
+  template <class Kind>
+  void SetValue(Block<Kind> b, const typename Kind::Value& value) {
+    if constexpr (std::is_same_v<typename Kind::Value, Eigen::Quaterniond>) {
+      SetRaw(b.id, value.coeffs().data());
+    } else {
+      SetRaw(b.id, value.data());
+    }
+  }
+  void SetRaw(BlockId id, const double* value);
+
+  /// Block by name; throws InvalidInput naming the nearest existing name when there is none.
+  BlockId Find(const std::string& name) const;
+
+  int num_blocks() const { return static_cast<int>(blocks_.size()); }
+  int num_factors() const { return static_cast<int>(factors_.size()); }
+  const BlockRecord& block(BlockId id) const;
+  BlockRecord& block(BlockId id);
+  const FactorRecord& factor(FactorId id) const;
+  const std::vector<std::string>& groups() const { return groups_; }
+
+  /// Sum of the tangent sizes of the blocks that are not held.
+  int num_free_parameters() const;
+
+  /// Evaluates one factor at the current values: whitened residual and, if wanted, tangent
+  /// Jacobians (one matrix per block). Returns false where the model is undefined.
+  bool EvaluateFactor(FactorId id, Eigen::VectorXd* r,
+                      std::vector<Eigen::MatrixXd>* J = nullptr) const;
+
+ private:
+  BlockId AddBlock(const std::string& name, const BlockKind& kind, const double* value);
+  FactorRecord& factor_mutable(FactorId id);
+
+  std::deque<BlockRecord> blocks_;
+  std::vector<FactorRecord> factors_;
+  std::unordered_map<std::string, BlockId> by_name_;
+  std::vector<std::string> groups_{""};
+};
+
+/// The candidate nearest to `word` by edit distance; empty when there are no candidates.
+std::string NearestName(const std::string& word, const std::vector<std::string>& candidates);
+
+}  // namespace dn

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <dn/error.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <string>
+
+namespace dn {
+
+/// Gaussian measurement noise of dimension N, held as the square-root information W with
+/// W^T W = covariance^-1, so that W (measured - predicted) is unitless with unit covariance.
+///
+/// An object that exists is valid: every constructor throws InvalidInput for what is not finite or
+/// not positive definite.
+template <int N>
+class Noise {
+ public:
+  using Vector = Eigen::Matrix<double, N, 1>;
+  using Matrix = Eigen::Matrix<double, N, N>;
+
+  /// The same standard deviation on every component, in the unit of the measurement.
+  static Noise Sigma(double sigma) { return Sigma(Vector(Vector::Constant(sigma))); }
+
+  /// One standard deviation per component, in the unit of the measurement.
+  static Noise Sigma(const Vector& sigma) {
+    for (int i = 0; i < N; ++i) {
+      if (!(sigma[i] > 0.0) || !std::isfinite(sigma[i])) {
+        throw InvalidInput("standard deviation " + std::to_string(i) + " of " + std::to_string(N) +
+                           " is " + std::to_string(sigma[i]) + ", must be positive and finite");
+      }
+    }
+    return Noise(Matrix(sigma.cwiseInverse().asDiagonal()));
+  }
+
+  /// Full covariance, symmetric positive definite.
+  static Noise Covariance(const Matrix& covariance) {
+    const Eigen::LLT<Matrix> llt(covariance);
+    if (!covariance.allFinite() || llt.info() != Eigen::Success ||
+        !(Matrix(llt.matrixL()).diagonal().minCoeff() > 0.0)) {
+      throw InvalidInput("covariance of dimension " + std::to_string(N) +
+                         " is not positive definite and finite");
+    }
+    return Noise(llt.matrixL().solve(Matrix::Identity()));
+  }
+
+  /// W, the square-root information matrix.
+  const Matrix& sqrt_information() const { return W_; }
+
+  /// The covariance (W^T W)^-1.
+  Matrix covariance() const {
+    const Matrix W_inverse = W_.inverse();
+    return W_inverse * W_inverse.transpose();
+  }
+
+ private:
+  explicit Noise(const Matrix& W) : W_(W) {}
+
+  Matrix W_;
+};
+
+}  // namespace dn

@@ -1,0 +1,55 @@
+#include <dn/block.h>
+
+#include <algorithm>
+
+namespace dn {
+namespace {
+
+using Quat = Eigen::Map<const Eigen::Quaterniond>;
+using Vec3 = Eigen::Map<const Eigen::Vector3d>;
+
+}  // namespace
+
+void Plus(const BlockKind& kind, const double* x, const double* d, double* x_plus_d) {
+  if (kind.parametrisation == Parametrisation::kVector) {
+    for (int i = 0; i < kind.stored_size; ++i) x_plus_d[i] = x[i] + d[i];
+    return;
+  }
+  const Eigen::Quaterniond step = Exp(Eigen::Vector3d(Vec3(d)));
+  const Eigen::Quaterniond q(x);
+  const Eigen::Quaterniond result =
+      kind.parametrisation == Parametrisation::kRotationRight ? q * step : step * q;
+  const Eigen::Vector4d coefficients = result.normalized().coeffs();
+  std::copy_n(coefficients.data(), 4, x_plus_d);
+}
+
+void Minus(const BlockKind& kind, const double* y, const double* x, double* y_minus_x) {
+  if (kind.parametrisation == Parametrisation::kVector) {
+    for (int i = 0; i < kind.stored_size; ++i) y_minus_x[i] = y[i] - x[i];
+    return;
+  }
+  const Eigen::Quaterniond difference = kind.parametrisation == Parametrisation::kRotationRight
+                                            ? Quat(x).conjugate() * Quat(y)
+                                            : Quat(y) * Quat(x).conjugate();
+  const Eigen::Vector3d phi = Log(difference);
+  std::copy_n(phi.data(), 3, y_minus_x);
+}
+
+Eigen::Matrix<double, 4, 3> RotationPlusJacobian(Parametrisation parametrisation, const double* q) {
+  const Eigen::Vector3d v(q[0], q[1], q[2]);
+  const double w = q[3];
+  const double s = parametrisation == Parametrisation::kRotationRight ? 1.0 : -1.0;
+  Eigen::Matrix<double, 4, 3> J;
+  J.topRows<3>() = 0.5 * (w * Eigen::Matrix3d::Identity() + s * Skew(v));
+  J.row(3) = -0.5 * v.transpose();
+  return J;
+}
+
+Eigen::MatrixXd PlusJacobian(const BlockKind& kind, const double* x) {
+  if (kind.parametrisation == Parametrisation::kVector) {
+    return Eigen::MatrixXd::Identity(kind.stored_size, kind.stored_size);
+  }
+  return RotationPlusJacobian(kind.parametrisation, x);
+}
+
+}  // namespace dn

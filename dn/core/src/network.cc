@@ -1,0 +1,180 @@
+#include <dn/network.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace dn {
+
+namespace {
+
+std::size_t EditDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string NearestName(const std::string& word, const std::vector<std::string>& candidates) {
+  const auto nearest = std::min_element(candidates.begin(), candidates.end(),
+                                        [&](const std::string& a, const std::string& b) {
+                                          return EditDistance(word, a) < EditDistance(word, b);
+                                        });
+  return nearest == candidates.end() ? std::string() : *nearest;
+}
+
+Block<Rotation> Network::AddRotation(const std::string& name, const Eigen::Quaterniond& q) {
+  return {AddBlock(name, Rotation::kKind, q.coeffs().data())};
+}
+
+Block<LeftRotation> Network::AddLeftRotation(const std::string& name, const Eigen::Quaterniond& q) {
+  return {AddBlock(name, LeftRotation::kKind, q.coeffs().data())};
+}
+
+BlockId Network::AddBlock(const std::string& name, const BlockKind& kind, const double* value) {
+  const BlockId id = num_blocks();
+  if (by_name_.contains(name)) throw InvalidInput("network: block name '" + name + "' is taken");
+  blocks_.push_back({name,
+                     kind,
+                     std::make_unique<double[]>(static_cast<std::size_t>(kind.stored_size)),
+                     false,
+                     {}});
+  try {
+    SetRaw(id, value);
+  } catch (...) {
+    blocks_.pop_back();
+    throw;
+  }
+  by_name_.emplace(name, id);
+  return id;
+}
+
+void Network::SetRaw(BlockId id, const double* value) {
+  BlockRecord& record = block(id);
+  const Eigen::Map<const Eigen::VectorXd> given(value, record.kind.stored_size);
+  if (!given.allFinite())
+    throw InvalidInput("network: value of block '" + record.name + "' is not finite");
+  double scale = 1.0;
+  if (record.kind.parametrisation != Parametrisation::kVector) {
+    const double norm = given.norm();
+    if (!(norm > 1e-9))
+      throw InvalidInput("network: quaternion of block '" + record.name + "' has zero norm");
+    scale = 1.0 / norm;
+  }
+  Eigen::Map<Eigen::VectorXd>(record.value.get(), record.kind.stored_size) = scale * given;
+}
+
+FactorId Network::AddFactor(std::shared_ptr<const FactorBase> factor,
+                            const std::vector<BlockId>& blocks) {
+  const std::vector<BlockKind>& kinds = factor->block_kinds();
+  if (kinds.size() != blocks.size()) {
+    throw InvalidInput("network: factor takes " + std::to_string(kinds.size()) + " blocks, " +
+                       std::to_string(blocks.size()) + " given");
+  }
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (!(block(blocks[i]).kind == kinds[i])) {
+      throw InvalidInput("network: block '" + block(blocks[i]).name +
+                         "' is of the wrong kind for argument " + std::to_string(i) +
+                         " of the factor");
+    }
+  }
+  const FactorId id = num_factors();
+  factors_.push_back({});
+  factors_.back().factor = std::move(factor);
+  factors_.back().blocks = blocks;
+  return id;
+}
+
+void Network::ReplaceFactor(FactorId id, std::shared_ptr<const FactorBase> factor) {
+  FactorRecord& record = factor_mutable(id);
+  if (factor->residual_size() != record.factor->residual_size() ||
+      factor->block_kinds() != record.factor->block_kinds()) {
+    throw InvalidInput("network: the replacement of factor " + std::to_string(id) +
+                       " has other blocks or another residual size");
+  }
+  record.factor = std::move(factor);
+}
+
+void Network::Tag(FactorId id, const std::string& group, double t_s) {
+  auto it = std::find(groups_.begin(), groups_.end(), group);
+  if (it == groups_.end()) it = groups_.insert(groups_.end(), group);
+  FactorRecord& record = factor_mutable(id);
+  record.group = static_cast<int>(it - groups_.begin());
+  record.t_s = t_s;
+}
+
+void Network::SetLoss(FactorId id, Loss loss) {
+  if (loss.type != Loss::Type::kNone && !(loss.width > 0.0)) {
+    throw InvalidInput("network: the width of a robust loss is " + std::to_string(loss.width) +
+                       ", must be positive");
+  }
+  factor_mutable(id).loss = loss;
+}
+
+BlockId Network::Find(const std::string& name) const {
+  if (const auto it = by_name_.find(name); it != by_name_.end()) return it->second;
+  std::vector<std::string> names;
+  for (const BlockRecord& record : blocks_) names.push_back(record.name);
+  throw InvalidInput("network: no block '" + name + "', the nearest is '" +
+                     NearestName(name, names) + "'");
+}
+
+const BlockRecord& Network::block(BlockId id) const {
+  if (id < 0 || id >= num_blocks())
+    throw InvalidInput("network: no block with id " + std::to_string(id));
+  return blocks_[static_cast<std::size_t>(id)];
+}
+
+BlockRecord& Network::block(BlockId id) {
+  return const_cast<BlockRecord&>(static_cast<const Network*>(this)->block(id));
+}
+
+const FactorRecord& Network::factor(FactorId id) const {
+  if (id < 0 || id >= num_factors())
+    throw InvalidInput("network: no factor with id " + std::to_string(id));
+  return factors_[static_cast<std::size_t>(id)];
+}
+
+FactorRecord& Network::factor_mutable(FactorId id) { return const_cast<FactorRecord&>(factor(id)); }
+
+int Network::num_free_parameters() const {
+  int n = 0;
+  for (const BlockRecord& record : blocks_) n += record.held ? 0 : record.kind.tangent_size;
+  return n;
+}
+
+bool Network::EvaluateFactor(FactorId id, Eigen::VectorXd* r,
+                             std::vector<Eigen::MatrixXd>* J) const {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const FactorRecord& record = factor(id);
+  const int rows = record.factor->residual_size();
+  std::vector<const double*> x;
+  std::vector<RowMajor> stored;
+  std::vector<double*> stored_data;
+  for (const BlockId b : record.blocks) {
+    x.push_back(block(b).value.get());
+    if (J != nullptr) stored.emplace_back(rows, block(b).kind.stored_size);
+  }
+  for (RowMajor& matrix : stored) stored_data.push_back(matrix.data());
+  r->resize(rows);
+  if (!record.factor->Evaluate(x.data(), r->data(), J == nullptr ? nullptr : stored_data.data()))
+    return false;
+  if (J != nullptr) {
+    J->clear();
+    for (std::size_t i = 0; i < stored.size(); ++i) {
+      J->push_back(stored[i] * PlusJacobian(block(record.blocks[i]).kind, x[i]));
+    }
+  }
+  return true;
+}
+
+}  // namespace dn

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <dn/geo/local_frame.h>
+#include <dn/gnss/gnss_data.h>
+#include <dn/imu/imu_data.h>
+#include <dn/imu/imu_model.h>
+#include <dn/lidar/mounting.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dn {
+
+enum class RobustKind { kNone, kHuber, kCauchy };
+
+struct ImuConfig {
+  std::string file = "IMU.txt";
+  ImuReadOptions read;  ///< format, sampling; body and span are filled in from the top level
+  std::optional<std::string> grade;  ///< preset named in the file
+  ImuModel model;                    ///< resolved: preset overridden by explicit noise
+};
+
+struct GnssConfig {
+  std::string file = "GPS.txt";
+  GnssFormat format = GnssFormat::kOdyn;
+  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();          ///< antenna in body, FRD
+  Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);  ///< where the file has none
+  double sigma_scale = 1.0;
+  std::optional<bool> use_velocity;  ///< absent: auto, when the columns are there
+  RobustKind robust = RobustKind::kNone;
+};
+
+struct PairSelection {
+  enum class Strategy { kAll, kMax, kFreq, kTimeWindow };
+  Strategy strategy = Strategy::kAll;
+  std::optional<long> count;
+  std::optional<double> freq_hz;
+  std::optional<double> window_s;
+  std::uint64_t seed = 0;
+};
+
+struct LidarConfig {
+  std::vector<std::string> p2p{"LiDAR_p2p.txt"};
+  PairSelection pairs;
+  Mounting mounting;                                   ///< FRD; boresight: initial value
+  std::optional<Eigen::Vector3d> boresight_sigma_rad;  ///< prior; absent: free
+  Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();
+  std::optional<double> gsd_m;
+  double sigma_p_m = 0.0;  ///< resolved: given, or gsd / 2 / sqrt(3)
+  RobustKind robust = RobustKind::kNone;
+};
+
+struct TrajectoryConfig {
+  std::string file = "trajectory.out";
+  double sigma_xy_m = 0.03;
+  double sigma_z_m = 0.05;
+  double sigma_rp_rad = 0.003 * 3.14159265358979323846 / 180.0;
+  double sigma_y_rad = 0.005 * 3.14159265358979323846 / 180.0;
+};
+
+struct GhConfig {
+  bool exponential = true;  ///< rotation: exp | small_angle
+  bool libor_compat = false;
+};
+
+struct StripInterval {
+  std::string name;
+  double t0_s = 0.0;
+  double t1_s = 0.0;
+};
+
+/// One entry of `estimate:`. sigma in the unit of the effect's value column (contract, section 5).
+struct EstimateEntry {
+  std::string unknown;
+  std::optional<double> sigma;
+};
+
+struct NetworkConfig {
+  enum class Inertial { kPreintegrated, kRaw };
+  Inertial inertial = Inertial::kPreintegrated;
+  std::optional<double> node_rate_hz;  ///< absent: auto
+};
+
+/// flight.yaml, checked, converted to SI, radian and forward-right-down, with defaults filled in.
+struct FlightConfig {
+  std::filesystem::path folder;
+  std::string name;
+  bool body_is_flu = false;
+  std::optional<Geodetic> origin;
+  std::optional<Eigen::Vector2d> time_span_s;
+  std::vector<StripInterval> strips;
+  std::string strips_crs = "map";
+  std::optional<ImuConfig> imu;  ///< absent: no imu section
+  std::optional<GnssConfig> gnss;
+  std::optional<LidarConfig> lidar;
+  std::optional<TrajectoryConfig> trajectory;
+  GhConfig gh;
+  std::vector<EstimateEntry> estimate{{"boresight", {}}};
+  NetworkConfig network;
+};
+
+/// Reads and checks FOLDER/flight.yaml. Throws InvalidConfig with file:line for a missing file, bad
+/// YAML, an unknown key (naming the nearest known one), a value of the wrong type, shape or range,
+/// an unknown preset or unknown to estimate. A missing section is not an error here: the command
+/// that needs it says so.
+FlightConfig ReadFlightConfig(const std::filesystem::path& folder);
+
+/// The resolved configuration as YAML in the contract's form (config.resolved.yaml): reading it
+/// back gives the same configuration. Body quantities are written in FRD with `body: FRD`, as all
+/// results are.
+std::string FormatFlightConfig(const FlightConfig& config);
+
+/// Names that `estimate:` accepts besides boresight (the effects of the contract's section 5 that
+/// are calibration unknowns of the network now).
+std::vector<std::string> EstimableUnknowns();
+
+}  // namespace dn

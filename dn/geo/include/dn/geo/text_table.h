@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace dn {
+
+/// Numbers of a text file, row by row, with where each row stood.
+struct TextTable {
+  std::filesystem::path file;
+  std::size_t columns = 0;
+  std::vector<double> values;  ///< row-major, rows() x columns
+  std::vector<long> lines;     ///< line number (from 1) of each row
+
+  std::size_t rows() const { return lines.size(); }
+  const double* row(std::size_t i) const { return values.data() + i * columns; }
+};
+
+/// Reads a numeric table: values separated by commas, blanks or tabs; '#' (and `comment`) starts a
+/// comment; blank lines are skipped; CRLF is accepted. Every row must have the same number of
+/// columns, one of `allowed_columns` (empty: any). Throws InvalidInput naming file:line:column for
+/// a missing file, an empty file, a value that is no number, NaN or infinity, and a wrong number of
+/// columns (saying which numbers are right).
+TextTable ReadTextTable(const std::filesystem::path& file,
+                        const std::vector<std::size_t>& allowed_columns, char comment = '#');
+
+/// A time column as the contract wants it: a backward jump of a week is a rollover and is continued
+/// (604800 s added from there on).
+///
+/// `keep` receives the rows to keep: rows identical to the row before are dropped. Any other repeat
+/// or step back throws InvalidInput naming the line. Returns the number of dropped rows. Column 0
+/// holds the time.
+long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep);
+
+/// Shortest text of a double that reads back to the same bits (at most 17 significant digits).
+std::string FormatDouble(double value);
+
+}  // namespace dn

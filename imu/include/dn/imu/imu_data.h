@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace dn {
+
+/// One inertial sample: means over the interval (t_s - dt_s, t_s], in body (forward-right-down).
+struct ImuSample {
+  double t_s = 0.0;   ///< end of the interval, GPS seconds of week
+  double dt_s = 0.0;  ///< length of the interval
+  Eigen::Vector3d w_ib_b_radps = Eigen::Vector3d::Zero();  ///< mean angular rate
+  Eigen::Vector3d f_b_mps2 = Eigen::Vector3d::Zero();      ///< mean specific force
+};
+
+enum class ImuFormat { kOdyn, kIncrements };
+enum class ImuSampling {
+  kMean,           ///< the file's rates are means over the interval that ends at the time tag
+  kInstantaneous,  ///< point samples: the mean of an interval is taken from its two ends
+                   ///< (trapezoid)
+};
+
+struct ImuReadOptions {
+  ImuFormat format = ImuFormat::kOdyn;
+  ImuSampling sampling = ImuSampling::kMean;
+  bool body_is_flu = false;
+  double t_begin_s = -1e300;  ///< rows outside [t_begin, t_end] are left out
+  double t_end_s = 1e300;
+};
+
+/// A hole in the data: no sample covers (t_begin_s, t_end_s].
+struct ImuGap {
+  double t_begin_s = 0.0;
+  double t_end_s = 0.0;
+};
+
+/// Inertial data of one sensor, sorted by time.
+struct ImuData {
+  std::vector<ImuSample> samples;
+  double nominal_dt_s = 0.0;  ///< median interval
+  double max_jitter_s = 0.0;  ///< largest |dt - nominal| outside gaps
+  std::vector<ImuGap> gaps;   ///< intervals longer than 1.5 nominal; the sample after a gap keeps
+                              ///< dt_s = nominal_dt_s, so the hole stays visible
+  long repeated_rows_dropped = 0;
+  long rows_outside_span = 0;
+
+  double t_begin_s() const { return samples.front().t_s - samples.front().dt_s; }
+  double t_end_s() const { return samples.back().t_s; }
+};
+
+/// Reads IMU.txt (contract: t, w xyz [rad/s], f xyz [m/s^2]; or increments t, dtheta [rad], dv
+/// [m/s]). Throws InvalidInput naming file:line for bad rows, and for values that cannot be in
+/// these units (mean |f| near 1: specific force in g; rates whose rms cannot be rad/s: deg/s).
+ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options);
+
+/// Indices [first, last) of the samples whose intervals overlap (t0_s, t1_s].
+std::pair<std::size_t, std::size_t> SampleRange(const ImuData& imu, double t0_s, double t1_s);
+
+}  // namespace dn

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <dn/imu/imu_data.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace dn {
+
+/// Constants that correct the raw samples: corrected = (measured - bias) / (1 + scale).
+struct ImuCorrection {
+  Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d accel_bias_mps2 = Eigen::Vector3d::Zero();
+};
+
+/// Inertial increments over [t_begin_s, t_end_s], integrated in the inertial frame that coincides
+/// with the body at t_begin_s; free of Earth terms, hence integrated once whatever the trajectory.
+///
+///   delta_q: body at the end -> body at the begin; delta_v, delta_p: double integral of specific
+///   force Tangent order of covariance and Jacobians: rotation (right, at the end), velocity,
+///   position. J_x_bg, J_x_ba: derivatives with respect to the gyro and accelerometer bias at
+///   `linearisation`:
+///     delta_q(bg) = delta_q Exp(J_q_bg d_bg), delta_v = delta_v + J_v_bg d_bg + J_v_ba d_ba, ...
+/// Source: design equations of the preintegrated edge; two-sample coning and sculling.
+struct Preintegrated {
+  double t_begin_s = 0.0;
+  double t_end_s = 0.0;
+  Eigen::Quaterniond delta_q = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d delta_v = Eigen::Vector3d::Zero();
+  Eigen::Vector3d delta_p = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Zero();
+  Eigen::Matrix3d J_q_bg = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d J_v_bg = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d J_v_ba = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d J_p_bg = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d J_p_ba = Eigen::Matrix3d::Zero();
+  /// Derivatives with respect to a gyro scale factor s per axis (measured = (1 + s) true), same
+  /// use.
+  Eigen::Matrix3d J_q_sg = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d J_v_sg = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d J_p_sg = Eigen::Matrix3d::Zero();
+  ImuCorrection linearisation;
+  /// Bias-corrected angular rate and specific force at t_end_s (of the last sample's linear model).
+  Eigen::Vector3d w_end_b_radps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d f_end_b_mps2 = Eigen::Vector3d::Zero();
+
+  double dt_s() const { return t_end_s - t_begin_s; }
+};
+
+struct PreintegrationNoise {
+  double gyro_white_rad_per_sqrt_s = 0.0;
+  double accel_white_mps_per_sqrt_s = 0.0;
+  /// Floor added to the position covariance of every increment: quantisation and conditioning.
+  double position_floor_m = 1e-6;
+};
+
+/// Integrates the samples over [t_begin_s, t_end_s]. The ends need not be sample epochs: within a
+/// sample the rates are taken linear in time with the sample's mean and the slope of its
+/// neighbours, so that two parts of a sample add up to it.
+///
+/// Throws InvalidInput when the interval is not positive, or not covered by samples without a gap
+/// (naming the times). `scale`: gyro scale factor already corrected for. Accuracy:
+/// docs/conventions.md.
+Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
+                           const ImuCorrection& bias, const PreintegrationNoise& noise,
+                           const Eigen::Vector3d& gyro_scale = Eigen::Vector3d::Zero());
+
+}  // namespace dn
