@@ -1,0 +1,127 @@
+#pragma once
+
+#include <dn/network.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace dn {
+
+/// Options of Marginals.
+struct MarginalsOptions {
+  int threads = 1;  ///< evaluation of the factors only
+  /// A direction of the Jacobi-scaled unknowns (unit vector v, columns of J of unit length) counts
+  /// as free when |J v|^2 is below this. A weakly determined direction is far above it.
+  double null_tolerance = 1e-16;
+
+  /// Throws InvalidConfig naming the option, its value and its bound.
+  void Validate() const;
+};
+
+/// Covariances of the unknowns of a network, in the tangent coordinates of its blocks (SI units,
+/// rad).
+///
+///   N = sum_i rho_i' J_i^T J_i,   cov = N^-1
+///
+/// over the active factors and the blocks that are not held, at the values of the network when the
+/// object is made; later changes of the network are not seen. rho' is the derivative of the robust
+/// loss, 1 without one. The residuals are whitened: no variance factor is applied.
+///
+/// N is factored once: N = P^T L L^T P, block-AMD ordering, supernodal. A covariance column then
+/// costs one pair of triangular solves; ComputeSelectedInverse gives every diagonal block, and
+/// every block within the pattern of L, at about the price of the factorisation.
+///
+/// A held block has zero covariance. A block that is free but has no active factor has none:
+/// asking for it throws RankDeficient.
+///
+/// Const methods fill a cache: one object is for one thread at a time.
+///
+/// Source: supernodal form of Takahashi, Fagan and Chen (1973), eq. (7) Z = D^-1 L^-1 + (I - L^T)
+/// Z.
+class Marginals {
+ public:
+  struct Impl;
+
+  /// Full columns of the covariance matrix: of every unknown with a few blocks.
+  class Columns {
+   public:
+    /// Covariance of block b with the blocks of SolveColumns, side by side in their order:
+    /// tangent size of b x sum of their tangent sizes.
+    Eigen::MatrixXd Rows(BlockId b) const;
+
+   private:
+    friend class Marginals;
+    std::shared_ptr<const Impl> impl_;
+    Eigen::MatrixXd columns_;
+  };
+
+  struct Timings {
+    double assemble_s = 0.0;
+    double analyze_s = 0.0;
+    double factor_s = 0.0;
+    double rank_s = 0.0;              ///< examination of weak directions; 0 where none was needed
+    double selected_inverse_s = 0.0;  ///< 0 until ComputeSelectedInverse
+  };
+
+  /// Assembles and factors the normal matrix. Throws RankDeficient naming the unknowns that the
+  /// factors leave free, in the words of the blocks' labels, with their weights in each free
+  /// direction and the epochs, and what would fix it; InvalidInput naming a factor that is
+  /// undefined at the current values; InvalidConfig for bad options.
+  explicit Marginals(const Network& network, const MarginalsOptions& options = {});
+  ~Marginals();
+  Marginals(Marginals&&) noexcept;
+  Marginals& operator=(Marginals&&) noexcept;
+
+  /// Covariance of a block, tangent size x tangent size.
+  Eigen::MatrixXd Covariance(BlockId a) const;
+  template <class Kind>
+  Eigen::Matrix<double, Kind::kTangentSize, Kind::kTangentSize> Covariance(Block<Kind> a) const {
+    return Covariance(a.id);
+  }
+
+  /// Cross covariance E[da db^T] of any two blocks, tangent size of a x tangent size of b. Solves
+  /// for the columns of the smaller block unless they, or the selected inverse, are at hand.
+  Eigen::MatrixXd Covariance(BlockId a, BlockId b) const;
+  template <class KindA, class KindB>
+  Eigen::Matrix<double, KindA::kTangentSize, KindB::kTangentSize> Covariance(Block<KindA> a,
+                                                                             Block<KindB> b) const {
+    return Covariance(a.id, b.id);
+  }
+
+  /// The columns of the covariance that belong to some blocks: one pair of triangular solves each.
+  Columns SolveColumns(const std::vector<BlockId>& blocks) const;
+
+  /// Computes every block of the covariance within the pattern of L.
+  void ComputeSelectedInverse();
+
+  /// Covariance of a block from the selected inverse. Throws InvalidInput before
+  /// ComputeSelectedInverse.
+  Eigen::MatrixXd DiagonalBlock(BlockId a) const;
+
+  /// Cross covariance of two blocks from the selected inverse, nothing where it is outside the
+  /// pattern of L. Blocks that share an active factor are always inside. Throws InvalidInput before
+  /// ComputeSelectedInverse.
+  std::optional<Eigen::MatrixXd> PatternBlock(BlockId a, BlockId b) const;
+
+  /// Normal matrix of a block with all other unknowns eliminated: the inverse of Covariance(a).
+  /// Throws InvalidInput for a held block.
+  Eigen::MatrixXd ReducedNormal(BlockId a) const;
+
+  int num_parameters() const;    ///< order of N
+  long factor_nonzeros() const;  ///< stored entries of L
+  const Timings& timings() const;
+
+ private:
+  std::shared_ptr<Impl> impl_;
+};
+
+/// Covariance of one block: Marginals(network).Covariance(block).
+template <class Kind>
+Eigen::Matrix<double, Kind::kTangentSize, Kind::kTangentSize> MarginalCovariance(
+    const Network& network, Block<Kind> block) {
+  return Marginals(network).Covariance(block);
+}
+
+}  // namespace dn

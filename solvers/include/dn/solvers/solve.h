@@ -1,0 +1,66 @@
+#pragma once
+
+#include <dn/network.h>
+
+#include <functional>
+#include <string>
+
+namespace dn {
+
+/// What SolveOptions::on_iteration is told after every iteration.
+struct IterationProgress {
+  int iteration = 0;         ///< 0: the initial values
+  double cost = 0.0;         ///< half the sum of rho(|r|^2), unitless
+  double cost_change = 0.0;  ///< decrease by this iteration; negative for a rejected step
+  double step_norm = 0.0;    ///< of the step in stored coordinates, mixed units
+};
+
+/// Options of Solve. The defaults are tight because angles are in rad: 1e-12 relative of a network
+/// with coordinates of kilometres is 1e-9 m.
+struct SolveOptions {
+  int max_iterations = 50;
+  int threads = 1;  ///< evaluation of the factors only
+  double function_tolerance = 1e-10;
+  double parameter_tolerance = 1e-12;
+  double gradient_tolerance = 1e-12;
+  double initial_trust_region_radius = 1e6;
+  /// Called after every iteration, from the thread that called Solve; false stops the solution.
+  std::function<bool(const IterationProgress&)> on_iteration;
+
+  /// Throws InvalidConfig naming the option, its value and its bound.
+  void Validate() const;
+};
+
+/// How a solution ended.
+struct SolveReport {
+  bool converged = false;    ///< a tolerance was met
+  bool interrupted = false;  ///< on_iteration returned false
+  int iterations = 0;        ///< accepted and rejected steps
+  double initial_cost = 0.0;
+  double final_cost = 0.0;
+  double time_s = 0.0;
+  std::string message;  ///< why it stopped; names the factor when one is undefined
+};
+
+/// Minimises 1/2 sum_i rho_i(|r_i|^2) over the blocks that are not held, by Levenberg-Marquardt
+/// with a sparse Cholesky factorisation of the normal equations, and leaves the result in the
+/// network.
+///
+/// Only active factors count; a block without an active factor keeps its value. A network that
+/// cannot be solved numerically is reported (converged = false), and keeps its best values so far;
+/// a rank deficient one may converge to any of its solutions: see Marginals. Throws InvalidConfig
+/// for bad options. Nothing is printed.
+[[nodiscard]] SolveReport Solve(Network& network, const SolveOptions& options = {});
+
+/// The cost of a network at its current values.
+struct CostSummary {
+  double cost = 0.0;   ///< 1/2 sum rho(|r|^2) over the active factors, unitless
+  long residuals = 0;  ///< number of residuals of the active factors
+  int parameters = 0;  ///< tangent size of the blocks that are free and have an active factor
+};
+
+/// Evaluates the active factors. Throws InvalidInput naming the factor where one is undefined at
+/// the current values. The result does not depend on the number of threads.
+CostSummary EvaluateCost(const Network& network, int threads = 1);
+
+}  // namespace dn
