@@ -1,1 +1,20 @@
-# Filled in with the package files.
+# The CMake package: after `cmake --install`, find_package(dn) gives the targets dn::<layer>.
+include(CMakePackageConfigHelpers)
+
+set(DN_CONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/dn)
+
+install(EXPORT dnTargets NAMESPACE dn:: DESTINATION ${DN_CONFIG_DIR})
+
+configure_package_config_file(
+  ${PROJECT_SOURCE_DIR}/cmake/dnConfig.cmake.in ${PROJECT_BINARY_DIR}/dnConfig.cmake
+  INSTALL_DESTINATION ${DN_CONFIG_DIR})
+write_basic_package_version_file(
+  ${PROJECT_BINARY_DIR}/dnConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+
+install(FILES
+  ${PROJECT_BINARY_DIR}/dnConfig.cmake
+  ${PROJECT_BINARY_DIR}/dnConfigVersion.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/FindDnGeographicLib.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/FindDnOpenBLAS.cmake
+  DESTINATION ${DN_CONFIG_DIR})
+install(FILES LICENSE LICENSE.note DESTINATION ${CMAKE_INSTALL_DOCDIR})
