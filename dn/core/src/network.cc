@@ -1,6 +1,7 @@
 #include <dn/network.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace dn {
@@ -75,6 +76,9 @@ void Network::SetRaw(BlockId id, const double* value) {
 
 FactorId Network::AddFactor(std::shared_ptr<const FactorBase> factor,
                             const std::vector<BlockId>& blocks) {
+  if (factor == nullptr || factor->residual_size() < 1 || factor->block_kinds().empty()) {
+    throw InvalidInput("network: a factor needs at least one residual and one block");
+  }
   const std::vector<BlockKind>& kinds = factor->block_kinds();
   if (kinds.size() != blocks.size()) {
     throw InvalidInput("network: factor takes " + std::to_string(kinds.size()) + " blocks, " +
@@ -86,6 +90,11 @@ FactorId Network::AddFactor(std::shared_ptr<const FactorBase> factor,
                          "' is of the wrong kind for argument " + std::to_string(i) +
                          " of the factor");
     }
+    if (std::find(blocks.begin(), blocks.begin() + static_cast<std::ptrdiff_t>(i), blocks[i]) !=
+        blocks.begin() + static_cast<std::ptrdiff_t>(i)) {
+      throw InvalidInput("network: block '" + block(blocks[i]).name +
+                         "' is given twice to one factor");
+    }
   }
   const FactorId id = num_factors();
   factors_.push_back({});
@@ -96,7 +105,7 @@ FactorId Network::AddFactor(std::shared_ptr<const FactorBase> factor,
 
 void Network::ReplaceFactor(FactorId id, std::shared_ptr<const FactorBase> factor) {
   FactorRecord& record = factor_mutable(id);
-  if (factor->residual_size() != record.factor->residual_size() ||
+  if (factor == nullptr || factor->residual_size() != record.factor->residual_size() ||
       factor->block_kinds() != record.factor->block_kinds()) {
     throw InvalidInput("network: the replacement of factor " + std::to_string(id) +
                        " has other blocks or another residual size");
@@ -113,11 +122,29 @@ void Network::Tag(FactorId id, const std::string& group, double t_s) {
 }
 
 void Network::SetLoss(FactorId id, Loss loss) {
-  if (loss.type != Loss::Type::kNone && !(loss.width > 0.0)) {
+  if (loss.type != Loss::Type::kNone && !(loss.width > 0.0 && std::isfinite(loss.width))) {
     throw InvalidInput("network: the width of a robust loss is " + std::to_string(loss.width) +
-                       ", must be positive");
+                       ", must be positive and finite");
   }
   factor_mutable(id).loss = loss;
+}
+
+void Network::SetLabel(BlockId id, BlockLabel label) {
+  BlockRecord& record = block(id);
+  const auto tangent_size = static_cast<std::size_t>(record.kind.tangent_size);
+  if (!label.components.empty() && label.components.size() != tangent_size) {
+    throw InvalidInput("network: the label of block '" + record.name + "' names " +
+                       std::to_string(label.components.size()) + " components, the block has " +
+                       std::to_string(tangent_size));
+  }
+  record.label = std::move(label);
+}
+
+void Network::CheckKind(BlockId id, const BlockKind& kind) const {
+  if (!(block(id).kind == kind)) {
+    throw InvalidInput("network: block '" + block(id).name +
+                       "' is of another kind than the handle; is it of another network?");
+  }
 }
 
 BlockId Network::Find(const std::string& name) const {
@@ -154,27 +181,10 @@ int Network::num_free_parameters() const {
 
 bool Network::EvaluateFactor(FactorId id, Eigen::VectorXd* r,
                              std::vector<Eigen::MatrixXd>* J) const {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const FactorRecord& record = factor(id);
-  const int rows = record.factor->residual_size();
   std::vector<const double*> x;
-  std::vector<RowMajor> stored;
-  std::vector<double*> stored_data;
-  for (const BlockId b : record.blocks) {
-    x.push_back(block(b).value.get());
-    if (J != nullptr) stored.emplace_back(rows, block(b).kind.stored_size);
-  }
-  for (RowMajor& matrix : stored) stored_data.push_back(matrix.data());
-  r->resize(rows);
-  if (!record.factor->Evaluate(x.data(), r->data(), J == nullptr ? nullptr : stored_data.data()))
-    return false;
-  if (J != nullptr) {
-    J->clear();
-    for (std::size_t i = 0; i < stored.size(); ++i) {
-      J->push_back(stored[i] * PlusJacobian(block(record.blocks[i]).kind, x[i]));
-    }
-  }
-  return true;
+  for (const BlockId b : record.blocks) x.push_back(block(b).value.get());
+  return EvaluateInTangent(*record.factor, x, r, J);
 }
 
 }  // namespace dn

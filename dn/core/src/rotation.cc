@@ -10,7 +10,8 @@ Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& phi) {
   double a, b;  // J = I - a S + b S^2
   if (angle2 > 1e-6) {
     const double angle = std::sqrt(angle2);
-    a = (1.0 - std::cos(angle)) / angle2;
+    const double sine = std::sin(0.5 * angle);
+    a = 2.0 * sine * sine / angle2;  // (1 - cos) / angle^2 without its cancellation
     b = (angle - std::sin(angle)) / (angle2 * angle);
   } else {
     a = 0.5 - angle2 / 24.0 + angle2 * angle2 / 720.0;

@@ -36,6 +36,11 @@ class FactorBase {
   FactorBase& operator=(const FactorBase&) = default;
 };
 
+/// Evaluates a factor at x (stored values of its blocks): whitened residual r and, if wanted, one
+/// tangent Jacobian per block. Returns false where the model is undefined.
+bool EvaluateInTangent(const FactorBase& factor, const std::vector<const double*>& x,
+                       Eigen::VectorXd* r, std::vector<Eigen::MatrixXd>* J = nullptr);
+
 /// Writes the tangent Jacobian J_r_x of a block into stored coordinates, row-major, for
 /// FactorBase::Evaluate. x: the block's stored value; J: the destination, may be null (nothing is
 /// done).

@@ -95,7 +95,7 @@ class Network {
   }
 
   /// Adds a factor whose blocks are known at run time. Throws InvalidInput when number or kinds do
-  /// not match the factor's.
+  /// not match the factor's, a block is given twice, or there is no block or residual at all.
   FactorId AddFactor(std::shared_ptr<const FactorBase> factor, const std::vector<BlockId>& blocks);
 
   /// Replaces the factor (same block kinds and residual size), for instance after
@@ -112,19 +112,24 @@ class Network {
   /// Names the group of a factor ("gnss position", "lidar p2p") and its epoch, for statistics.
   void Tag(FactorId id, const std::string& group, double t_s);
 
-  void SetLabel(BlockId id, BlockLabel label) { block(id).label = std::move(label); }
+  /// Throws InvalidInput unless there are no component names or one per tangent coordinate.
+  void SetLabel(BlockId id, BlockLabel label);
+  /// Throws InvalidInput unless the width is positive and finite.
   void SetLoss(FactorId id, Loss loss);
   void SetActive(FactorId id, bool active) { factor_mutable(id).active = active; }
 
-  /// Current value of a block.
+  /// Current value of a block. Throws InvalidInput for a handle of another network's block, where
+  /// that shows.
   template <class Kind>
   typename Kind::Value Value(Block<Kind> b) const {
+    CheckKind(b.id, Kind::kKind);
     return typename Kind::Value(Eigen::Map<const typename Kind::Value>(block(b.id).value.get()));
   }
 
   /// Sets the value of a block; quaternions are normalised. Throws InvalidInput if not finite.
   template <class Kind>
   void SetValue(Block<Kind> b, const typename Kind::Value& value) {
+    CheckKind(b.id, Kind::kKind);
     if constexpr (std::is_same_v<typename Kind::Value, Eigen::Quaterniond>) {
       SetRaw(b.id, value.coeffs().data());
     } else {
@@ -154,6 +159,7 @@ class Network {
  private:
   BlockId AddBlock(const std::string& name, const BlockKind& kind, const double* value);
   FactorRecord& factor_mutable(FactorId id);
+  void CheckKind(BlockId id, const BlockKind& kind) const;
 
   std::deque<BlockRecord> blocks_;
   std::vector<FactorRecord> factors_;

@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
+#include <cmath>
 #include <string>
 
 namespace dn {
@@ -33,13 +35,13 @@ class Noise {
     return Noise(Matrix(sigma.cwiseInverse().asDiagonal()));
   }
 
-  /// Full covariance, symmetric positive definite.
+  /// Full covariance, symmetric (to 1e-9 of the two standard deviations) and positive definite.
   static Noise Covariance(const Matrix& covariance) {
     const Eigen::LLT<Matrix> llt(covariance);
-    if (!covariance.allFinite() || llt.info() != Eigen::Success ||
+    if (!covariance.allFinite() || !IsSymmetric(covariance) || llt.info() != Eigen::Success ||
         !(Matrix(llt.matrixL()).diagonal().minCoeff() > 0.0)) {
       throw InvalidInput("covariance of dimension " + std::to_string(N) +
-                         " is not positive definite and finite");
+                         " is not symmetric, positive definite and finite");
     }
     return Noise(llt.matrixL().solve(Matrix::Identity()));
   }
@@ -54,7 +56,22 @@ class Noise {
   }
 
  private:
-  explicit Noise(const Matrix& W) : W_(W) {}
+  explicit Noise(const Matrix& W) : W_(W) {
+    if (!W.allFinite()) {
+      throw InvalidInput("noise of dimension " + std::to_string(N) +
+                         " is too small: its inverse is not finite");
+    }
+  }
+
+  static bool IsSymmetric(const Matrix& covariance) {
+    for (int i = 0; i < N; ++i) {
+      for (int j = 0; j < i; ++j) {
+        const double scale = std::sqrt(std::abs(covariance(i, i) * covariance(j, j)));
+        if (!(std::abs(covariance(i, j) - covariance(j, i)) <= 1e-9 * scale)) return false;
+      }
+    }
+    return true;
+  }
 
   Matrix W_;
 };

@@ -6,9 +6,11 @@
 
 namespace dn {
 
-/// Cross-product matrix: Skew(a) b = a x b.
-template <class T>
-Eigen::Matrix<T, 3, 3> Skew(const Eigen::Matrix<T, 3, 1>& a) {
+/// Cross-product matrix: Skew(a) b = a x b, of any 3-vector expression.
+template <class Derived>
+Eigen::Matrix<typename Derived::Scalar, 3, 3> Skew(const Eigen::MatrixBase<Derived>& vector) {
+  using T = typename Derived::Scalar;
+  const Eigen::Matrix<T, 3, 1> a = vector;
   Eigen::Matrix<T, 3, 3> S;
   S << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0);
   return S;

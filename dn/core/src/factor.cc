@@ -1,0 +1,23 @@
+#include <dn/factor.h>
+
+namespace dn {
+
+bool EvaluateInTangent(const FactorBase& factor, const std::vector<const double*>& x,
+                       Eigen::VectorXd* r, std::vector<Eigen::MatrixXd>* J) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const std::vector<BlockKind>& kinds = factor.block_kinds();
+  r->resize(factor.residual_size());
+  if (J == nullptr) return factor.Evaluate(x.data(), r->data(), nullptr);
+  std::vector<RowMajor> stored;
+  std::vector<double*> stored_data;
+  for (const BlockKind& kind : kinds) stored.emplace_back(factor.residual_size(), kind.stored_size);
+  for (RowMajor& matrix : stored) stored_data.push_back(matrix.data());
+  if (!factor.Evaluate(x.data(), r->data(), stored_data.data())) return false;
+  J->clear();
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    J->push_back(stored[i] * PlusJacobian(kinds[i], x[i]));
+  }
+  return true;
+}
+
+}  // namespace dn
