@@ -5,8 +5,8 @@ namespace dn {
 std::string FileLocation::ToString() const {
   std::string text = file;
   if (!file.empty() && line > 0) {
-    text += ":" + std::to_string(line);
-    if (column > 0) text += ":" + std::to_string(column);
+    text.append(":").append(std::to_string(line));
+    if (column > 0) text.append(":").append(std::to_string(column));
   }
   return text;
 }
