@@ -1,0 +1,123 @@
+#pragma once
+
+#include <dn/factor.h>
+#include <dn/geo/local_frame.h>
+#include <dn/imu/preintegration.h>
+#include <dn/imu/strapdown.h>
+#include <dn/noise.h>
+#include <dn/rotation.h>
+
+#include <Eigen/Core>
+
+namespace dn {
+
+/// Inertial increments between two nodes on the rotating Earth, in the exact inertial form.
+///
+///   r_R = Log( Exp(J_q_bg d_bg + J_q_sg d_sg)^T dR^T R_i^T C R_j )
+///   r_v = R_i^T [ C V_j - V_i - dt/2 (G_i + C G_j) ]              - dv - J_v_bg d_bg - J_v_ba d_ba
+///   r_p = R_i^T [ C rho_j - rho_i - V_i dt - dt^2 (G_i/3 + C G_j/6) ]     - dp - ...  (alike)
+///   r   = W (r_R, r_v, r_p)                                                    [9], unitless
+///
+/// with rho = r0 + p, V = v + w x rho, C = Exp(w dt) (see EarthStep), W^T W the inverse of the
+/// increments' covariance, and d_bg = (sum of the gyro bias blocks) - linearisation, d_ba alike,
+/// d_sg = s_g - gyro_scale of the increments.
+///
+///   block       | symbol | stored | tangent | meaning
+///   ------------|--------|--------|---------|-----------------------------------------------
+///     0, 3      | q_mb   |   4    |    3    | rotation body -> map at i, j, (x, y, z, w)
+///     1, 4      | p_mb   |   3    |    3    | body origin in map at i, j, m
+///     2, 5      | v_m    |   3    |    3    | velocity with respect to the Earth in map, m/s
+///     6 ..      | b_g    |   3    |    3    | one per gyro bias process, body, rad/s
+///     then      | b_a    |   3    |    3    | one per accelerometer bias process, body, m/s^2
+///     last      | s_g    |   3    |    3    | gyro scale factor per axis, unitless (optional)
+///
+/// The attraction is linear about the nominal positions: G(p) = G(p_nominal) + Gamma (p -
+/// p_nominal); the error is below 1e-9 m/s^2 within 30 m and 1e-6 m/s^2 within 1 km of them.
+///
+/// Jacobians are analytic, with no term dropped; the tangent of the rotations is right, full angle,
+/// rad. The attitude error at i enters r_R through R_j^T C^T R_i, that is, it turns with the body:
+/// an identity there would make the accelerometer bias and the boresight inseparable.
+/// Degenerate when: never by itself; the heading is observable only under horizontal acceleration.
+/// A raw (sample by sample) network uses this factor with the increments of one sample.
+/// Source: Forster et al. 2017, eq. (45), in the inertial frame of Brossard et al. 2021.
+class PreintegratedInertial final : public DynamicFactor {
+ public:
+  /// Throws InvalidInput when the increments' covariance is not positive definite, their interval
+  /// is not positive, a nominal position is not finite, or a number of biases is negative.
+  PreintegratedInertial(const Preintegrated& increments, const LocalFrame& frame,
+                        const Eigen::Vector3d& p_i_nominal_m, const Eigen::Vector3d& p_j_nominal_m,
+                        int num_gyro_biases, int num_accel_biases, bool with_gyro_scale = false);
+
+  const Preintegrated& increments() const { return increments_; }
+
+  /// r (9) from the blocks x in the order above.
+  template <class T>
+  bool Residual(T const* const* x, T* r_data) const {
+    using Vec3 = Eigen::Matrix<T, 3, 1>;
+    using Quat = Eigen::Quaternion<T>;
+    const Eigen::Map<const Quat> q_i(x[0]), q_j(x[3]);
+    const Eigen::Map<const Vec3> p_i(x[1]), v_i(x[2]), p_j(x[4]), v_j(x[5]);
+    const Vec3 d_bg = SumOfBlocks(x + 6, num_gyro_biases_) -
+                      increments_.linearisation.gyro_bias_radps.template cast<T>();
+    const Vec3 d_ba = SumOfBlocks(x + 6 + num_gyro_biases_, num_accel_biases_) -
+                      increments_.linearisation.accel_bias_mps2.template cast<T>();
+    Vec3 d_sg = Vec3::Zero();
+    if (with_gyro_scale_) {
+      d_sg = Eigen::Map<const Vec3>(x[6 + num_gyro_biases_ + num_accel_biases_]) -
+             increments_.gyro_scale.template cast<T>();
+    }
+
+    const Vec3 xi = Times(increments_.J_q_bg, d_bg) + Times(increments_.J_q_sg, d_sg);
+    const Quat dq = increments_.delta_q.template cast<T>() * Exp(xi);
+    const Quat q_ij = q_i.conjugate() * (q_C_.template cast<T>() * q_j);
+    const Vec3 r_R = Log(Quat(dq.conjugate() * q_ij));
+
+    const Vec3 y_v = q_i.conjugate() * Vec3(Times(C_, v_j) - v_i + Times(v_p_i_, p_i) +
+                                            Times(v_p_j_, p_j) + v_0_.template cast<T>());
+    const Vec3 y_p = q_i.conjugate() * Vec3(T(-increments_.dt_s()) * v_i + Times(p_p_i_, p_i) +
+                                            Times(p_p_j_, p_j) + p_0_.template cast<T>());
+    const Vec3 r_v = y_v - increments_.delta_v.template cast<T>() -
+                     Times(increments_.J_v_bg, d_bg) - Times(increments_.J_v_ba, d_ba) -
+                     Times(increments_.J_v_sg, d_sg);
+    const Vec3 r_p = y_p - increments_.delta_p.template cast<T>() -
+                     Times(increments_.J_p_bg, d_bg) - Times(increments_.J_p_ba, d_ba) -
+                     Times(increments_.J_p_sg, d_sg);
+
+    Eigen::Matrix<T, 9, 1> stacked;
+    stacked << r_R, r_v, r_p;
+    Eigen::Map<Eigen::Matrix<T, 9, 1>> r(r_data);
+    r.noalias() = W_.template cast<T>() * stacked;
+    return true;
+  }
+
+  bool Evaluate(double const* const* x, double* r, double** J) const override;
+
+ private:
+  template <class T>
+  static Eigen::Matrix<T, 3, 1> SumOfBlocks(T const* const* x, int count) {
+    Eigen::Matrix<T, 3, 1> sum = Eigen::Matrix<T, 3, 1>::Zero();
+    for (int i = 0; i < count; ++i) sum += Eigen::Map<const Eigen::Matrix<T, 3, 1>>(x[i]);
+    return sum;
+  }
+  template <class Vector>
+  static auto Times(const Eigen::Matrix3d& M, const Vector& v) {
+    return Eigen::Matrix<typename Vector::Scalar, 3, 1>(M.template cast<typename Vector::Scalar>() *
+                                                        v);
+  }
+
+  void EvaluateJacobians(double const* const* x, double** J) const;
+
+  Preintegrated increments_;
+  int num_gyro_biases_;
+  int num_accel_biases_;
+  bool with_gyro_scale_;
+  Eigen::Matrix<double, 9, 9> W_;
+  Eigen::Matrix3d C_;
+  Eigen::Quaterniond q_C_;
+  // The brackets of r_v and r_p: C v_j - v_i + v_p_i p_i + v_p_j p_j + v_0 and
+  // -v_i dt + p_p_i p_i + p_p_j p_j + p_0.
+  Eigen::Matrix3d v_p_i_, v_p_j_, p_p_i_, p_p_j_;
+  Eigen::Vector3d v_0_, p_0_;
+};
+
+}  // namespace dn

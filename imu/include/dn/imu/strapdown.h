@@ -1,0 +1,68 @@
+#pragma once
+
+#include <dn/geo/local_frame.h>
+#include <dn/geo/trajectory.h>
+#include <dn/imu/preintegration.h>
+
+#include <Eigen/Core>
+
+namespace dn {
+
+/// The turn of the Earth over one interval, for the rotating-Earth form of the inertial edge.
+///
+/// The map frame m turns with the constant w = w_ie_m. In the inertial axes that coincide with m at
+/// the begin t_i of the interval, with rho = r0 + p (from the centre of the Earth, m axes), the
+/// motion to t_j = t_i + dt is
+///
+///   R_i dR = C R_j
+///   R_i dv = C (v_j + w x rho_j) - (v_i + w x rho_i)                   - dt/2 (G_i + C G_j)
+///   R_i dp = C rho_j - rho_i - (v_i + w x rho_i) dt                 - dt^2 (G_i/3 + C G_j/6)
+///
+/// with C = Exp(w dt), G the attraction at the two ends (taken linear in time) and dR, dv, dp the
+/// increments of Preintegrate. The parts of the right-hand sides that do not depend on p and v are
+/// kept here, evaluated without the cancellation of terms of the size of r0 (6.4e6 m):
+///
+///   C rho_j - rho_i - (w x rho_i) dt = C p_j - p_i - (w x p_i) dt + origin_position_m
+///   C (w x rho_j) - w x rho_i        = C (w x p_j) - w x p_i      + origin_velocity_mps
+///
+/// Accuracy: 1e-15 relative. Source: auxiliary velocity v + w x rho, Brossard et al. 2021.
+struct EarthStep {
+  double dt_s = 0.0;
+  Eigen::Matrix3d C = Eigen::Matrix3d::Identity();  ///< m axes at the end -> m axes at the begin
+  Eigen::Vector3d origin_position_m = Eigen::Vector3d::Zero();    ///< (C - I) r0 - (w x r0) dt
+  Eigen::Vector3d origin_velocity_mps = Eigen::Vector3d::Zero();  ///< (C - I) (w x r0)
+
+  /// dt_s may have any sign.
+  static EarthStep Make(const LocalFrame& frame, double dt_s);
+};
+
+/// Derivative of the attraction with respect to position at p_m, 1/s^2, by central differences
+/// (relative accuracy 1e-7).
+Eigen::Matrix3d AttractionGradient(const LocalFrame& frame, const Eigen::Vector3d& p_m);
+
+/// The pose and velocity at the end of the increments that begin at `start`: the equations of
+/// EarthStep solved for the end. The attraction at the end is that of the position predicted with
+/// the attraction at the begin (one pass: below 1e-6 m after 1 s at 100 m/s). start.t_s is not
+/// compared with the increments' begin; the result carries their end.
+MapPose Propagate(const LocalFrame& frame, const MapPose& start, const Preintegrated& increments);
+
+/// Propagate as an affine function of position and velocity at the begin, with the attraction
+/// linear about p_nominal_m:
+///
+///   p' = p_p p + p_v v + p_d R dp + p_0
+///   v' = v_p p + v_v v + C^T R dv + v_d R dp + v_0
+///   R' = C^T R dR
+///
+/// where R = R_mb at the begin and dR, dv, dp are the increments. Equal to Propagate within
+/// 1e-6 m/s^2 x dt^2 / 2 for |p - p_nominal| < 1 km and dt <= 1 s (curvature of the attraction).
+struct AffineStep {
+  Eigen::Matrix3d p_p, p_v, p_d;
+  Eigen::Vector3d p_0;
+  Eigen::Matrix3d v_p, v_v, v_d;
+  Eigen::Vector3d v_0;
+  Eigen::Matrix3d C;  ///< as in EarthStep
+
+  static AffineStep Make(const LocalFrame& frame, double dt_s, const Eigen::Vector3d& p_nominal_m);
+};
+
+}  // namespace dn
