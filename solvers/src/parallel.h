@@ -1,0 +1,37 @@
+#pragma once
+
+#include <exception>
+#include <thread>
+#include <vector>
+
+namespace dn {
+
+/// Calls work(i) for i in [0, n), split into contiguous ranges over the threads. Rethrows the
+/// exception of the lowest range that threw.
+template <class Work>
+void ParallelFor(int n, int threads, const Work& work) {
+  const int ranges = threads < n ? threads : n;
+  if (ranges <= 1) {
+    for (int i = 0; i < n; ++i) work(i);
+    return;
+  }
+  std::vector<std::exception_ptr> errors(static_cast<std::size_t>(ranges));
+  std::vector<std::thread> pool;
+  for (int k = 0; k < ranges; ++k) {
+    pool.emplace_back([&, k] {
+      try {
+        const auto begin = static_cast<int>(static_cast<long>(n) * k / ranges);
+        const auto end = static_cast<int>(static_cast<long>(n) * (k + 1) / ranges);
+        for (int i = begin; i < end; ++i) work(i);
+      } catch (...) {
+        errors[static_cast<std::size_t>(k)] = std::current_exception();
+      }
+    });
+  }
+  for (std::thread& thread : pool) thread.join();
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+}
+
+}  // namespace dn

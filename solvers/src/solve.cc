@@ -1,0 +1,259 @@
+#include <ceres/cost_function.h>
+#include <ceres/iteration_callback.h>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+#include <dn/solvers/solve.h>
+#include <glog/logging.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "factor_text.h"
+#include "parallel.h"
+#include "robust_loss.h"
+#include "serial_blas.h"
+
+namespace dn {
+namespace {
+
+/// Lets Ceres evaluate a factor of the network.
+class FactorCost final : public ceres::CostFunction {
+ public:
+  explicit FactorCost(const FactorBase& factor) : factor_(factor) {
+    set_num_residuals(factor.residual_size());
+    for (const BlockKind& kind : factor.block_kinds()) {
+      mutable_parameter_block_sizes()->push_back(kind.stored_size);
+    }
+  }
+
+  bool Evaluate(double const* const* x, double* r, double** J) const override {
+    return factor_.Evaluate(x, r, J);
+  }
+
+ private:
+  const FactorBase& factor_;
+};
+
+/// A rotation block with the full-angle tangent of dn::Plus (Ceres's own has half the angle).
+class RotationManifold final : public ceres::Manifold {
+ public:
+  explicit RotationManifold(const BlockKind& kind) : kind_(kind) {}
+
+  int AmbientSize() const override { return 4; }
+  int TangentSize() const override { return 3; }
+
+  bool Plus(const double* x, const double* d, double* x_plus_d) const override {
+    dn::Plus(kind_, x, d, x_plus_d);
+    return true;
+  }
+
+  bool PlusJacobian(const double* x, double* J) const override {
+    Eigen::Map<Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> out(J);
+    out = RotationPlusJacobian(kind_.parametrisation, x);
+    return true;
+  }
+
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
+    dn::Minus(kind_, y, x, y_minus_x);
+    return true;
+  }
+
+  bool MinusJacobian(const double* x, double* J) const override {
+    Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> out(J);
+    out = 4.0 * RotationPlusJacobian(kind_.parametrisation, x).transpose();
+    return true;
+  }
+
+ private:
+  BlockKind kind_;
+};
+
+/// Passes the progress on, and the wish to stop back.
+class ProgressCallback final : public ceres::IterationCallback {
+ public:
+  explicit ProgressCallback(const std::function<bool(const IterationProgress&)>& on_iteration)
+      : on_iteration_(on_iteration) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
+    const bool go_on = on_iteration_({s.iteration, s.cost, s.cost_change, s.step_norm});
+    return go_on ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  const std::function<bool(const IterationProgress&)>& on_iteration_;
+};
+
+/// No message of Ceres reaches stderr while it lives.
+class QuietLog {
+ public:
+  QuietLog() : level_(FLAGS_minloglevel) { FLAGS_minloglevel = google::FATAL; }
+  ~QuietLog() { FLAGS_minloglevel = level_; }
+  QuietLog(const QuietLog&) = delete;
+  QuietLog& operator=(const QuietLog&) = delete;
+
+ private:
+  int level_;
+};
+
+/// The network as a ceres::Problem on the network's own values.
+class CeresProblem {
+ public:
+  explicit CeresProblem(Network& network) : problem_(Ownership()) {
+    for (FactorId id = 0; id < network.num_factors(); ++id) {
+      if (network.factor(id).active) AddFactor(network, network.factor(id));
+    }
+  }
+
+  ceres::Problem& problem() { return problem_; }
+
+ private:
+  static ceres::Problem::Options Ownership() {
+    ceres::Problem::Options options;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  static std::unique_ptr<ceres::LossFunction> MakeLoss(const Loss& loss) {
+    switch (loss.type) {
+      case Loss::Type::kHuber:
+        return std::make_unique<ceres::HuberLoss>(loss.width);
+      case Loss::Type::kCauchy:
+        return std::make_unique<ceres::CauchyLoss>(loss.width);
+      case Loss::Type::kNone:
+        break;
+    }
+    return nullptr;
+  }
+
+  void AddFactor(Network& network, const FactorRecord& record) {
+    std::vector<double*> values;
+    for (const BlockId b : record.blocks) {
+      AddBlock(network.block(b));
+      values.push_back(network.block(b).value.get());
+    }
+    auto cost = std::make_unique<FactorCost>(*record.factor);
+    problem_.AddResidualBlock(cost.release(), MakeLoss(record.loss).release(), values);
+  }
+
+  void AddBlock(BlockRecord& block) {
+    double* value = block.value.get();
+    if (problem_.HasParameterBlock(value)) return;
+    problem_.AddParameterBlock(value, block.kind.stored_size, ManifoldOf(block.kind));
+    if (block.held) problem_.SetParameterBlockConstant(value);
+  }
+
+  ceres::Manifold* ManifoldOf(const BlockKind& kind) {
+    switch (kind.parametrisation) {
+      case Parametrisation::kRotationRight:
+        return &right_;
+      case Parametrisation::kRotationLeft:
+        return &left_;
+      case Parametrisation::kVector:
+        break;
+    }
+    return nullptr;
+  }
+
+  RotationManifold right_{Rotation::kKind};
+  RotationManifold left_{LeftRotation::kKind};
+  ceres::Problem problem_;
+};
+
+ceres::Solver::Options CeresOptions(const SolveOptions& options) {
+  ceres::Solver::Options ceres_options;
+  ceres_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  ceres_options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  ceres_options.max_num_iterations = options.max_iterations;
+  ceres_options.num_threads = options.threads;
+  ceres_options.function_tolerance = options.function_tolerance;
+  ceres_options.parameter_tolerance = options.parameter_tolerance;
+  ceres_options.gradient_tolerance = options.gradient_tolerance;
+  ceres_options.initial_trust_region_radius = options.initial_trust_region_radius;
+  ceres_options.logging_type = ceres::SILENT;
+  return ceres_options;
+}
+
+SolveReport MakeReport(const Network& network, const ceres::Solver::Summary& summary) {
+  SolveReport report;
+  report.converged = summary.termination_type == ceres::CONVERGENCE;
+  report.interrupted = summary.termination_type == ceres::USER_SUCCESS;
+  report.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+  report.initial_cost = summary.initial_cost;
+  report.final_cost = summary.final_cost;
+  report.time_s = summary.total_time_in_seconds;
+  report.message = summary.message;
+  if (report.interrupted) report.message = "stopped on request";
+  if (summary.termination_type == ceres::FAILURE) {
+    const FactorId undefined = FindUndefinedFactor(network);
+    report.message = undefined >= 0 ? UndefinedFactorMessage(network, undefined)
+                                    : "numerical failure: " + summary.message;
+  }
+  return report;
+}
+
+template <class T>
+void Require(bool valid, const char* option, T value, const char* bound) {
+  if (valid) return;
+  throw InvalidConfig(std::string("solve: option ") + option + " is " + std::to_string(value) +
+                      ", must be " + bound);
+}
+
+}  // namespace
+
+void SolveOptions::Validate() const {
+  Require(max_iterations >= 0, "max_iterations", max_iterations, "at least 0");
+  Require(threads >= 1, "threads", threads, "at least 1");
+  Require(function_tolerance >= 0.0, "function_tolerance", function_tolerance, "at least 0");
+  Require(parameter_tolerance >= 0.0, "parameter_tolerance", parameter_tolerance, "at least 0");
+  Require(gradient_tolerance >= 0.0, "gradient_tolerance", gradient_tolerance, "at least 0");
+  Require(initial_trust_region_radius > 0.0 && initial_trust_region_radius <= 1e16,
+          "initial_trust_region_radius", initial_trust_region_radius, "in (0, 1e16]");
+}
+
+SolveReport Solve(Network& network, const SolveOptions& options) {
+  options.Validate();
+  const QuietLog quiet;
+  const SerialBlas serial;
+  CeresProblem problem(network);
+  ceres::Solver::Options ceres_options = CeresOptions(options);
+  ProgressCallback progress(options.on_iteration);
+  if (options.on_iteration) ceres_options.callbacks.push_back(&progress);
+  ceres::Solver::Summary summary;
+  ceres::Solve(ceres_options, &problem.problem(), &summary);
+  return MakeReport(network, summary);
+}
+
+CostSummary EvaluateCost(const Network& network, int threads) {
+  const int n = network.num_factors();
+  std::vector<double> rho(static_cast<std::size_t>(n), 0.0);
+  ParallelFor(n, threads, [&](int id) {
+    const FactorRecord& record = network.factor(id);
+    if (!record.active) return;
+    Eigen::VectorXd r;
+    if (!network.EvaluateFactor(id, &r) || !r.allFinite()) {
+      throw InvalidInput("cost: " + UndefinedFactorMessage(network, id));
+    }
+    rho[static_cast<std::size_t>(id)] = EvaluateLoss(record.loss, r.squaredNorm()).rho;
+  });
+
+  CostSummary summary;
+  std::vector<bool> used(static_cast<std::size_t>(network.num_blocks()), false);
+  for (FactorId id = 0; id < n; ++id) {
+    const FactorRecord& record = network.factor(id);
+    if (!record.active) continue;
+    summary.cost += 0.5 * rho[static_cast<std::size_t>(id)];
+    summary.residuals += record.factor->residual_size();
+    for (const BlockId b : record.blocks) used[static_cast<std::size_t>(b)] = true;
+  }
+  for (BlockId b = 0; b < network.num_blocks(); ++b) {
+    const BlockRecord& block = network.block(b);
+    if (used[static_cast<std::size_t>(b)] && !block.held) {
+      summary.parameters += block.kind.tangent_size;
+    }
+  }
+  return summary;
+}
+
+}  // namespace dn
