@@ -1,0 +1,119 @@
+#include <dn/error.h>
+#include <dn/factors/preintegrated_inertial.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace dn {
+namespace {
+
+std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases, bool with_gyro_scale) {
+  if (num_gyro_biases < 0 || num_accel_biases < 0) {
+    throw InvalidInput("inertial edge: the numbers of bias blocks are " +
+                       std::to_string(num_gyro_biases) + " and " +
+                       std::to_string(num_accel_biases) + ", must not be negative");
+  }
+  std::vector<BlockKind> kinds{Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind,
+                               Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind};
+  const int calibration = num_gyro_biases + num_accel_biases + (with_gyro_scale ? 1 : 0);
+  kinds.insert(kinds.end(), static_cast<std::size_t>(calibration), Vec<3>::kKind);
+  return kinds;
+}
+
+}  // namespace
+
+PreintegratedInertial::PreintegratedInertial(const Preintegrated& increments,
+                                             const LocalFrame& frame,
+                                             const Eigen::Vector3d& p_i_nominal_m,
+                                             const Eigen::Vector3d& p_j_nominal_m,
+                                             int num_gyro_biases, int num_accel_biases,
+                                             bool with_gyro_scale)
+    : DynamicFactor(9, Kinds(num_gyro_biases, num_accel_biases, with_gyro_scale)),
+      increments_(increments),
+      num_gyro_biases_(num_gyro_biases),
+      num_accel_biases_(num_accel_biases),
+      with_gyro_scale_(with_gyro_scale),
+      W_(Noise<9>::Covariance(increments.covariance).sqrt_information()) {
+  const double dt = increments.dt_s();
+  if (!(dt > 0.0)) {
+    throw InvalidInput(
+        "inertial edge: the increments from t = " + std::to_string(increments.t_begin_s) +
+        " s cover " + std::to_string(dt) + " s, must be positive");
+  }
+  if (!p_i_nominal_m.allFinite() || !p_j_nominal_m.allFinite()) {
+    throw InvalidInput("inertial edge: the nominal position at t = " +
+                       std::to_string(increments.t_begin_s) + " s is not finite");
+  }
+  const EarthStep earth = EarthStep::Make(frame, dt);
+  const Eigen::Matrix3d W = Skew(frame.w_ie_m());
+  // One gradient serves both ends: it changes by 3e-7 of itself per metre between them.
+  const Eigen::Matrix3d Gamma = AttractionGradient(frame, 0.5 * (p_i_nominal_m + p_j_nominal_m));
+  const Eigen::Vector3d G_i = frame.Attraction(p_i_nominal_m) - Gamma * p_i_nominal_m;
+  const Eigen::Vector3d G_j = frame.Attraction(p_j_nominal_m) - Gamma * p_j_nominal_m;
+  C_ = earth.C;
+  q_C_ = Exp(Eigen::Vector3d(frame.w_ie_m() * dt));
+  v_p_i_ = -W - 0.5 * dt * Gamma;
+  v_p_j_ = C_ * (W - 0.5 * dt * Gamma);
+  v_0_ = earth.origin_velocity_mps - 0.5 * dt * (G_i + C_ * G_j);
+  p_p_i_ = -Eigen::Matrix3d::Identity() - dt * W - dt * dt / 3.0 * Gamma;
+  p_p_j_ = C_ * (Eigen::Matrix3d::Identity() - dt * dt / 6.0 * Gamma);
+  p_0_ = earth.origin_position_m - dt * dt * (G_i / 3.0 + C_ * G_j / 6.0);
+}
+
+bool PreintegratedInertial::Evaluate(double const* const* x, double* r, double** J) const {
+  Residual(x, r);
+  if (J != nullptr) EvaluateJacobians(x, J);
+  return true;
+}
+
+void PreintegratedInertial::EvaluateJacobians(double const* const* x, double** J) const {
+  using Vec3 = Eigen::Vector3d;
+  using Mat3 = Eigen::Matrix3d;
+  using Block = Eigen::Matrix<double, 9, 3>;
+  const Eigen::Quaterniond q_i(x[0]), q_j(x[3]);
+  const Eigen::Map<const Vec3> p_i(x[1]), v_i(x[2]), p_j(x[4]), v_j(x[5]);
+  const Mat3 R_i_inverse = q_i.toRotationMatrix().transpose();
+  const Mat3 R_ij = R_i_inverse * C_ * q_j.toRotationMatrix();
+  const Mat3 R_C = R_i_inverse * C_;
+
+  const Vec3 d_bg =
+      SumOfBlocks(x + 6, num_gyro_biases_) - increments_.linearisation.gyro_bias_radps;
+  Vec3 xi = increments_.J_q_bg * d_bg;
+  const int scale_block = 6 + num_gyro_biases_ + num_accel_biases_;
+  if (with_gyro_scale_) {
+    xi += increments_.J_q_sg * (Eigen::Map<const Vec3>(x[scale_block]) - increments_.gyro_scale);
+  }
+  const Eigen::Quaterniond dq = increments_.delta_q * Exp(xi);
+  const Eigen::Quaterniond error = dq.conjugate() * Eigen::Quaterniond(R_ij);
+  const Mat3 J_R = RightJacobianInverse(Log(error));
+  const Vec3 y_v = R_i_inverse * (C_ * v_j - v_i + v_p_i_ * p_i + v_p_j_ * p_j + v_0_);
+  const Vec3 y_p = R_i_inverse * (p_p_i_ * p_i + p_p_j_ * p_j + p_0_ - increments_.dt_s() * v_i);
+
+  const auto put = [&](int block, const Mat3& J_R_x, const Mat3& J_v_x, const Mat3& J_p_x) {
+    if (J[block] == nullptr) return;
+    Block unwhitened;
+    unwhitened << J_R_x, J_v_x, J_p_x;
+    const Block whitened = W_.triangularView<Eigen::Lower>() * unwhitened;
+    Put(block, x, J, whitened);
+  };
+  const Mat3 zero = Mat3::Zero();
+  put(0, -J_R * R_ij.transpose(), Skew(y_v), Skew(y_p));
+  put(1, zero, R_i_inverse * v_p_i_, R_i_inverse * p_p_i_);
+  put(2, zero, -R_i_inverse, -increments_.dt_s() * R_i_inverse);
+  put(3, J_R, zero, zero);
+  put(4, zero, R_i_inverse * v_p_j_, R_i_inverse * p_p_j_);
+  put(5, zero, R_C, zero);
+  const Mat3 J_R_xi = -J_R * error.toRotationMatrix().transpose() * RightJacobian(xi);
+  for (int i = 0; i < num_gyro_biases_; ++i) {
+    put(6 + i, J_R_xi * increments_.J_q_bg, -increments_.J_v_bg, -increments_.J_p_bg);
+  }
+  for (int i = 0; i < num_accel_biases_; ++i) {
+    put(6 + num_gyro_biases_ + i, zero, -increments_.J_v_ba, -increments_.J_p_ba);
+  }
+  if (with_gyro_scale_) {
+    put(scale_block, J_R_xi * increments_.J_q_sg, -increments_.J_v_sg, -increments_.J_p_sg);
+  }
+}
+
+}  // namespace dn
