@@ -1,7 +1,11 @@
 #pragma once
 
+#include <dn/error.h>
+
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace dn {
@@ -32,6 +36,16 @@ TextTable ReadTextTable(const std::filesystem::path& file,
 /// or step back throws InvalidInput naming the line. Returns the number of dropped rows. Column 0
 /// holds the time.
 long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep);
+
+/// One week, s.
+inline constexpr double kWeekS = 604800.0;
+
+/// All bytes of a file. Throws InvalidInput when it is missing, a folder or cannot be read.
+std::string ReadWholeFile(const std::filesystem::path& file);
+
+/// A finite number that takes up all of `text` (a leading '+' is accepted). Throws InvalidInput at
+/// `where`.
+double ParseNumber(std::string_view text, const FileLocation& where);
 
 /// Shortest text of a double that reads back to the same bits (at most 17 significant digits).
 std::string FormatDouble(double value);

@@ -70,12 +70,20 @@ MapPose InterpolatePose(const std::vector<MapPose>& poses, double t_s);
 NavPoint ToNavPoint(const MapPose& pose, const LocalFrame& frame);
 MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 
-/// Reads SBET (17 float64, little endian; wander angle and both signs of wander-frame velocities
-/// are resolved, see docs/formats.md) when the extension is .out or .sbet, else ODyN text (t, lat,
-/// lon [deg], h, quaternion w, x, y, z body -> NED). body_is_flu: attitudes (and SBET's body
-/// columns) refer to forward-left-up and are converted to forward-right-down. Identical repeated
-/// rows are dropped and counted, a backward jump of a week is continued. Throws InvalidInput naming
-/// file and row.
+/// Reads SBET (17 float64, little endian) when the extension is .out or .sbet, else ODyN text (t,
+/// lat, lon [deg], h, quaternion w, x, y, z body -> NED). body_is_flu: the attitudes of a text file
+/// refer to forward-left-up and are converted to forward-right-down; SBET is forward-right-down by
+/// its definition and is taken as it is.
+///
+/// SBET headings are made true by subtracting the wander angle. Its velocities are used where they
+/// agree within 0.1 m/s with the positions under one of the sign conventions in use (y right or
+/// left, z down or up, of the wander frame); otherwise, and for text, positions are differentiated.
+/// The notes say which. Identical repeated rows are dropped and counted, a backward jump of a week
+/// is continued.
+///
+/// Throws InvalidInput naming file and line or record: an incomplete last record, values that are
+/// not finite or out of range, a quaternion whose norm is not 1 within 1 %, times that do not
+/// increase.
 Trajectory ReadTrajectory(const std::filesystem::path& file, bool body_is_flu = false);
 
 /// Serialised SBET: wander angle 0, velocities north, east, down, specific force and rate in body

@@ -1,0 +1,215 @@
+#include <dn/error.h>
+#include <dn/geo/text_table.h>
+#include <dn/rotation.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include "time_continuation.h"
+#include "trajectory_io.h"
+
+namespace dn {
+namespace internal {
+namespace {
+
+constexpr std::size_t kColumns = 17;
+constexpr std::size_t kRecordBytes = 8 * kColumns;
+constexpr std::array<const char*, kColumns> kColumnNames{
+    "time",           "latitude",       "longitude", "height",  "velocity x",   "velocity y",
+    "velocity z",     "roll",           "pitch",     "heading", "wander angle", "acceleration x",
+    "acceleration y", "acceleration z", "rate x",    "rate y",  "rate z"};
+
+/// The file's velocities count as confirmed by its positions up to this difference.
+constexpr double kVelocityAgreementMps = 0.1;
+
+using Record = std::array<double, kColumns>;
+
+double DecodeLittleEndian(const char* bytes) {
+  std::uint64_t bits = 0;
+  for (int i = 7; i >= 0; --i) bits = (bits << 8) | static_cast<unsigned char>(bytes[i]);
+  return std::bit_cast<double>(bits);
+}
+
+void AppendLittleEndian(double value, std::string& out) {
+  auto bits = std::bit_cast<std::uint64_t>(value);
+  for (int i = 0; i < 8; ++i, bits >>= 8) out.push_back(static_cast<char>(bits & 0xFF));
+}
+
+std::string NameOfRecord(std::size_t index) { return "record " + std::to_string(index + 1); }
+
+/// All records, checked to be complete and finite.
+std::vector<Record> DecodeRecords(const std::string& content, const FileLocation& where) {
+  if (content.empty()) throw InvalidInput("SBET file is empty", where);
+  const std::size_t n = content.size() / kRecordBytes;
+  if (content.size() % kRecordBytes != 0) {
+    throw InvalidInput("SBET file is truncated: " + NameOfRecord(n) + " has " +
+                           std::to_string(content.size() % kRecordBytes) + " of " +
+                           std::to_string(kRecordBytes) + " bytes",
+                       where);
+  }
+  std::vector<Record> records(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t c = 0; c < kColumns; ++c) {
+      const double value = DecodeLittleEndian(content.data() + i * kRecordBytes + 8 * c);
+      if (!std::isfinite(value)) {
+        throw InvalidInput(
+            std::string(kColumnNames[c]) + " of SBET " + NameOfRecord(i) + " is not finite", where);
+      }
+      records[i][c] = value;
+    }
+  }
+  return records;
+}
+
+/// Removes repeated records and continues times over rollovers; returns the number removed.
+long SettleTimes(std::vector<Record>& records, const FileLocation& where) {
+  using Verdict = TimeContinuation::Verdict;
+  TimeContinuation times;
+  std::vector<Record> kept(records.size());
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    kept[n] = records[i];
+    const Verdict verdict = times.Next(kept[n].data(), kColumns);
+    if (verdict == Verdict::kNotIncreasing) {
+      throw InvalidInput("time " + FormatDouble(records[i][0]) + " s of SBET " + NameOfRecord(i) +
+                             " does not increase: the record before has " +
+                             FormatDouble(times.last_s() - times.offset_s()) + " s",
+                         where);
+    }
+    if (verdict == Verdict::kKeep) ++n;
+  }
+  const auto dropped = static_cast<long>(records.size() - n);
+  kept.resize(n);
+  records = std::move(kept);
+  return dropped;
+}
+
+void CheckPositions(const std::vector<Record>& records, const FileLocation& where) {
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    try {
+      CheckGeodetic({records[i][1], records[i][2], records[i][3]});
+    } catch (const InvalidInput& e) {
+      throw InvalidInput(
+          "SBET " + NameOfRecord(i) + ": " + e.what() + "; SBET holds radians, little endian",
+          where);
+    }
+  }
+}
+
+NavPoint PointOfRecord(const Record& c) {
+  NavPoint point;
+  point.t_s = c[0];
+  point.position = {c[1], c[2], c[3]};
+  const double true_heading_rad = c[9] - c[10];
+  point.q_nb = QuaternionFromRollPitchHeading({c[7], c[8], true_heading_rad});
+  point.f_b_mps2 = {c[11], c[12], c[13]};
+  point.w_b_radps = {c[14], c[15], c[16]};
+  return point;
+}
+
+/// Signs of the wander frame's y and z axis with respect to (right of x, down).
+struct VelocityConvention {
+  double y_sign;
+  double z_sign;
+  const char* text;
+};
+
+constexpr std::array<VelocityConvention, 4> kConventions{{{1, 1, "y right, z down"},
+                                                          {1, -1, "y right, z up"},
+                                                          {-1, 1, "y left, z down"},
+                                                          {-1, -1, "y left, z up"}}};
+
+std::vector<Eigen::Vector3d> VelocitiesNed(const std::vector<Record>& records,
+                                           const VelocityConvention& convention) {
+  std::vector<Eigen::Vector3d> v_ned;
+  v_ned.reserve(records.size());
+  for (const Record& c : records) {
+    const double cos_a = std::cos(c[10]), sin_a = std::sin(c[10]);
+    const double vx = c[4], vy = convention.y_sign * c[5];
+    // True azimuth = azimuth in the wander frame - wander angle.
+    v_ned.emplace_back(vx * cos_a + vy * sin_a, -vx * sin_a + vy * cos_a, convention.z_sign * c[6]);
+  }
+  return v_ned;
+}
+
+/// Fills the points' velocities from the file or, failing that, from the positions.
+void SettleVelocities(const std::vector<Record>& records, std::vector<NavPoint>& points,
+                      TrajectoryNotes& notes) {
+  std::vector<Eigen::Vector3d> best_v_ned;
+  const char* best_text = nullptr;
+  double best_misfit_mps = 0.0;
+  for (const VelocityConvention& convention : kConventions) {
+    std::vector<Eigen::Vector3d> v_ned = VelocitiesNed(records, convention);
+    const double misfit_mps = VelocityMisfit(points, v_ned);
+    if (best_text == nullptr || misfit_mps < best_misfit_mps) {
+      best_misfit_mps = misfit_mps;
+      best_v_ned = std::move(v_ned);
+      best_text = convention.text;
+    }
+  }
+  notes.velocity_from_file = best_misfit_mps <= kVelocityAgreementMps;
+  const std::string misfit = std::to_string(best_misfit_mps) + " m/s";
+  if (notes.velocity_from_file) {
+    notes.text = std::string("velocities of the file, wander frame with ") + best_text +
+                 "; they differ from the positions by " + misfit;
+  } else {
+    best_v_ned = DifferentiatedVelocities(points);
+    notes.text =
+        "velocities by differentiation of the positions, from which those of the file "
+        "differ by " +
+        misfit;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].v_ned_mps = best_v_ned[i];
+}
+
+}  // namespace
+
+Trajectory ReadSbet(const std::filesystem::path& file) {
+  const FileLocation where{file.string(), 0, 0};
+  std::vector<Record> records = DecodeRecords(ReadWholeFile(file), where);
+  CheckPositions(records, where);
+  TrajectoryNotes notes;
+  notes.repeated_rows_dropped = SettleTimes(records, where);
+  if (records.size() < 2) throw InvalidInput("SBET file has only one epoch, needs two", where);
+  std::vector<NavPoint> points;
+  points.reserve(records.size());
+  for (const Record& record : records) points.push_back(PointOfRecord(record));
+  SettleVelocities(records, points, notes);
+  return Trajectory(std::move(points), std::move(notes));
+}
+
+}  // namespace internal
+
+std::string FormatSbet(const std::vector<NavPoint>& points) {
+  std::string out;
+  out.reserve(points.size() * internal::kRecordBytes);
+  for (const NavPoint& point : points) {
+    const Eigen::Vector3d rph_rad = RollPitchHeading(point.q_nb);
+    const double wander_rad = 0.0;
+    const internal::Record record{point.t_s,
+                                  point.position.lat_rad,
+                                  point.position.lon_rad,
+                                  point.position.h_m,
+                                  point.v_ned_mps.x(),
+                                  point.v_ned_mps.y(),
+                                  point.v_ned_mps.z(),
+                                  rph_rad.x(),
+                                  rph_rad.y(),
+                                  rph_rad.z(),
+                                  wander_rad,
+                                  point.f_b_mps2.x(),
+                                  point.f_b_mps2.y(),
+                                  point.f_b_mps2.z(),
+                                  point.w_b_radps.x(),
+                                  point.w_b_radps.y(),
+                                  point.w_b_radps.z()};
+    for (const double value : record) internal::AppendLittleEndian(value, out);
+  }
+  return out;
+}
+
+}  // namespace dn

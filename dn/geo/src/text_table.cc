@@ -1,0 +1,193 @@
+#include <dn/geo/text_table.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <system_error>
+
+#include "time_continuation.h"
+
+namespace dn {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+std::string ListOfNumbers(const std::vector<std::size_t>& numbers) {
+  std::string list;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i > 0) list += i + 1 == numbers.size() ? " or " : ", ";
+    list += std::to_string(numbers[i]);
+  }
+  return list;
+}
+
+/// Appends the rows of a text to a table.
+class TableParser {
+ public:
+  TableParser(TextTable& table, const std::vector<std::size_t>& allowed_columns, char comment)
+      : table_(table), allowed_columns_(allowed_columns), comment_(comment) {}
+
+  void ParseLine(std::string_view text) {
+    ++line_;
+    text_ = text.substr(0, std::min(text.find('#'), text.find(comment_)));
+    position_ = 0;
+    SkipBlanks();
+    if (AtEnd()) return;
+    const std::size_t count_before = table_.values.size();
+    ParseValues();
+    CheckColumns(table_.values.size() - count_before);
+    table_.lines.push_back(line_);
+  }
+
+ private:
+  bool AtEnd() const { return position_ == text_.size(); }
+  void SkipBlanks() {
+    while (!AtEnd() && IsBlank(text_[position_])) ++position_;
+  }
+
+  FileLocation Here() const {
+    return {table_.file.string(), line_, static_cast<long>(position_) + 1};
+  }
+
+  // At the first value; leaves after the last.
+  void ParseValues() {
+    while (true) {
+      std::size_t end = position_;
+      while (end < text_.size() && text_[end] != ',' && !IsBlank(text_[end])) ++end;
+      table_.values.push_back(ParseNumber(text_.substr(position_, end - position_), Here()));
+      position_ = end;
+      SkipBlanks();
+      if (AtEnd()) return;
+      if (text_[position_] != ',') continue;
+      ++position_;
+      SkipBlanks();
+    }
+  }
+
+  void CheckColumns(std::size_t columns) {
+    const FileLocation where{table_.file.string(), line_, 0};
+    if (table_.lines.empty()) {
+      const bool allowed = allowed_columns_.empty() ||
+                           std::find(allowed_columns_.begin(), allowed_columns_.end(), columns) !=
+                               allowed_columns_.end();
+      if (!allowed) {
+        throw InvalidInput("row has " + std::to_string(columns) + " columns, must have " +
+                               ListOfNumbers(allowed_columns_),
+                           where);
+      }
+      table_.columns = columns;
+    } else if (columns != table_.columns) {
+      throw InvalidInput("row has " + std::to_string(columns) + " columns, the rows before it " +
+                             std::to_string(table_.columns),
+                         where);
+    }
+  }
+
+  TextTable& table_;
+  const std::vector<std::size_t>& allowed_columns_;
+  char comment_;
+  long line_ = 0;
+  std::string_view text_;
+  std::size_t position_ = 0;
+};
+
+}  // namespace
+
+std::string ReadWholeFile(const std::filesystem::path& file) {
+  const FileLocation where{file.string(), 0, 0};
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw InvalidInput("file does not exist", where);
+  if (std::filesystem::is_directory(file, error)) {
+    throw InvalidInput("is a folder, a file is wanted", where);
+  }
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InvalidInput("file cannot be opened for reading", where);
+  std::string content;
+  const auto size = std::filesystem::file_size(file, error);
+  if (!error) content.reserve(size);
+  constexpr std::size_t kChunk = std::size_t{1} << 20;
+  for (std::size_t n = 0; in; n += static_cast<std::size_t>(in.gcount())) {
+    content.resize(n + kChunk);
+    in.read(content.data() + n, kChunk);
+    content.resize(n + static_cast<std::size_t>(in.gcount()));
+  }
+  if (!in.eof()) throw InvalidInput("file cannot be read", where);
+  return content;
+}
+
+double ParseNumber(std::string_view text, const FileLocation& where) {
+  if (text.empty()) {
+    throw InvalidInput("a value is missing (nothing between separators)", where);
+  }
+  const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+  const char* const begin = text.data() + (plus ? 1 : 0);
+  const char* const end = text.data() + text.size();
+  double value = 0.0;
+  const auto [parsed_end, error] = std::from_chars(begin, end, value);
+  if (parsed_end != end || error == std::errc::invalid_argument) {
+    throw InvalidInput(
+        "'" + std::string(text) + "' is not a number; start comments and headers with #", where);
+  }
+  if (error == std::errc::result_out_of_range) {
+    throw InvalidInput("'" + std::string(text) + "' is out of the range of a double", where);
+  }
+  if (!std::isfinite(value)) {
+    throw InvalidInput("'" + std::string(text) + "' is not a finite number", where);
+  }
+  return value;
+}
+
+TextTable ReadTextTable(const std::filesystem::path& file,
+                        const std::vector<std::size_t>& allowed_columns, char comment) {
+  const std::string content = ReadWholeFile(file);
+  std::string_view rest = content;
+  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
+
+  constexpr std::size_t kTypicalBytesPerValue = 12;
+  TextTable table;
+  table.file = file;
+  table.values.reserve(content.size() / kTypicalBytesPerValue);
+  TableParser parser(table, allowed_columns, comment);
+  while (!rest.empty()) {
+    const std::size_t end = rest.find('\n');
+    parser.ParseLine(rest.substr(0, end));
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+  }
+  if (table.rows() == 0) throw InvalidInput("file has no rows of numbers", {file.string(), 0, 0});
+  return table;
+}
+
+long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep) {
+  using Verdict = internal::TimeContinuation::Verdict;
+  internal::TimeContinuation times;
+  long dropped = 0;
+  keep.clear();
+  keep.reserve(table.rows());
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    double* row = table.values.data() + i * table.columns;
+    switch (times.Next(row, table.columns)) {
+      case Verdict::kKeep:
+        keep.push_back(i);
+        break;
+      case Verdict::kRepeatedRow:
+        ++dropped;
+        break;
+      case Verdict::kNotIncreasing:
+        throw InvalidInput("time " + FormatDouble(row[0]) +
+                               " s does not increase: the row before has " +
+                               FormatDouble(times.last_s() - times.offset_s()) + " s",
+                           {table.file.string(), table.lines[i], 1});
+    }
+  }
+  return dropped;
+}
+
+std::string FormatDouble(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
+}  // namespace dn

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <dn/geo/text_table.h>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace dn::internal {
+
+/// Carries a time column over week rollovers, row after row.
+class TimeContinuation {
+ public:
+  enum class Verdict {
+    kKeep,
+    kRepeatedRow,    ///< identical to the row before
+    kNotIncreasing,  ///< neither increasing nor a rollover
+  };
+
+  /// Judges the next row, whose first value is its time, and continues that time in place. Rows
+  /// judged kNotIncreasing are left as they are.
+  Verdict Next(double* row, std::size_t columns) {
+    double t_s = row[0] + offset_s_;
+    if (last_ != nullptr) {
+      const double step_s = t_s - last_[0];
+      if (step_s == 0.0 && std::equal(row + 1, row + columns, last_ + 1)) {
+        row[0] = t_s;
+        return Verdict::kRepeatedRow;
+      }
+      if (step_s < -kWeekS / 2 && step_s + kWeekS > 0.0) {
+        offset_s_ += kWeekS;
+        t_s += kWeekS;
+      } else if (!(step_s > 0.0)) {
+        return Verdict::kNotIncreasing;
+      }
+    }
+    row[0] = t_s;
+    last_ = row;
+    return Verdict::kKeep;
+  }
+
+  /// Continued time of the last row kept.
+  double last_s() const { return last_[0]; }
+  double offset_s() const { return offset_s_; }
+
+ private:
+  const double* last_ = nullptr;
+  double offset_s_ = 0.0;
+};
+
+}  // namespace dn::internal

@@ -1,0 +1,132 @@
+#include <dn/error.h>
+#include <dn/geo/text_table.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "testing/expect_invalid.h"
+#include "testing/temp_file.h"
+
+namespace dn {
+namespace {
+
+using testing::ExpectInvalid;
+using testing::TempFile;
+
+TextTable Read(const std::string& text, const std::vector<std::size_t>& columns = {}) {
+  const TempFile file("table.txt", text);
+  return ReadTextTable(file.path(), columns);
+}
+
+TEST(TextTable, TakesEverySeparatorCommentAndLineEnd) {
+  const TextTable t = Read(
+      "\xEF\xBB\xBF# header, with 1 2 3\r\n"
+      "1,2,3\r\n"
+      "\n"
+      "   \t \n"
+      "4 5\t6   # remark\n"
+      " +7 , -8.5e-1,\t.9 \n"
+      "#10, 11\n"
+      "1e3 , 2  3");
+  ASSERT_EQ(t.columns, 3u);
+  EXPECT_EQ(t.values, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, -0.85, 0.9, 1000, 2, 3}));
+  EXPECT_EQ(t.lines, (std::vector<long>{2, 5, 6, 8}));
+  EXPECT_EQ(t.row(1)[2], 6.0);
+}
+
+TEST(TextTable, TakesASecondCommentCharacter) {
+  const TempFile file("table.txt", "% a\n1 2 % b\n# c\n");
+  EXPECT_EQ(ReadTextTable(file.path(), {2}, '%').values, (std::vector<double>{1, 2}));
+}
+
+TEST(TextTable, NamesLineAndColumnOfABadValue) {
+  const TempFile file("table.txt", "1, 2\n3, 4x\n");
+  try {
+    ReadTextTable(file.path(), {});
+    FAIL();
+  } catch (const InvalidInput& e) {
+    EXPECT_EQ(e.where().ToString(), file.path().string() + ":2:4");
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("'4x' is not a number"));
+  }
+}
+
+TEST(TextTable, RejectsWhatIsNoFiniteNumber) {
+  ExpectInvalid([] { Read("1 2\n1 nan\n"); }, "'nan' is not a finite number", 2);
+  ExpectInvalid([] { Read("-inf\n"); }, "'-inf' is not a finite number", 1);
+  ExpectInvalid([] { Read("1e999\n"); }, "'1e999' is out of the range", 1);
+  ExpectInvalid([] { Read("t, lat\n1, 2\n"); }, "'t' is not a number", 1);
+  ExpectInvalid([] { Read("+-1\n"); }, "'+-1' is not a number", 1);
+  ExpectInvalid([] { Read("1;2\n"); }, "'1;2' is not a number", 1);
+  ExpectInvalid([] { Read("0x10\n"); }, "is not a number", 1);
+  ExpectInvalid([] { Read(std::string("1\0002", 3)); }, "is not a number", 1);
+}
+
+TEST(TextTable, RejectsMissingValues) {
+  ExpectInvalid([] { Read("1,2\n3,,4\n"); }, "a value is missing", 2);
+  ExpectInvalid([] { Read("1,2,\n"); }, "a value is missing", 1);
+  ExpectInvalid([] { Read(",1\n"); }, "a value is missing", 1);
+}
+
+TEST(TextTable, RejectsWrongNumbersOfColumns) {
+  ExpectInvalid(
+      [] {
+        Read("# x\n1 2 3 4 5\n", {4, 7, 10, 13});
+      },
+      "5 columns, must have 4, 7, 10 or 13", 2);
+  ExpectInvalid([] { Read("1 2\n1 2\n1 2 3\n"); }, "3 columns, the rows before it 2", 3);
+}
+
+TEST(TextTable, RejectsWhatIsNoFileOfNumbers) {
+  ExpectInvalid([] { Read(""); }, "no rows of numbers", 0);
+  ExpectInvalid([] { Read("# only\n\n"); }, "no rows of numbers", 0);
+  ExpectInvalid([] { ReadTextTable("/no/such/file.txt", {}); }, "does not exist", 0);
+  ExpectInvalid([] { ReadTextTable(::testing::TempDir(), {}); }, "is a folder", 0);
+}
+
+TEST(ContinueAndCheckTimes, DropsIdenticalRepeats) {
+  TextTable t = Read("1 5\n1 5\n1 5\n2 5\n");
+  std::vector<std::size_t> keep;
+  EXPECT_EQ(ContinueAndCheckTimes(t, keep), 2);
+  EXPECT_EQ(keep, (std::vector<std::size_t>{0, 3}));
+}
+
+TEST(ContinueAndCheckTimes, ContinuesOverWeeks) {
+  TextTable t = Read("604799.5 1\n604799.5 1\n0.25 2\n0.25 2\n604799.75 3\n1 4\n");
+  std::vector<std::size_t> keep;
+  EXPECT_EQ(ContinueAndCheckTimes(t, keep), 2);
+  ASSERT_EQ(keep, (std::vector<std::size_t>{0, 2, 4, 5}));
+  EXPECT_EQ(t.row(2)[0], 604800.25);
+  EXPECT_EQ(t.row(4)[0], 1209599.75);
+  EXPECT_EQ(t.row(5)[0], 1209601.0);
+}
+
+TEST(ContinueAndCheckTimes, RejectsOtherStepsBackAndRepeats) {
+  std::vector<std::size_t> keep;
+  TextTable repeated = Read("1 5\n1 6\n");
+  ExpectInvalid([&] { ContinueAndCheckTimes(repeated, keep); }, "time 1 s does not increase", 2);
+  TextTable back = Read("10 5\n11 5\n10.5 5\n");
+  ExpectInvalid([&] { ContinueAndCheckTimes(back, keep); }, "time 10.5 s does not increase", 3);
+  TextTable half_week = Read("300000 1\n100 2\n");
+  ExpectInvalid([&] { ContinueAndCheckTimes(half_week, keep); }, "does not increase", 2);
+  TextTable whole_week = Read("604800 1\n0 2\n");
+  ExpectInvalid([&] { ContinueAndCheckTimes(whole_week, keep); }, "does not increase", 2);
+}
+
+TEST(FormatDouble, ReadsBackToTheSameBits) {
+  std::mt19937_64 rng(1);
+  std::uniform_real_distribution<double> exponent(-300, 300), mantissa(-10, 10);
+  for (int i = 0; i < 1000; ++i) {
+    const double value = mantissa(rng) * std::pow(10.0, exponent(rng));
+    EXPECT_EQ(ParseNumber(FormatDouble(value), {}), value);
+  }
+  EXPECT_EQ(FormatDouble(0.1), "0.1");
+  EXPECT_EQ(FormatDouble(-3.0), "-3");
+  EXPECT_EQ(ParseNumber(FormatDouble(std::numeric_limits<double>::denorm_min()), {}),
+            std::numeric_limits<double>::denorm_min());
+}
+
+}  // namespace
+}  // namespace dn
