@@ -1,0 +1,171 @@
+#include <dn/error.h>
+#include <dn/geo/text_table.h>
+#include <dn/imu/imu_data.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dn {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kGapFactor = 1.5;  // of the nominal interval
+
+/// Mean |f| of anything that does not fall is near 9.8 m/s^2, whatever it does meanwhile.
+constexpr double kLowestMeanForce = 3.0;
+constexpr double kHighestMeanForce = 50.0;
+constexpr double kLowestMeanForceInG = 0.2;
+/// 115 deg/s rms over a whole file: no surveying platform turns like that, and most flights read
+/// in deg/s come out above it.
+constexpr double kHighestRmsRate = 2.0;
+
+struct Row {
+  double t_s;
+  Vector3d w, f;
+};
+
+Vector3d ToFrd(const Vector3d& v, bool is_flu) {
+  return is_flu ? Vector3d(v.x(), -v.y(), -v.z()) : v;
+}
+
+std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOptions& options,
+                          long* repeated_rows_dropped) {
+  std::vector<std::size_t> columns{7};
+  if (options.format == ImuFormat::kIncrements) columns.push_back(8);  // odometer, not used
+  TextTable table = ReadTextTable(file, columns);
+  std::vector<std::size_t> keep;
+  *repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
+  std::vector<Row> rows;
+  rows.reserve(keep.size());
+  for (const std::size_t i : keep) {
+    const double* x = table.row(i);
+    rows.push_back({x[0], ToFrd({x[1], x[2], x[3]}, options.body_is_flu),
+                    ToFrd({x[4], x[5], x[6]}, options.body_is_flu)});
+  }
+  if (rows.size() < 2) {
+    throw InvalidInput("IMU data: " + std::to_string(rows.size()) +
+                           " row, at least 2 are needed to know the interval",
+                       {file.string(), table.lines.empty() ? 0 : table.lines.front()});
+  }
+  return rows;
+}
+
+double MedianInterval(const std::vector<Row>& rows) {
+  std::vector<double> dt(rows.size() - 1);
+  for (std::size_t i = 0; i < dt.size(); ++i) dt[i] = rows[i + 1].t_s - rows[i].t_s;
+  const auto middle = dt.begin() + static_cast<std::ptrdiff_t>(dt.size() / 2);
+  std::nth_element(dt.begin(), middle, dt.end());
+  return *middle;
+}
+
+/// The sample that ends at row i, or at the first row (i = 0) or after a gap the one interval
+/// before it.
+ImuSample Sample(const std::vector<Row>& rows, std::size_t i, double nominal_dt_s,
+                 const ImuReadOptions& options) {
+  const Row& row = rows[i];
+  const double since_last_s = i == 0 ? 0.0 : row.t_s - rows[i - 1].t_s;
+  const bool adjoins = i > 0 && since_last_s <= kGapFactor * nominal_dt_s;
+  const double dt_s = adjoins ? since_last_s : nominal_dt_s;
+  if (options.format == ImuFormat::kIncrements) {
+    return {row.t_s, dt_s, row.w / dt_s, row.f / dt_s};
+  }
+  if (options.sampling == ImuSampling::kInstantaneous && adjoins) {
+    return {row.t_s, dt_s, 0.5 * (rows[i - 1].w + row.w), 0.5 * (rows[i - 1].f + row.f)};
+  }
+  return {row.t_s, dt_s, row.w, row.f};
+}
+
+void NoteSpacing(ImuData* imu) {
+  for (std::size_t i = 1; i < imu->samples.size(); ++i) {
+    const double end_before_s = imu->samples[i - 1].t_s;
+    const double since_last_s = imu->samples[i].t_s - end_before_s;
+    if (since_last_s > kGapFactor * imu->nominal_dt_s) {
+      imu->gaps.push_back({end_before_s, imu->samples[i].t_s - imu->nominal_dt_s});
+    } else {
+      imu->max_jitter_s = std::max(imu->max_jitter_s, std::abs(since_last_s - imu->nominal_dt_s));
+    }
+  }
+}
+
+std::string Rounded(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+/// Throws InvalidInput when the values cannot be rad/s and m/s^2 (or increments of them).
+void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
+  double sum_f = 0.0, sum_w2 = 0.0;
+  for (const ImuSample& sample : imu.samples) {
+    sum_f += sample.f_b_mps2.norm();
+    sum_w2 += sample.w_ib_b_radps.squaredNorm();
+  }
+  const double count = static_cast<double>(imu.samples.size());
+  const double mean_f = sum_f / count, rms_w = std::sqrt(sum_w2 / count);
+  const FileLocation where{file.string()};
+  const std::string force = "IMU data: the mean specific force is " + Rounded(mean_f) +
+                            " in the unit that should be m/s^2, where 9.8 is due: ";
+  if (mean_f < kLowestMeanForceInG) {
+    throw InvalidInput(
+        force + "is gravity removed, or are these increments ('format: increments')?", where);
+  }
+  if (mean_f < kLowestMeanForce) {
+    throw InvalidInput(force + "is it in g? Multiply by 9.80665", where);
+  }
+  if (mean_f > kHighestMeanForce) {
+    throw InvalidInput(
+        force + "is it in mg or counts, or are these rates read as increments ('format: odyn')?",
+        where);
+  }
+  if (rms_w > kHighestRmsRate) {
+    throw InvalidInput("IMU data: the angular rate is " + Rounded(rms_w) +
+                           " rms in the unit that should be rad/s: is it in deg/s? Multiply by "
+                           "0.0174533",
+                       where);
+  }
+}
+
+}  // namespace
+
+ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options) {
+  ImuData imu;
+  const std::vector<Row> rows = ReadRows(file, options, &imu.repeated_rows_dropped);
+  imu.nominal_dt_s = MedianInterval(rows);
+  // A point sample is the mean of nothing before it: the first row only begins the first interval.
+  const bool first_is_a_sample =
+      options.format == ImuFormat::kIncrements || options.sampling == ImuSampling::kMean;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].t_s < options.t_begin_s || rows[i].t_s > options.t_end_s) {
+      ++imu.rows_outside_span;
+    } else if (i > 0 || first_is_a_sample) {
+      imu.samples.push_back(Sample(rows, i, imu.nominal_dt_s, options));
+    }
+  }
+  if (imu.samples.empty()) {
+    throw InvalidInput("IMU data: no row between " + std::to_string(options.t_begin_s) + " and " +
+                           std::to_string(options.t_end_s) + " s; the file covers " +
+                           std::to_string(rows.front().t_s) + " to " +
+                           std::to_string(rows.back().t_s) + " s",
+                       {file.string()});
+  }
+  NoteSpacing(&imu);
+  CheckUnits(imu, file);
+  return imu;
+}
+
+std::pair<std::size_t, std::size_t> SampleRange(const ImuData& imu, double t0_s, double t1_s) {
+  const auto begin = imu.samples.begin(), end = imu.samples.end();
+  const auto first = std::upper_bound(
+      begin, end, t0_s, [](double t, const ImuSample& sample) { return t < sample.t_s; });
+  const auto last = std::lower_bound(first, end, t1_s, [](const ImuSample& sample, double t) {
+    return sample.t_s - sample.dt_s < t;
+  });
+  return {static_cast<std::size_t>(first - begin), static_cast<std::size_t>(last - begin)};
+}
+
+}  // namespace dn

@@ -1,0 +1,370 @@
+#include <dn/error.h>
+#include <dn/imu/preintegration.h>
+#include <dn/rotation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace dn {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Two time tags closer than this are the same epoch (seconds of week resolve 1e-10 s).
+constexpr double kTimeTolerance_s = 1e-7;
+
+/// A stretch of one sample with rates linear in time: x(t) = mean + slope (t - middle).
+struct Piece {
+  double dt_s;
+  Vector3d w, w_slope, f, f_slope;
+};
+
+std::string Seconds(double t_s) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6f s", t_s);
+  return text;
+}
+
+bool Adjoin(const ImuSample& before, const ImuSample& after) {
+  return after.t_s - after.dt_s - before.t_s < kTimeTolerance_s;
+}
+
+double Middle(const ImuSample& sample) { return sample.t_s - 0.5 * sample.dt_s; }
+
+/// The corrected rates of a sample as a linear function of time; the slope is that between its
+/// neighbours, one-sided where one is missing.
+class LinearSample {
+ public:
+  LinearSample(const ImuData& imu, std::size_t k, const ImuCorrection& bias,
+               const Vector3d& inverse_scale)
+      : middle_s_(Middle(imu.samples[k])) {
+    const std::vector<ImuSample>& samples = imu.samples;
+    const ImuSample& sample = samples[k];
+    const std::size_t a = k > 0 && Adjoin(samples[k - 1], sample) ? k - 1 : k;
+    const std::size_t b = k + 1 < samples.size() && Adjoin(sample, samples[k + 1]) ? k + 1 : k;
+    w_ = inverse_scale.cwiseProduct(sample.w_ib_b_radps - bias.gyro_bias_radps);
+    f_ = sample.f_b_mps2 - bias.accel_bias_mps2;
+    if (a == b) return;
+    const double rate = 1.0 / (Middle(samples[b]) - Middle(samples[a]));
+    w_slope_ =
+        inverse_scale.cwiseProduct(rate * (samples[b].w_ib_b_radps - samples[a].w_ib_b_radps));
+    f_slope_ = rate * (samples[b].f_b_mps2 - samples[a].f_b_mps2);
+  }
+
+  Vector3d Rate(double t_s) const { return w_ + (t_s - middle_s_) * w_slope_; }
+  Vector3d Force(double t_s) const { return f_ + (t_s - middle_s_) * f_slope_; }
+
+  /// The part of the sample in [t0_s, t1_s].
+  Piece Part(double t0_s, double t1_s) const {
+    const double middle_s = t0_s + 0.5 * (t1_s - t0_s);
+    return {t1_s - t0_s, Rate(middle_s), w_slope_, Force(middle_s), f_slope_};
+  }
+
+ private:
+  double middle_s_;
+  Vector3d w_, f_;
+  Vector3d w_slope_ = Vector3d::Zero(), f_slope_ = Vector3d::Zero();
+};
+
+/// The functions of the angle x that the exponential and its integrals are made of:
+///   half_sinc = sin(x/2)/x, cos_half = cos(x/2),
+///   a = (1 - cos x)/x^2, b = (x - sin x)/x^3, c = (x^2/2 + cos x - 1)/x^4.
+struct AngleFunctions {
+  double half_sinc, cos_half, a, b, c;
+
+  explicit AngleFunctions(double x2) {
+    if (x2 < 1e-2) {  // series, the first neglected term is below 1e-16
+      half_sinc = 0.5 - x2 * (1.0 / 48 - x2 * (1.0 / 3840 - x2 * (1.0 / 645120 - x2 / 185794560)));
+      cos_half = 1.0 - x2 * (1.0 / 8 - x2 * (1.0 / 384 - x2 * (1.0 / 46080 - x2 / 10321920)));
+      a = 0.5 - x2 * (1.0 / 24 - x2 * (1.0 / 720 - x2 * (1.0 / 40320 - x2 / 3628800)));
+      b = 1.0 / 6 - x2 * (1.0 / 120 - x2 * (1.0 / 5040 - x2 * (1.0 / 362880 - x2 / 39916800)));
+      c = 1.0 / 24 - x2 * (1.0 / 720 - x2 * (1.0 / 40320 - x2 * (1.0 / 3628800 - x2 / 479001600)));
+      return;
+    }
+    const double x = std::sqrt(x2);
+    half_sinc = std::sin(0.5 * x) / x;
+    cos_half = std::cos(0.5 * x);
+    a = 2.0 * half_sinc * half_sinc;
+    b = (1.0 - std::sin(x) / x) / x2;
+    c = (0.5 - a) / x2;
+  }
+};
+
+/// a x M, column by column.
+Matrix3d Cross(const Vector3d& a, const Matrix3d& M) {
+  Matrix3d out;
+  for (int i = 0; i < 3; ++i) out.col(i) = a.cross(M.col(i));
+  return out;
+}
+
+/// Skew(a) Skew(b).
+Matrix3d SkewProduct(const Vector3d& a, const Vector3d& b) {
+  Matrix3d out = b * a.transpose();
+  out.diagonal().array() -= a.dot(b);
+  return out;
+}
+
+/// Integrates piece by piece. Errors of the rotation are kept as rotation vectors in body axes at
+/// the begin (psi: true dR = Exp(psi) dR). White gyro noise then makes psi isotropic, its
+/// correlations with velocity and position are skew, and the 9 x 9 recursion P <- F P F^T + Q
+/// comes down to vectors and rank-two terms:
+///   E[psi psi^T] = q t I,  E[dv psi^T] = -[a]x,  E[dp psi^T] = -[b]x.
+class Integrator {
+ public:
+  Integrator(const PreintegrationNoise& noise, const Vector3d& inverse_scale)
+      : inverse_scale_(inverse_scale),
+        gyro_psd_(noise.gyro_white_rad_per_sqrt_s * noise.gyro_white_rad_per_sqrt_s),
+        accel_psd_(noise.accel_white_mps_per_sqrt_s * noise.accel_white_mps_per_sqrt_s) {}
+
+  void Add(const Piece& piece) {
+    const double d = piece.dt_s;
+    const double d3 = d * d * d / 12.0;
+    const Matrix3d dR = dq_.toRotationMatrix();
+
+    // Coning, Magnus expansion to second order: a slope s of the rate adds d^3/12 w x s.
+    const Vector3d phi_b = d * piece.w + d3 * piece.w.cross(piece.w_slope);
+    const AngleFunctions g(phi_b.squaredNorm());
+    const Vector3d phi = dR * phi_b;
+    const Vector3d u = dR * (d * piece.f);
+    const Vector3d phi_x_u = phi.cross(u);
+    const Vector3d phi_x_phi_x_u = phi.cross(phi_x_u);
+    const Vector3d f_x_slope = dR * piece.f.cross(piece.w_slope);
+    // Sculling and scrolling: int R f and its integral, R and f linear in time.
+    const Vector3d velocity = u + g.a * phi_x_u + g.b * phi_x_phi_x_u +
+                              d3 * (dR * piece.w.cross(piece.f_slope) + f_x_slope);
+    const Vector3d position = d * (0.5 * u + g.b * phi_x_u + g.c * phi_x_phi_x_u) -
+                              d3 * (dR * piece.f_slope - 0.5 * d * f_x_slope);
+
+    AddCovariance(d, u, velocity, position);
+    AddBiasJacobians(d, dR, phi, u, velocity, position, g);
+    AddScaleJacobians(d, dR * piece.w.asDiagonal(), phi, u, velocity, position, g);
+
+    dp_ += d * dv_ + position;
+    dv_ += velocity;
+    dq_ = dq_ * Eigen::Quaterniond(g.cos_half, g.half_sinc * phi_b.x(), g.half_sinc * phi_b.y(),
+                                   g.half_sinc * phi_b.z());
+    dq_.coeffs() *= 1.5 - 0.5 * dq_.squaredNorm();  // stays normalised to rounding
+    t_ += d;
+  }
+
+  void Write(Preintegrated* out) const {
+    out->delta_q = dq_.normalized();
+    out->delta_v = dv_;
+    out->delta_p = dp_;
+    const Matrix3d dR = out->delta_q.toRotationMatrix();
+    const Matrix3d dR_inverse = dR.transpose();
+
+    // psi in body axes at the begin -> rotation vector at the end.
+    const Matrix3d P_vq = -Skew(a_) * dR;
+    const Matrix3d P_pq = -Skew(b_) * dR;
+    out->covariance << gyro_psd_ * t_ * Matrix3d::Identity(), P_vq.transpose(), P_pq.transpose(),
+        P_vq, P_vv_, P_pv_.transpose(), P_pq, P_pv_, P_pp_;
+    const auto D = inverse_scale_.asDiagonal();
+    out->J_q_bg = dR_inverse * bias_.q * D;
+    out->J_v_bg = bias_.v * D;
+    out->J_p_bg = bias_.p * D;
+    out->J_v_ba = J_v_ba_;
+    out->J_p_ba = J_p_ba_;
+    out->J_q_sg = dR_inverse * scale_.q * D;
+    out->J_v_sg = scale_.v * D;
+    out->J_p_sg = scale_.p * D;
+  }
+
+ private:
+  struct Sensitivity {
+    Matrix3d q = Matrix3d::Zero(), v = Matrix3d::Zero(), p = Matrix3d::Zero();
+  };
+
+  // The noise within the piece is continuous and white; its moments are exact for a constant
+  // specific force, hence the covariance is positive semidefinite and independent of the sampling.
+  void AddCovariance(double d, const Vector3d& u, const Vector3d& velocity,
+                     const Vector3d& position) {
+    const double psi_psd = gyro_psd_ * t_, q = gyro_psd_ * d;
+    const Vector3d c = b_ + d * a_;
+    const Matrix3d uu = SkewProduct(u, u);
+    const Matrix3d a_velocity = SkewProduct(a_, velocity);
+    const Matrix3d c_position = SkewProduct(c, position);
+    const Matrix3d P_pv_moved = P_pv_ + d * P_vv_;
+
+    P_pp_ += d * (P_pv_moved + P_pv_.transpose()) - c_position - c_position.transpose() -
+             psi_psd * SkewProduct(position, position) - q * d * d / 20.0 * uu;
+    P_pp_.diagonal().array() += accel_psd_ * d * d * d / 3.0;
+    P_pv_ = P_pv_moved - SkewProduct(position, a_) - SkewProduct(c, velocity) -
+            psi_psd * SkewProduct(position, velocity) - q * d / 8.0 * uu;
+    P_pv_.diagonal().array() += accel_psd_ * d * d / 2.0;
+    P_vv_ += -a_velocity - a_velocity.transpose() - psi_psd * SkewProduct(velocity, velocity) -
+             q / 3.0 * uu;
+    P_vv_.diagonal().array() += accel_psd_ * d;
+    b_ = c + psi_psd * position + q * d / 6.0 * u;
+    a_ += psi_psd * velocity + 0.5 * q * u;
+  }
+
+  void AddBiasJacobians(double d, const Matrix3d& dR, const Vector3d& phi, const Vector3d& u,
+                        const Vector3d& velocity, const Vector3d& position,
+                        const AngleFunctions& g) {
+    const Matrix3d phi_x_dR = Cross(phi, dR);
+    const Matrix3d phi_x_phi_x_dR = Cross(phi, phi_x_dR);
+    J_p_ba_ += d * J_v_ba_ - d * d * (0.5 * dR + g.b * phi_x_dR + g.c * phi_x_phi_x_dR);
+    const Matrix3d turned = dR + g.a * phi_x_dR + g.b * phi_x_phi_x_dR;  // left Jacobian times dR
+    J_v_ba_ -= d * turned;
+    AddGyroSensitivity(d, -dR, -turned, u, velocity, position, &bias_);
+  }
+
+  void AddScaleJacobians(double d, const Matrix3d& dR_w, const Vector3d& phi, const Vector3d& u,
+                         const Vector3d& velocity, const Vector3d& position,
+                         const AngleFunctions& g) {
+    const Matrix3d phi_x = Cross(phi, dR_w);
+    const Matrix3d turned = dR_w + g.a * phi_x + g.b * Cross(phi, phi_x);
+    AddGyroSensitivity(d, -dR_w, -turned, u, velocity, position, &scale_);
+  }
+
+  // rate: derivative of the mean rate in begin axes; the terms within the piece (u) are of first
+  // order in its turn.
+  static void AddGyroSensitivity(double d, const Matrix3d& rate, const Matrix3d& turned,
+                                 const Vector3d& u, const Vector3d& velocity,
+                                 const Vector3d& position, Sensitivity* K) {
+    const Matrix3d u_x_rate = Cross(u, rate);
+    K->p += d * K->v - Cross(position, K->q) - d * d / 6.0 * u_x_rate;
+    K->v += -Cross(velocity, K->q) - 0.5 * d * u_x_rate;
+    K->q += d * turned;
+  }
+
+  Vector3d inverse_scale_;
+  double gyro_psd_, accel_psd_;
+  double t_ = 0.0;
+  Eigen::Quaterniond dq_ = Eigen::Quaterniond::Identity();
+  Vector3d dv_ = Vector3d::Zero(), dp_ = Vector3d::Zero();
+  Vector3d a_ = Vector3d::Zero(), b_ = Vector3d::Zero();
+  Matrix3d P_vv_ = Matrix3d::Zero(), P_pv_ = Matrix3d::Zero(), P_pp_ = Matrix3d::Zero();
+  Sensitivity bias_, scale_;
+  Matrix3d J_v_ba_ = Matrix3d::Zero(), J_p_ba_ = Matrix3d::Zero();
+};
+
+Vector3d InverseScale(const Vector3d& gyro_scale) {
+  if (!(gyro_scale.array() > -1.0).all() || !gyro_scale.allFinite()) {
+    throw InvalidInput("gyro scale factor must be finite and above -1");
+  }
+  return (Vector3d::Ones() + gyro_scale).cwiseInverse();
+}
+
+void CheckBias(const ImuCorrection& bias) {
+  if (!bias.gyro_bias_radps.allFinite() || !bias.accel_bias_mps2.allFinite()) {
+    throw InvalidInput("inertial increments: a bias is not finite");
+  }
+}
+
+void CheckInside(const ImuData& imu, double t0_s, double t1_s) {
+  if (imu.samples.empty()) throw InvalidInput("inertial increments: there are no IMU data");
+  if (!(t0_s >= imu.t_begin_s() - kTimeTolerance_s) ||
+      !(t1_s <= imu.t_end_s() + kTimeTolerance_s)) {
+    throw InvalidInput("inertial increments from " + Seconds(t0_s) + " to " + Seconds(t1_s) +
+                       ": the IMU data cover " + Seconds(imu.t_begin_s()) + " to " +
+                       Seconds(imu.t_end_s()));
+  }
+}
+
+[[noreturn]] void ThrowGap(double t0_s, double t1_s, const ImuSample& after) {
+  throw InvalidInput("inertial increments from " + Seconds(t0_s) + " to " + Seconds(t1_s) +
+                     ": the IMU data have a gap that ends at " + Seconds(after.t_s - after.dt_s));
+}
+
+Preintegrated Frame(double t0_s, double t1_s, const ImuCorrection& bias,
+                    const Vector3d& gyro_scale) {
+  Preintegrated out;
+  out.t_begin_s = t0_s;
+  out.t_end_s = t1_s;
+  out.linearisation = bias;
+  out.gyro_scale = gyro_scale;
+  return out;
+}
+
+void WriteEnd(const LinearSample& sample, Preintegrated* out) {
+  out->w_end_b_radps = sample.Rate(out->t_end_s);
+  out->f_end_b_mps2 = sample.Force(out->t_end_s);
+}
+
+}  // namespace
+
+Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
+                           const ImuCorrection& bias, const PreintegrationNoise& noise,
+                           const Vector3d& gyro_scale) {
+  if (!(t_end_s > t_begin_s)) {
+    throw InvalidInput("inertial increments: the end " + Seconds(t_end_s) +
+                       " is not after the begin " + Seconds(t_begin_s));
+  }
+  CheckInside(imu, t_begin_s, t_end_s);
+  CheckBias(bias);
+  const Vector3d inverse_scale = InverseScale(gyro_scale);
+  Preintegrated out = Frame(t_begin_s, t_end_s, bias, gyro_scale);
+  Integrator integrator(noise, inverse_scale);
+
+  std::size_t k = SampleRange(imu, t_begin_s, t_end_s).first;
+  k = std::min(k, imu.samples.size() - 1);
+  for (double t_s = t_begin_s; t_s < t_end_s; ++k) {
+    const ImuSample& sample = imu.samples[k];
+    if (sample.t_s - sample.dt_s > t_s + kTimeTolerance_s) ThrowGap(t_begin_s, t_end_s, sample);
+    const bool last = sample.t_s >= t_end_s || k + 1 == imu.samples.size();
+    const double stop_s = last ? t_end_s : sample.t_s;
+    const LinearSample linear(imu, k, bias, inverse_scale);
+    integrator.Add(linear.Part(t_s, stop_s));
+    if (last) WriteEnd(linear, &out);
+    t_s = stop_s;
+  }
+  integrator.Write(&out);
+  out.covariance.bottomRightCorner<3, 3>().diagonal().array() +=
+      noise.position_floor_m * noise.position_floor_m;
+  return out;
+}
+
+Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& bias,
+                                const Vector3d& gyro_scale) {
+  CheckInside(imu, t_s, t_s);
+  CheckBias(bias);
+  const auto after =
+      std::lower_bound(imu.samples.begin(), imu.samples.end(), t_s - kTimeTolerance_s,
+                       [](const ImuSample& sample, double t) { return sample.t_s < t; });
+  if (after->t_s - after->dt_s > t_s + kTimeTolerance_s) ThrowGap(t_s, t_s, *after);
+  Preintegrated out = Frame(t_s, t_s, bias, gyro_scale);
+  WriteEnd(LinearSample(imu, static_cast<std::size_t>(after - imu.samples.begin()), bias,
+                        InverseScale(gyro_scale)),
+           &out);
+  return out;
+}
+
+Preintegrated Compose(const Preintegrated& a, const Preintegrated& b) {
+  const double dt = b.dt_s();
+  const Matrix3d A = a.delta_q.toRotationMatrix();
+  const Matrix3d B_inverse = b.delta_q.toRotationMatrix().transpose();
+  const Matrix3d A_v = A * Skew(b.delta_v), A_p = A * Skew(b.delta_p);
+
+  Preintegrated out = b;
+  out.t_begin_s = a.t_begin_s;
+  out.delta_q = (a.delta_q * b.delta_q).normalized();
+  out.delta_v = a.delta_v + A * b.delta_v;
+  out.delta_p = a.delta_p + a.delta_v * dt + A * b.delta_p;
+
+  Eigen::Matrix<double, 9, 9> F = Eigen::Matrix<double, 9, 9>::Identity();
+  F.block<3, 3>(0, 0) = B_inverse;
+  F.block<3, 3>(3, 0) = -A_v;
+  F.block<3, 3>(6, 0) = -A_p;
+  F.block<3, 3>(6, 3) = dt * Matrix3d::Identity();
+  Eigen::Matrix<double, 9, 9> G = Eigen::Matrix<double, 9, 9>::Identity();
+  G.block<3, 3>(3, 3) = A;
+  G.block<3, 3>(6, 6) = A;
+  out.covariance = F * a.covariance * F.transpose() + G * b.covariance * G.transpose();
+
+  out.J_q_bg = B_inverse * a.J_q_bg + b.J_q_bg;
+  out.J_v_bg = a.J_v_bg - A_v * a.J_q_bg + A * b.J_v_bg;
+  out.J_p_bg = a.J_p_bg + dt * a.J_v_bg - A_p * a.J_q_bg + A * b.J_p_bg;
+  out.J_v_ba = a.J_v_ba + A * b.J_v_ba;
+  out.J_p_ba = a.J_p_ba + dt * a.J_v_ba + A * b.J_p_ba;
+  out.J_q_sg = B_inverse * a.J_q_sg + b.J_q_sg;
+  out.J_v_sg = a.J_v_sg - A_v * a.J_q_sg + A * b.J_v_sg;
+  out.J_p_sg = a.J_p_sg + dt * a.J_v_sg - A_p * a.J_q_sg + A * b.J_p_sg;
+  return out;
+}
+
+}  // namespace dn
