@@ -17,6 +17,7 @@ struct LidarPair {
   std::optional<Eigen::Matrix3d>
       covariance_m2;  ///< of the difference of the two points in m; absent: sigma_p
   int file = 0;       ///< index into PairData::files (one per strip pair)
+  long line = 0;      ///< line of that file, from 1; 0: not from a file
 };
 
 struct PairData {
@@ -24,13 +25,19 @@ struct PairData {
   std::vector<LidarPair> pairs;
 };
 
+/// Files that the glob patterns (*, ?, [..]; relative to `folder`) name, sorted, each once. Throws
+/// InvalidInput naming a pattern that matches nothing.
+std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& folder,
+                                                 const std::vector<std::string>& patterns);
+
 /// Reads the pair files that the glob patterns name (relative to `folder`), in sorted order of
 /// their names. Columns: t_i, t_j, u_i (3), u_j (3), optionally the upper triangle of the
-/// covariance (6). Throws InvalidInput naming file:line; also when no file matches, a vector has
-/// zero length, or there is no pair.
+/// covariance (6). Throws InvalidInput naming file:line; also when a pattern matches no file, a
+/// vector has zero length, a covariance is not positive definite, or there is no pair.
 PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns);
 
-/// Text of a pair file with 17 significant digits where needed.
+/// Text of a pair file with 17 significant digits where needed. Either all pairs carry a
+/// covariance or none does: a file has one number of columns.
 std::string FormatPairs(const std::vector<LidarPair>& pairs);
 
 }  // namespace dn

@@ -110,6 +110,9 @@ struct FlightConfig {
 /// that needs it says so.
 FlightConfig ReadFlightConfig(const std::filesystem::path& folder);
 
+/// The same for a text: that of `folder`/flight.yaml, which need not exist.
+FlightConfig ParseFlightConfig(const std::string& text, const std::filesystem::path& folder);
+
 /// The resolved configuration as YAML in the contract's form (config.resolved.yaml): reading it
 /// back gives the same configuration. Body quantities are written in FRD with `body: FRD`, as all
 /// results are.

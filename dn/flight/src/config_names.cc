@@ -1,0 +1,64 @@
+#include "config_names.h"
+
+namespace dn::internal {
+
+const Words<RobustKind>& RobustWords() {
+  static const Words<RobustKind> words{
+      {"none", RobustKind::kNone}, {"huber", RobustKind::kHuber}, {"cauchy", RobustKind::kCauchy}};
+  return words;
+}
+
+const Words<PairSelection::Strategy>& StrategyWords() {
+  using Strategy = PairSelection::Strategy;
+  static const Words<Strategy> words{{"all", Strategy::kAll},
+                                     {"max", Strategy::kMax},
+                                     {"freq", Strategy::kFreq},
+                                     {"time_window", Strategy::kTimeWindow}};
+  return words;
+}
+
+const Words<ImuFormat>& ImuFormatWords() {
+  static const Words<ImuFormat> words{{"odyn", ImuFormat::kOdyn},
+                                      {"increments", ImuFormat::kIncrements}};
+  return words;
+}
+
+const Words<ImuSampling>& ImuSamplingWords() {
+  static const Words<ImuSampling> words{{"mean", ImuSampling::kMean},
+                                        {"instantaneous", ImuSampling::kInstantaneous}};
+  return words;
+}
+
+const Words<GnssFormat>& GnssFormatWords() {
+  static const Words<GnssFormat> words{{"odyn", GnssFormat::kOdyn},
+                                       {"rtklib", GnssFormat::kRtklib},
+                                       {"ob_gins", GnssFormat::kObGins}};
+  return words;
+}
+
+const Words<BiasProcess::Type>& ProcessWords() {
+  using Type = BiasProcess::Type;
+  static const Words<Type> words{{"random_constant", Type::kRandomConstant},
+                                 {"gauss_markov", Type::kGaussMarkov},
+                                 {"random_walk", Type::kRandomWalk}};
+  return words;
+}
+
+const Words<bool>& GhRotationWords() {
+  static const Words<bool> words{{"exp", true}, {"small_angle", false}};
+  return words;
+}
+
+const Words<bool>& BodyWords() {
+  static const Words<bool> words{{"FRD", false}, {"FLU", true}};
+  return words;
+}
+
+const Words<NetworkConfig::Inertial>& InertialWords() {
+  using Inertial = NetworkConfig::Inertial;
+  static const Words<Inertial> words{{"preintegrated", Inertial::kPreintegrated},
+                                     {"raw", Inertial::kRaw}};
+  return words;
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <dn/flight/flight_config.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dn::internal {
+
+/// The words of flight.yaml and what they stand for.
+template <class T>
+using Words = std::vector<std::pair<std::string, T>>;
+
+const Words<RobustKind>& RobustWords();
+const Words<PairSelection::Strategy>& StrategyWords();
+const Words<ImuFormat>& ImuFormatWords();
+const Words<ImuSampling>& ImuSamplingWords();
+const Words<GnssFormat>& GnssFormatWords();
+const Words<BiasProcess::Type>& ProcessWords();
+const Words<bool>& GhRotationWords();
+const Words<bool>& BodyWords();
+const Words<NetworkConfig::Inertial>& InertialWords();
+
+/// The word of a value.
+template <class T>
+std::string WordOf(const T& value, const Words<T>& words) {
+  for (const auto& [word, meaning] : words) {
+    if (meaning == value) return word;
+  }
+  return {};
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <dn/flight/flight_config.h>
+
+#include "config_names.h"
+#include "config_units.h"
+#include "yaml_value.h"
+
+namespace dn::internal {
+
+/// Forward-right-down from forward-left-up, and back: a half turn about x.
+inline Eigen::Vector3d FlipBody(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
+
+/// Sections of flight.yaml. body_is_flu: body quantities of the file are forward-left-up.
+ImuConfig ReadImuSection(const YamlValue& section);
+GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu);
+LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu);
+TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
+std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);
+
+/// Every effect name of the vocabulary shared by simulator, estimator and diagnosis.
+const std::vector<std::string>& EffectNames();
+
+/// How the bias processes of one sensor triad are spelt.
+struct ProcessKeys {
+  const char* sigma;  ///< random_constant, gauss_markov
+  ToSi sigma_to_si;
+  const char* walk;  ///< random_walk
+  ToSi walk_to_si;
+  const char* white;
+  ToSi white_to_si;
+};
+const ProcessKeys& GyroKeys();
+const ProcessKeys& AccelKeys();
+
+}  // namespace dn::internal

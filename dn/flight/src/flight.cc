@@ -1,0 +1,253 @@
+#include <dn/error.h>
+#include <dn/flight/flight.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "pair_coverage.h"
+
+namespace dn {
+namespace {
+
+using internal::CoveredTime;
+namespace fs = std::filesystem;
+
+bool IsFile(const fs::path& path) {
+  std::error_code none;
+  return fs::is_regular_file(path, none);
+}
+
+/// Reads the parts of one folder into one Flight.
+class FolderReader {
+ public:
+  FolderReader(FlightConfig config, const FlightNeeds& needs) : needs_(needs) {
+    flight_.config = std::move(config);
+  }
+
+  Flight Read() {
+    if (needs_.imu) ReadImuPart();
+    if (needs_.gnss) ReadGnssPart();
+    if (needs_.trajectory) ReadTrajectoryPart();
+    if (needs_.pairs) ReadPairsPart();
+    flight_.initial_guess = ReadIfPresent("initial_guess");
+    flight_.reference = ReadIfPresent("reference");
+    flight_.frame = LocalFrame(Origin());
+    return std::move(flight_);
+  }
+
+ private:
+  fs::path InFolder(const fs::path& file) const { return flight_.config.folder / file; }
+
+  /// True when the section is there; false when it is not, which only optional reading allows.
+  bool HasSection(bool present, const char* section) const {
+    if (!present && !needs_.optional) {
+      throw InvalidConfig(
+          std::string("the section '") + section + "' is missing, and this command needs it",
+          FileLocation{InFolder("flight.yaml").string(), 0, 0});
+    }
+    return present;
+  }
+
+  /// True when the file of a section is there; likewise.
+  bool HasFile(const fs::path& path, const char* key) const {
+    const bool present = IsFile(path);
+    if (!present && !needs_.optional) {
+      throw InvalidInput("the data file " + path.string() + " does not exist; the key " + key +
+                         " of flight.yaml names it");
+    }
+    return present;
+  }
+
+  void Count(const std::string& what, long count) {
+    if (count != 0) flight_.counts[what] += count;
+  }
+
+  void ReadImuPart() {
+    if (!HasSection(flight_.config.imu.has_value(), "imu")) return;
+    const ImuConfig& imu = *flight_.config.imu;
+    const fs::path file = InFolder(imu.file);
+    if (!HasFile(file, "imu.file")) return;
+    flight_.imu = ReadImu(file, imu.read);
+    if (flight_.imu->samples.empty()) {
+      throw InvalidInput("no IMU sample lies inside time_span_s",
+                         FileLocation{file.string(), 0, 0});
+    }
+    flight_.counts["imu samples"] = static_cast<long>(flight_.imu->samples.size());
+    Count("imu repeated rows", flight_.imu->repeated_rows_dropped);
+    Count("imu rows outside time span", flight_.imu->rows_outside_span);
+    Count("imu gaps", static_cast<long>(flight_.imu->gaps.size()));
+  }
+
+  void ReadGnssPart() {
+    if (!HasSection(flight_.config.gnss.has_value(), "gnss")) return;
+    const fs::path file = InFolder(flight_.config.gnss->file);
+    if (!HasFile(file, "gnss.file")) return;
+    GnssData gnss = ReadGnss(file, flight_.config.gnss->format);
+    if (gnss.epochs.empty()) {
+      throw InvalidInput("no GNSS epoch in the file", FileLocation{file.string(), 0, 0});
+    }
+    first_gnss_ = gnss.epochs.front().antenna;
+    Count("gnss repeated rows", gnss.repeated_rows_dropped);
+    KeepGnssInside(file, gnss);
+    flight_.counts["gnss epochs"] = static_cast<long>(gnss.epochs.size());
+    flight_.gnss = std::move(gnss);
+  }
+
+  void KeepGnssInside(const fs::path& file, GnssData& gnss) {
+    if (const auto& span = flight_.config.time_span_s) {
+      const CoveredTime covered{"time_span_s", span->x(), span->y(), {}};
+      KeepGnssInside(covered, "gnss rows outside time span", file, gnss);
+    }
+    if (flight_.imu) {
+      CoveredTime covered = internal::Cover(*flight_.imu);
+      covered.holes.clear();
+      KeepGnssInside(covered, "gnss rows outside imu data", file, gnss);
+    }
+  }
+
+  void KeepGnssInside(const CoveredTime& covered, const char* reason, const fs::path& file,
+                      GnssData& gnss) {
+    for (GnssEpoch& epoch : gnss.epochs) epoch.t_s = internal::AlignWeek(epoch.t_s, covered);
+    const double t_begin_s = gnss.epochs.front().t_s;
+    const double t_end_s = gnss.epochs.back().t_s;
+    Count(reason, static_cast<long>(std::erase_if(gnss.epochs, [&](const GnssEpoch& epoch) {
+            return !covered.Contains(epoch.t_s);
+          })));
+    if (gnss.epochs.empty()) {
+      throw InvalidInput("no GNSS epoch lies inside " + covered.what + ": GNSS covers " +
+                             internal::SpanText(t_begin_s, t_end_s) + ", " + covered.what + " " +
+                             internal::SpanText(covered.t_begin_s, covered.t_end_s) +
+                             "; both must be in GPS seconds of week",
+                         FileLocation{file.string(), 0, 0});
+    }
+  }
+
+  /// The trajectory file: that of the section, else one with the contract's name.
+  void ResolveTrajectoryFile() {
+    std::optional<TrajectoryConfig>& section = flight_.config.trajectory;
+    const std::string usual = TrajectoryConfig().file;
+    for (const std::string& name : {usual, std::string("trajectory.txt")}) {
+      if (!IsFile(InFolder(name))) continue;
+      if (!section) section = TrajectoryConfig();
+      if (section->file == usual) section->file = name;
+      return;
+    }
+  }
+
+  void ReadTrajectoryPart() {
+    ResolveTrajectoryFile();
+    if (!HasSection(flight_.config.trajectory.has_value(), "trajectory")) return;
+    const fs::path file = InFolder(flight_.config.trajectory->file);
+    if (!HasFile(file, "trajectory.file")) return;
+    flight_.trajectory = ReadTrajectory(file, flight_.config.body_is_flu);
+    flight_.counts["trajectory points"] = static_cast<long>(flight_.trajectory->points().size());
+    Count("trajectory repeated rows", flight_.trajectory->notes().repeated_rows_dropped);
+  }
+
+  /// True when every pattern of lidar.p2p names a file.
+  bool HasPairFiles() {
+    std::vector<std::string>& patterns = flight_.config.lidar->p2p;
+    const std::vector<std::string> usual = LidarConfig().p2p;
+    if (patterns == usual && !IsFile(InFolder(usual.front())) &&
+        fs::is_directory(InFolder("lidar"))) {
+      patterns = {"lidar/*.txt"};
+    }
+    try {
+      FindPairFiles(flight_.config.folder, patterns);
+      return true;
+    } catch (const InvalidInput& e) {
+      if (needs_.optional) return false;
+      throw InvalidInput(std::string(e.what()) + "; the key lidar.p2p of flight.yaml names it");
+    }
+  }
+
+  void ReadPairsPart() {
+    if (!HasSection(flight_.config.lidar.has_value(), "lidar")) return;
+    if (!HasPairFiles()) return;
+    flight_.pairs = ReadPairs(flight_.config.folder, flight_.config.lidar->p2p);
+    KeepPairsInsideSpan();
+    CheckPairsCovered();
+    flight_.pair_strips = FindStrips(flight_);
+    std::vector<LidarPair>& pairs = flight_.pairs->pairs;
+    const std::size_t all = pairs.size();
+    pairs = SelectPairs(pairs, flight_.config.lidar->pairs);
+    Count("pairs not selected", static_cast<long>(all - pairs.size()));
+    flight_.counts["pairs"] = static_cast<long>(pairs.size());
+  }
+
+  void KeepPairsInsideSpan() {
+    const auto& span = flight_.config.time_span_s;
+    if (!span) return;
+    const CoveredTime covered{"time_span_s", span->x(), span->y(), {}};
+    std::vector<LidarPair>& pairs = flight_.pairs->pairs;
+    internal::AlignWeek(covered, pairs);
+    const auto dropped = std::erase_if(pairs, [&](const LidarPair& pair) {
+      return !covered.Contains(pair.t_i_s) || !covered.Contains(pair.t_j_s);
+    });
+    Count("pairs outside time span", static_cast<long>(dropped));
+    if (pairs.empty()) {
+      throw InvalidInput("no lidar pair lies inside time_span_s (" +
+                             internal::SpanText(span->x(), span->y()) + ")",
+                         FileLocation{flight_.pairs->files.front().string(), 0, 0});
+    }
+  }
+
+  /// Pairs must lie inside what was read; with optional reading inside one of the two, the other
+  /// is counted.
+  void CheckPairsCovered() {
+    std::vector<CoveredTime> coverages;
+    if (flight_.imu) coverages.push_back(internal::Cover(*flight_.imu));
+    if (flight_.trajectory) coverages.push_back(internal::Cover(*flight_.trajectory));
+    if (coverages.empty()) return;
+    internal::AlignWeek(coverages.front(), flight_.pairs->pairs);
+    std::size_t complete = 0;
+    for (const CoveredTime& covered : coverages) {
+      if (!needs_.optional) internal::ExpectCovered(*flight_.pairs, covered);
+      const long outside = internal::CountUncovered(*flight_.pairs, covered);
+      Count("pairs outside " + covered.what, outside);
+      if (outside == 0) ++complete;
+    }
+    if (complete == 0) internal::ExpectCovered(*flight_.pairs, coverages.front());
+  }
+
+  std::optional<Trajectory> ReadIfPresent(const std::string& stem) {
+    for (const char* extension : {".out", ".txt"}) {
+      const fs::path file = InFolder(stem + extension);
+      if (IsFile(file)) return ReadTrajectory(file, flight_.config.body_is_flu);
+    }
+    return std::nullopt;
+  }
+
+  /// The same whatever was asked for, so that all commands share one mapping frame.
+  Geodetic Origin() const {
+    const FlightConfig& config = flight_.config;
+    if (config.origin) return *config.origin;
+    if (first_gnss_) return *first_gnss_;
+    if (config.gnss && IsFile(InFolder(config.gnss->file))) {
+      const GnssData gnss = ReadGnss(InFolder(config.gnss->file), config.gnss->format);
+      if (!gnss.epochs.empty()) return gnss.epochs.front().antenna;
+    }
+    if (flight_.trajectory) return flight_.trajectory->points().front().position;
+    return {};
+  }
+
+  FlightNeeds needs_;
+  Flight flight_;
+  std::optional<Geodetic> first_gnss_;
+};
+
+}  // namespace
+
+Flight ReadFlight(const FlightConfig& config, const FlightNeeds& needs) {
+  const auto start = std::chrono::steady_clock::now();
+  Flight flight = FolderReader(config, needs).Read();
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  flight.read_time_s = elapsed.count();
+  return flight;
+}
+
+Flight ReadFlight(const fs::path& folder, const FlightNeeds& needs) {
+  return ReadFlight(ReadFlightConfig(folder), needs);
+}
+
+}  // namespace dn

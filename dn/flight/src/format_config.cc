@@ -1,0 +1,198 @@
+#include <dn/geo/text_table.h>
+
+#include "config_sections.h"
+
+namespace dn {
+namespace {
+
+using internal::InUnit;
+using internal::RadFromDeg;
+using internal::ToSi;
+using internal::WordOf;
+
+double Same(double value) { return value; }
+
+/// A double-quoted YAML scalar.
+std::string Quote(const std::string& text) {
+  static const char* const kHex = "0123456789abcdef";
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      quoted += {'\\', c};
+    } else if (byte < 0x20) {
+      quoted += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
+std::string Number(double value, ToSi to_si = &Same) { return FormatDouble(InUnit(value, to_si)); }
+
+std::string Number(const std::optional<double>& value) { return value ? Number(*value) : "~"; }
+
+std::string List(const Eigen::VectorXd& values, ToSi to_si = &Same) {
+  std::string text = "[";
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (i > 0) text += ", ";
+    text += Number(values[i], to_si);
+  }
+  return text + "]";
+}
+
+std::string Matrix(const Eigen::Matrix3d& M) {
+  return "[" + List(M.row(0)) + ", " + List(M.row(1)) + ", " + List(M.row(2)) + "]";
+}
+
+std::string Boolean(bool value) { return value ? "true" : "false"; }
+
+/// Lines of YAML, two blanks per level.
+class Writer {
+ public:
+  void Line(int level, const std::string& text) {
+    text_.append(2 * static_cast<std::size_t>(level), ' ');
+    text_ += text;
+    text_ += '\n';
+  }
+  void Key(int level, const std::string& key, const std::string& value) {
+    Line(level, key + ": " + value);
+  }
+  std::string Take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+void WriteStrips(const std::vector<StripInterval>& strips, Writer& out) {
+  if (strips.empty()) return out.Key(0, "strips", "~");
+  out.Line(0, "strips:");
+  for (const StripInterval& strip : strips) {
+    out.Line(1, "- {name: " + Quote(strip.name) + ", t0: " + Number(strip.t0_s) +
+                    ", t1: " + Number(strip.t1_s) + "}");
+  }
+}
+
+std::string Process(const BiasProcess& process, const internal::ProcessKeys& keys) {
+  const bool walk = process.type == BiasProcess::Type::kRandomWalk;
+  std::string text = "- {type: " + WordOf(process.type, internal::ProcessWords()) + ", " +
+                     (walk ? keys.walk : keys.sigma) + ": " +
+                     Number(process.sigma, walk ? keys.walk_to_si : keys.sigma_to_si);
+  if (process.type == BiasProcess::Type::kGaussMarkov) {
+    text += ", tau_s: " + Number(process.tau_s);
+  }
+  return text + "}";
+}
+
+void WriteSensor(const char* name, const SensorNoise& noise, const internal::ProcessKeys& keys,
+                 Writer& out) {
+  out.Line(1, std::string(name) + ":");
+  out.Key(2, keys.white, Number(noise.white, keys.white_to_si));
+  if (noise.processes.empty()) return out.Key(2, "processes", "[]");
+  out.Line(2, "processes:");
+  for (const BiasProcess& process : noise.processes) out.Line(3, Process(process, keys));
+}
+
+void WriteImu(const ImuConfig& imu, Writer& out) {
+  out.Line(0, "imu:");
+  out.Key(1, "file", Quote(imu.file));
+  out.Key(1, "format", WordOf(imu.read.format, internal::ImuFormatWords()));
+  out.Key(1, "sampling", WordOf(imu.read.sampling, internal::ImuSamplingWords()));
+  out.Key(1, "grade", imu.grade ? Quote(*imu.grade) : "~");
+  WriteSensor("gyro", imu.model.gyro, internal::GyroKeys(), out);
+  WriteSensor("accel", imu.model.accel, internal::AccelKeys(), out);
+}
+
+void WriteGnss(const GnssConfig& gnss, Writer& out) {
+  out.Line(0, "gnss:");
+  out.Key(1, "file", Quote(gnss.file));
+  out.Key(1, "format", WordOf(gnss.format, internal::GnssFormatWords()));
+  out.Key(1, "lever_arm_m", List(gnss.lever_arm_b_m));
+  out.Key(1, "sigma_enu_m", List(gnss.sigma_enu_m));
+  out.Key(1, "sigma_scale", Number(gnss.sigma_scale));
+  out.Key(1, "use_velocity", gnss.use_velocity ? Boolean(*gnss.use_velocity) : "auto");
+  out.Key(1, "robust", WordOf(gnss.robust, internal::RobustWords()));
+}
+
+std::string Selection(const PairSelection& selection) {
+  return "{strategy: " + WordOf(selection.strategy, internal::StrategyWords()) +
+         ", count: " + (selection.count ? std::to_string(*selection.count) : "~") +
+         ", freq_hz: " + Number(selection.freq_hz) + ", window_s: " + Number(selection.window_s) +
+         ", seed: " + std::to_string(selection.seed) + "}";
+}
+
+void WriteLidar(const LidarConfig& lidar, Writer& out) {
+  out.Line(0, "lidar:");
+  std::string files;
+  for (const std::string& file : lidar.p2p) files += (files.empty() ? "" : ", ") + Quote(file);
+  out.Key(1, "p2p", "[" + files + "]");
+  out.Key(1, "pairs", Selection(lidar.pairs));
+  out.Key(1, "R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
+  out.Key(1, "lever_arm_m", List(lidar.mounting.lever_arm_b_m));
+  out.Key(1, "boresight_deg", List(lidar.mounting.boresight_rad, &RadFromDeg));
+  out.Key(1, "boresight_sigma_deg",
+          lidar.boresight_sigma_rad ? List(*lidar.boresight_sigma_rad, &RadFromDeg) : "~");
+  out.Key(1, "scan_axis", List(lidar.scan_axis_s));
+  out.Key(1, "nadir_axis", List(lidar.nadir_axis_s));
+  out.Key(1, "gsd_m", Number(lidar.gsd_m));
+  out.Key(1, "sigma_p_m", Number(lidar.sigma_p_m));
+  out.Key(1, "robust", WordOf(lidar.robust, internal::RobustWords()));
+}
+
+void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
+  out.Line(0, "trajectory:");
+  out.Key(1, "file", Quote(trajectory.file));
+  out.Key(1, "sigma_xy_m", Number(trajectory.sigma_xy_m));
+  out.Key(1, "sigma_z_m", Number(trajectory.sigma_z_m));
+  out.Key(1, "sigma_rp_deg", Number(trajectory.sigma_rp_rad, &RadFromDeg));
+  out.Key(1, "sigma_y_deg", Number(trajectory.sigma_y_rad, &RadFromDeg));
+}
+
+void WriteEstimate(const std::vector<EstimateEntry>& entries, Writer& out) {
+  std::string text;
+  for (const EstimateEntry& entry : entries) {
+    if (!text.empty()) text += ", ";
+    text += entry.sigma ? "{unknown: " + entry.unknown + ", sigma: " + Number(*entry.sigma) + "}"
+                        : entry.unknown;
+  }
+  out.Key(0, "estimate", "[" + text + "]");
+}
+
+void WriteHead(const FlightConfig& config, Writer& out) {
+  if (config.body_is_flu) {
+    out.Line(0, "# Resolved from 'body: FLU': here in FRD; the flight's data files remain FLU.");
+  }
+  out.Key(0, "name", Quote(config.name));
+  out.Key(0, "body", "FRD");
+  const std::optional<Geodetic>& o = config.origin;
+  out.Key(0, "frame",
+          o ? "{origin_deg_m: [" + Number(o->lat_rad, &RadFromDeg) + ", " +
+                  Number(o->lon_rad, &RadFromDeg) + ", " + Number(o->h_m) + "]}"
+            : "{origin_deg_m: ~}");
+  out.Key(0, "time_span_s", config.time_span_s ? List(*config.time_span_s) : "~");
+  WriteStrips(config.strips, out);
+  out.Key(0, "strips_crs", Quote(config.strips_crs));
+}
+
+}  // namespace
+
+std::string FormatFlightConfig(const FlightConfig& config) {
+  Writer out;
+  WriteHead(config, out);
+  if (config.imu) WriteImu(*config.imu, out);
+  if (config.gnss) WriteGnss(*config.gnss, out);
+  if (config.lidar) WriteLidar(*config.lidar, out);
+  if (config.trajectory) WriteTrajectory(*config.trajectory, out);
+  out.Key(0, "gh",
+          "{rotation: " + WordOf(config.gh.exponential, internal::GhRotationWords()) +
+              ", libor_compat: " + Boolean(config.gh.libor_compat) + "}");
+  WriteEstimate(config.estimate, out);
+  out.Key(0, "network",
+          "{inertial: " + WordOf(config.network.inertial, internal::InertialWords()) +
+              ", node_rate_hz: " +
+              (config.network.node_rate_hz ? Number(*config.network.node_rate_hz) : "auto") + "}");
+  return out.Take();
+}
+
+}  // namespace dn

@@ -1,0 +1,113 @@
+#include <dn/error.h>
+
+#include "config_sections.h"
+
+namespace dn::internal {
+namespace {
+
+double ProcessSigma(const YamlValue& item, const char* key, ToSi to_si) {
+  return to_si(item[key].Positive());
+}
+
+BiasProcess ReadProcess(const YamlValue& item, const ProcessKeys& keys) {
+  item.ExpectMap({"type", keys.sigma, keys.walk, "tau_s"});
+  BiasProcess process;
+  process.type = item["type"].Choice(ProcessWords());
+  switch (process.type) {
+    case BiasProcess::Type::kRandomConstant:
+      item.ExpectMap({"type", keys.sigma});
+      process.sigma = ProcessSigma(item, keys.sigma, keys.sigma_to_si);
+      break;
+    case BiasProcess::Type::kGaussMarkov:
+      item.ExpectMap({"type", keys.sigma, "tau_s"});
+      process.sigma = ProcessSigma(item, keys.sigma, keys.sigma_to_si);
+      process.tau_s = item["tau_s"].Positive();
+      break;
+    case BiasProcess::Type::kRandomWalk:
+      item.ExpectMap({"type", keys.walk});
+      process.sigma = ProcessSigma(item, keys.walk, keys.walk_to_si);
+      break;
+  }
+  return process;
+}
+
+/// Overrides what the section gives explicitly; white noise comes from a preset or from here.
+void ReadSensor(const YamlValue& section, const ProcessKeys& keys, bool has_preset,
+                SensorNoise& noise) {
+  if (section) {
+    section.ExpectMap({keys.white, "processes"});
+    if (section[keys.white]) noise.white = keys.white_to_si(section[keys.white].Positive());
+    if (section["processes"]) {
+      noise.processes.clear();
+      for (const YamlValue& item : section["processes"].List()) {
+        noise.processes.push_back(ReadProcess(item, keys));
+      }
+    }
+  }
+  if (!has_preset && noise.white == 0.0) {
+    const YamlValue white = section ? section[keys.white] : section;
+    white.Fail(std::string("the white noise is missing: give ") + keys.white +
+               ", or name a preset with imu.grade (" + Join(ImuPresetNames()) + ")");
+  }
+}
+
+bool SameNoise(const SensorNoise& a, const SensorNoise& b) {
+  if (a.white != b.white || a.processes.size() != b.processes.size()) return false;
+  for (std::size_t i = 0; i < a.processes.size(); ++i) {
+    const BiasProcess& p = a.processes[i];
+    const BiasProcess& q = b.processes[i];
+    if (p.type != q.type || p.sigma != q.sigma || p.tau_s != q.tau_s) return false;
+  }
+  return true;
+}
+
+ImuModel ReadModel(const YamlValue& section, const std::optional<std::string>& grade) {
+  ImuModel preset;
+  if (grade) {
+    try {
+      preset = ImuPreset(*grade);
+    } catch (const InvalidConfig& e) {
+      section["grade"].Fail(e.what());
+    }
+  }
+  ImuModel model = preset;
+  ReadSensor(section["gyro"], GyroKeys(), grade.has_value(), model.gyro);
+  ReadSensor(section["accel"], AccelKeys(), grade.has_value(), model.accel);
+  const bool own_figures =
+      !SameNoise(model.gyro, preset.gyro) || !SameNoise(model.accel, preset.accel);
+  if (own_figures) {
+    model.name = grade ? *grade + " with own figures" : "own figures";
+    model.source = "flight.yaml";
+    model.approximate = false;
+  }
+  return model;
+}
+
+}  // namespace
+
+const ProcessKeys& GyroKeys() {
+  static const ProcessKeys keys{"sigma_deg_h",        &RadpsFromDegPerHour,
+                                "sigma_deg_h_sqrt_h", &RadpsPerSqrtSFromDegPerHourPerSqrtHour,
+                                "white_deg_sqrt_h",   &RadPerSqrtSFromDegPerSqrtHour};
+  return keys;
+}
+
+const ProcessKeys& AccelKeys() {
+  static const ProcessKeys keys{"sigma_mg",         &Mps2FromMg,
+                                "sigma_mg_sqrt_h",  &Mps2PerSqrtSFromMgPerSqrtHour,
+                                "white_m_s_sqrt_h", &MpsPerSqrtSFromMpsPerSqrtHour};
+  return keys;
+}
+
+ImuConfig ReadImuSection(const YamlValue& section) {
+  section.ExpectMap({"file", "format", "sampling", "grade", "gyro", "accel"});
+  ImuConfig imu;
+  if (section["file"]) imu.file = section["file"].Text();
+  if (section["format"]) imu.read.format = section["format"].Choice(ImuFormatWords());
+  if (section["sampling"]) imu.read.sampling = section["sampling"].Choice(ImuSamplingWords());
+  if (section["grade"]) imu.grade = section["grade"].Text();
+  imu.model = ReadModel(section, imu.grade);
+  return imu;
+}
+
+}  // namespace dn::internal

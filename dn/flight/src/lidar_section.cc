@@ -1,0 +1,131 @@
+#include <dn/error.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstdio>
+
+#include "config_sections.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr double kUnitTolerance = 1e-3;  // axes typed with three digits
+constexpr double kRoundOff = 4e-16;
+constexpr double kMaxCosineOfAxes = 1e-2;  // half a degree from a right angle
+
+std::string Short(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.6g", value);
+  return text;
+}
+
+PairSelection ReadSelection(const YamlValue& section) {
+  using Strategy = PairSelection::Strategy;
+  section.ExpectMap({"strategy", "count", "freq_hz", "window_s", "seed"});
+  PairSelection selection;
+  if (section["strategy"]) selection.strategy = section["strategy"].Choice(StrategyWords());
+  if (section["count"]) selection.count = static_cast<long>(section["count"].Integer(1));
+  if (section["freq_hz"]) selection.freq_hz = section["freq_hz"].Positive();
+  if (section["window_s"]) selection.window_s = section["window_s"].Positive();
+  if (section["seed"]) {
+    selection.seed = static_cast<std::uint64_t>(section["seed"].Integer(0));
+  }
+  const auto need = [&](Strategy strategy, bool given, const char* key) {
+    if (selection.strategy == strategy && !given) {
+      section[key].Fail("is required by strategy " + WordOf(strategy, StrategyWords()));
+    }
+  };
+  need(Strategy::kMax, selection.count.has_value(), "count");
+  need(Strategy::kFreq, selection.freq_hz.has_value(), "freq_hz");
+  need(Strategy::kTimeWindow, selection.window_s.has_value(), "window_s");
+  return selection;
+}
+
+Eigen::Matrix3d ReadMountingMatrix(const YamlValue& value) {
+  try {
+    return CheckedRotation(value.Matrix3());
+  } catch (const InvalidConfig&) {
+    throw;
+  } catch (const InvalidInput& e) {
+    value.Fail(e.what());
+  }
+}
+
+Eigen::Vector3d ReadUnitVector(const YamlValue& value) {
+  const Eigen::Vector3d axis = value.Vector3();
+  const double length = axis.norm();
+  if (std::abs(length - 1.0) > kUnitTolerance) {
+    value.Fail("must be a unit vector, has length " + Short(length));
+  }
+  return std::abs(length - 1.0) <= kRoundOff ? axis : Eigen::Vector3d(axis / length);
+}
+
+void CheckAxes(const YamlValue& section, const LidarConfig& lidar) {
+  const double cosine = lidar.scan_axis_s.dot(lidar.nadir_axis_s);
+  if (std::abs(cosine) > kMaxCosineOfAxes) {
+    section["nadir_axis"].Fail("must be perpendicular to scan_axis; their cosine is " +
+                               Short(cosine));
+  }
+  const double down = (lidar.mounting.R_bs_nominal * lidar.nadir_axis_s).z();
+  if (!(down > 1e-6)) {
+    section["nadir_axis"].Fail(
+        "must point below the horizon when mounted; R_sensor_to_body takes it to a downward "
+        "component of " +
+        Short(down) + " (check nadir_axis, R_sensor_to_body and body)");
+  }
+}
+
+std::optional<Eigen::Vector3d> ReadBoresightSigma(const YamlValue& value) {
+  if (!value) return std::nullopt;
+  const Eigen::Vector3d deg =
+      value.IsScalar() ? Eigen::Vector3d::Constant(value.Positive()) : value.PositiveVector3();
+  return deg.unaryExpr(&RadFromDeg);
+}
+
+void ReadPairNoise(const YamlValue& section, LidarConfig& lidar) {
+  if (section["gsd_m"]) lidar.gsd_m = section["gsd_m"].Positive();
+  if (section["sigma_p_m"]) {
+    lidar.sigma_p_m = section["sigma_p_m"].Positive();
+  } else if (lidar.gsd_m) {
+    lidar.sigma_p_m = *lidar.gsd_m / 2.0 / std::sqrt(3.0);
+  } else {
+    section["sigma_p_m"].Fail(
+        "one of lidar.gsd_m (ground sampling distance) and lidar.sigma_p_m (per coordinate of a "
+        "pair's difference) is required");
+  }
+}
+
+}  // namespace
+
+LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
+  section.ExpectMap({"p2p", "pairs", "R_sensor_to_body", "lever_arm_m", "boresight_deg",
+                     "boresight_sigma_deg", "scan_axis", "nadir_axis", "gsd_m", "sigma_p_m",
+                     "robust"});
+  const auto to_frd = [&](const Eigen::Vector3d& v) { return body_is_flu ? FlipBody(v) : v; };
+  LidarConfig lidar;
+  if (section["p2p"]) {
+    lidar.p2p.clear();
+    for (const YamlValue& item : section["p2p"].Items()) lidar.p2p.push_back(item.Text());
+    if (lidar.p2p.empty()) section["p2p"].Fail("must name at least one file");
+  }
+  if (section["pairs"]) lidar.pairs = ReadSelection(section["pairs"]);
+  Eigen::Matrix3d& R_bs = lidar.mounting.R_bs_nominal;
+  if (section["R_sensor_to_body"]) R_bs = ReadMountingMatrix(section["R_sensor_to_body"]);
+  if (body_is_flu) R_bs.bottomRows<2>() *= -1.0;
+  if (section["lever_arm_m"]) {
+    lidar.mounting.lever_arm_b_m = to_frd(section["lever_arm_m"].Vector3());
+  }
+  if (section["boresight_deg"]) {
+    lidar.mounting.boresight_rad =
+        to_frd(section["boresight_deg"].Vector3().unaryExpr(&RadFromDeg));
+  }
+  lidar.boresight_sigma_rad = ReadBoresightSigma(section["boresight_sigma_deg"]);
+  if (section["scan_axis"]) lidar.scan_axis_s = ReadUnitVector(section["scan_axis"]);
+  if (section["nadir_axis"]) lidar.nadir_axis_s = ReadUnitVector(section["nadir_axis"]);
+  CheckAxes(section, lidar);
+  ReadPairNoise(section, lidar);
+  if (section["robust"]) lidar.robust = section["robust"].Choice(RobustWords());
+  return lidar;
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,174 @@
+#include "yaml_value.h"
+
+#include <dn/network.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace dn::internal {
+namespace {
+
+/// Parses all of `text` as a number of type T; a leading '+' is accepted.
+template <class T>
+bool ParseAll(std::string_view text, T& value) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  const char* end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
+long LineOf(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.line + 1; }
+
+}  // namespace
+
+std::string Join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+FileLocation YamlValue::where() const {
+  const long line = node_.IsDefined() ? LineOf(node_.Mark()) : 0;
+  return {file_, line > 0 ? line : parent_line_, 0};
+}
+
+void YamlValue::Fail(const std::string& message) const {
+  throw InvalidConfig(path_.empty() ? message : path_ + ": " + message, where());
+}
+
+std::string YamlValue::Found() const {
+  if (absent()) return "nothing";
+  if (node_.IsMap()) return "a map";
+  if (node_.IsSequence()) return "a list of " + std::to_string(node_.size());
+  return "'" + node_.Scalar() + "'";
+}
+
+void YamlValue::FailType(const std::string& wanted) const {
+  Fail("expected " + wanted + ", found " + Found());
+}
+
+void YamlValue::FailChoice(const std::string& word, const std::vector<std::string>& names) const {
+  Fail("'" + word + "' is none of " + Join(names) + "; did you mean '" + NearestName(word, names) +
+       "'?");
+}
+
+void YamlValue::ExpectMap(const std::vector<std::string>& known) const {
+  if (!node_.IsMap()) FailType("a map of keys");
+  std::vector<std::string> seen;
+  for (const auto& entry : node_) {
+    const YamlValue key(entry.first, path_, file_, where().line);
+    if (!entry.first.IsScalar()) key.Fail("a key must be a word");
+    const std::string& name = entry.first.Scalar();
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      key.Fail("unknown key '" + name + "'; did you mean '" + NearestName(name, known) + "'?");
+    }
+    if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
+      key.Fail("key '" + name + "' is given twice");
+    }
+    seen.push_back(name);
+  }
+}
+
+YamlValue YamlValue::operator[](const std::string& key) const {
+  const YAML::Node child = node_[key];
+  const std::string path = path_.empty() ? key : path_ + "." + key;
+  if (!child.IsDefined()) return {YAML::Node(), path, file_, where().line};
+  return {child, path, file_, where().line};
+}
+
+std::vector<YamlValue> YamlValue::List() const {
+  if (!node_.IsSequence()) FailType("a list");
+  std::vector<YamlValue> items;
+  for (std::size_t i = 0; i < node_.size(); ++i) {
+    items.emplace_back(node_[i], path_ + "[" + std::to_string(i) + "]", file_, where().line);
+  }
+  return items;
+}
+
+std::vector<YamlValue> YamlValue::Items() const {
+  if (node_.IsSequence()) return List();
+  return {*this};
+}
+
+std::string YamlValue::Text() const {
+  if (absent() || !node_.IsScalar() || node_.Scalar().empty()) FailType("a word");
+  return node_.Scalar();
+}
+
+bool YamlValue::Bool() const {
+  if (!absent() && node_.IsScalar()) {
+    if (node_.Scalar() == "true") return true;
+    if (node_.Scalar() == "false") return false;
+  }
+  FailType("true or false");
+}
+
+double YamlValue::Number() const {
+  double value = 0.0;
+  if (absent() || !node_.IsScalar() || !ParseAll(node_.Scalar(), value)) FailType("a number");
+  if (!std::isfinite(value)) Fail("must be finite, is " + node_.Scalar());
+  return value;
+}
+
+double YamlValue::Positive() const {
+  const double value = Number();
+  if (!(value > 0.0)) Fail("must be greater than 0, is " + node_.Scalar());
+  return value;
+}
+
+double YamlValue::NotNegative() const {
+  const double value = Number();
+  if (value < 0.0) Fail("must not be negative, is " + node_.Scalar());
+  return value;
+}
+
+long long YamlValue::Integer(long long lowest) const {
+  long long value = 0;
+  if (absent() || !node_.IsScalar() || !ParseAll(node_.Scalar(), value)) {
+    FailType("a whole number");
+  }
+  if (value < lowest) {
+    Fail("must be at least " + std::to_string(lowest) + ", is " + node_.Scalar());
+  }
+  return value;
+}
+
+Eigen::VectorXd YamlValue::Numbers(Eigen::Index size) const {
+  if (!node_.IsSequence() || static_cast<Eigen::Index>(node_.size()) != size) {
+    FailType("a list of " + std::to_string(size) + " numbers");
+  }
+  Eigen::VectorXd values(size);
+  const std::vector<YamlValue> items = List();
+  for (Eigen::Index i = 0; i < size; ++i) values[i] = items[static_cast<std::size_t>(i)].Number();
+  return values;
+}
+
+Eigen::Vector3d YamlValue::PositiveVector3() const {
+  const Eigen::Vector3d values = Vector3();
+  if (!(values.minCoeff() > 0.0)) Fail("every element must be greater than 0");
+  return values;
+}
+
+Eigen::Matrix3d YamlValue::Matrix3() const {
+  if (!node_.IsSequence() || node_.size() != 3) FailType("a 3 x 3 matrix, as a list of 3 rows");
+  Eigen::Matrix3d matrix;
+  const std::vector<YamlValue> rows = List();
+  for (int i = 0; i < 3; ++i) matrix.row(i) = rows[static_cast<std::size_t>(i)].Vector3();
+  return matrix;
+}
+
+YamlValue ParseYaml(const std::string& text, const std::string& file) {
+  try {
+    const YAML::Node root = YAML::Load(text);
+    if (!root.IsDefined() || root.IsNull()) {
+      throw InvalidConfig("the configuration is empty", FileLocation{file, 1, 0});
+    }
+    return YamlValue(root, "", file, 1);
+  } catch (const YAML::Exception& e) {
+    throw InvalidConfig("not valid YAML: " + e.msg,
+                        FileLocation{file, LineOf(e.mark), e.mark.column + 1});
+  }
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <dn/error.h>
+#include <yaml-cpp/yaml.h>
+
+#include <Eigen/Core>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dn::internal {
+
+/// A value of a YAML file that knows its path of keys ("imu.gyro.white_deg_sqrt_h") and its file,
+/// so that every complaint names both and the line. A key that is missing and one that is `~` are
+/// both absent.
+class YamlValue {
+ public:
+  YamlValue(YAML::Node node, std::string path, std::string file, long parent_line = 0)
+      : node_(std::move(node)),
+        path_(std::move(path)),
+        file_(std::move(file)),
+        parent_line_(parent_line) {}
+
+  bool absent() const { return !node_.IsDefined() || node_.IsNull(); }
+  explicit operator bool() const { return !absent(); }
+  const std::string& path() const { return path_; }
+
+  /// Throws InvalidConfig "<path>: <message>" at this value's line.
+  [[noreturn]] void Fail(const std::string& message) const;
+  FileLocation where() const;
+
+  /// Throws unless this is a map with keys of `known`, none twice.
+  void ExpectMap(const std::vector<std::string>& known) const;
+  bool IsMap() const { return node_.IsMap(); }
+  bool IsScalar() const { return node_.IsScalar(); }
+
+  /// Value under a key of this map; absent when there is none.
+  YamlValue operator[](const std::string& key) const;
+
+  /// Elements of a list; a single value that is no list counts as a list of one.
+  std::vector<YamlValue> Items() const;
+  /// Elements of a list; anything else is an error.
+  std::vector<YamlValue> List() const;
+
+  /// Conversions; each throws naming the wanted type or range and what was found.
+  std::string Text() const;
+  bool Bool() const;
+  double Number() const;
+  double Positive() const;
+  double NotNegative() const;
+  long long Integer(long long lowest) const;
+  Eigen::VectorXd Numbers(Eigen::Index size) const;
+  Eigen::Vector3d Vector3() const { return Numbers(3); }
+  Eigen::Vector3d PositiveVector3() const;
+  Eigen::Matrix3d Matrix3() const;
+
+  /// One of several words; throws listing them.
+  template <class T>
+  T Choice(const std::vector<std::pair<std::string, T>>& choices) const {
+    const std::string word = Text();
+    for (const auto& [name, value] : choices) {
+      if (name == word) return value;
+    }
+    std::vector<std::string> names;
+    for (const auto& choice : choices) names.push_back(choice.first);
+    FailChoice(word, names);
+  }
+
+ private:
+  [[noreturn]] void FailType(const std::string& wanted) const;
+  [[noreturn]] void FailChoice(const std::string& word,
+                               const std::vector<std::string>& names) const;
+  std::string Found() const;
+
+  YAML::Node node_;
+  std::string path_;
+  std::string file_;
+  long parent_line_;
+};
+
+/// The top level of a YAML text. Throws InvalidConfig at the line of a syntax error, or when it is
+/// empty.
+YamlValue ParseYaml(const std::string& text, const std::string& file);
+
+/// "a, b, c".
+std::string Join(const std::vector<std::string>& words);
+
+}  // namespace dn::internal
