@@ -1,0 +1,169 @@
+#include "read_anything.h"
+
+#include <dn/error.h>
+#include <dn/flight/flight_config.h>
+#include <dn/geo/text_table.h>
+#include <dn/geo/trajectory.h>
+#include <dn/gnss/gnss_data.h>
+#include <dn/imu/imu_data.h>
+#include <dn/lidar/pairs.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace dn::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder that lives as long as the program, in memory where the system has such a place.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    const fs::path base = fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path();
+    path_ = base / ("dn_fuzz_" + std::to_string(getpid()));
+    fs::create_directories(path_);
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  fs::path Write(const char* name, std::string_view content) const {
+    const fs::path file = path_ / name;
+    std::ofstream(file, std::ios::binary)
+        .write(content.data(), static_cast<std::streamsize>(content.size()));
+    return file;
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+void Require(bool holds, const char* promise) {
+  if (holds) return;
+  std::fprintf(stderr, "broken promise: %s\n", promise);
+  std::abort();
+}
+
+template <class Items>
+void RequireIncreasingTimes(const Items& items) {
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    Require(std::isfinite(items[i].t_s), "times are finite");
+    Require(i == 0 || items[i].t_s > items[i - 1].t_s, "times increase");
+  }
+}
+
+void CheckTable(const fs::path& file) {
+  const TextTable table = ReadTextTable(file, {});
+  Require(table.rows() > 0 && table.columns > 0, "a table has rows and columns");
+  Require(table.values.size() == table.rows() * table.columns, "rows x columns values");
+  for (const double value : table.values) Require(std::isfinite(value), "values are finite");
+}
+
+void CheckTrajectory(const fs::path& file) {
+  const Trajectory trajectory = ReadTrajectory(file);
+  RequireIncreasingTimes(trajectory.points());
+  for (const NavPoint& point : trajectory.points()) {
+    Require(std::abs(point.q_nb.norm() - 1.0) < 1e-9, "quaternions are unit");
+    Require(point.v_ned_mps.allFinite(), "velocities are finite");
+  }
+}
+
+void CheckImu(const fs::path& file, ImuFormat format) {
+  ImuReadOptions options;
+  options.format = format;
+  const ImuData imu = ReadImu(file, options);
+  RequireIncreasingTimes(imu.samples);
+  for (const ImuSample& sample : imu.samples) {
+    Require(sample.dt_s > 0.0, "intervals are positive");
+    Require(sample.w_ib_b_radps.allFinite() && sample.f_b_mps2.allFinite(), "samples are finite");
+  }
+}
+
+void CheckGnss(const fs::path& file, GnssFormat format) {
+  const GnssData gnss = ReadGnss(file, format);
+  RequireIncreasingTimes(gnss.epochs);
+  for (const GnssEpoch& epoch : gnss.epochs) {
+    Require(std::isfinite(epoch.antenna.lat_rad) && std::isfinite(epoch.antenna.lon_rad) &&
+                std::isfinite(epoch.antenna.h_m),
+            "positions are finite");
+    Require(!epoch.covariance_enu_m2 || epoch.covariance_enu_m2->allFinite(),
+            "covariances are finite");
+  }
+}
+
+void CheckPairs(const fs::path& folder) {
+  const PairData data = ReadPairs(folder, {"LiDAR_p2p.txt"});
+  Require(!data.pairs.empty(), "there are pairs");
+  for (const LidarPair& pair : data.pairs) {
+    Require(pair.u_i_s.allFinite() && pair.u_i_s.norm() > 0.0, "laser vectors are not zero");
+    Require(pair.u_j_s.allFinite() && pair.u_j_s.norm() > 0.0, "laser vectors are not zero");
+  }
+}
+
+void CheckConfig(const ScratchFolder& scratch) {
+  const std::string resolved = FormatFlightConfig(ReadFlightConfig(scratch.path()));
+  scratch.Write("flight.yaml", resolved);
+  try {
+    Require(FormatFlightConfig(ReadFlightConfig(scratch.path())) == resolved,
+            "a configuration reads back as it was written");
+  } catch (const InvalidInput& e) {
+    std::fprintf(stderr, "%s\n%s\n", e.what(), resolved.c_str());
+    Require(false, "a written configuration is accepted");
+  }
+}
+
+void Read(char reader, std::string_view content) {
+  static const ScratchFolder scratch;
+  switch (reader) {
+    case 'T':
+      return CheckTable(scratch.Write("table.txt", content));
+    case 'S':
+      return CheckTrajectory(scratch.Write("trajectory.out", content));
+    case 'O':
+      return CheckTrajectory(scratch.Write("trajectory.txt", content));
+    case 'I':
+      return CheckImu(scratch.Write("IMU.txt", content), ImuFormat::kOdyn);
+    case 'J':
+      return CheckImu(scratch.Write("IMU.txt", content), ImuFormat::kIncrements);
+    case 'G':
+      return CheckGnss(scratch.Write("GPS.txt", content), GnssFormat::kOdyn);
+    case 'R':
+      return CheckGnss(scratch.Write("GPS.txt", content), GnssFormat::kRtklib);
+    case 'B':
+      return CheckGnss(scratch.Write("GPS.txt", content), GnssFormat::kObGins);
+    case 'P':
+      scratch.Write("LiDAR_p2p.txt", content);
+      return CheckPairs(scratch.path());
+    default:
+      scratch.Write("flight.yaml", content);
+      return CheckConfig(scratch);
+  }
+}
+
+}  // namespace
+
+std::string ReadAnything(const unsigned char* data, std::size_t size) {
+  if (size == 0) return "no reader";
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  const bool named = kReaders.find(bytes[0]) != std::string_view::npos;
+  const char reader = named ? bytes[0] : kReaders[data[0] % kReaders.size()];
+  try {
+    Read(reader, bytes.substr(1));
+  } catch (const InvalidInput& e) {
+    std::string message = e.what();
+    Require(!message.empty(), "a rejection says why");
+    return message;
+  }
+  return {};
+}
+
+}  // namespace dn::testing
