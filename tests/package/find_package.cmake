@@ -27,10 +27,21 @@ foreach(file IN LISTS exported)
   endforeach()
 endforeach()
 
+# The program in the README is part of the outside project.
+file(READ ${DN_SOURCE_DIR}/README.md readme)
+string(FIND "${readme}" "```cpp\n" begin)
+string(SUBSTRING "${readme}" ${begin} -1 readme)
+string(SUBSTRING "${readme}" 7 -1 readme)
+string(FIND "${readme}" "```" end)
+string(SUBSTRING "${readme}" 0 ${end} readme)
+file(WRITE ${SCRATCH_DIR}/readme.cc "${readme}")
+
 run(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${SCRATCH_DIR}/build -G ${GENERATOR}
   -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Release
   -D CMAKE_C_COMPILER=${C_COMPILER} -D CMAKE_CXX_COMPILER=${CXX_COMPILER}
-  -D CMAKE_CXX_FLAGS=${CXX_FLAGS})
+  -D CMAKE_CXX_FLAGS=${CXX_FLAGS} -D README_PROGRAM=${SCRATCH_DIR}/readme.cc)
 run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/build)
-run(${SCRATCH_DIR}/build/consumer)
-message(STATUS "${output}")
+foreach(program IN ITEMS consumer readme)
+  run(${SCRATCH_DIR}/build/${program})
+  message(STATUS "${program}: ${output}")
+endforeach()
