@@ -1,1 +1,275 @@
-// placeholder
+#include <dn/solvers/marginals.h>
+
+#include <Eigen/Cholesky>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "normal_equations.h"
+#include "rank.h"
+#include "selected_inverse.h"
+#include "serial_blas.h"
+#include "sparse_cholesky.h"
+
+namespace dn {
+namespace {
+
+/// Below this information the quick probe does not decide, and the directions are examined.
+constexpr double kProbeThreshold = 1e-12;
+
+/// Numbers kept in solved columns before the cache starts afresh (256 MB).
+constexpr std::size_t kCacheLimit = std::size_t{1} << 25;
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// 1 / sqrt(N_ii); 1 for an unknown on which nothing depends.
+Eigen::VectorXd JacobiScale(const SymmetricCsc& N) {
+  Eigen::VectorXd scale(N.n);
+  for (int c = 0; c < N.n; ++c) {
+    const double diagonal =
+        N.value[static_cast<std::size_t>(N.column_start[static_cast<std::size_t>(c)])];
+    scale[c] = diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : 1.0;
+  }
+  return scale;
+}
+
+void ApplyScale(const Eigen::VectorXd& scale, SymmetricCsc* N) {
+  for (int c = 0; c < N->n; ++c) {
+    const auto begin = static_cast<std::size_t>(N->column_start[static_cast<std::size_t>(c)]);
+    const auto end = static_cast<std::size_t>(N->column_start[static_cast<std::size_t>(c) + 1]);
+    for (std::size_t e = begin; e < end; ++e) N->value[e] *= scale[c] * scale[N->row[e]];
+  }
+}
+
+}  // namespace
+
+void MarginalsOptions::Validate() const {
+  if (threads < 1) {
+    throw InvalidConfig("marginals: option threads is " + std::to_string(threads) +
+                        ", must be at least 1");
+  }
+  if (!(null_tolerance > 0.0 && null_tolerance < 1.0)) {
+    throw InvalidConfig("marginals: option null_tolerance is " + std::to_string(null_tolerance) +
+                        ", must be in (0, 1)");
+  }
+}
+
+struct Marginals::Impl {
+  struct BlockInfo {
+    std::string name;
+    int tangent_size;
+    bool held;
+  };
+
+  Impl(const Network& network, const MarginalsOptions& options) : layout(network) {
+    for (BlockId b = 0; b < network.num_blocks(); ++b) {
+      const BlockRecord& block = network.block(b);
+      blocks.push_back({block.name, block.kind.tangent_size, block.held});
+    }
+    if (layout.size() > 0) Factor(network, options);
+  }
+
+  void Factor(const Network& network, const MarginalsOptions& options) {
+    auto start = std::chrono::steady_clock::now();
+    const Linearization linearization(network, layout, options.threads);
+    NormalEquations equations(layout, linearization);
+    scale = JacobiScale(equations.N);
+    ApplyScale(scale, &equations.N);
+    timings.assemble_s = SecondsSince(start);
+
+    start = std::chrono::steady_clock::now();
+    cholesky = std::make_unique<SparseCholesky>(equations.N, equations.blocks, layout);
+    timings.analyze_s = SecondsSince(start);
+
+    start = std::chrono::steady_clock::now();
+    const bool definite = cholesky->Factorize(equations.N);
+    timings.factor_s = SecondsSince(start);
+
+    start = std::chrono::steady_clock::now();
+    if (!definite || ProbeInformation(linearization, scale, *cholesky) < kProbeThreshold) {
+      ExamineRank(network, linearization, equations.N, definite, options.null_tolerance);
+    }
+    timings.rank_s = SecondsSince(start);
+  }
+
+  void ExamineRank(const Network& network, const Linearization& linearization,
+                   const SymmetricCsc& scaled_N, bool definite, double tolerance) {
+    const WeakDirections weak = FindWeakDirections(linearization, scale, scaled_N, *cholesky);
+    const Eigen::Index free = (weak.information.array() < tolerance).count();
+    if (free > 0) {
+      throw RankDeficient("marginals: " +
+                          DescribeFreeDirections(network, layout, weak.v.leftCols(free)));
+    }
+    if (!definite || !cholesky->Factorize(scaled_N)) {
+      throw RankDeficient("marginals: the normal matrix cannot be factored in double precision; " +
+                          DescribeFreeDirections(network, layout, weak.v.leftCols(1)));
+    }
+  }
+
+  const BlockInfo& block(BlockId b) const {
+    if (b < 0 || b >= static_cast<int>(blocks.size())) {
+      throw InvalidInput("marginals: no block with id " + std::to_string(b));
+    }
+    return blocks[static_cast<std::size_t>(b)];
+  }
+
+  /// Position in the layout; -1 for a held block. Throws for a block without a factor.
+  int Position(BlockId b) const {
+    const BlockInfo& info = block(b);
+    const int position = layout.position_of[static_cast<std::size_t>(b)];
+    if (position < 0 && !info.held) {
+      throw RankDeficient("marginals: no active factor depends on block '" + info.name +
+                          "', which has no covariance; give it a prior or hold it");
+    }
+    return position;
+  }
+
+  int Offset(int position) const { return layout.offset[static_cast<std::size_t>(position)]; }
+
+  Eigen::MatrixXd Solve(const std::vector<BlockId>& ids) const {
+    int columns = 0;
+    for (const BlockId b : ids) columns += block(b).tangent_size;
+    Eigen::MatrixXd B = Eigen::MatrixXd::Zero(layout.size(), columns);
+    int column = 0;
+    for (const BlockId b : ids) {
+      if (const int position = Position(b); position >= 0) {
+        for (int k = 0; k < block(b).tangent_size; ++k) {
+          const int i = Offset(position) + k;
+          B(i, column + k) = scale[i];
+        }
+      }
+      column += block(b).tangent_size;
+    }
+    if (B.size() == 0) return B;
+    const SerialBlas serial;
+    B = cholesky->Solve(B);
+    B.array().colwise() *= scale.array();
+    return B;
+  }
+
+  const Eigen::MatrixXd& CachedColumns(BlockId b) {
+    if (const auto it = cache.find(b); it != cache.end()) return it->second;
+    Eigen::MatrixXd columns = Solve({b});
+    cached += static_cast<std::size_t>(columns.size());
+    if (cached > kCacheLimit) {
+      cache.clear();
+      cached = static_cast<std::size_t>(columns.size());
+    }
+    return cache.emplace(b, std::move(columns)).first->second;
+  }
+
+  Eigen::MatrixXd Rows(const Eigen::MatrixXd& columns, BlockId b) const {
+    const int position = Position(b);
+    if (position < 0) return Eigen::MatrixXd::Zero(block(b).tangent_size, columns.cols());
+    return columns.middleRows(Offset(position), block(b).tangent_size);
+  }
+
+  std::optional<Eigen::MatrixXd> Selected(BlockId a, BlockId b) const {
+    const int pa = Position(a), pb = Position(b);
+    Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(block(a).tangent_size, block(b).tangent_size);
+    if (pa < 0 || pb < 0) return Z;
+    const std::vector<int>& order = cholesky->permuted_index();
+    for (int c = 0; c < Z.cols(); ++c) {
+      for (int r = 0; r < Z.rows(); ++r) {
+        const int i = Offset(pa) + r, j = Offset(pb) + c;
+        const std::optional<double> entry =
+            selected->At(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(j)]);
+        if (!entry) return std::nullopt;
+        Z(r, c) = *entry * scale[i] * scale[j];
+      }
+    }
+    return Z;
+  }
+
+  void RequireSelected() const {
+    if (!selected && layout.size() > 0) {
+      throw InvalidInput("marginals: call ComputeSelectedInverse first");
+    }
+  }
+
+  UnknownLayout layout;
+  std::vector<BlockInfo> blocks;
+  Eigen::VectorXd scale;  ///< of the unknowns: N is factored as scale N scale
+  std::unique_ptr<SparseCholesky> cholesky;
+  std::unique_ptr<SelectedInverse> selected;
+  Timings timings;
+  std::map<BlockId, Eigen::MatrixXd> cache;
+  std::size_t cached = 0;
+};
+
+Eigen::MatrixXd Marginals::Columns::Rows(BlockId b) const { return impl_->Rows(columns_, b); }
+
+Marginals::Marginals(const Network& network, const MarginalsOptions& options) {
+  options.Validate();
+  const SerialBlas serial;
+  impl_ = std::make_shared<Impl>(network, options);
+}
+
+Marginals::~Marginals() = default;
+Marginals::Marginals(Marginals&&) noexcept = default;
+Marginals& Marginals::operator=(Marginals&&) noexcept = default;
+
+Eigen::MatrixXd Marginals::Covariance(BlockId a) const {
+  if (impl_->selected) return *impl_->Selected(a, a);
+  const Eigen::MatrixXd C = impl_->Rows(impl_->CachedColumns(a), a);
+  return 0.5 * (C + C.transpose());
+}
+
+Eigen::MatrixXd Marginals::Covariance(BlockId a, BlockId b) const {
+  if (a == b) return Covariance(a);
+  if (impl_->selected) {
+    if (const std::optional<Eigen::MatrixXd> Z = impl_->Selected(a, b)) return *Z;
+  }
+  const bool a_is_cheaper =
+      impl_->cache.contains(a) ||
+      (!impl_->cache.contains(b) && impl_->block(a).tangent_size <= impl_->block(b).tangent_size);
+  if (a_is_cheaper) return impl_->Rows(impl_->CachedColumns(a), b).transpose();
+  return impl_->Rows(impl_->CachedColumns(b), a);
+}
+
+Marginals::Columns Marginals::SolveColumns(const std::vector<BlockId>& blocks) const {
+  Columns columns;
+  columns.impl_ = impl_;
+  columns.columns_ = impl_->Solve(blocks);
+  return columns;
+}
+
+void Marginals::ComputeSelectedInverse() {
+  if (impl_->selected || impl_->layout.size() == 0) return;
+  const auto start = std::chrono::steady_clock::now();
+  const SerialBlas serial;
+  impl_->selected = std::make_unique<SelectedInverse>(*impl_->cholesky);
+  impl_->timings.selected_inverse_s = SecondsSince(start);
+}
+
+Eigen::MatrixXd Marginals::DiagonalBlock(BlockId a) const {
+  impl_->RequireSelected();
+  return *impl_->Selected(a, a);
+}
+
+std::optional<Eigen::MatrixXd> Marginals::PatternBlock(BlockId a, BlockId b) const {
+  impl_->RequireSelected();
+  return impl_->Selected(a, b);
+}
+
+Eigen::MatrixXd Marginals::ReducedNormal(BlockId a) const {
+  if (impl_->Position(a) < 0) {
+    throw InvalidInput("marginals: block '" + impl_->block(a).name +
+                       "' is held, it has no reduced normal matrix");
+  }
+  const Eigen::MatrixXd C = Covariance(a);
+  return C.llt().solve(Eigen::MatrixXd::Identity(C.rows(), C.cols()));
+}
+
+int Marginals::num_parameters() const { return impl_->layout.size(); }
+
+long Marginals::factor_nonzeros() const {
+  return impl_->cholesky ? impl_->cholesky->num_nonzeros() : 0;
+}
+
+const Marginals::Timings& Marginals::timings() const { return impl_->timings; }
+
+}  // namespace dn

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cholmod.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "normal_equations.h"
+
+namespace dn {
+
+/// The factor of a SparseCholesky by supernodes: P A P^T = L L^T. Supernode s has the columns
+/// column[s] .. column[s + 1] and the rows row[row_start[s]] .. row[row_start[s + 1]], of which the
+/// first are its columns; its values are dense, column-major, from value_start[s].
+struct SupernodalView {
+  int num_supernodes = 0;
+  const int* column = nullptr;
+  const int* row_start = nullptr;
+  const int* value_start = nullptr;
+  const int* row = nullptr;
+  const double* value = nullptr;
+  std::size_t num_values = 0;
+};
+
+/// Supernodal Cholesky factorisation A = P^T L L^T P of a sparse symmetric matrix.
+class SparseCholesky {
+ public:
+  /// Orders the graph of the blocks by approximate minimum degree, expands the order to the scalar
+  /// unknowns and analyses the pattern of A. layout gives the sizes of the blocks.
+  SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks, const UnknownLayout& layout);
+  ~SparseCholesky();
+  SparseCholesky(const SparseCholesky&) = delete;
+  SparseCholesky& operator=(const SparseCholesky&) = delete;
+
+  /// Factors A + shift I, of the pattern analysed. Returns false where it is not numerically
+  /// positive definite.
+  [[nodiscard]] bool Factorize(const SymmetricCsc& A, double shift = 0.0);
+
+  /// A^-1 B.
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& B) const;
+
+  SupernodalView view() const;
+  /// Row of P A P^T in which unknown i of A stands.
+  const std::vector<int>& permuted_index() const { return permuted_index_; }
+  long num_nonzeros() const;
+
+ private:
+  std::vector<int> BlockOrder(const SymmetricCsc& blocks);
+  void CheckStatus(const char* step) const;
+
+  mutable cholmod_common common_;
+  cholmod_factor* factor_ = nullptr;
+  std::vector<int> permuted_index_;
+};
+
+}  // namespace dn
