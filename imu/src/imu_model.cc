@@ -1,19 +1,15 @@
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/imu_model.h>
+#include <dn/network.h>
 
-#include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numbers>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace dn {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kSecondsPerHour = 3600.0;
 constexpr double kSqrtSecondsPerSqrtHour = 60.0;
 
@@ -59,19 +55,6 @@ ImuModel Model(const Datasheet& sheet) {
   return model;
 }
 
-std::size_t EditDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replaced}));
-    }
-  }
-  return row[b.size()];
-}
-
 void CheckPositive(double value, const std::string& what) {
   if (!(value > 0.0) || !std::isfinite(value)) {
     throw InvalidConfig(what + " is " + std::to_string(value) + ", must be positive and finite");
@@ -102,10 +85,8 @@ ImuModel ImuPreset(const std::string& name) {
   for (const Datasheet& sheet : kDatasheets) {
     if (name == sheet.name) return Model(sheet);
   }
-  const std::vector<std::string> names = ImuPresetNames();
-  const std::string nearest = *std::ranges::min_element(
-      names, {}, [&](const std::string& candidate) { return EditDistance(name, candidate); });
-  throw InvalidConfig("imu: no grade '" + name + "', the nearest is '" + nearest + "'");
+  throw InvalidConfig("imu: no grade '" + name + "', the nearest is '" +
+                      NearestName(name, ImuPresetNames()) + "'");
 }
 
 GaussMarkovStep DiscretiseGaussMarkov(double sigma, double tau_s, double dt_s) {

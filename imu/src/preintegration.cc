@@ -256,6 +256,16 @@ void CheckBias(const ImuCorrection& bias) {
   }
 }
 
+void CheckNoise(const PreintegrationNoise& noise) {
+  for (const double value : {noise.gyro_white_rad_per_sqrt_s, noise.accel_white_mps_per_sqrt_s,
+                             noise.position_floor_m}) {
+    if (!(value >= 0.0) || !std::isfinite(value)) {
+      throw InvalidInput("inertial increments: a noise is " + std::to_string(value) +
+                         ", must be finite and not negative");
+    }
+  }
+}
+
 void CheckInside(const ImuData& imu, double t0_s, double t1_s) {
   if (imu.samples.empty()) throw InvalidInput("inertial increments: there are no IMU data");
   if (!(t0_s >= imu.t_begin_s() - kTimeTolerance_s) ||
@@ -297,6 +307,7 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
   }
   CheckInside(imu, t_begin_s, t_end_s);
   CheckBias(bias);
+  CheckNoise(noise);
   const Vector3d inverse_scale = InverseScale(gyro_scale);
   Preintegrated out = Frame(t_begin_s, t_end_s, bias, gyro_scale);
   Integrator integrator(noise, inverse_scale);

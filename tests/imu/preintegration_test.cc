@@ -1,0 +1,306 @@
+#include <dn/error.h>
+#include <dn/imu/preintegration.h>
+#include <dn/rotation.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "testing/earth_motion.h"
+#include "testing/random.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Vector3d;
+using testing::EarthMotion;
+
+/// Navigation grade, the noise in whose units errors of integration are judged.
+constexpr double kArw = 0.002 * kRadPerDeg / 60.0;  // rad/sqrt(s)
+constexpr double kVrw = 10e-6 * kStandardGravityMps2;
+const PreintegrationNoise kNoise{kArw, kVrw, 0.0};
+
+struct Increments {
+  Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+  Vector3d v = Vector3d::Zero(), p = Vector3d::Zero();
+};
+
+Increments operator+(const Increments& x, const Increments& d) {
+  return {Eigen::Quaterniond(x.q.coeffs() + d.q.coeffs()), x.v + d.v, x.p + d.p};
+}
+Increments operator*(double k, const Increments& d) {
+  return {Eigen::Quaterniond(k * d.q.coeffs()), k * d.v, k * d.p};
+}
+
+Increments Derivative(const EarthMotion& motion, double t_s, const Increments& x) {
+  const Vector3d w = 0.5 * motion.AngularRate(t_s);
+  return {x.q * Eigen::Quaterniond(0.0, w.x(), w.y(), w.z()), x.q * motion.SpecificForce(t_s), x.v};
+}
+
+/// The classical Runge-Kutta method on the continuous measurements.
+Increments RungeKutta(const EarthMotion& motion, double t0_s, double t1_s, int steps) {
+  Increments x;
+  const double h = (t1_s - t0_s) / steps;
+  for (int i = 0; i < steps; ++i) {
+    const double t = t0_s + i * h;
+    const Increments k1 = Derivative(motion, t, x);
+    const Increments k2 = Derivative(motion, t + 0.5 * h, x + 0.5 * h * k1);
+    const Increments k3 = Derivative(motion, t + 0.5 * h, x + 0.5 * h * k2);
+    const Increments k4 = Derivative(motion, t + h, x + h * k3);
+    x = x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    x.q.normalize();
+  }
+  return x;
+}
+
+struct Sigmas {
+  double rotation, velocity, position;
+};
+
+/// Largest component of the difference of increments, in the standard deviations of `noise`.
+Sigmas InSigmas(const Preintegrated& noise, const Eigen::Quaterniond& q, const Vector3d& v,
+                const Vector3d& p) {
+  const Eigen::Matrix<double, 9, 1> sigma = noise.covariance.diagonal().cwiseSqrt();
+  const Vector3d rotation = Log(Eigen::Quaterniond(noise.delta_q.conjugate() * q));
+  return {rotation.cwiseQuotient(sigma.head<3>()).lpNorm<Eigen::Infinity>(),
+          (v - noise.delta_v).cwiseQuotient(sigma.segment<3>(3)).lpNorm<Eigen::Infinity>(),
+          (p - noise.delta_p).cwiseQuotient(sigma.tail<3>()).lpNorm<Eigen::Infinity>()};
+}
+
+/// Worst of 20 intervals of the given length, against Runge-Kutta.
+Sigmas WorstError(const EarthMotion& motion, double rate_hz, double length_s) {
+  const ImuData imu = motion.Measure(0.0, 4.0 + length_s, rate_hz);
+  Sigmas worst{0.0, 0.0, 0.0};
+  for (int i = 0; i < 20; ++i) {
+    const double t0_s = 0.2 * i + 2.0 / rate_hz;
+    const Preintegrated pre = Preintegrate(imu, t0_s, t0_s + length_s, {}, kNoise);
+    const Increments truth =
+        RungeKutta(motion, t0_s, t0_s + length_s, static_cast<int>(4000 * length_s));
+    const Sigmas error = InSigmas(pre, truth.q, truth.v, truth.p);
+    worst.rotation = std::max(worst.rotation, error.rotation);
+    worst.velocity = std::max(worst.velocity, error.velocity);
+    worst.position = std::max(worst.position, error.position);
+  }
+  return worst;
+}
+
+void ExpectBelow(const Sigmas& worst, const Sigmas& bound) {
+  EXPECT_LE(worst.rotation, bound.rotation);
+  EXPECT_LE(worst.velocity, bound.velocity);
+  EXPECT_LE(worst.position, bound.position);
+}
+
+// The bounds are the figures of a prototype with coning and sculling but without scrolling, in
+// sigmas of a navigation-grade sensor.
+TEST(Preintegrate, QuietFlightAgreesWithRungeKutta) {
+  ExpectBelow(WorstError(testing::PlaneMotion(), 200.0, 0.1), {0.001, 0.001, 0.005});
+  ExpectBelow(WorstError(testing::PlaneMotion(), 200.0, 1.0), {0.001, 0.002, 0.014});
+}
+
+TEST(Preintegrate, VibrationAgreesWithRungeKutta) {
+  ExpectBelow(WorstError(testing::VibratingMotion(), 200.0, 0.1), {0.025, 0.025, 0.07});
+  ExpectBelow(WorstError(testing::VibratingMotion(), 200.0, 1.0), {0.06, 0.06, 0.07});
+  ExpectBelow(WorstError(testing::VibratingMotion(), 500.0, 1.0), {0.002, 0.002, 0.004});
+}
+
+void ExpectSame(const Preintegrated& a, const Preintegrated& b, double tolerance) {
+  EXPECT_EQ(a.t_begin_s, b.t_begin_s);
+  EXPECT_EQ(a.t_end_s, b.t_end_s);
+  EXPECT_LE(a.delta_q.angularDistance(b.delta_q), tolerance);
+  EXPECT_LE((a.delta_v - b.delta_v).norm(), tolerance);
+  EXPECT_LE((a.delta_p - b.delta_p).norm(), tolerance);
+  EXPECT_LE((a.w_end_b_radps - b.w_end_b_radps).norm(), tolerance);
+  EXPECT_LE((a.f_end_b_mps2 - b.f_end_b_mps2).norm(), tolerance);
+}
+
+void ExpectNear(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b, double relative,
+                const char* what) {
+  EXPECT_LE((a - b).norm(), relative * b.norm()) << what << "\n" << a << "\n\n" << b;
+}
+
+void ExpectSameJacobians(const Preintegrated& a, const Preintegrated& b, double relative) {
+  ExpectNear(a.J_q_bg, b.J_q_bg, relative, "J_q_bg");
+  ExpectNear(a.J_v_bg, b.J_v_bg, relative, "J_v_bg");
+  ExpectNear(a.J_v_ba, b.J_v_ba, relative, "J_v_ba");
+  ExpectNear(a.J_p_bg, b.J_p_bg, relative, "J_p_bg");
+  ExpectNear(a.J_p_ba, b.J_p_ba, relative, "J_p_ba");
+  ExpectNear(a.J_q_sg, b.J_q_sg, relative, "J_q_sg");
+  ExpectNear(a.J_v_sg, b.J_v_sg, relative, "J_v_sg");
+  ExpectNear(a.J_p_sg, b.J_p_sg, relative, "J_p_sg");
+}
+
+// Wherever an interval is split, its parts compose to the whole: at a sample, inside one, within
+// the first and the last. Inside a sample what is left is the third order of the Magnus expansion.
+TEST(Preintegrate, PartsComposeToTheWhole) {
+  const ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
+  const double begin_s = 0.5012, end_s = 1.4037;
+  const Preintegrated whole = Preintegrate(imu, begin_s, end_s, {}, kNoise);
+  for (const double split_s : {1.0, 0.5031, 0.50121, 0.9987, 1.0025, 1.4, 1.4036}) {
+    SCOPED_TRACE("split at " + std::to_string(split_s));
+    const Preintegrated composed = Compose(Preintegrate(imu, begin_s, split_s, {}, kNoise),
+                                           Preintegrate(imu, split_s, end_s, {}, kNoise));
+    ExpectSame(composed, whole, 1e-9);
+    ExpectSameJacobians(composed, whole, 1e-5);
+    const Eigen::Matrix<double, 9, 1> sigma = whole.covariance.diagonal().cwiseSqrt();
+    const Eigen::Matrix<double, 9, 9> difference = sigma.cwiseInverse().asDiagonal() *
+                                                   (composed.covariance - whole.covariance) *
+                                                   sigma.cwiseInverse().asDiagonal();
+    EXPECT_LE(difference.cwiseAbs().maxCoeff(), 1e-6);
+  }
+}
+
+// At sample epochs nothing is approximated by splitting.
+TEST(Preintegrate, SplitAtASampleIsExact) {
+  const ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
+  const double split_s = imu.samples[199].t_s, end_s = imu.samples[299].t_s;
+  const Preintegrated whole = Preintegrate(imu, 0.0, end_s, {}, kNoise);
+  ExpectSame(Compose(Preintegrate(imu, 0.0, split_s, {}, kNoise),
+                     Preintegrate(imu, split_s, end_s, {}, kNoise)),
+             whole, 1e-13);
+}
+
+// Hand-computed: constant specific force without rotation.
+TEST(Preintegrate, ConstantForce) {
+  ImuData imu;
+  imu.nominal_dt_s = 0.01;
+  for (int i = 1; i <= 100; ++i) imu.samples.push_back({0.01 * i, 0.01, {0, 0, 0}, {1, 2, -3}});
+  const Preintegrated pre = Preintegrate(imu, 0.205, 0.705, {}, {2e-3, 3e-3, 1e-6});
+  EXPECT_LE(pre.delta_q.angularDistance(Eigen::Quaterniond::Identity()), 1e-15);
+  EXPECT_LE((pre.delta_v - Vector3d(0.5, 1.0, -1.5)).norm(), 1e-12);
+  EXPECT_LE((pre.delta_p - Vector3d(0.125, 0.25, -0.375)).norm(), 1e-12);
+  EXPECT_NEAR(pre.covariance(0, 0), 4e-6 * 0.5, 1e-15);
+  // Velocity x: own noise, and the rotation noise across the force, q |f_perp|^2 dt^3 / 3.
+  EXPECT_NEAR(pre.covariance(3, 3), 9e-6 * 0.5 + 4e-6 * 13.0 * 0.125 / 3.0, 1e-12);
+  EXPECT_NEAR(pre.covariance(6, 6),
+              9e-6 * 0.125 / 3.0 + 4e-6 * 13.0 * std::pow(0.5, 5) / 20.0 + 1e-12, 1e-13);
+  EXPECT_LE((pre.J_q_bg + 0.5 * Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  EXPECT_LE((pre.J_v_ba + 0.5 * Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  EXPECT_LE((pre.J_p_ba + 0.125 * Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  EXPECT_LE((pre.J_v_bg - 0.125 * Skew(Vector3d(1, 2, -3))).norm(), 1e-12);
+  EXPECT_LE((pre.J_p_bg - 0.125 / 6.0 * Skew(Vector3d(1, 2, -3))).norm(), 1e-12);
+}
+
+// A turn by more than 2 pi with the force turning along: no small angle anywhere. A sample turns
+// by 0.7 rad.
+TEST(Preintegrate, FastConstantRotation) {
+  const Vector3d w(5.0, -3.0, 4.0), f(1.0, 2.0, 9.0);
+  ImuData imu;
+  imu.nominal_dt_s = 0.1;
+  for (int i = 1; i <= 20; ++i) imu.samples.push_back({0.1 * i, 0.1, w, f});
+  const Preintegrated pre = Preintegrate(imu, 0.0, 2.0, {}, kNoise);
+  const double angle = w.norm() * 2.0;
+  const Vector3d axis = w.normalized();
+  const Vector3d along = axis * axis.dot(f), across = f - along, side = axis.cross(f);
+  const Vector3d v =
+      2.0 * (along + std::sin(angle) / angle * across + (1.0 - std::cos(angle)) / angle * side);
+  const Vector3d p = 4.0 * (0.5 * along + (1.0 - std::cos(angle)) / (angle * angle) * across +
+                            (angle - std::sin(angle)) / (angle * angle) * side);
+  EXPECT_LE(pre.delta_q.angularDistance(Exp(Vector3d(2.0 * w))), 1e-12);
+  EXPECT_LE((pre.delta_v - v).norm(), 1e-12);
+  EXPECT_LE((pre.delta_p - p).norm(), 1e-12);
+}
+
+// First order in the bias: what is left is of second order, (d_bg T)^2 relative.
+TEST(Preintegrate, BiasJacobiansPredictIntegrationWithAnotherBias) {
+  const ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
+  const double t0_s = 0.3012, t1_s = 1.3049;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 rng(seed);
+    const ImuCorrection at{testing::RandomVector(rng, 1e-2), testing::RandomVector(rng, 0.1)};
+    const Vector3d scale = testing::RandomVector(rng, 1e-2);
+    const Vector3d d_bg = testing::RandomVector(rng, 1e-6), d_ba = testing::RandomVector(rng, 1e-5);
+    const Vector3d d_sg = testing::RandomVector(rng, 1e-5);
+    const Preintegrated pre = Preintegrate(imu, t0_s, t1_s, at, kNoise, scale);
+    const auto expect_predicted = [&](const ImuCorrection& bias, const Vector3d& new_scale,
+                                      const Vector3d& rotation, const Vector3d& velocity,
+                                      const Vector3d& position) {
+      constexpr double kRelative = 2e-5;  // second order, and slopes within a sample
+      const Preintegrated moved = Preintegrate(imu, t0_s, t1_s, bias, kNoise, new_scale);
+      const Vector3d turned = Log(Eigen::Quaterniond(pre.delta_q.conjugate() * moved.delta_q));
+      EXPECT_LE((turned - rotation).norm(), kRelative * rotation.norm() + 1e-15);
+      EXPECT_LE((moved.delta_v - pre.delta_v - velocity).norm(), kRelative * velocity.norm());
+      EXPECT_LE((moved.delta_p - pre.delta_p - position).norm(), kRelative * position.norm());
+    };
+    expect_predicted({at.gyro_bias_radps + d_bg, at.accel_bias_mps2}, scale, pre.J_q_bg * d_bg,
+                     pre.J_v_bg * d_bg, pre.J_p_bg * d_bg);
+    expect_predicted({at.gyro_bias_radps, at.accel_bias_mps2 + d_ba}, scale, Vector3d::Zero(),
+                     pre.J_v_ba * d_ba, pre.J_p_ba * d_ba);
+    expect_predicted(at, scale + d_sg, pre.J_q_sg * d_sg, pre.J_v_sg * d_sg, pre.J_p_sg * d_sg);
+  }
+}
+
+// The corrections are undone exactly.
+TEST(Preintegrate, CorrectionsAreSubtracted) {
+  const ImuCorrection bias{{1e-3, -2e-3, 3e-3}, {0.1, -0.2, 0.05}};
+  const Vector3d scale(1e-3, -2e-3, 5e-4);
+  const ImuData clean = testing::PlaneMotion().Measure(0.0, 1.0, 100.0);
+  ImuData spoiled = clean;
+  for (ImuSample& sample : spoiled.samples) {
+    sample.w_ib_b_radps += scale.cwiseProduct(sample.w_ib_b_radps) + bias.gyro_bias_radps;
+    sample.f_b_mps2 += bias.accel_bias_mps2;
+  }
+  ExpectSame(Preintegrate(spoiled, 0.1, 0.9, bias, kNoise, scale),
+             Preintegrate(clean, 0.1, 0.9, {}, kNoise), 1e-13);
+}
+
+TEST(Preintegrate, PositionFloorEntersOnce) {
+  const ImuData imu = testing::PlaneMotion().Measure(0.0, 1.0, 100.0);
+  const Preintegrated without = Preintegrate(imu, 0.0, 1.0, {}, {kArw, kVrw, 0.0});
+  const Preintegrated with = Preintegrate(imu, 0.0, 1.0, {}, {kArw, kVrw, 1e-3});
+  Eigen::Matrix<double, 9, 1> added = Eigen::Matrix<double, 9, 1>::Zero();
+  added.tail<3>().setConstant(1e-6);
+  EXPECT_LE((with.covariance.diagonal() - without.covariance.diagonal() - added).norm(), 1e-20);
+}
+
+TEST(IdentityIncrement, IsTheLimitOfAShortInterval) {
+  const ImuData imu = testing::PlaneMotion().Measure(0.0, 1.0, 100.0);
+  const ImuCorrection bias{{1e-3, 0, 0}, {0, 0.1, 0}};
+  for (const double t_s : {0.25, 0.253, imu.samples.back().t_s}) {
+    const Preintegrated at = IdentityIncrement(imu, t_s, bias);
+    const Preintegrated before = Preintegrate(imu, t_s - 1e-3, t_s, bias, kNoise);
+    EXPECT_EQ(at.dt_s(), 0.0);
+    EXPECT_TRUE(at.covariance.isZero(0.0));
+    EXPECT_EQ(at.delta_q.w(), 1.0);
+    EXPECT_EQ(at.w_end_b_radps, before.w_end_b_radps);
+    EXPECT_EQ(at.f_end_b_mps2, before.f_end_b_mps2);
+  }
+  EXPECT_NO_THROW(IdentityIncrement(imu, 0.0, bias));
+  EXPECT_THROW(IdentityIncrement(imu, -0.01, bias), InvalidInput);
+  EXPECT_THROW(IdentityIncrement(imu, 1.01, bias), InvalidInput);
+}
+
+// The rate at the end of a sample extrapolates the sample's linear model.
+TEST(Preintegrate, EndRatesAreThoseOfTheMotion) {
+  const EarthMotion motion = testing::PlaneMotion();
+  const ImuData imu = motion.Measure(0.0, 1.0, 200.0);
+  const Preintegrated pre = Preintegrate(imu, 0.2, 0.6037, {}, kNoise);
+  EXPECT_LE((pre.w_end_b_radps - motion.AngularRate(0.6037)).norm(), 1e-5);  // w'' h^2 / 12
+  EXPECT_LE((pre.f_end_b_mps2 - motion.SpecificForce(0.6037)).norm(), 1e-4);
+}
+
+TEST(Preintegrate, RejectsWhatTheDataDoNotCover) {
+  ImuData imu = testing::PlaneMotion().Measure(0.0, 1.0, 100.0);
+  EXPECT_THROW(Preintegrate(imu, 0.5, 0.5, {}, kNoise), InvalidInput);
+  EXPECT_THROW(Preintegrate(imu, 0.5, 0.4, {}, kNoise), InvalidInput);
+  EXPECT_THROW(Preintegrate(imu, -0.001, 0.4, {}, kNoise), InvalidInput);
+  EXPECT_THROW(Preintegrate(imu, 0.5, 1.001, {}, kNoise), InvalidInput);
+  EXPECT_THROW(Preintegrate({}, 0.5, 0.6, {}, kNoise), InvalidInput);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(Preintegrate(imu, nan, 0.6, {}, kNoise), InvalidInput);
+  EXPECT_THROW(Preintegrate(imu, 0.5, 0.6, {{nan, 0, 0}, {0, 0, 0}}, kNoise), InvalidInput);
+  EXPECT_THROW(Preintegrate(imu, 0.5, 0.6, {}, kNoise, {-1.0, 0, 0}), InvalidInput);
+  EXPECT_THROW(Preintegrate(imu, 0.5, 0.6, {}, {-1.0, kVrw, 1e-6}), InvalidInput);
+  EXPECT_NO_THROW(Preintegrate(imu, 0.0, 1.0 + 1e-9, {}, kNoise));
+
+  imu.samples.erase(imu.samples.begin() + 50, imu.samples.begin() + 52);
+  EXPECT_THROW(Preintegrate(imu, 0.4, 0.6, {}, kNoise), InvalidInput);
+  EXPECT_THROW(IdentityIncrement(imu, 0.51, {}), InvalidInput);
+  EXPECT_NO_THROW(Preintegrate(imu, 0.4, 0.5, {}, kNoise));
+  EXPECT_NO_THROW(Preintegrate(imu, 0.52, 0.6, {}, kNoise));
+}
+
+}  // namespace
+}  // namespace dn
