@@ -61,7 +61,8 @@ TEST(TextTable, RejectsWhatIsNoFiniteNumber) {
   ExpectInvalid([] { Read("+-1\n"); }, "'+-1' is not a number", 1);
   ExpectInvalid([] { Read("1;2\n"); }, "'1;2' is not a number", 1);
   ExpectInvalid([] { Read("0x10\n"); }, "is not a number", 1);
-  ExpectInvalid([] { Read(std::string("1\0002", 3)); }, "is not a number", 1);
+  ExpectInvalid([] { Read(std::string("1\0002", 3)); }, "'1?2' is not a number", 1);
+  ExpectInvalid([] { Read(std::string(1000, 'x')); }, std::string(40, 'x') + "...' is not", 1);
 }
 
 TEST(TextTable, RejectsMissingValues) {

@@ -3,6 +3,7 @@
 #include <dn/rotation.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -58,7 +59,7 @@ TEST(TrajectoryText, TurnsForwardLeftUp) {
 }
 
 TEST(TrajectoryText, TakesUnnormalisedAndNegativeQuaternions) {
-  const Trajectory t = Read("1, 46, 6, 500, -1.001, 0, 0, 0\n2, 46, 366, 500, 0, 0, 0, 0.995\n");
+  const Trajectory t = Read("1, 46, 6, 500, -1.001, 0, 0, 0\n2, 46, 359, 500, 0, 0, 0, 0.995\n");
   EXPECT_LE(AngleRad(t.points()[0].q_nb, Eigen::Quaterniond::Identity()), 0.0);
   EXPECT_NEAR(t.points()[1].q_nb.norm(), 1.0, 1e-15);
 }
@@ -115,8 +116,8 @@ INSTANTIATE_TEST_SUITE_P(Shared, RealTrajectory,
                          ::testing::Values(RealFile{"thor75/reference.txt", 33573, 30.0},
                                            RealFile{"psins-car/reference.txt", 1000, 40.0},
                                            RealFile{"tent/trajectory.txt", 1983, 30.0}),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
+                         [](const auto& param_info) {
+                           std::string name = param_info.param.name;
                            name = name.substr(0, name.find('/'));
                            std::erase(name, '-');
                            return name;

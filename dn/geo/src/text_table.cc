@@ -15,6 +15,17 @@ constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
+/// The text as a message can show it, whatever a file holds.
+std::string Quoted(std::string_view text) {
+  constexpr std::size_t kMaxShown = 40;
+  std::string quoted = "'";
+  for (const char c : text.substr(0, kMaxShown)) {
+    const bool printable = c >= ' ' && c <= '~';
+    quoted += printable ? c : '?';
+  }
+  return quoted + (text.size() > kMaxShown ? "...'" : "'");
+}
+
 std::string ListOfNumbers(const std::vector<std::size_t>& numbers) {
   std::string list;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -128,14 +139,13 @@ double ParseNumber(std::string_view text, const FileLocation& where) {
   double value = 0.0;
   const auto [parsed_end, error] = std::from_chars(begin, end, value);
   if (parsed_end != end || error == std::errc::invalid_argument) {
-    throw InvalidInput(
-        "'" + std::string(text) + "' is not a number; start comments and headers with #", where);
+    throw InvalidInput(Quoted(text) + " is not a number; start comments and headers with #", where);
   }
   if (error == std::errc::result_out_of_range) {
-    throw InvalidInput("'" + std::string(text) + "' is out of the range of a double", where);
+    throw InvalidInput(Quoted(text) + " is out of the range of a double", where);
   }
   if (!std::isfinite(value)) {
-    throw InvalidInput("'" + std::string(text) + "' is not a finite number", where);
+    throw InvalidInput(Quoted(text) + " is not a finite number", where);
   }
   return value;
 }
