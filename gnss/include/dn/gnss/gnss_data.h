@@ -29,9 +29,20 @@ struct GnssData {
   long repeated_rows_dropped = 0;
 };
 
-/// Reads GPS.txt (4, 7, 10 or 13 columns, see the contract), RTKLIB .pos (geodetic, ECEF xyz; GPST
-/// or UTC; week/tow or calendar) or OB_GINS/KF-GINS GNSS text. Throws InvalidInput naming
-/// file:line.
+/// Reads a file of GNSS solutions, sorted by time; identical repeated rows are dropped and counted,
+/// a backward jump of a week is continued.
+///
+///   kOdyn    t, lat, lon [deg], h; 7 columns: + sigma E N U; 10: + v E N U, sigma v E N U; 13: all
+///   kRtklib  .pos with its header: latitude, longitude (degrees, or degrees minutes seconds) and
+///            ellipsoidal height, or ECEF x, y, z; time as week and seconds or calendar, GPST, UTC
+///            or JST; covariances from signed roots, made positive definite by shrinking
+///            correlations where they are not; a velocity whose sigmas are all 0 was not estimated
+///            and is left out
+///   kObGins  t, lat, lon [deg], h, sigma N E D; 13 columns: t, lat, lon, h, v N E D, sigma N E D,
+///            sigma v N E D
+///
+/// Throws InvalidInput naming file:line: sigmas that are not positive, coordinates out of range,
+/// values that are not finite, wrong numbers of columns, times that do not increase.
 GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format);
 
 }  // namespace dn

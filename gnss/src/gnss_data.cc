@@ -1,0 +1,73 @@
+#include <dn/gnss/gnss_data.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "gnss_readers.h"
+
+namespace dn {
+namespace internal {
+
+void CheckSigmas(const Eigen::Vector3d& sigma, const std::string& what, const std::string& axes,
+                 const FileLocation& where) {
+  for (int i = 0; i < 3; ++i) {
+    const double value = sigma[i];
+    const char* fault = value == 0.0            ? "zero"
+                        : value < 0.0           ? "negative"
+                        : !std::isfinite(value) ? "not finite"
+                                                : nullptr;
+    if (fault == nullptr) continue;
+    throw InvalidInput(what + " sigma " + axes[static_cast<std::size_t>(i)] + " is " + fault +
+                           ", must be positive; leave the sigma columns out where it is unknown",
+                       where);
+  }
+}
+
+Eigen::Matrix3d CovarianceOfSigmasEnu(const Eigen::Vector3d& sigma_enu, const std::string& what,
+                                      const FileLocation& where) {
+  CheckSigmas(sigma_enu, what, "ENU", where);
+  return sigma_enu.cwiseAbs2().asDiagonal();
+}
+
+Eigen::Matrix3d R_e_enu(const Geodetic& point) {
+  const Eigen::Matrix3d ned = R_en(point);
+  Eigen::Matrix3d enu;
+  enu << ned.col(1), ned.col(0), -ned.col(2);
+  return enu;
+}
+
+Eigen::Matrix3d CovarianceOfSignedRoots(const Eigen::Vector3d& sigma,
+                                        const Eigen::Vector3d& signed_roots) {
+  constexpr double kMinEigenvalue = 1e-3;  // of the correlation matrix
+  const Eigen::Vector3d c = signed_roots.cwiseProduct(signed_roots.cwiseAbs());
+  Eigen::Matrix3d covariance;
+  covariance << 0.0, c[0], c[2], c[0], 0.0, c[1], c[2], c[1], 0.0;
+  const Eigen::Matrix3d D = sigma.asDiagonal();
+  const Eigen::Matrix3d D_inverse = sigma.cwiseInverse().asDiagonal();
+  Eigen::Matrix3d correlation = D_inverse * covariance * D_inverse;
+  correlation.diagonal().setOnes();
+  const double smallest =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(correlation, Eigen::EigenvaluesOnly)
+          .eigenvalues()[0];
+  if (smallest < kMinEigenvalue) {
+    const double keep = (1.0 - kMinEigenvalue) / (1.0 - smallest);
+    correlation = keep * correlation + (1.0 - keep) * Eigen::Matrix3d::Identity();
+  }
+  return D * correlation * D;
+}
+
+}  // namespace internal
+
+GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format) {
+  switch (format) {
+    case GnssFormat::kOdyn:
+      return internal::ReadOdynGnss(file);
+    case GnssFormat::kRtklib:
+      return internal::ReadRtklibPos(file);
+    case GnssFormat::kObGins:
+      return internal::ReadObGinsGnss(file);
+  }
+  throw InvalidInput("unknown GNSS format", {file.string(), 0, 0});
+}
+
+}  // namespace dn

@@ -1,0 +1,43 @@
+#include <dn/geo/text_table.h>
+
+#include "gnss_readers.h"
+
+namespace dn::internal {
+namespace {
+
+/// Standard deviations are written north, east, down.
+Eigen::Matrix3d CovarianceOfSigmasNed(const double* ned, const std::string& what,
+                                      const FileLocation& where) {
+  CheckSigmas(Eigen::Vector3d(ned), what, "NED", where);
+  return CovarianceOfSigmasEnu({ned[1], ned[0], ned[2]}, what, where);
+}
+
+}  // namespace
+
+GnssData ReadObGinsGnss(const std::filesystem::path& file) {
+  TextTable table = ReadTextTable(file, {7, 13});
+  const bool has_velocity = table.columns == 13;
+  std::vector<std::size_t> keep;
+  GnssData data;
+  data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
+  data.epochs.reserve(keep.size());
+  for (const std::size_t i : keep) {
+    const double* row = table.row(i);
+    const FileLocation where{file.string(), table.lines[i], 0};
+    GnssEpoch epoch;
+    epoch.t_s = row[0];
+    epoch.antenna = {row[1] * kRadPerDeg, row[2] * kRadPerDeg, row[3]};
+    epoch.line = table.lines[i];
+    CheckGeodetic(epoch.antenna, where);
+    epoch.covariance_enu_m2 =
+        CovarianceOfSigmasNed(row + (has_velocity ? 7 : 4), "position", where);
+    if (has_velocity) {
+      epoch.velocity_enu_mps = Eigen::Vector3d(row[5], row[4], -row[6]);
+      epoch.velocity_covariance_enu = CovarianceOfSigmasNed(row + 10, "velocity", where);
+    }
+    data.epochs.push_back(epoch);
+  }
+  return data;
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,57 @@
+#include <dn/geo/text_table.h>
+
+#include "gnss_readers.h"
+
+namespace dn::internal {
+namespace {
+
+/// Offsets of the optional triples in a row; 0: not there.
+struct Layout {
+  std::size_t sigma, velocity, velocity_sigma;
+};
+
+Layout LayoutOf(std::size_t columns) {
+  switch (columns) {
+    case 7:
+      return {4, 0, 0};
+    case 10:
+      return {0, 4, 7};
+    case 13:
+      return {4, 7, 10};
+    default:
+      return {0, 0, 0};
+  }
+}
+
+}  // namespace
+
+GnssData ReadOdynGnss(const std::filesystem::path& file) {
+  TextTable table = ReadTextTable(file, {4, 7, 10, 13});
+  const Layout layout = LayoutOf(table.columns);
+  std::vector<std::size_t> keep;
+  GnssData data;
+  data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
+  data.epochs.reserve(keep.size());
+  for (const std::size_t i : keep) {
+    const double* row = table.row(i);
+    const FileLocation where{file.string(), table.lines[i], 0};
+    const auto triple = [row](std::size_t at) { return Eigen::Vector3d(row + at); };
+    GnssEpoch epoch;
+    epoch.t_s = row[0];
+    epoch.antenna = {row[1] * kRadPerDeg, row[2] * kRadPerDeg, row[3]};
+    epoch.line = table.lines[i];
+    CheckGeodetic(epoch.antenna, where);
+    if (layout.sigma > 0) {
+      epoch.covariance_enu_m2 = CovarianceOfSigmasEnu(triple(layout.sigma), "position", where);
+    }
+    if (layout.velocity > 0) {
+      epoch.velocity_enu_mps = triple(layout.velocity);
+      epoch.velocity_covariance_enu =
+          CovarianceOfSigmasEnu(triple(layout.velocity_sigma), "velocity", where);
+    }
+    data.epochs.push_back(epoch);
+  }
+  return data;
+}
+
+}  // namespace dn::internal
