@@ -1,0 +1,229 @@
+#include <dn/gnss/gnss_data.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <string>
+
+#include "testing/expect_invalid.h"
+#include "testing/temp_file.h"
+
+namespace dn {
+namespace {
+
+using testing::ExpectInvalid;
+using testing::TempFile;
+
+constexpr double kRounding = 1e-15;
+
+const std::string kPreamble =
+    "% program   : RTKPOST ver.2.4.3\n"
+    "% inp file  : rover.obs\n"
+    "%\n"
+    "% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,3:sbas,4:dgps,5:single,6:ppp,ns=# of "
+    "satellites)\n";
+const std::string kSigmas =
+    "   Q  ns   sdn(m)   sde(m)   sdu(m)  sdne(m)  sdeu(m)  sdun(m) age(s)  ratio";
+const std::string kLlh = "  latitude(deg) longitude(deg)  height(m)" + kSigmas;
+const std::string kVelocity =
+    "    vn(m/s)    ve(m/s)    vu(m/s)      sdvn     sdve     sdvu    sdvne    sdveu    sdvun";
+const std::string kGpst = "%  GPST                ";
+const std::string kQuality =
+    "   1   9   0.0200   0.0100   0.0500  -0.0060   0.0080   0.0150   0.00    4.2";
+
+GnssData Read(const std::string& text) {
+  const TempFile file("rover.pos", text);
+  return ReadGnss(file.path(), GnssFormat::kRtklib);
+}
+
+GnssEpoch ReadOne(const std::string& text) { return Read(text).epochs.at(0); }
+
+// c = s |s| of the roots; columns are north-east, east-up, up-north.
+Eigen::Matrix3d ExpectedCovarianceEnu() {
+  const double ne = -0.006 * 0.006, eu = 0.008 * 0.008, un = 0.015 * 0.015;
+  Eigen::Matrix3d C;
+  C << 0.01 * 0.01, ne, eu, ne, 0.02 * 0.02, un, eu, un, 0.05 * 0.05;
+  return C;
+}
+
+TEST(RtklibPos, ReadsGeodeticCoordinatesAndSignedRoots) {
+  const GnssEpoch epoch =
+      ReadOne(kPreamble + kGpst + kLlh + "\n" +
+              "2024/03/12 13:45:30.250   46.123456789    6.987654321   512.3456" + kQuality + "\n");
+  // 2024-03-12 is a Tuesday: two days into the week.
+  EXPECT_EQ(epoch.t_s, 2 * 86400 + 13 * 3600 + 45 * 60 + 30.25);
+  EXPECT_EQ(epoch.antenna.lat_rad, 46.123456789 * kRadPerDeg);
+  EXPECT_EQ(epoch.antenna.lon_rad, 6.987654321 * kRadPerDeg);
+  EXPECT_EQ(epoch.antenna.h_m, 512.3456);
+  EXPECT_EQ(epoch.quality, 1);
+  EXPECT_EQ(epoch.line, 6);
+  ASSERT_TRUE(epoch.covariance_enu_m2);
+  EXPECT_LE((*epoch.covariance_enu_m2 - ExpectedCovarianceEnu()).norm(), kRounding);
+  EXPECT_FALSE(epoch.velocity_enu_mps);
+}
+
+TEST(RtklibPos, ReadsWeekAndSeconds) {
+  const GnssData data = Read(kGpst + kLlh + "\n" +                                        //
+                             "2305 604799.500   46.1    6.9   512.3" + kQuality + "\n" +  //
+                             "2306      0.500   46.1    6.9   512.3" + kQuality + "\n");
+  ASSERT_EQ(data.epochs.size(), 2u);
+  EXPECT_EQ(data.epochs[0].t_s, 604799.5);
+  EXPECT_EQ(data.epochs[1].t_s, 604800.5);
+}
+
+TEST(RtklibPos, ContinuesCalendarTimesOverTheWeek) {
+  const GnssData data = Read(kGpst + kLlh + "\n" +  //
+                             "2024/03/16 23:59:59.000   46.1    6.9   512.3" + kQuality + "\n" +
+                             "2024/03/17 00:00:01.000   46.1    6.9   512.3" + kQuality + "\n");
+  EXPECT_EQ(data.epochs.at(1).t_s, 604801.0);
+}
+
+struct TimeCase {
+  const char* label;
+  const char* time;
+  double t_s;
+};
+
+class RtklibTime : public ::testing::TestWithParam<TimeCase> {};
+
+TEST_P(RtklibTime, IsTurnedIntoGpsTime) {
+  const GnssEpoch epoch = ReadOne(std::string("%  ") + GetParam().label + "   " + kLlh + "\n" +
+                                  GetParam().time + "   46.1    6.9   512.3" + kQuality + "\n");
+  EXPECT_EQ(epoch.t_s, GetParam().t_s);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Labels, RtklibTime,
+    ::testing::Values(TimeCase{"GPST", "2024/03/12 00:00:00.000", 172800.0},
+                      TimeCase{"UTC", "2024/03/12 00:00:00.000", 172818.0},
+                      TimeCase{"UTC", "2305 172800.000", 172818.0},
+                      // The week ends while UTC still has 18 s to go.
+                      TimeCase{"UTC", "2024/03/16 23:59:50.000", 8.0},
+                      TimeCase{"JST", "2024/03/12 09:00:00.000", 172818.0},
+                      // 16 leap seconds before July 2015, 17 before 2017.
+                      TimeCase{"UTC", "2015/06/30 23:59:59.000", 2 * 86400 + 86399 + 16.0},
+                      TimeCase{"UTC", "2015/07/01 00:00:00.000", 3 * 86400 + 17.0},
+                      TimeCase{"UTC", "2016/12/31 00:00:00.000", 6 * 86400 + 17.0}));
+
+TEST(RtklibPos, ReadsDegreesMinutesSeconds) {
+  const std::string header =
+      kGpst + " latitude(d'\")   longitude(d'\")  height(m)" + kSigmas + "\n";
+  const GnssEpoch epoch =
+      ReadOne(header + "2305 100.000  -0 30 36.00000    6 15 18.00000   512.3" + kQuality + "\n");
+  EXPECT_NEAR(epoch.antenna.lat_rad, -0.51 * kRadPerDeg, kRounding);
+  EXPECT_NEAR(epoch.antenna.lon_rad, 6.255 * kRadPerDeg, kRounding);
+  EXPECT_EQ(epoch.antenna.h_m, 512.3);
+}
+
+TEST(RtklibPos, ReadsOtherSeparators) {
+  std::string text = kGpst + kLlh + "\n2305 100.000   46.1    6.9   512.3" + kQuality + "\n";
+  for (std::size_t at; (at = text.find("  ", 3)) != std::string::npos;) text.replace(at, 2, ",");
+  EXPECT_EQ(ReadOne(text).antenna.h_m, 512.3);
+}
+
+// At latitude 0 and longitude 90 deg, east is -x, north z, up y.
+TEST(RtklibPos, TurnsEcefIntoEastNorthUp) {
+  const std::string header =
+      kGpst +
+      "     x-ecef(m)      y-ecef(m)      z-ecef(m)   Q  ns   sdx(m)   sdy(m)   sdz(m)  sdxy(m)  "
+      "sdyz(m)  sdzx(m) age(s)  ratio   vx(m/s)    vy(m/s)    vz(m/s)    sdvx     sdvy     sdvz    "
+      "sdvxy    sdvyz    sdvzx\n";
+  const GnssEpoch epoch = ReadOne(
+      header +
+      "2305 100.000  0.0000  6378237.0000  0.0000  2  9  0.0300  0.0500  0.0200  0.0100  -0.0100  "
+      "0.0150  0.00  1.5   1.0  2.0  3.0   0.1  0.2  0.3  0.0  0.0  0.0\n");
+  EXPECT_NEAR(epoch.antenna.lat_rad, 0.0, kRounding);
+  EXPECT_NEAR(epoch.antenna.lon_rad, 90 * kRadPerDeg, kRounding);
+  EXPECT_NEAR(epoch.antenna.h_m, 100.0, 1e-8);
+  EXPECT_EQ(epoch.quality, 2);
+  const double xy = 1e-4, yz = -1e-4, zx = 2.25e-4;
+  Eigen::Matrix3d expected;
+  expected << 9e-4, -zx, -xy, -zx, 4e-4, yz, -xy, yz, 25e-4;
+  EXPECT_LE((*epoch.covariance_enu_m2 - expected).norm(), kRounding);
+  EXPECT_LE((*epoch.velocity_enu_mps - Eigen::Vector3d(-1, 3, 2)).norm(), 1e-14);
+  const Eigen::Vector3d variances(0.01, 0.09, 0.04);
+  EXPECT_LE((epoch.velocity_covariance_enu->diagonal() - variances).norm(), kRounding);
+}
+
+TEST(RtklibPos, ReadsVelocities) {
+  const std::string row = "2305 100.000   46.1    6.9   512.3" + kQuality;
+  const GnssEpoch epoch =
+      ReadOne(kGpst + kLlh + kVelocity + "\n" + row + " 1 2 3 0.2 0.1 0.3 0.05 0 -0.06\n");
+  EXPECT_EQ(epoch.velocity_enu_mps, Eigen::Vector3d(2, 1, 3));
+  Eigen::Matrix3d expected;
+  expected << 0.01, 0.0025, 0, 0.0025, 0.04, -0.0036, 0, -0.0036, 0.09;
+  EXPECT_LE((*epoch.velocity_covariance_enu - expected).norm(), kRounding);
+
+  const GnssEpoch none = ReadOne(kGpst + kLlh + kVelocity + "\n" + row + " 0 0 0 0 0 0 0 0 0\n");
+  EXPECT_FALSE(none.velocity_enu_mps || none.velocity_covariance_enu);
+}
+
+// Correlation +1 twice and -1 once cannot be: the sigmas stay, the correlations give way.
+TEST(RtklibPos, RepairsIndefiniteCovariances) {
+  const GnssEpoch epoch =
+      ReadOne(kGpst + kLlh + "\n2305 100.000   46.1    6.9   512.3" +
+              "   5   9   1.0000   1.0000   1.0000  1.0000   1.0000  -1.0000   0.00    0.0\n");
+  const Eigen::Matrix3d& C = *epoch.covariance_enu_m2;
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(C).eigenvalues()[0], 0.9e-3);
+  EXPECT_LE((C.diagonal() - Eigen::Vector3d::Ones()).norm(), kRounding);
+  EXPECT_GT(C(0, 1), 0.4);
+  EXPECT_LT(C(1, 2), -0.4);
+  EXPECT_EQ(C, C.transpose());
+}
+
+TEST(RtklibPos, DropsRepeats) {
+  const std::string row = "2305 100.000   46.1    6.9   512.3" + kQuality + "\n";
+  const GnssData data = Read(kGpst + kLlh + "\n" + row + row);
+  EXPECT_EQ(data.epochs.size(), 1u);
+  EXPECT_EQ(data.repeated_rows_dropped, 1);
+}
+
+TEST(RtklibPos, RejectsBadRowsEachByItsOwnMessage) {
+  const std::string header = kGpst + kLlh + "\n";
+  const std::string sigmas_to_ratio = " 0.02 0.01 0.05 0 0 0 0.00 4.2\n";
+  const auto row = [&](const std::string& time_and_place) {
+    return [=] { Read(header + time_and_place + " 1 9" + sigmas_to_ratio); };
+  };
+  ExpectInvalid(row("2305 1.0 91 6.9 512"), "latitude is 91", 2);
+  ExpectInvalid(row("2305 1.0 46 400 512"), "longitude is 400", 2);
+  ExpectInvalid(row("2305 1.0 46 6.9 nan"), "'nan' is not a finite", 2);
+  ExpectInvalid(row("2305 1.0 46 6.9"), "row has 14 values, the header names 15", 2);
+  ExpectInvalid(row("2024/02/30 00:00:00 46 6.9 512"), "no such date", 2);
+  ExpectInvalid(row("2024/02/10 24:00:00 46 6.9 512"), "no such time of day", 2);
+  ExpectInvalid(row("1979/02/10 00:00:00 46 6.9 512"), "before the GPS epoch", 2);
+  ExpectInvalid(row("2024/02 00:00:00 46 6.9 512"), "neither year/month/day", 2);
+  ExpectInvalid(row("2024/x/10 00:00:00 46 6.9 512"), "'x' is not a whole number", 2);
+  ExpectInvalid(row("23.5 1.0 46 6.9 512"), "'23.5' is not a whole number", 2);
+  ExpectInvalid([&] { Read(header + "2305 1.0 46 6.9 512 1 9 0.02 0 0.05 0 0 0 0.00 4.2\n"); },
+                "position sigma E is zero", 2);
+  ExpectInvalid([&] { Read(header + "2305 1.0 46 6.9 512 1 9 -0.02 1 0.05 0 0 0 0.00 4.2\n"); },
+                "position sigma N is negative", 2);
+}
+
+TEST(RtklibPos, RejectsTimesThatDoNotIncrease) {
+  const auto file = [](const std::string& first, const std::string& second) {
+    return [=] {
+      Read(kGpst + kLlh + "\n" + first + " 46.1 6.9 512.3" + kQuality + "\n" + second +
+           " 46.1 6.9 513.3" + kQuality + "\n");
+    };
+  };
+  ExpectInvalid(file("2305 100.0", "2305 100.0"), "does not increase", 3);
+  ExpectInvalid(file("2305 100.0", "2305 99.0"), "does not increase", 3);
+  ExpectInvalid(file("2305 500000.0", "2305 10.0"), "does not increase", 3);
+}
+
+TEST(RtklibPos, RejectsFilesItCannotPlace) {
+  const std::string row = "2305 1.0 46 6.9 512" + kQuality + "\n";
+  ExpectInvalid([&] { Read(row); }, "no line with the names of the columns", 1);
+  ExpectInvalid([&] { Read(kPreamble + kGpst + kLlh + "\n"); }, "no solutions", 0);
+  ExpectInvalid([&] { Read(""); }, "no solutions", 0);
+  ExpectInvalid([&] { Read(kGpst + "e-baseline(m) n-baseline(m) u-baseline(m) Q ns\n" + row); },
+                "neither latitude", 1);
+  ExpectInvalid(
+      [&] { Read("% (lat/lon/height=WGS84/geodetic,Q=1:fix)\n" + kGpst + kLlh + "\n" + row); },
+      "ellipsoidal", 1);
+  ExpectInvalid([&] { Read(kGpst + kLlh + "\n" + row + kGpst + kLlh + kVelocity + "\n"); },
+                "columns change", 3);
+}
+
+}  // namespace
+}  // namespace dn

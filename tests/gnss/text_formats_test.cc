@@ -1,0 +1,160 @@
+#include <dn/gnss/gnss_data.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "testing/expect_invalid.h"
+#include "testing/temp_file.h"
+
+namespace dn {
+namespace {
+
+using testing::ExpectInvalid;
+using testing::TempFile;
+
+// Rounding of one product.
+constexpr double kRounding = 1e-15;
+
+GnssData ReadOdyn(const std::string& text) {
+  const TempFile file("GPS.txt", text);
+  return ReadGnss(file.path(), GnssFormat::kOdyn);
+}
+
+GnssData ReadObGins(const std::string& text) {
+  const TempFile file("GNSS.pos", text);
+  return ReadGnss(file.path(), GnssFormat::kObGins);
+}
+
+void ExpectDiagonal(const std::optional<Eigen::Matrix3d>& covariance,
+                    const Eigen::Vector3d& sigma) {
+  ASSERT_TRUE(covariance.has_value());
+  const Eigen::Matrix3d expected = sigma.cwiseAbs2().asDiagonal();
+  EXPECT_LE((*covariance - expected).norm(), kRounding);
+}
+
+TEST(OdynGnss, FourColumnsHaveNoSigmas) {
+  const GnssData data =
+      ReadOdyn("# t, lat, lon, h\n10, 46.5, -6.25, 500.5\n11, 46.5, -6.25, 501\n");
+  ASSERT_EQ(data.epochs.size(), 2u);
+  const GnssEpoch& epoch = data.epochs[0];
+  EXPECT_EQ(epoch.t_s, 10.0);
+  EXPECT_EQ(epoch.antenna.lat_rad, 46.5 * kRadPerDeg);
+  EXPECT_EQ(epoch.antenna.lon_rad, -6.25 * kRadPerDeg);
+  EXPECT_EQ(epoch.antenna.h_m, 500.5);
+  EXPECT_EQ(epoch.line, 2);
+  EXPECT_EQ(epoch.quality, 0);
+  EXPECT_FALSE(epoch.covariance_enu_m2 || epoch.velocity_enu_mps || epoch.velocity_covariance_enu);
+}
+
+TEST(OdynGnss, SevenColumnsHavePositionSigmas) {
+  const GnssEpoch epoch = ReadOdyn("10 46.5 6 500 0.01 0.02 0.03\n").epochs[0];
+  ExpectDiagonal(epoch.covariance_enu_m2, {0.01, 0.02, 0.03});
+  EXPECT_FALSE(epoch.velocity_enu_mps);
+}
+
+TEST(OdynGnss, TenColumnsHaveVelocity) {
+  const GnssEpoch epoch = ReadOdyn("10 46.5 6 500 1 -2 3 0.1 0.2 0.3\n").epochs[0];
+  EXPECT_FALSE(epoch.covariance_enu_m2);
+  EXPECT_EQ(epoch.velocity_enu_mps, Eigen::Vector3d(1, -2, 3));
+  ExpectDiagonal(epoch.velocity_covariance_enu, {0.1, 0.2, 0.3});
+}
+
+TEST(OdynGnss, ThirteenColumnsHaveAll) {
+  const GnssEpoch epoch = ReadOdyn("10 46.5 6 500 0.01 0.02 0.03 1 -2 3 0.1 0.2 0.3\n").epochs[0];
+  ExpectDiagonal(epoch.covariance_enu_m2, {0.01, 0.02, 0.03});
+  EXPECT_EQ(epoch.velocity_enu_mps, Eigen::Vector3d(1, -2, 3));
+  ExpectDiagonal(epoch.velocity_covariance_enu, {0.1, 0.2, 0.3});
+}
+
+TEST(OdynGnss, DropsRepeatsAndContinuesOverTheWeek) {
+  const GnssData data = ReadOdyn("604799 46 6 500\n604799 46 6 500\n0 46 6 500\n1 46 6 500\n");
+  EXPECT_EQ(data.repeated_rows_dropped, 1);
+  ASSERT_EQ(data.epochs.size(), 3u);
+  EXPECT_EQ(data.epochs[2].t_s, 604801.0);
+  EXPECT_EQ(data.epochs[2].line, 4);
+}
+
+TEST(OdynGnss, RejectsBadFilesEachByItsOwnMessage) {
+  const std::string ok = "10 46 6 500 0.1 0.1 0.1\n";
+  ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 0.1 0 0.1\n"); }, "position sigma N is zero", 2);
+  ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 0.1 0.1 -1\n"); }, "position sigma U is negative",
+                2);
+  ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 inf 0.1 1\n"); }, "'inf' is not a finite", 2);
+  ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 nan 1 0.1 1\n"); }, "'nan' is not a finite", 2);
+  ExpectInvalid([&] { ReadOdyn(ok + "11 90.1 6 500 1 1 1\n"); }, "latitude is 90.1", 2);
+  ExpectInvalid([&] { ReadOdyn(ok + "11 46 -181 500 1 1 1\n"); }, "longitude is -181", 2);
+  ExpectInvalid([&] { ReadOdyn(ok + "10 46 6 501 1 1 1\n"); }, "does not increase", 2);
+  ExpectInvalid([&] { ReadOdyn(ok + "9 46 6 500 1 1 1\n"); }, "does not increase", 2);
+  ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500\n"); }, "4 columns", 2);
+  ExpectInvalid([&] { ReadOdyn("11 46 6 500 1 2\n"); }, "6 columns, must have 4, 7, 10 or 13", 1);
+  ExpectInvalid([&] { ReadOdyn("11 46 6 500 1 2 3 0 1 1\n"); }, "velocity sigma E is zero", 1);
+  ExpectInvalid([&] { ReadOdyn(""); }, "no rows", 0);
+}
+
+TEST(ObGinsGnss, SigmasAreNorthEastDown) {
+  const GnssEpoch epoch = ReadObGins("456300.000 30.5 114.25 23.5 0.005 0.004 0.008\n").epochs[0];
+  EXPECT_EQ(epoch.t_s, 456300.0);
+  EXPECT_EQ(epoch.antenna.lon_rad, 114.25 * kRadPerDeg);
+  ExpectDiagonal(epoch.covariance_enu_m2, {0.004, 0.005, 0.008});
+  EXPECT_FALSE(epoch.velocity_enu_mps);
+}
+
+TEST(ObGinsGnss, ThirteenColumnsArePositionVelocityAndTheirSigmas) {
+  const GnssEpoch epoch =
+      ReadObGins("456300 30.5 114.25 23.5 1 2 3 0.005 0.004 0.008 0.05 0.04 0.08\n").epochs[0];
+  ExpectDiagonal(epoch.covariance_enu_m2, {0.004, 0.005, 0.008});
+  EXPECT_EQ(epoch.velocity_enu_mps, Eigen::Vector3d(2, 1, -3));
+  ExpectDiagonal(epoch.velocity_covariance_enu, {0.04, 0.05, 0.08});
+}
+
+TEST(ObGinsGnss, RejectsBadFilesEachByItsOwnMessage) {
+  ExpectInvalid([] { ReadObGins("1 30 114 23\n"); }, "4 columns, must have 7 or 13", 1);
+  ExpectInvalid([] { ReadObGins("1 30 114 23 0 1 1\n"); }, "position sigma N is zero", 1);
+  ExpectInvalid([] { ReadObGins("1 30 114 23 1 1 -1\n"); }, "position sigma D is negative", 1);
+  ExpectInvalid([] { ReadObGins("1 30 114 23 1 1 1 1 1 1 1 -1 1\n"); },
+                "velocity sigma E is negative", 1);
+  ExpectInvalid([] { ReadObGins("1 -91 114 23 1 1 1\n"); }, "latitude is -91", 1);
+}
+
+struct RealFile {
+  const char* folder;
+  std::size_t rows;
+  bool has_sigma;
+  bool has_velocity;
+};
+
+class RealGnss : public ::testing::TestWithParam<RealFile> {};
+
+// Consecutive positions agree with the speed that a helicopter or less can have.
+TEST_P(RealGnss, Reads) {
+  const std::filesystem::path path =
+      std::filesystem::path(DN_SHARED_DATA_DIR "/data") / GetParam().folder / "GPS.txt";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "real data absent: " << path;
+  const GnssData data = ReadGnss(path, GnssFormat::kOdyn);
+  ASSERT_EQ(data.epochs.size() + static_cast<std::size_t>(data.repeated_rows_dropped),
+            GetParam().rows);
+  constexpr double kMaxSpeedMps = 60.0;
+  for (std::size_t i = 0; i < data.epochs.size(); ++i) {
+    const GnssEpoch& epoch = data.epochs[i];
+    EXPECT_EQ(epoch.covariance_enu_m2.has_value(), GetParam().has_sigma);
+    EXPECT_EQ(epoch.velocity_enu_mps.has_value(), GetParam().has_velocity);
+    if (i == 0) continue;
+    const double moved_m = (ToEcef(epoch.antenna) - ToEcef(data.epochs[i - 1].antenna)).norm();
+    EXPECT_LT(moved_m, kMaxSpeedMps * (epoch.t_s - data.epochs[i - 1].t_s));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, RealGnss,
+                         ::testing::Values(RealFile{"heli-track", 2411, true, false},
+                                           RealFile{"psins-car", 100, true, false},
+                                           RealFile{"thor75", 670, false, true},
+                                           RealFile{"walk", 536, true, true}),
+                         [](const auto& param_info) {
+                           std::string name = param_info.param.folder;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace dn
