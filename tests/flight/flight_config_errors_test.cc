@@ -1,0 +1,145 @@
+// One test per way in which flight.yaml can be wrong: the message and the line.
+#include <dn/flight/flight_config.h>
+
+#include "testing/expect_invalid.h"
+#include "testing/temp_folder.h"
+
+namespace dn {
+namespace {
+
+using testing::ExpectInvalid;
+using testing::TempFolder;
+
+/// Expects InvalidConfig, with the file's name, from a text whose fault is on `line`.
+void ExpectBad(const std::string& text, const std::string& what, long line) {
+  SCOPED_TRACE(text);
+  const auto parse = [&] { ParseFlightConfig(text, "/f"); };
+  ExpectInvalid(parse, what, line);
+  try {
+    parse();
+  } catch (const InvalidConfig& e) {
+    EXPECT_EQ(e.where().file, "/f/flight.yaml");
+  }
+}
+
+TEST(FlightConfigErrors, MissingFolder) {
+  ExpectInvalid([] { ReadFlightConfig("/nowhere/flight"); }, "'/nowhere/flight'", 0);
+}
+
+TEST(FlightConfigErrors, MissingFile) {
+  const TempFolder folder;
+  EXPECT_THROW(ReadFlightConfig(folder.path()), InvalidConfig);
+}
+
+TEST(FlightConfigErrors, EmptyFile) { ExpectBad("", "empty", 1); }
+TEST(FlightConfigErrors, NoMap) { ExpectBad("- a\n- b\n", "expected a map", 1); }
+TEST(FlightConfigErrors, Syntax) { ExpectBad("name: a\nbody: [FRD\n", "not valid YAML", 3); }
+
+TEST(FlightConfigErrors, UnknownKeyNamesTheNearest) {
+  ExpectBad("name: a\nlidr: {}\n", "unknown key 'lidr'; did you mean 'lidar'?", 2);
+  ExpectBad("gnss:\n  file: a\n  lever_arm: [0, 0, 0]\n",
+            "gnss: unknown key 'lever_arm'; did you mean 'lever_arm_m'?", 3);
+  ExpectBad("lidar:\n  gsd_m: 1\n  pairs: {strateg: all}\n", "did you mean 'strategy'?", 3);
+}
+
+TEST(FlightConfigErrors, KeyGivenTwice) {
+  ExpectBad("gnss:\n  file: a\n  file: b\n", "'file' is given twice", 3);
+}
+
+TEST(FlightConfigErrors, WrongType) {
+  ExpectBad("gnss:\n  sigma_scale: big\n", "gnss.sigma_scale: expected a number, found 'big'", 2);
+  ExpectBad("gnss:\n  sigma_scale: 1m\n", "expected a number, found '1m'", 2);
+  ExpectBad("gnss:\n  sigma_scale: [1]\n", "expected a number, found a list of 1", 2);
+  ExpectBad("gnss: 5\n", "gnss: expected a map", 1);
+  ExpectBad("gh: {libor_compat: 3}\n", "expected true or false", 1);
+  ExpectBad("name: [a]\n", "name: expected a word", 1);
+  ExpectBad("strips: 3\n", "strips: expected a list", 1);
+}
+
+TEST(FlightConfigErrors, WrongShape) {
+  ExpectBad("gnss:\n  lever_arm_m: [0, 0]\n", "expected a list of 3 numbers, found a list of 2", 2);
+  ExpectBad("lidar:\n  R_sensor_to_body: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n", "3 x 3 matrix", 2);
+  ExpectBad("time_span_s: [1]\n", "a list of 2 numbers", 1);
+}
+
+TEST(FlightConfigErrors, OutOfRange) {
+  ExpectBad("gnss:\n  sigma_scale: 0\n", "must be greater than 0, is 0", 2);
+  ExpectBad("gnss:\n  sigma_scale: inf\n", "must be finite", 2);
+  ExpectBad("gnss: {sigma_enu_m: [1, 0, 1]}\n", "every element must be greater than 0", 1);
+  ExpectBad("frame: {origin_deg_m: [91, 0, 0]}\n", "latitude", 1);
+  ExpectBad("frame: {origin_deg_m: [0, 400, 0]}\n", "longitude", 1);
+  ExpectBad("time_span_s: [2, 1]\n", "must begin before it ends", 1);
+  ExpectBad("trajectory: {sigma_rp_deg: -1}\n", "trajectory.sigma_rp_deg: must be greater", 1);
+  ExpectBad("network: {node_rate_hz: -1}\n", "greater than 0", 1);
+  ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: max, count: 0}}\n", "at least 1", 1);
+  ExpectBad("lidar: {gsd_m: 1, pairs: {seed: -1}}\n", "at least 0", 1);
+  ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: max, count: 1.5}}\n", "a whole number", 1);
+}
+
+TEST(FlightConfigErrors, UnknownWord) {
+  ExpectBad("body: FRU\n", "body: 'FRU' is none of FRD, FLU", 1);
+  ExpectBad("gnss: {robust: hubber}\n", "did you mean 'huber'", 1);
+  ExpectBad("strips_crs: utm:61n\n", "'utm:61n' is none of", 1);
+  ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: some}}\n", "all, max, freq, time_window", 1);
+}
+
+TEST(FlightConfigErrors, Strips) {
+  ExpectBad("strips:\n  - {name: a, t0: 1, t1: 2}\n  - {name: a, t0: 3, t1: 4}\n",
+            "strips[1].name: strip 'a' is given twice", 3);
+  ExpectBad("strips: [{name: a, t0: 2, t1: 1}]\n", "strips[0].t1: must be later", 1);
+  ExpectBad("strips: [{name: a, t0: 2}]\n", "strips[0].t1: expected a number", 1);
+}
+
+TEST(FlightConfigErrors, ImuWithoutGradeNeedsBothWhiteNoises) {
+  ExpectBad("imu:\n  file: a\n", "imu.gyro: the white noise is missing", 2);
+  ExpectBad("imu:\n  gyro: {white_deg_sqrt_h: 0.1}\n", "give white_m_s_sqrt_h", 2);
+  ExpectBad("imu:\n  accel: {white_m_s_sqrt_h: 0.1}\n  gyro: {processes: []}\n",
+            "imu.gyro.white_deg_sqrt_h: the white noise is missing", 3);
+}
+
+TEST(FlightConfigErrors, UnknownGrade) { ExpectBad("imu:\n  grade: ln100\n", "ln200", 2); }
+
+TEST(FlightConfigErrors, ProcessesOfTheWrongKind) {
+  const std::string head = "imu:\n  grade: ln200\n  gyro:\n    processes:\n      - ";
+  ExpectBad(head + "{type: random_constant, sigma_mg: 1}\n", "did you mean 'sigma_deg_h'", 5);
+  ExpectBad(head + "{type: gauss_markov, sigma_deg_h: 1}\n", "tau_s: expected a number", 5);
+  ExpectBad(head + "{type: random_constant, sigma_deg_h: 1, tau_s: 3}\n", "unknown key 'tau_s'", 5);
+  ExpectBad(head + "{type: random_walk, sigma_deg_h: 1}\n", "did you mean 'sigma_deg_h_sqrt_h'", 5);
+  ExpectBad(head + "{type: markov, sigma_deg_h: 1}\n", "gauss_markov", 5);
+  ExpectBad(head + "{type: random_constant}\n", "sigma_deg_h: expected a number, found nothing", 5);
+}
+
+TEST(FlightConfigErrors, LidarNeedsItsNoise) { ExpectBad("lidar: {}\n", "one of lidar.gsd_m", 1); }
+
+TEST(FlightConfigErrors, MountingMatrixIsNoRotation) {
+  ExpectBad("lidar:\n  gsd_m: 1\n  R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1.1]]\n",
+            "lidar.R_sensor_to_body: matrix is no rotation", 3);
+  ExpectBad("lidar:\n  gsd_m: 1\n  R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n",
+            "reflection", 3);
+}
+
+TEST(FlightConfigErrors, ScanAxes) {
+  ExpectBad("lidar: {gsd_m: 1, scan_axis: [1, 1, 0]}\n", "scan_axis: must be a unit vector", 1);
+  ExpectBad("lidar: {gsd_m: 1, scan_axis: [0, 0, 1]}\n", "perpendicular to scan_axis", 1);
+  ExpectBad("lidar: {gsd_m: 1, nadir_axis: [0, 0, -1]}\n", "below the horizon", 1);
+  ExpectBad("{body: FLU, lidar: {gsd_m: 1}}\n", "below the horizon", 1);
+}
+
+TEST(FlightConfigErrors, SelectionWithoutItsParameter) {
+  ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: max}}\n", "count: is required by strategy max", 1);
+  ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: freq}}\n", "freq_hz: is required", 1);
+  ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: time_window}}\n", "window_s: is required", 1);
+}
+
+TEST(FlightConfigErrors, Estimate) {
+  ExpectBad("estimate:\n  - boresight\n  - gravity_tilt\n",
+            "not estimable by this version; estimable are boresight, gnss_lever_arm", 3);
+  ExpectBad("estimate: [lidar_lever_am]\n", "did you mean 'lidar_lever_arm'?", 1);
+  ExpectBad("estimate: [boresight, boresight]\n", "estimate[1]: 'boresight' is given twice", 1);
+  ExpectBad("estimate: [{unknown: boresight, sigma: 1}]\n", "lidar.boresight_sigma_deg", 1);
+  ExpectBad("estimate: [{unknown: gnss_lever_arm, sigma: 0}]\n", "greater than 0", 1);
+  ExpectBad("estimate: [{sigma: 1}]\n", "estimate[0].unknown: expected a word", 1);
+}
+
+}  // namespace
+}  // namespace dn

@@ -1,0 +1,282 @@
+#include <dn/flight/flight.h>
+#include <dn/geo/text_table.h>
+
+#include "testing/expect_invalid.h"
+#include "testing/temp_folder.h"
+
+namespace dn {
+namespace {
+
+using testing::ExpectInvalid;
+using ::testing::HasSubstr;
+using testing::TempFolder;
+
+const char* const kYaml = R"(
+imu: {grade: airins}
+gnss: {}
+lidar: {gsd_m: 0.2}
+trajectory: {}
+)";
+
+std::string Row(const std::vector<double>& values) {
+  std::string row;
+  for (const double value : values) row += (row.empty() ? "" : ", ") + FormatDouble(value);
+  return row + "\n";
+}
+
+/// A still, level body facing north, 50 Hz.
+std::string StillImu(double t0_s, double t1_s) {
+  std::string text;
+  for (int i = 0; t0_s + 0.02 * i <= t1_s; ++i) {
+    text += Row({t0_s + 0.02 * i, 1e-5, -2e-5, 3e-5, 0.0, 0.0, -9.8});
+  }
+  return text;
+}
+
+std::string StillGnss(double t0_s, double t1_s) {
+  std::string text;
+  for (double t_s = t0_s; t_s <= t1_s; t_s += 1.0) text += Row({t_s, 46.5, 6.5, 400.0});
+  return text;
+}
+
+std::string StillTrajectory(double t0_s, double t1_s) {
+  std::string text;
+  for (double t_s = t0_s; t_s <= t1_s; t_s += 0.5) {
+    text += Row({t_s, 46.6, 6.6, 300.0, 1.0, 0.0, 0.0, 0.0});
+  }
+  return text;
+}
+
+std::string Pair(double t_i_s, double t_j_s) { return Row({t_i_s, t_j_s, 1, 2, 30, 3, 4, 30}); }
+
+/// A complete small flight: IMU 100..140 s, GNSS 95..145 s, trajectory 100..140 s, two pairs.
+void WriteFlight(const TempFolder& folder, const std::string& yaml = kYaml) {
+  folder.Write("flight.yaml", yaml);
+  folder.Write("IMU.txt", StillImu(100.0, 140.0));
+  folder.Write("GPS.txt", StillGnss(95.0, 145.0));
+  folder.Write("trajectory.txt", StillTrajectory(100.0, 140.0));
+  folder.Write("LiDAR_p2p.txt", Pair(105, 125) + Pair(110, 130));
+}
+
+constexpr FlightNeeds kDn{.imu = true, .gnss = true, .pairs = true};
+constexpr FlightNeeds kGh{.pairs = true, .trajectory = true};
+constexpr FlightNeeds kEverythingThere{
+    .imu = true, .gnss = true, .pairs = true, .trajectory = true, .optional = true};
+
+TEST(ReadFlight, ReadsWhatIsNeeded) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  const Flight flight = ReadFlight(folder.path(), kDn);
+  ASSERT_TRUE(flight.imu && flight.gnss && flight.pairs);
+  EXPECT_FALSE(flight.trajectory || flight.initial_guess || flight.reference);
+  EXPECT_EQ(flight.pairs->pairs.size(), 2u);
+  EXPECT_EQ(flight.counts.at("pairs"), 2);
+  EXPECT_EQ(flight.counts.at("imu samples"), static_cast<long>(flight.imu->samples.size()));
+  EXPECT_GE(flight.read_time_s, 0.0);
+}
+
+TEST(ReadFlight, NeedsOnlyTheFilesItReads) {
+  const TempFolder folder;
+  folder.Write("flight.yaml", "lidar: {gsd_m: 0.2}\n");
+  folder.Write("trajectory.txt", StillTrajectory(100.0, 140.0));
+  folder.Write("lidar/1_2.txt", Pair(105, 125));
+  const Flight flight = ReadFlight(folder.path(), kGh);
+  EXPECT_EQ(flight.config.trajectory->file, "trajectory.txt");
+  EXPECT_EQ(flight.config.lidar->p2p, std::vector<std::string>{"lidar/*.txt"});
+  EXPECT_EQ(flight.pairs->pairs.size(), 1u);
+}
+
+TEST(ReadFlight, ReadsInitialGuessAndReferenceWhereTheyAre) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("reference.txt", StillTrajectory(100.0, 102.0));
+  folder.Write("initial_guess.out",
+               FormatSbet(ReadFlight(folder.path(), kGh).trajectory->points()));
+  const Flight flight = ReadFlight(folder.path(), {.imu = true});
+  ASSERT_TRUE(flight.reference && flight.initial_guess);
+  EXPECT_EQ(flight.reference->points().size(), 5u);
+  EXPECT_EQ(flight.initial_guess->points().size(), 81u);
+}
+
+TEST(ReadFlight, DropsAndCountsGnssOutsideTheImuData) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  const Flight flight = ReadFlight(folder.path(), kDn);
+  EXPECT_EQ(flight.gnss->epochs.size(), 41u);
+  EXPECT_EQ(flight.gnss->epochs.front().t_s, 100.0);
+  EXPECT_EQ(flight.counts.at("gnss rows outside imu data"), 10);
+}
+
+TEST(ReadFlight, DropsAndCountsWhatIsOutsideTheTimeSpan) {
+  const TempFolder folder;
+  WriteFlight(folder, std::string(kYaml) + "time_span_s: [104, 128]\n");
+  const Flight flight = ReadFlight(folder.path(), kDn);
+  EXPECT_EQ(flight.counts.at("pairs outside time span"), 1);
+  EXPECT_EQ(flight.pairs->pairs.size(), 1u);
+  EXPECT_EQ(flight.counts.at("gnss rows outside time span"), 26);
+  EXPECT_GE(flight.imu->t_begin_s(), 103.9);
+  EXPECT_LE(flight.imu->t_end_s(), 128.0);
+}
+
+TEST(ReadFlight, TheOriginIsTheFirstGnssPositionForEveryCommand) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  const double lat_rad = ReadFlight(folder.path(), kDn).frame.origin().lat_rad;
+  EXPECT_NEAR(lat_rad, 46.5 * 3.14159265358979323846 / 180.0, 1e-14);  // one rounding of 0.8
+  EXPECT_EQ(ReadFlight(folder.path(), kGh).frame.origin().lat_rad, lat_rad);
+}
+
+TEST(ReadFlight, TheOriginIsElseTheFirstTrajectoryPosition) {
+  const TempFolder folder;
+  WriteFlight(folder, "lidar: {gsd_m: 0.2}\n");
+  const Flight flight = ReadFlight(folder.path(), kGh);
+  EXPECT_EQ(flight.frame.origin().lat_rad, flight.trajectory->points()[0].position.lat_rad);
+}
+
+TEST(ReadFlight, TheConfiguredOriginWins) {
+  const TempFolder folder;
+  WriteFlight(folder, std::string(kYaml) + "frame: {origin_deg_m: [10, 20, 30]}\n");
+  EXPECT_EQ(ReadFlight(folder.path(), kDn).frame.origin().h_m, 30.0);
+}
+
+TEST(ReadFlight, SelectsPairsAndCountsTheRestButFindsStripsInAll) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  std::string text;
+  for (int i = 0; i < 100; ++i) text += Pair(101 + 0.1 * i, 121 + 0.1 * i);
+  folder.Write("LiDAR_p2p.txt", text);
+  FlightConfig config = ReadFlightConfig(folder.path());
+  config.lidar->pairs.strategy = PairSelection::Strategy::kMax;
+  config.lidar->pairs.count = 2;
+  const Flight flight = ReadFlight(config, kDn);
+  EXPECT_EQ(flight.pairs->pairs.size(), 2u);
+  EXPECT_EQ(flight.counts.at("pairs not selected"), 98);
+  EXPECT_EQ(FindStrips(flight).size(), 2u);
+}
+
+TEST(ReadFlight, BringsPairsAndGnssAcrossAWeekRollover) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  std::string imu = StillImu(604780.0, 604799.99);
+  imu += StillImu(0.0, 20.0);
+  folder.Write("IMU.txt", imu);
+  folder.Write("GPS.txt", StillGnss(5.0, 15.0));
+  folder.Write("LiDAR_p2p.txt", Pair(604790.0, 10.0));
+  const Flight flight = ReadFlight(folder.path(), kDn);
+  EXPECT_EQ(flight.pairs->pairs[0].t_i_s, 604790.0);
+  EXPECT_EQ(flight.pairs->pairs[0].t_j_s, 604810.0);
+  EXPECT_EQ(flight.gnss->epochs.front().t_s, 604805.0);
+}
+
+TEST(ReadFlight, OptionalLeavesOutWhatIsNotThere) {
+  const TempFolder folder;
+  folder.Write("flight.yaml", "{imu: {grade: airins}, lidar: {gsd_m: 1, p2p: absent/*.txt}}");
+  folder.Write("IMU.txt", StillImu(100.0, 140.0));
+  const Flight flight = ReadFlight(folder.path(), kEverythingThere);
+  EXPECT_TRUE(flight.imu);
+  EXPECT_FALSE(flight.gnss || flight.pairs || flight.trajectory);
+}
+
+TEST(ReadFlight, OptionalWantsPairsInsideOneSourceAndCountsThoseOutsideTheOther) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("trajectory.txt", StillTrajectory(100.0, 128.0));
+  const Flight flight = ReadFlight(folder.path(), kEverythingThere);
+  EXPECT_EQ(flight.counts.at("pairs outside the trajectory"), 1);
+  folder.Write("IMU.txt", StillImu(100.0, 128.0));
+  ExpectInvalid([&] { ReadFlight(folder.path(), kEverythingThere); }, "outside the IMU data", 2);
+}
+
+TEST(ReadFlightErrors, MissingFolderOrConfiguration) {
+  const TempFolder folder;
+  EXPECT_THROW(ReadFlight(folder.path() / "absent", kDn), InvalidConfig);
+  EXPECT_THROW(ReadFlight(folder.path(), kDn), InvalidConfig);
+}
+
+TEST(ReadFlightErrors, MissingSection) {
+  const TempFolder folder;
+  folder.Write("flight.yaml", "name: a\n");
+  for (const auto& [needs, section] :
+       std::vector<std::pair<FlightNeeds, std::string>>{{{.imu = true}, "'imu'"},
+                                                        {{.gnss = true}, "'gnss'"},
+                                                        {{.pairs = true}, "'lidar'"},
+                                                        {{.trajectory = true}, "'trajectory'"}}) {
+    SCOPED_TRACE(section);
+    EXPECT_THROW(ReadFlight(folder.path(), needs), InvalidConfig);
+    ExpectInvalid([&] { ReadFlight(folder.path(), needs); }, section, 0);
+  }
+}
+
+TEST(ReadFlightErrors, MissingDataFileNamesPathAndKey) {
+  const TempFolder folder;
+  folder.Write("flight.yaml", kYaml);
+  const auto expect = [&](const FlightNeeds& needs, const char* file, const char* key) {
+    SCOPED_TRACE(key);
+    ExpectInvalid([&] { ReadFlight(folder.path(), needs); }, file, 0);
+    ExpectInvalid([&] { ReadFlight(folder.path(), needs); }, key, 0);
+  };
+  expect({.imu = true}, "/IMU.txt", "imu.file");
+  expect({.gnss = true}, "/GPS.txt", "gnss.file");
+  expect({.trajectory = true}, "/trajectory.out", "trajectory.file");
+  expect({.pairs = true}, "LiDAR_p2p.txt", "lidar.p2p");
+}
+
+TEST(ReadFlightErrors, NoOverlapOfImuAndGnssNamesBothSpans) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("GPS.txt", StillGnss(500.0, 510.0));
+  const auto read = [&] { ReadFlight(folder.path(), kDn); };
+  ExpectInvalid(read, "500.000000 .. 510.000000 s", 0);
+  ExpectInvalid(read, ".. 140.000000 s", 0);
+}
+
+TEST(ReadFlightErrors, NothingInsideTheTimeSpan) {
+  const TempFolder folder;
+  WriteFlight(folder, std::string(kYaml) + "time_span_s: [500, 600]\n");
+  EXPECT_THROW(ReadFlight(folder.path(), {.imu = true}), InvalidInput);
+  ExpectInvalid([&] { ReadFlight(folder.path(), {.gnss = true}); }, "inside time_span_s", 0);
+  ExpectInvalid([&] { ReadFlight(folder.path(), {.pairs = true}); }, "inside time_span_s", 0);
+}
+
+TEST(ReadFlightErrors, PairOutsideTheImuDataNamesEpochLineAndSpan) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("LiDAR_p2p.txt", Pair(105, 125) + "# note\n" + Pair(110, 150.5));
+  const auto read = [&] { ReadFlight(folder.path(), kDn); };
+  ExpectInvalid(read, "t_j = 150.500000 s lies outside the IMU data (", 3);
+  ExpectInvalid(read, ".. 140.000000 s)", 3);
+}
+
+TEST(ReadFlightErrors, PairOutsideTheTrajectory) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("LiDAR_p2p.txt", Pair(99, 125));
+  ExpectInvalid([&] { ReadFlight(folder.path(), kGh); },
+                "t_i = 99.000000 s lies outside the trajectory (100.000000 .. 140.000000 s)", 1);
+}
+
+TEST(ReadFlightErrors, PairInAHole) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("IMU.txt", StillImu(100.0, 120.0) + StillImu(128.0, 140.0));
+  ExpectInvalid([&] { ReadFlight(folder.path(), kDn); }, "in a hole of the IMU data", 1);
+  folder.Write("trajectory.txt", StillTrajectory(100.0, 120.0) + StillTrajectory(128.0, 140.0));
+  ExpectInvalid([&] { ReadFlight(folder.path(), kGh); },
+                "in a hole of the trajectory (120.000000 .. 128.000000 s)", 1);
+}
+
+TEST(ReadFlightErrors, BadDataNamesFileAndLine) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("GPS.txt", "100, 46.5, 6.5, 400\n101, 46.5, 6.5, x\n");
+  try {
+    ReadFlight(folder.path(), kDn);
+    FAIL() << "no InvalidInput";
+  } catch (const InvalidInput& e) {
+    EXPECT_THAT(e.where().file, HasSubstr("GPS.txt"));
+    EXPECT_EQ(e.where().line, 2);
+  }
+}
+
+}  // namespace
+}  // namespace dn
