@@ -34,24 +34,26 @@ bool Adjoin(const ImuSample& before, const ImuSample& after) {
 
 double Middle(const ImuSample& sample) { return sample.t_s - 0.5 * sample.dt_s; }
 
-/// The corrected rates of a sample as a linear function of time; the slope is that between its
-/// neighbours, one-sided where one is missing.
+/// The corrected rates of a sample as a linear function of time with its mean, and the slope that
+/// has its first moment.
 class LinearSample {
  public:
   LinearSample(const ImuData& imu, std::size_t k, const ImuCorrection& bias,
                const Vector3d& inverse_scale)
-      : middle_s_(Middle(imu.samples[k])) {
-    const std::vector<ImuSample>& samples = imu.samples;
-    const ImuSample& sample = samples[k];
-    const std::size_t a = k > 0 && Adjoin(samples[k - 1], sample) ? k - 1 : k;
-    const std::size_t b = k + 1 < samples.size() && Adjoin(sample, samples[k + 1]) ? k + 1 : k;
-    w_ = inverse_scale.cwiseProduct(sample.w_ib_b_radps - bias.gyro_bias_radps);
-    f_ = sample.f_b_mps2 - bias.accel_bias_mps2;
+      : middle_s_(Middle(imu.samples[k])),
+        w_(inverse_scale.cwiseProduct(imu.samples[k].w_ib_b_radps - bias.gyro_bias_radps)),
+        f_(imu.samples[k].f_b_mps2 - bias.accel_bias_mps2) {
+    const std::vector<ImuSample>& x = imu.samples;
+    const std::size_t a = Before(x, k), b = After(x, k);
     if (a == b) return;
-    const double rate = 1.0 / (Middle(samples[b]) - Middle(samples[a]));
-    w_slope_ =
-        inverse_scale.cwiseProduct(rate * (samples[b].w_ib_b_radps - samples[a].w_ib_b_radps));
-    f_slope_ = rate * (samples[b].f_b_mps2 - samples[a].f_b_mps2);
+    const std::size_t aa = Before(x, a), bb = After(x, b);
+    if (a == k || b == k || aa == a || bb == b) {
+      AddSlope(x[a], x[b], 1.0);
+    } else {
+      AddSlope(x[a], x[b], kNearWeight);
+      AddSlope(x[aa], x[bb], 1.0 - kNearWeight);
+    }
+    w_slope_ = inverse_scale.cwiseProduct(w_slope_);
   }
 
   Vector3d Rate(double t_s) const { return w_ + (t_s - middle_s_) * w_slope_; }
@@ -64,6 +66,23 @@ class LinearSample {
   }
 
  private:
+  // A signal x has means x + h^2/24 x'' over samples of length h, hence differences of means at
+  // distance 1 and 2 give the slopes x' + 5/24 h^2 x''' and x' + 17/24 h^2 x'''; the line of the
+  // same first moment has the slope x' + 1/40 h^2 x''', their mean with the weights w and 1 - w.
+  static constexpr double kNearWeight = 41.0 / 30.0;
+
+  static std::size_t Before(const std::vector<ImuSample>& x, std::size_t k) {
+    return k > 0 && Adjoin(x[k - 1], x[k]) ? k - 1 : k;
+  }
+  static std::size_t After(const std::vector<ImuSample>& x, std::size_t k) {
+    return k + 1 < x.size() && Adjoin(x[k], x[k + 1]) ? k + 1 : k;
+  }
+  void AddSlope(const ImuSample& a, const ImuSample& b, double weight) {
+    const double rate = weight / (Middle(b) - Middle(a));
+    w_slope_ += rate * (b.w_ib_b_radps - a.w_ib_b_radps);
+    f_slope_ += rate * (b.f_b_mps2 - a.f_b_mps2);
+  }
+
   double middle_s_;
   Vector3d w_, f_;
   Vector3d w_slope_ = Vector3d::Zero(), f_slope_ = Vector3d::Zero();

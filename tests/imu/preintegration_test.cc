@@ -92,16 +92,18 @@ void ExpectBelow(const Sigmas& worst, const Sigmas& bound) {
   EXPECT_LE(worst.position, bound.position);
 }
 
-// The bounds are the figures of a prototype with coning and sculling but without scrolling, in
-// sigmas of a navigation-grade sensor.
+// In sigmas of a navigation-grade sensor; an algorithm whose coning and sculling terms use the
+// previous sample alone reaches 0.001, 0.003, 0.015 in a second.
 TEST(Preintegrate, QuietFlightAgreesWithRungeKutta) {
   ExpectBelow(WorstError(testing::PlaneMotion(), 200.0, 0.1), {0.001, 0.001, 0.005});
   ExpectBelow(WorstError(testing::PlaneMotion(), 200.0, 1.0), {0.001, 0.002, 0.014});
 }
 
+// The same algorithm reaches 0.06, 0.06, 0.07 at 200 Hz. The position of 0.1 s is 2e-7 m off, half
+// a period of the vibration; it does not accumulate.
 TEST(Preintegrate, VibrationAgreesWithRungeKutta) {
-  ExpectBelow(WorstError(testing::VibratingMotion(), 200.0, 0.1), {0.025, 0.025, 0.07});
-  ExpectBelow(WorstError(testing::VibratingMotion(), 200.0, 1.0), {0.06, 0.06, 0.07});
+  ExpectBelow(WorstError(testing::VibratingMotion(), 200.0, 0.1), {0.01, 0.01, 0.15});
+  ExpectBelow(WorstError(testing::VibratingMotion(), 200.0, 1.0), {0.02, 0.02, 0.02});
   ExpectBelow(WorstError(testing::VibratingMotion(), 500.0, 1.0), {0.002, 0.002, 0.004});
 }
 
@@ -202,7 +204,9 @@ TEST(Preintegrate, FastConstantRotation) {
   EXPECT_LE((pre.delta_p - p).norm(), 1e-12);
 }
 
-// First order in the bias: what is left is of second order, (d_bg T)^2 relative.
+constexpr double kOfBias = 1e-5;   // second order in the change, and the slope within a sample
+constexpr double kOfScale = 3e-4;  // the coning of 3e-6 rad/s is not differentiated
+
 TEST(Preintegrate, BiasJacobiansPredictIntegrationWithAnotherBias) {
   const ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
   const double t0_s = 0.3012, t1_s = 1.3049;
@@ -216,19 +220,19 @@ TEST(Preintegrate, BiasJacobiansPredictIntegrationWithAnotherBias) {
     const Preintegrated pre = Preintegrate(imu, t0_s, t1_s, at, kNoise, scale);
     const auto expect_predicted = [&](const ImuCorrection& bias, const Vector3d& new_scale,
                                       const Vector3d& rotation, const Vector3d& velocity,
-                                      const Vector3d& position) {
-      constexpr double kRelative = 2e-5;  // second order, and slopes within a sample
+                                      const Vector3d& position, double relative) {
       const Preintegrated moved = Preintegrate(imu, t0_s, t1_s, bias, kNoise, new_scale);
       const Vector3d turned = Log(Eigen::Quaterniond(pre.delta_q.conjugate() * moved.delta_q));
-      EXPECT_LE((turned - rotation).norm(), kRelative * rotation.norm() + 1e-15);
-      EXPECT_LE((moved.delta_v - pre.delta_v - velocity).norm(), kRelative * velocity.norm());
-      EXPECT_LE((moved.delta_p - pre.delta_p - position).norm(), kRelative * position.norm());
+      EXPECT_LE((turned - rotation).norm(), relative * rotation.norm() + 1e-15);
+      EXPECT_LE((moved.delta_v - pre.delta_v - velocity).norm(), relative * velocity.norm());
+      EXPECT_LE((moved.delta_p - pre.delta_p - position).norm(), relative * position.norm());
     };
     expect_predicted({at.gyro_bias_radps + d_bg, at.accel_bias_mps2}, scale, pre.J_q_bg * d_bg,
-                     pre.J_v_bg * d_bg, pre.J_p_bg * d_bg);
+                     pre.J_v_bg * d_bg, pre.J_p_bg * d_bg, kOfBias);
     expect_predicted({at.gyro_bias_radps, at.accel_bias_mps2 + d_ba}, scale, Vector3d::Zero(),
-                     pre.J_v_ba * d_ba, pre.J_p_ba * d_ba);
-    expect_predicted(at, scale + d_sg, pre.J_q_sg * d_sg, pre.J_v_sg * d_sg, pre.J_p_sg * d_sg);
+                     pre.J_v_ba * d_ba, pre.J_p_ba * d_ba, kOfBias);
+    expect_predicted(at, scale + d_sg, pre.J_q_sg * d_sg, pre.J_v_sg * d_sg, pre.J_p_sg * d_sg,
+                     kOfScale);
   }
 }
 

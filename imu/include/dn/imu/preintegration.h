@@ -61,9 +61,9 @@ struct PreintegrationNoise {
 };
 
 /// Integrates the samples over [t_begin_s, t_end_s]. The ends need not be sample epochs: within a
-/// sample the rates are taken linear in time, with the sample's mean and the slope between its
-/// neighbours in the file (one-sided beside a gap and at the ends of the data), so that the parts
-/// of a split interval compose to the whole wherever it is split.
+/// sample the rates are taken linear in time, with the sample's mean and a slope from its two
+/// neighbours on either side in the file (one, or one-sided, beside a gap and at the ends of the
+/// data), so that the parts of a split interval compose to the whole wherever it is split.
 ///
 /// gyro_scale: scale factor already corrected for. The white noise is a density: the covariance is
 /// that of continuous white noise and does not depend on the sampling.

@@ -25,7 +25,9 @@ namespace dn {
 ///   C rho_j - rho_i - (w x rho_i) dt = C p_j - p_i - (w x p_i) dt + origin_position_m
 ///   C (w x rho_j) - w x rho_i        = C (w x p_j) - w x p_i      + origin_velocity_mps
 ///
-/// Accuracy: 1e-15 relative. Source: auxiliary velocity v + w x rho, Brossard et al. 2021.
+/// Accuracy: 1e-15 relative; the attraction linear in time leaves g (w dt)^2 / 12 = 4e-9 m/s^2 and
+/// Gamma a dt^2 / 12 = 3e-7 m/s^2 per m/s^2 of acceleration a, both at dt = 1 s. Source: auxiliary
+/// velocity v + w x rho, Brossard et al. 2021.
 struct EarthStep {
   double dt_s = 0.0;
   Eigen::Matrix3d C = Eigen::Matrix3d::Identity();  ///< m axes at the end -> m axes at the begin
