@@ -1,0 +1,179 @@
+#include <dn/network.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace dn {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// r = a_x - b
+struct Gap : AutoFactor<Gap, 1, Vec<3>, Vec<1>> {
+  template <class T>
+  bool Residual(const T* a, const T* b, T* r) const {
+    r[0] = a[0] - b[0];
+    return true;
+  }
+};
+
+/// r = a - b on blocks known at run time.
+class RunTimeGap final : public DynamicFactor {
+ public:
+  explicit RunTimeGap(std::vector<BlockKind> kinds, int residuals = 1)
+      : DynamicFactor(residuals, std::move(kinds)) {}
+  bool Evaluate(double const* const* x, double* r, double** J) const override {
+    r[0] = x[0][0] - x[1][0];
+    Put(0, x, J, Eigen::Matrix<double, 1, 1>(1.0));
+    Put(1, x, J, Eigen::Matrix<double, 1, 1>(-1.0));
+    return true;
+  }
+};
+
+Eigen::Matrix<double, 1, 1> Scalar(double x) { return Eigen::Matrix<double, 1, 1>(x); }
+
+TEST(Network, KeepsValuesByHandle) {
+  Network net;
+  const auto q = net.AddRotation("q", Eigen::Quaterniond(0.0, 0.0, 0.0, -4.0));
+  const auto p = net.AddVector<3>("p", {1.0, 2.0, 3.0});
+  EXPECT_EQ(net.Value(q).z(), -1.0);  // normalised
+  EXPECT_EQ(net.Value(p), Eigen::Vector3d(1.0, 2.0, 3.0));
+  net.SetValue(p, {4.0, 5.0, 6.0});
+  net.SetValue(q, Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0));
+  EXPECT_EQ(net.Value(p).y(), 5.0);
+  EXPECT_EQ(net.Value(q).w(), 1.0);
+  EXPECT_EQ(net.num_blocks(), 2);
+  EXPECT_EQ(net.num_free_parameters(), 6);
+  net.Hold(q);
+  EXPECT_EQ(net.num_free_parameters(), 3);
+  net.Hold(q, false);
+  EXPECT_EQ(net.num_free_parameters(), 6);
+}
+
+TEST(Network, AddressesOfValuesAreStable) {
+  Network net;
+  const auto first = net.AddVector<3>("first", Eigen::Vector3d::Zero());
+  const double* address = net.block(first.id).value.get();
+  for (int i = 0; i < 1000; ++i) net.AddVector<3>(std::to_string(i), Eigen::Vector3d::Zero());
+  const Network moved = std::move(net);
+  EXPECT_EQ(moved.block(first.id).value.get(), address);
+}
+
+TEST(Network, RejectsBadBlocks) {
+  Network net;
+  net.AddVector<1>("x", Scalar(0.0));
+  EXPECT_THAT([&] { net.AddVector<1>("x", Scalar(0.0)); },
+              ThrowsMessage<InvalidInput>(HasSubstr("'x' is taken")));
+  EXPECT_THAT([&] { net.AddVector<1>("y", Scalar(kNan)); },
+              ThrowsMessage<InvalidInput>(HasSubstr("'y' is not finite")));
+  EXPECT_THAT([&] { net.AddRotation("q", Eigen::Quaterniond(0, 0, 0, 0)); },
+              ThrowsMessage<InvalidInput>(HasSubstr("'q' has zero norm")));
+  EXPECT_EQ(net.num_blocks(), 1);
+  EXPECT_EQ(net.AddVector<1>("y", Scalar(1.0)).id, 1);  // the name is still free
+  EXPECT_THROW(net.SetValue(Block<Vec<1>>{1}, Scalar(kNan)), InvalidInput);
+  EXPECT_EQ(net.Value(Block<Vec<1>>{1})[0], 1.0);
+}
+
+TEST(Network, RejectsHandlesOfAnotherNetwork) {
+  Network one, other;
+  one.AddVector<1>("x", Scalar(0.0));
+  const auto p = other.AddVector<3>("p", Eigen::Vector3d::Zero());
+  const auto q = other.AddRotation("q", Eigen::Quaterniond::Identity());
+  EXPECT_THAT([&] { one.Value(p); }, ThrowsMessage<InvalidInput>(HasSubstr("another network")));
+  EXPECT_THROW(one.SetValue(p, Eigen::Vector3d::Zero()), InvalidInput);
+  EXPECT_THROW(one.Value(q), InvalidInput);
+  EXPECT_THROW(one.Hold(Block<Rotation>{}), InvalidInput);
+}
+
+TEST(Network, FindsByNameOrNamesTheNearest) {
+  Network net;
+  net.AddVector<1>("gyro bias", Scalar(0.0));
+  const auto lever = net.AddVector<1>("lever arm", Scalar(0.0));
+  EXPECT_EQ(net.Find("lever arm"), lever.id);
+  EXPECT_THAT([&] { net.Find("lever am"); },
+              ThrowsMessage<InvalidInput>(HasSubstr("nearest is 'lever arm'")));
+}
+
+TEST(NearestName, ByEditDistance) {
+  EXPECT_EQ(NearestName("gyro_bias", {"acc_bias", "gyro_biases", "gnss"}), "gyro_biases");
+  EXPECT_EQ(NearestName("kitten", {"mitten", "sitting"}), "mitten");
+  EXPECT_EQ(NearestName("", {"long", "abc"}), "abc");
+  EXPECT_EQ(NearestName("x", {}), "");
+}
+
+TEST(Network, RejectsBadFactors) {
+  Network net;
+  const auto a = net.AddVector<1>("a", Scalar(0.0));
+  const auto b = net.AddVector<1>("b", Scalar(0.0));
+  const auto p = net.AddVector<3>("p", Eigen::Vector3d::Zero());
+  const auto gap = [](std::vector<BlockKind> kinds, int residuals = 1) {
+    return std::make_shared<RunTimeGap>(std::move(kinds), residuals);
+  };
+  const BlockKind kOne = Vec<1>::kKind;
+  EXPECT_THAT(
+      [&] {
+        net.AddFactor(gap({kOne, kOne}), {a.id});
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("takes 2 blocks, 1 given")));
+  EXPECT_THAT(
+      [&] {
+        net.AddFactor(gap({kOne, kOne}), {a.id, p.id});
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("'p' is of the wrong kind for argument 1")));
+  EXPECT_THAT(
+      [&] {
+        net.AddFactor(gap({kOne, kOne}), {a.id, a.id});
+      },
+      ThrowsMessage<InvalidInput>(HasSubstr("'a' is given twice")));
+  EXPECT_THROW(net.AddFactor(gap({kOne, kOne}), {a.id, 17}), InvalidInput);
+  EXPECT_THROW(net.AddFactor(gap({}), {}), InvalidInput);
+  EXPECT_THROW(net.AddFactor(gap({kOne, kOne}, 0), {a.id, b.id}), InvalidInput);
+  EXPECT_THROW(net.AddFactor(nullptr, {a.id}), InvalidInput);
+  EXPECT_EQ(net.num_factors(), 0);
+
+  const FactorId id = net.AddFactor(gap({kOne, kOne}), {a.id, b.id});
+  EXPECT_THROW(net.ReplaceFactor(id, gap({kOne, Vec<3>::kKind})), InvalidInput);
+  EXPECT_THROW(net.ReplaceFactor(id, gap({kOne, kOne}, 2)), InvalidInput);
+  EXPECT_THROW(net.ReplaceFactor(id, nullptr), InvalidInput);
+  EXPECT_NO_THROW(net.ReplaceFactor(id, gap({kOne, kOne})));
+  EXPECT_THROW(net.SetActive(5, false), InvalidInput);
+}
+
+TEST(Network, RejectsBadLossesAndLabels) {
+  Network net;
+  const auto p = net.AddVector<3>("p", Eigen::Vector3d::Zero());
+  const auto b = net.AddVector<1>("b", Scalar(0.0));
+  const FactorId id = net.Add(Gap{}, p, b);
+  for (const double width : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(net.SetLoss(id, {Loss::Type::kHuber, width}), InvalidInput) << width;
+  }
+  EXPECT_EQ(net.factor(id).loss.type, Loss::Type::kNone);
+  BlockLabel label;
+  label.components = {"east", "north"};
+  EXPECT_THAT([&] { net.SetLabel(p.id, label); },
+              ThrowsMessage<InvalidInput>(HasSubstr("names 2 components, the block has 3")));
+  label.components.push_back("up");
+  net.SetLabel(p.id, label);
+  EXPECT_EQ(net.block(p.id).label.components[2], "up");
+}
+
+TEST(Network, TagsFactorsByGroup) {
+  Network net;
+  const auto p = net.AddVector<3>("p", Eigen::Vector3d::Zero());
+  const auto b = net.AddVector<1>("b", Scalar(0.0));
+  const FactorId first = net.Add(Gap{}, p, b), second = net.Add(Gap{}, p, b),
+                 third = net.Add(Gap{}, p, b);
+  net.Tag(first, "gnss", 1.0);
+  net.Tag(second, "lidar", 2.0);
+  net.Tag(third, "gnss", 3.0);
+  EXPECT_EQ(net.groups(), (std::vector<std::string>{"", "gnss", "lidar"}));
+  EXPECT_EQ(net.factor(first).group, net.factor(third).group);
+  EXPECT_EQ(net.factor(second).t_s, 2.0);
+}
+
+}  // namespace
+}  // namespace dn

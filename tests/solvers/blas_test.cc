@@ -1,0 +1,43 @@
+#include <dlfcn.h>
+#include <dn/solvers/marginals.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "solvers/pose_graph.h"
+
+namespace dn {
+namespace {
+
+/// The shared library in which a function of this process is found first.
+std::string LibraryOf(const char* function) {
+  void* address = dlsym(RTLD_DEFAULT, function);
+  Dl_info info{};
+  if (address == nullptr || dladdr(address, &info) == 0) return "";
+  return info.dli_fname;
+}
+
+// Debian's Ceres brings ATLAS, on which CHOLMOD is about twice as slow.
+TEST(Blas, CholmodsKernelsComeFromOpenBlas) {
+  for (const char* function : {"dgemm_", "dsyrk_", "dtrsm_", "dsymm_"}) {
+    EXPECT_NE(LibraryOf(function).find("openblas"), std::string::npos)
+        << function << " is found in '" << LibraryOf(function) << "'";
+  }
+}
+
+TEST(Blas, ThreadCountIsGivenBack) {
+  using Get = int (*)();
+  using Set = void (*)(int);
+  const auto get = reinterpret_cast<Get>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+  const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  ASSERT_NE(get, nullptr);
+  ASSERT_NE(set, nullptr);
+  set(2);
+  const int before = get();
+  testing::PoseGraph graph = testing::MakePoseGraph(0);
+  EXPECT_GT(Marginals(graph.network).Covariance(graph.q_bs)(0, 0), 0.0);
+  EXPECT_EQ(get(), before);
+}
+
+}  // namespace
+}  // namespace dn
