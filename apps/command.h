@@ -1,0 +1,85 @@
+#pragma once
+
+#include <dn/flight/atomic_file.h>
+#include <dn/report/json.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dn::apps {
+
+/// Options that every subcommand takes.
+struct CommonOptions {
+  int threads = 1;
+  std::filesystem::path out;
+};
+
+/// Progress on stderr: a live line on a terminal, else a line per stage.
+class Progress {
+ public:
+  explicit Progress(std::string command);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Enters a stage, or updates the detail of the one it is in.
+  void Stage(const std::string& stage, const std::string& detail = "");
+  void Warn(const std::string& message);
+
+ private:
+  void EndLine();
+
+  std::string command_;
+  std::string stage_;
+  bool terminal_;
+  bool line_open_ = false;
+};
+
+/// One run of a subcommand: what it writes into its output directory, and its report.
+class Run {
+ public:
+  Run(std::string command, const CommonOptions& options);
+
+  /// The staged files of --out; made on first use. Without --out nothing is written.
+  void AddFile(const std::string& name, const std::string& content);
+
+  /// The output directory itself, for a library that writes into one. Throws without --out.
+  OutputDirectory& files();
+  void Commit();
+
+  Json report;
+  Progress progress;
+  const CommonOptions& options() const { return options_; }
+  const std::string& command() const { return command_; }
+
+ private:
+  std::string command_;
+  CommonOptions options_;
+  std::unique_ptr<OutputDirectory> files_;
+};
+
+/// True after SIGINT or SIGTERM.
+bool Interrupted();
+void InstallInterruptHandler();
+
+/// Runs the body and turns what it throws into the error line on stderr, report.json and the exit
+/// code of the contract: 0, 1 failed, 2 usage or configuration, 130 interrupted.
+int Execute(const std::string& command, const CommonOptions& options,
+            const std::function<void(Run&)>& body);
+
+/// Adds --threads and --out to a subcommand. out_required: as for commands whose result is files.
+void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required);
+
+/// Subcommands: each adds itself to the program and puts its action where main calls it.
+using Action = std::function<int()>;
+void AddCheck(CLI::App* program, Action* action);
+void AddSimulate(CLI::App* program, Action* action);
+void AddSmooth(CLI::App* program, Action* action);
+void AddCalibrate(CLI::App* program, Action* action);
+
+}  // namespace dn::apps

@@ -1,0 +1,151 @@
+#include "flight_run.h"
+
+#include <dn/report/plot.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <numbers>
+
+namespace dn::apps {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+// Spacing of trajectory.out: 100 Hz resolves the motion of every platform that we know.
+constexpr double kTrajectorySpacingS = 0.01;
+// Points of a plotted curve beyond which nobody sees more.
+constexpr std::size_t kPlotPoints = 2000;
+
+double Since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+template <class Row, class Get>
+PlotSeries Curve(const std::string& label, const std::vector<Row>& rows, const Get& get) {
+  PlotSeries series{label, {}, true};
+  const std::size_t step = std::max<std::size_t>(1, rows.size() / kPlotPoints);
+  for (std::size_t i = 0; i < rows.size(); i += step) {
+    series.points.emplace_back(rows[i].t_s - rows.front().t_s, get(rows[i]));
+  }
+  return series;
+}
+
+void AddPlots(const FlightRun& flight_run, Run* run) {
+  const auto& sigma = flight_run.trajectory.sigma;
+  const auto& biases = flight_run.trajectory.biases;
+  const char* enu[] = {"east", "north", "up"};
+  const char* rph[] = {"roll", "pitch", "heading"};
+  const char* xyz[] = {"x", "y", "z"};
+  std::vector<PlotPanel> panels{{"position sigma [m]", {}}, {"attitude sigma [deg]", {}}};
+  std::vector<PlotPanel> bias_panels{{"gyro bias [deg/h]", {}}, {"accelerometer bias [mg]", {}}};
+  for (int i = 0; i < 3; ++i) {
+    panels[0].series.push_back(
+        Curve(enu[i], sigma, [i](const TrajectorySigma& row) { return row.position_enu_m[i]; }));
+    panels[1].series.push_back(Curve(
+        rph[i], sigma, [i](const TrajectorySigma& row) { return row.rph_rad[i] * kDegPerRad; }));
+    bias_panels[0].series.push_back(Curve(xyz[i], biases, [i](const BiasEstimate& row) {
+      return row.gyro_radps[i] * kDegPerRad * 3600.0;
+    }));
+    bias_panels[1].series.push_back(Curve(xyz[i], biases, [i](const BiasEstimate& row) {
+      return row.accel_mps2[i] * 1e3 / kStandardGravityMps2;
+    }));
+  }
+  const std::string name = flight_run.flight.config.name;
+  const auto add = [&](const std::string& file, const std::string& title,
+                       const std::vector<PlotPanel>& content) {
+    if (const auto svg = DrawSvg(title, "time since start [s]", content)) {
+      run->AddFile(file, *svg);
+    } else {
+      run->progress.Warn(
+          "no plots: gnuplot is not installed or failed; the numbers are in the text files");
+    }
+  };
+  add("trajectory_sigma.svg", name + ": posterior standard deviations", panels);
+  add("biases.svg", name + ": inertial biases", bias_panels);
+}
+
+}  // namespace
+
+std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, bool with_pairs,
+                                        Run* run) {
+  auto result = std::make_unique<FlightRun>();
+  const auto start = Clock::now();
+  run->progress.Stage("reading " + folder.string());
+  FlightNeeds needs;
+  needs.imu = true;
+  needs.gnss = true;
+  needs.pairs = with_pairs;
+  result->flight = ReadFlight(folder, needs);
+  result->timings.read_s = Since(start);
+
+  const auto solve_start = Clock::now();
+  AdjustOptions options;
+  options.with_pairs = with_pairs;
+  options.threads = run->options().threads;
+  options.progress = [run](const std::string& stage, int iterations) {
+    run->progress.Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
+  };
+  options.interrupted = [] { return apps::Interrupted(); };
+  result->adjustment = Adjust(result->flight, options);
+  result->timings.solve_s = Since(solve_start);
+
+  const auto covariance_start = Clock::now();
+  run->progress.Stage("covariances");
+  MarginalsOptions marginals_options;
+  marginals_options.threads = run->options().threads;
+  result->marginals =
+      std::make_unique<Marginals>(result->adjustment.network->net, marginals_options);
+  result->marginals->ComputeSelectedInverse();
+  result->trajectory = ExtractTrajectory(result->adjustment, *result->marginals);
+  result->timings.covariance_s = Since(covariance_start);
+  result->timings.total_s = Since(start);
+  return result;
+}
+
+void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
+  run->progress.Stage("writing " + run->options().out.string());
+  const FlightNetwork& network = *flight_run.adjustment.network;
+  run->AddFile("trajectory.out", FormatSbet(DenseTrajectory(network, kTrajectorySpacingS)));
+  run->AddFile("trajectory_sigma.txt", FormatTrajectorySigma(flight_run.trajectory.sigma));
+  run->AddFile("biases.txt", FormatBiases(flight_run.trajectory.biases));
+  run->AddFile("config.resolved.yaml", FormatFlightConfig(flight_run.flight.config));
+  AddPlots(flight_run, run);
+}
+
+void FillReport(const FlightRun& flight_run, Run* run) {
+  Json& report = run->report;
+  report["flight"] = flight_run.flight.config.name;
+  report["alignment"] = flight_run.adjustment.alignment_method;
+  report["node_rate_hz"] = flight_run.adjustment.node_rate_hz;
+  report["counts"] = flight_run.flight.counts;
+  report["counts"]["pairs rejected as outliers"] = flight_run.adjustment.outliers;
+  report["counts"]["pairs within one node"] = flight_run.adjustment.network->pairs_within_one_node;
+  report["residuals"] = StatisticsToJson(flight_run.trajectory.residuals);
+  report["innovations"] = StatisticsToJson(flight_run.trajectory.innovations);
+  report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment.network);
+  report["stages"] = Json::array();
+  for (const StageReport& stage : flight_run.adjustment.stages) {
+    report["stages"].push_back({{"name", stage.name},
+                                {"iterations", stage.iterations},
+                                {"cost_before", stage.cost_before},
+                                {"cost_after", stage.cost_after},
+                                {"converged", stage.converged},
+                                {"time_s", stage.time_s}});
+  }
+  report["timings_s"] = {{"read", flight_run.timings.read_s},
+                         {"solve", flight_run.timings.solve_s},
+                         {"covariance", flight_run.timings.covariance_s},
+                         {"total", flight_run.timings.total_s}};
+}
+
+void PrintStatistics(const std::string& title, const std::vector<SeriesStatistics>& statistics) {
+  if (statistics.empty()) return;
+  fmt::print("{}\n  {:<15} {:<12} {:>8} {:>8} {:>9} {:>7} {:>7} {:>8}\n", title, "sensor", "axis",
+             "count", "mean", "variance", "lag-1", "NIS", "worst");
+  for (const SeriesStatistics& s : statistics) {
+    fmt::print("  {:<15} {:<12} {:>8} {:>8.3f} {:>9.3f} {:>7.3f} {:>7.3f} {:>8.2f}\n", s.sensor,
+               s.axis, s.count, s.mean, s.variance, s.lag1_correlation, s.mean_square, s.worst);
+  }
+}
+
+}  // namespace dn::apps

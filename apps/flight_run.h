@@ -1,0 +1,33 @@
+#pragma once
+
+#include <dn/builder/adjust.h>
+#include <dn/builder/result_files.h>
+#include <dn/flight/flight.h>
+
+#include "command.h"
+
+namespace dn::apps {
+
+/// A flight adjusted for `dn smooth` or `dn calibrate`, with its covariances.
+struct FlightRun {
+  Flight flight;
+  Adjustment adjustment;
+  std::unique_ptr<Marginals> marginals;
+  TrajectoryResult trajectory;
+  RunTimings timings;
+};
+
+/// Reads, adjusts and factors a flight, with progress and the parts of report.json that are common.
+std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, bool with_pairs,
+                                        Run* run);
+
+/// Stages trajectory.out, trajectory_sigma.txt, biases.txt, config.resolved.yaml and the plots.
+void AddTrajectoryFiles(const FlightRun& flight_run, Run* run);
+
+/// Fills report.json's counts, statistics, stages and timings.
+void FillReport(const FlightRun& flight_run, Run* run);
+
+/// Prints a table of the statistics of innovations and residuals.
+void PrintStatistics(const std::string& title, const std::vector<SeriesStatistics>& statistics);
+
+}  // namespace dn::apps

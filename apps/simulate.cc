@@ -1,0 +1,67 @@
+#include <dn/builder/adjust.h>
+#include <dn/sim/scenario.h>
+#include <dn/sim/simulate.h>
+#include <fmt/format.h>
+
+#include "command.h"
+
+namespace dn::apps {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  std::string scenario;
+  std::uint64_t seed = 1;
+  bool noise_free = false;
+};
+
+void RunSimulate(const Options& options, Run& run) {
+  const Scenario scenario = ReadScenario(options.scenario);
+  SimulateOptions simulate;
+  simulate.seed = options.seed;
+  simulate.noise = !options.noise_free;
+  simulate.progress = [&](const std::string& stage, double fraction) {
+    if (Interrupted()) throw dn::Interrupted();
+    run.progress.Stage(stage, fmt::format("{:.0f} %", 100.0 * fraction));
+  };
+  const SimulatedFlight simulated = Simulate(scenario, simulate);
+  run.progress.Stage("writing " + options.common.out.string());
+  WriteFlight(simulated, run.files());
+  const Flight& flight = simulated.flight;
+  const std::size_t pairs = flight.pairs ? flight.pairs->pairs.size() : 0;
+  run.report["scenario"] = scenario.name;
+  run.report["seed"] = options.seed;
+  run.report["noise"] = !options.noise_free;
+  run.report["counts"] = {{"imu epochs", flight.imu->samples.size()},
+                          {"gnss epochs", flight.gnss->epochs.size()},
+                          {"pairs", pairs},
+                          {"strips", simulated.strips.size()}};
+  fmt::print("flight {}: {} inertial epochs, {} GNSS epochs, {} strips, {} pairs, seed {}\n",
+             scenario.name, flight.imu->samples.size(), flight.gnss->epochs.size(),
+             simulated.strips.size(), pairs, options.seed);
+  for (const StripInterval& strip : simulated.strips) {
+    fmt::print("  strip {}: {:.1f} .. {:.1f} s\n", strip.name, strip.t0_s, strip.t1_s);
+  }
+}
+
+}  // namespace
+
+void AddSimulate(CLI::App* program, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = program->add_subcommand("simulate", "A flight folder from a scenario");
+  app->add_option("SCENARIO", options->scenario,
+                  "Scenario file, or the name of a shipped one (lar3, uav2, ...)")
+      ->required();
+  app->add_option("--seed", options->seed, "Seed of every random number")->capture_default_str();
+  app->add_flag("--noise-free", options->noise_free,
+                "Perfect sensors; flight.yaml still states the scenario's stochastic model");
+  AddCommonOptions(app, &options->common, true);
+  app->footer("Example: dn simulate lar3 --out flight --seed 7");
+  app->callback([options, action] {
+    *action = [options] {
+      return Execute("simulate", options->common, [&](Run& run) { RunSimulate(*options, run); });
+    };
+  });
+}
+
+}  // namespace dn::apps

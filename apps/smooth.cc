@@ -1,0 +1,51 @@
+#include <fmt/format.h>
+
+#include "flight_run.h"
+
+namespace dn::apps {
+namespace {
+
+struct SmoothOptions {
+  CommonOptions common;
+  std::string flight;
+};
+
+void Smooth(const SmoothOptions& options, Run& run) {
+  const std::unique_ptr<FlightRun> flight_run = AdjustFlight(options.flight, false, &run);
+  const TrajectoryResult& trajectory = flight_run->trajectory;
+  AddTrajectoryFiles(*flight_run, &run);
+  run.AddFile("smooth.json",
+              FormatJson(SmoothJson(flight_run->flight.config.name, trajectory,
+                                    ExtractUnknowns(flight_run->adjustment, *flight_run->marginals),
+                                    flight_run->timings)));
+  FillReport(*flight_run, &run);
+  const AdjustmentFigures& figures = trajectory.figures;
+  fmt::print("flight {}: {} nodes, {} inertial and {} GNSS epochs, alignment {}\n",
+             flight_run->flight.config.name, figures.nodes, figures.imu_epochs, figures.gnss_epochs,
+             flight_run->adjustment.alignment_method);
+  fmt::print("converged in {} iterations, sigma0 {:.3f}, chi2 {:.1f} with redundancy {}\n",
+             figures.iterations, figures.sigma0, figures.chi2, figures.redundancy);
+  PrintStatistics("innovations of the forward filter (expected mean 0, variance 1, NIS 1)",
+                  trajectory.innovations);
+  PrintStatistics("residuals after the adjustment", trajectory.residuals);
+  const Json errors = ReferenceErrorsJson(*flight_run->adjustment.network);
+  if (!errors.is_null()) fmt::print("differences from the reference: {}\n", errors.dump());
+}
+
+}  // namespace
+
+void AddSmooth(CLI::App* program, Action* action) {
+  auto options = std::make_shared<SmoothOptions>();
+  CLI::App* app =
+      program->add_subcommand("smooth", "INS/GNSS only: the optimally smoothed trajectory");
+  app->add_option("FLIGHT", options->flight, "Flight folder")->required();
+  AddCommonOptions(app, &options->common, true);
+  app->footer("Example: dn smooth flight --out result");
+  app->callback([options, action] {
+    *action = [options] {
+      return Execute("smooth", options->common, [&](Run& run) { Smooth(*options, run); });
+    };
+  });
+}
+
+}  // namespace dn::apps

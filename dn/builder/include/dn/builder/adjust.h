@@ -1,0 +1,79 @@
+#pragma once
+
+#include <dn/builder/alignment.h>
+#include <dn/builder/flight_network.h>
+#include <dn/flight/flight.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dn {
+
+/// Options of an adjustment of a flight.
+struct AdjustOptions {
+  bool with_pairs = true;  ///< false: INS/GNSS only
+  int threads = 1;
+  int max_iterations = 40;  ///< of each stage
+  /// Called at the start of a stage and after every iteration ("lidar, robust", 3 iterations done).
+  std::function<void(const std::string& stage, int iterations)> progress;
+  /// Polled between iterations; true ends the work with Interrupted.
+  std::function<bool()> interrupted;
+  /// Called once when the network stands complete, before it is solved with every edge: the place
+  /// to add blocks and factors of your own.
+  std::function<void(FlightNetwork&)> customise;
+  FlightNetworkOptions network;
+
+  void Validate() const;
+};
+
+/// The work was stopped by its user.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+/// The adjustment did not converge; the message says in which stage, and what was seen.
+class NotConverged : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// One solve of the staged adjustment.
+struct StageReport {
+  std::string name;
+  int iterations = 0;
+  double cost_before = 0.0;
+  double cost_after = 0.0;
+  bool converged = false;
+  double time_s = 0.0;
+};
+
+/// A solved flight.
+struct Adjustment {
+  std::unique_ptr<FlightNetwork> network;
+  std::string alignment_method;
+  double node_rate_hz = 0.0;  ///< within strips
+  std::vector<StageReport> stages;
+  int iterations = 0;  ///< of all stages
+  bool converged = false;
+  long outliers = 0;                ///< pairs rejected
+  double residual_initial_m = 0.0;  ///< mean norm of the pairs' differences before the lidar stages
+  double residual_final_m = 0.0;    ///< of the pairs kept, at the solution
+  double cost = 0.0;
+  double time_s = 0.0;
+};
+
+/// Adjusts a flight in stages: alignment and forward filter; INS/GNSS; boresight alone with the
+/// trajectory held; everything with a robust loss on the pairs; rejection of pairs; final least
+/// squares. Increments are integrated anew whenever the biases have moved, and at the end.
+///
+/// Needs the flight's imu and gnss (and pairs, when with_pairs). Throws InvalidInput, NotConverged,
+/// Interrupted.
+Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
+
+/// Node rate within the strips for `node_rate_hz: auto`.
+double AutoNodeRateHz(const Flight& flight);
+
+}  // namespace dn

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <dn/flight/flight.h>
+#include <dn/geo/trajectory.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace dn {
+
+/// State of the forward filter: pose, and the value of every bias process.
+///
+/// Covariance order: attitude (right, rad), position (m), velocity (m/s), gyro processes (3 each),
+/// then accelerometer processes.
+struct FilterState {
+  MapPose pose;
+  std::vector<Eigen::Vector3d> gyro_bias;   ///< per process, rad/s
+  std::vector<Eigen::Vector3d> accel_bias;  ///< per process, m/s^2
+  Eigen::MatrixXd covariance;
+
+  Eigen::Vector3d TotalGyroBias() const;
+  Eigen::Vector3d TotalAccelBias() const;
+};
+
+/// One measurement's innovation (measured against predicted from all earlier measurements).
+struct Innovation {
+  double t_s = 0.0;
+  bool velocity = false;       ///< false: position
+  Eigen::Vector3d normalised;  ///< per axis east, north, up: innovation / its predicted sigma
+  double nis = 0.0;            ///< normalised innovation squared of the three axes together
+};
+
+struct FilterOptions {
+  double t_end_s = 1e300;  ///< stop after this epoch
+  /// Innovations beyond this many sigmas (root of NIS) are de-weighted so that they pull no more
+  /// than one at the bound; 0: never.
+  double huber_sigmas = 0.0;
+};
+
+struct FilterRun {
+  std::vector<FilterState>
+      states;  ///< one per requested time, after its measurements; covariance left empty
+  std::vector<Innovation> innovations;
+  double log_likelihood = 0.0;  ///< up to a constant that is common to all starts
+  FilterState last;             ///< with covariance
+};
+
+/// Extended Kalman filter over the very factors of the network: prediction by the preintegrated
+/// inertial edge (its Jacobians give transition and process noise), update by the GNSS position and
+/// velocity edges. Used to start the network and to test innovations.
+///
+/// times: sorted; must contain every GNSS epoch that is to be used; start.pose.t_s is the first.
+FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& times,
+                           const FilterState& start, const FilterOptions& options = {});
+
+/// Filter state at a pose with the model's own prior covariance on the biases and the given
+/// standard deviations of attitude (rad, about body x, y, z), position and velocity.
+FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
+                            const Eigen::Vector3d& gyro_bias_radps,
+                            const Eigen::Vector3d& accel_bias_mps2,
+                            const Eigen::Vector3d& sigma_attitude_rad, double sigma_position_m,
+                            double sigma_velocity_mps);
+
+}  // namespace dn

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <dn/builder/result.h>
+#include <dn/report/json.h>
+
+#include <string>
+#include <vector>
+
+namespace dn {
+
+/// Seconds of the parts of a run, as result.json reports them.
+struct RunTimings {
+  double read_s = 0.0;
+  double solve_s = 0.0;
+  double covariance_s = 0.0;
+  double total_s = 0.0;
+};
+
+/// result.json of `dn calibrate --method dn` (schema dn.result/1).
+Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
+                     const TrajectoryResult& trajectory, const BoresightResult& boresight,
+                     const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings);
+
+/// smooth.json of `dn smooth`.
+Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
+                const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings);
+
+/// The adjustment's figures as result.json and smooth.json hold them.
+Json AdjustmentJson(const AdjustmentFigures& figures);
+
+/// trajectory_sigma.txt: t, sigma E, N, U [m], v E, N, U [m/s], roll, pitch, heading [deg].
+std::string FormatTrajectorySigma(const std::vector<TrajectorySigma>& sigma);
+
+/// biases.txt: t, gyro x y z [deg/h], accel x y z [mg], then their sigmas.
+std::string FormatBiases(const std::vector<BiasEstimate>& biases);
+
+/// Differences from the reference trajectory at the nodes, root mean squares: position E, N, U in
+/// m, velocity in m/s, roll, pitch, heading in deg; null where the reference does not cover any
+/// node.
+Json ReferenceErrorsJson(const FlightNetwork& network);
+
+}  // namespace dn

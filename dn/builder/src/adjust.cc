@@ -1,0 +1,318 @@
+#include <dn/builder/adjust.h>
+#include <dn/imu/strapdown.h>
+#include <dn/solvers/solve.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace dn {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Largest norm of a whitened 3-vector that belongs to the data: the quantile of chi_3 that leaves
+// as much outside as four sigmas of a normal variable do (6.3e-5).
+constexpr double kRejectNorm = 4.68;
+constexpr double kMedianChi2Of3 = 2.366;
+constexpr double kGnssHuberNorm = 3.0;
+constexpr double kPairCauchyNorm = 3.0;
+constexpr double kStripJoinS = 5.0;
+constexpr double kStripMarginS = 0.5;
+constexpr int kMaxRelinearisations = 4;
+// Bias change (in the units of Relinearise) below which new increments change nothing.
+constexpr double kRelinearised = 0.02;
+
+double Seconds(Clock::time_point since) {
+  return std::chrono::duration<double>(Clock::now() - since).count();
+}
+
+std::vector<double> PairEpochs(const Flight& flight) {
+  std::vector<double> t_s;
+  for (const LidarPair& pair : flight.pairs->pairs) {
+    t_s.push_back(pair.t_i_s);
+    t_s.push_back(pair.t_j_s);
+  }
+  return t_s;
+}
+
+std::vector<double> GridOf(const Flight& flight, const TimeInterval& span, bool with_pairs,
+                           double rate_hz) {
+  NodeGridOptions options;
+  options.rate_in_strips_hz = rate_hz;
+  options.every_imu_epoch = flight.config.network.inertial == NetworkConfig::Inertial::kRaw;
+  std::vector<TimeInterval> dense;
+  if (with_pairs) {
+    dense = ClusterEpochs(PairEpochs(flight), kStripJoinS);
+    for (TimeInterval& interval : dense) {
+      interval.t0_s -= kStripMarginS;
+      interval.t1_s += kStripMarginS;
+    }
+  }
+  return NodeTimes(*flight.imu, span, GnssTimes(flight, span), dense, options);
+}
+
+// Starting states at the nodes from those of the forward filter on its coarser grid.
+InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& node_t_s,
+                            const std::vector<FilterState>& coarse) {
+  std::vector<double> coarse_t_s;
+  for (const FilterState& state : coarse) coarse_t_s.push_back(state.pose.t_s);
+  InitialStates initial;
+  MapPose last = coarse.front().pose;
+  for (const double t_s : node_t_s) {
+    const FilterState& before = coarse[NodeBefore(coarse_t_s, t_s + 1e-7)];
+    const double reset_t_s = std::max(last.t_s, before.pose.t_s);
+    if (before.pose.t_s >= last.t_s) last = before.pose;
+    if (t_s - reset_t_s > 1e-7) {
+      try {
+        last = Propagate(flight.frame, last,
+                         Preintegrate(*flight.imu, last.t_s, t_s,
+                                      {before.TotalGyroBias(), before.TotalAccelBias()}, {}));
+      } catch (const InvalidInput&) {  // a hole in the inertial data: coast
+        last.p_mb += (t_s - last.t_s) * last.v_m;
+      }
+    } else if (t_s < last.t_s - 1e-7) {  // before the first GNSS epoch: coast backwards
+      initial.nodes.push_back({t_s, last.q_mb, last.p_mb + (t_s - last.t_s) * last.v_m, last.v_m});
+      continue;
+    }
+    last.t_s = t_s;
+    initial.nodes.push_back(last);
+  }
+  initial.gyro_bias_radps = coarse.back().TotalGyroBias();
+  initial.accel_bias_mps2 = coarse.back().TotalAccelBias();
+  return initial;
+}
+
+Loss GnssLoss(const Flight& flight, bool first_pass) {
+  switch (flight.config.gnss->robust) {
+    case RobustKind::kHuber:
+      return {Loss::Type::kHuber, kGnssHuberNorm};
+    case RobustKind::kCauchy:
+      return {Loss::Type::kCauchy, kGnssHuberNorm};
+    case RobustKind::kNone:
+      break;
+  }
+  return first_pass ? Loss{Loss::Type::kHuber, kGnssHuberNorm} : Loss{};
+}
+
+Loss FinalPairLoss(const Flight& flight) {
+  switch (flight.config.lidar->robust) {
+    case RobustKind::kHuber:
+      return {Loss::Type::kHuber, kPairCauchyNorm};
+    case RobustKind::kCauchy:
+      return {Loss::Type::kCauchy, kPairCauchyNorm};
+    case RobustKind::kNone:
+      break;
+  }
+  return {};
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class Adjuster {
+ public:
+  Adjuster(const Flight& flight, const AdjustOptions& options)
+      : flight_(flight), options_(options) {}
+
+  Adjustment Run() {
+    const auto start = Clock::now();
+    BuildInertial();
+    SolveInsGnss();
+    if (options_.with_pairs) {
+      network().AddPairs(flight_.pairs->pairs);
+      result_.residual_initial_m = MeanPairDifference();
+      StartBoresight();
+      SolvePairsRobustly();
+      RejectPairs();
+    }
+    if (options_.customise) options_.customise(network());
+    SolveFinally();
+    if (options_.with_pairs) result_.residual_final_m = MeanPairDifference();
+    result_.time_s = Seconds(start);
+    return std::move(result_);
+  }
+
+ private:
+  FlightNetwork& network() { return *result_.network; }
+
+  void Announce(const std::string& stage) const {
+    if (options_.progress) options_.progress(stage, 0);
+    if (options_.interrupted && options_.interrupted()) throw Interrupted();
+  }
+
+  void BuildInertial() {
+    Announce("alignment");
+    result_.node_rate_hz = flight_.config.network.node_rate_hz.value_or(AutoNodeRateHz(flight_));
+    const TimeInterval span = NetworkSpan(flight_, options_.with_pairs);
+    const TimeInterval gnss_span = NetworkSpan(flight_, false);
+    const std::vector<double> coarse =
+        NodeTimes(*flight_.imu, gnss_span, GnssTimes(flight_, gnss_span), {}, {});
+    const Alignment alignment = Align(flight_, coarse);
+    result_.alignment_method = alignment.method;
+    const std::vector<double> node_t_s =
+        GridOf(flight_, span, options_.with_pairs, result_.node_rate_hz);
+    result_.network = std::make_unique<FlightNetwork>(
+        flight_, node_t_s, StatesAtNodes(flight_, node_t_s, alignment.run.states),
+        options_.network);
+  }
+
+  void SetGnssLoss(const Loss& loss) {
+    for (const FlightNetwork::GnssEdge& edge : network().gnss_edges) {
+      network().net.SetLoss(edge.position, loss);
+      if (edge.velocity >= 0) network().net.SetLoss(edge.velocity, loss);
+    }
+  }
+
+  void SetPairLoss(const Loss& loss) {
+    for (const auto& edge : network().pair_edges) network().net.SetLoss(edge.id, loss);
+  }
+
+  // Solves one stage; a stage that is only on the way may stop at its iteration limit.
+  void SolveStage(const std::string& name, int max_iterations) {
+    Announce(name);
+    SolveOptions options;
+    options.threads = options_.threads;
+    options.max_iterations = max_iterations;
+    options.on_iteration = [&](const IterationProgress& progress) {
+      if (options_.progress) options_.progress(name, progress.iteration);
+      return !(options_.interrupted && options_.interrupted());
+    };
+    const SolveReport report = Solve(network().net, options);
+    if (report.interrupted) throw Interrupted();
+    result_.stages.push_back({name, report.iterations, report.initial_cost, report.final_cost,
+                              report.converged, report.time_s});
+    result_.iterations += report.iterations;
+    result_.converged = report.converged;
+    result_.cost = report.final_cost;
+    if (!std::isfinite(report.final_cost)) {
+      throw NotConverged("stage '" + name + "': " + report.message);
+    }
+  }
+
+  void SolveInsGnss() {
+    SetGnssLoss(GnssLoss(flight_, true));
+    SolveStage("INS/GNSS, robust", options_.max_iterations);
+    for (int k = 0; k < kMaxRelinearisations && network().Relinearise() > 1.0; ++k) {
+      SolveStage("INS/GNSS, increments anew", options_.max_iterations);
+    }
+  }
+
+  double MeanPairDifference() {
+    double sum = 0.0;
+    long n = 0;
+    for (std::size_t k = 0; k < network().pair_edges.size(); ++k) {
+      if (!network().net.factor(network().pair_edges[k].id).active) continue;
+      sum += network().PairDifference(k).norm();
+      ++n;
+    }
+    return n > 0 ? sum / static_cast<double>(n) : 0.0;
+  }
+
+  // Gauss-Newton on the boresight alone, the trajectory held, with Cauchy weights at the median
+  // scale.
+  void StartBoresight() {
+    Network& net = network().net;
+    if (net.block(network().boresight.id).held) return;
+    constexpr int kBoresightBlock = 6;
+    constexpr int kMaxSteps = 30;
+    constexpr double kStepRad = 1e-8;
+    for (int step = 0; step < kMaxSteps; ++step) {
+      std::vector<Eigen::Vector3d> r;
+      std::vector<Eigen::Matrix3d> A;
+      std::vector<double> norm2;
+      for (const auto& edge : network().pair_edges) {
+        Eigen::VectorXd residual;
+        std::vector<Eigen::MatrixXd> J;
+        net.EvaluateFactor(edge.id, &residual, &J);
+        r.emplace_back(residual);
+        A.emplace_back(J[kBoresightBlock]);
+        norm2.push_back(residual.squaredNorm());
+      }
+      const double scale2 = std::max(1.0, Median(norm2) / kMedianChi2Of3);
+      Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
+      Eigen::Vector3d b = Eigen::Vector3d::Zero();
+      for (std::size_t k = 0; k < r.size(); ++k) {
+        const double weight = 1.0 / (1.0 + norm2[k] / (kPairCauchyNorm * kPairCauchyNorm * scale2));
+        N += weight * A[k].transpose() * A[k];
+        b += weight * A[k].transpose() * r[k];
+      }
+      // Weak directions are left to the full network: a small ridge, 1 deg per sqrt(number of
+      // pairs).
+      N.diagonal().array() += 1.0 / std::pow(1.0 * 3.14159265358979 / 180.0, 2);
+      const Eigen::Vector3d d = -N.ldlt().solve(b);
+      net.SetValue(network().boresight, Exp(d) * net.Value(network().boresight));
+      if (d.norm() < kStepRad) break;
+    }
+  }
+
+  void SolvePairsRobustly() {
+    constexpr int kIterations = 6;
+    SetPairLoss({Loss::Type::kCauchy, kPairCauchyNorm});
+    SolveStage("lidar, robust", kIterations);
+  }
+
+  void RejectPairs() {
+    Network& net = network().net;
+    std::vector<double> norm2;
+    for (const auto& edge : network().pair_edges) {
+      Eigen::VectorXd r;
+      net.EvaluateFactor(edge.id, &r);
+      norm2.push_back(r.squaredNorm());
+    }
+    const double scale2 = std::max(1.0, Median(norm2) / kMedianChi2Of3);
+    for (std::size_t k = 0; k < norm2.size(); ++k) {
+      if (norm2[k] <= kRejectNorm * kRejectNorm * scale2) continue;
+      net.SetActive(network().pair_edges[k].id, false);
+      ++result_.outliers;
+    }
+    SetPairLoss(FinalPairLoss(flight_));
+  }
+
+  void SolveFinally() {
+    SetGnssLoss(GnssLoss(flight_, false));
+    network().Relinearise();
+    for (int k = 0; k < kMaxRelinearisations; ++k) {
+      SolveStage("final least squares", options_.max_iterations);
+      if (network().Relinearise() < kRelinearised) break;
+    }
+    if (!result_.converged) {
+      throw NotConverged(
+          "the final least squares did not converge in " + std::to_string(options_.max_iterations) +
+          " iterations; see the stages in report.json, and check the stochastic model, lever arms "
+          "and the time tags of the flight");
+    }
+  }
+
+  const Flight& flight_;
+  const AdjustOptions& options_;
+  Adjustment result_;
+};
+
+}  // namespace
+
+void AdjustOptions::Validate() const {
+  if (threads < 1) throw InvalidConfig("adjustment: threads must be at least 1");
+  if (max_iterations < 1) throw InvalidConfig("adjustment: max_iterations must be at least 1");
+}
+
+double AutoNodeRateHz(const Flight& flight) {
+  const double arw = flight.config.imu->model.gyro.white;
+  return arw > 2e-5 ? 10.0 : 5.0;
+}
+
+Adjustment Adjust(const Flight& flight, const AdjustOptions& options) {
+  options.Validate();
+  if (!flight.imu || !flight.gnss)
+    throw InvalidInput("adjustment: the flight has no inertial or GNSS data");
+  if (options.with_pairs && (!flight.pairs || flight.pairs->pairs.empty())) {
+    throw InvalidInput("adjustment: the flight has no point-to-point pairs");
+  }
+  return Adjuster(flight, options).Run();
+}
+
+}  // namespace dn

@@ -1,0 +1,85 @@
+#include <dn/builder/node_grid.h>
+#include <dn/error.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dn {
+namespace {
+
+// Two nodes closer than this are one: far below an IMU interval, far above the resolution of the
+// time.
+constexpr double kSameNodeS = 1e-6;
+
+std::vector<double> ForcedTimes(const ImuData& imu, const TimeInterval& span,
+                                const std::vector<double>& gnss_t_s,
+                                const NodeGridOptions& options) {
+  std::vector<double> t{span.t0_s, span.t1_s};
+  const auto add = [&](double t_s) {
+    if (t_s > span.t0_s && t_s < span.t1_s) t.push_back(t_s);
+  };
+  for (const double t_s : gnss_t_s) add(t_s);
+  for (const ImuGap& gap : imu.gaps) {
+    add(gap.t_begin_s);
+    add(gap.t_end_s);
+  }
+  if (options.every_imu_epoch) {
+    for (const ImuSample& sample : imu.samples) add(sample.t_s);
+  }
+  std::sort(t.begin(), t.end());
+  t.erase(std::unique(t.begin(), t.end(), [](double a, double b) { return b - a < kSameNodeS; }),
+          t.end());
+  return t;
+}
+
+bool Overlaps(const std::vector<TimeInterval>& intervals, double t0_s, double t1_s) {
+  return std::any_of(intervals.begin(), intervals.end(), [&](const TimeInterval& interval) {
+    return interval.t0_s < t1_s && t0_s < interval.t1_s;
+  });
+}
+
+}  // namespace
+
+std::vector<double> NodeTimes(const ImuData& imu, const TimeInterval& span,
+                              const std::vector<double>& gnss_t_s,
+                              const std::vector<TimeInterval>& dense,
+                              const NodeGridOptions& options) {
+  if (!(options.rate_in_strips_hz > 0.0) || !(options.max_spacing_s > 0.0)) {
+    throw InvalidConfig("node grid: rate and spacing must be positive");
+  }
+  if (!(span.t1_s - span.t0_s > kSameNodeS)) {
+    throw InvalidInput("node grid: the time span of the network is empty");
+  }
+  const std::vector<double> forced = ForcedTimes(imu, span, gnss_t_s, options);
+  std::vector<double> nodes{forced.front()};
+  for (std::size_t i = 1; i < forced.size(); ++i) {
+    const double t0 = forced[i - 1];
+    const double length = forced[i] - t0;
+    const double spacing = Overlaps(dense, t0, forced[i])
+                               ? std::min(1.0 / options.rate_in_strips_hz, options.max_spacing_s)
+                               : options.max_spacing_s;
+    const int parts = options.every_imu_epoch
+                          ? 1
+                          : std::max(1, static_cast<int>(std::ceil(length / spacing - 1e-3)));
+    for (int k = 1; k < parts; ++k) nodes.push_back(t0 + length * k / parts);
+    nodes.push_back(forced[i]);
+  }
+  return nodes;
+}
+
+std::size_t NodeBefore(const std::vector<double>& node_t_s, double t_s) {
+  const auto after = std::upper_bound(node_t_s.begin(), node_t_s.end(), t_s);
+  return after == node_t_s.begin() ? 0 : static_cast<std::size_t>(after - node_t_s.begin()) - 1;
+}
+
+std::vector<TimeInterval> ClusterEpochs(std::vector<double> t_s, double join_s) {
+  std::sort(t_s.begin(), t_s.end());
+  std::vector<TimeInterval> clusters;
+  for (const double t : t_s) {
+    if (clusters.empty() || t - clusters.back().t1_s > join_s) clusters.push_back({t, t});
+    clusters.back().t1_s = t;
+  }
+  return clusters;
+}
+
+}  // namespace dn

@@ -1,0 +1,162 @@
+#include <dn/builder/result_files.h>
+#include <dn/geo/text_table.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace dn {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+Json CorrelationJson(const BiasCorrelation& correlation) {
+  return {{"at_barycentre", ToJsonMatrix(correlation.at_barycentre)},
+          {"max_abs", correlation.max_abs},
+          {"rms", correlation.rms}};
+}
+
+Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
+  Json json = Json::object();
+  for (const UnknownEstimate& unknown : unknowns) {
+    json[unknown.name] = {
+        {"value", unknown.value}, {"sigma", unknown.sigma}, {"unit", unknown.unit}};
+  }
+  return json;
+}
+
+Json TimingJson(const RunTimings& timings) {
+  return {{"read", timings.read_s},
+          {"solve", timings.solve_s},
+          {"covariance", timings.covariance_s},
+          {"total", timings.total_s}};
+}
+
+Json BoresightJson(const BoresightResult& boresight) {
+  const Eigen::Vector3d sigma_deg = boresight.sigma_rad() * kDegPerRad;
+  return {{"angles_deg", ToJson(boresight.angles_rad * kDegPerRad)},
+          {"euler_zyx_deg", ToJson(boresight.euler_zyx_rad * kDegPerRad)},
+          {"sigma_deg", ToJson(sigma_deg)},
+          {"covariance_deg2", ToJsonMatrix(boresight.covariance_rad2 * kDegPerRad * kDegPerRad)},
+          {"correlation", ToJsonMatrix(boresight.correlation())},
+          {"sigma_apriori_deg", nullptr},
+          {"sigma_scaled_deg", nullptr}};
+}
+
+void AppendRow(std::string* text, double t_s, std::initializer_list<Eigen::Vector3d> columns) {
+  *text += FormatDouble(t_s);
+  for (const Eigen::Vector3d& column : columns) {
+    for (int i = 0; i < 3; ++i) *text += ", " + FormatDouble(column[i]);
+  }
+  *text += '\n';
+}
+
+}  // namespace
+
+Json AdjustmentJson(const AdjustmentFigures& figures) {
+  return {{"sigma0", figures.sigma0},
+          {"chi2", figures.chi2},
+          {"redundancy", figures.redundancy},
+          {"condition_number", nullptr},
+          {"iterations", figures.iterations},
+          {"converged", figures.converged},
+          {"residual_initial_m", nullptr},
+          {"residual_final_m", nullptr},
+          {"nodes", figures.nodes},
+          {"parameters", figures.parameters},
+          {"imu_epochs", figures.imu_epochs},
+          {"gnss_epochs", figures.gnss_epochs},
+          {"correspondences", figures.correspondences},
+          {"outliers", figures.outliers}};
+}
+
+Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
+                     const TrajectoryResult& trajectory, const BoresightResult& boresight,
+                     const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings) {
+  Json json;
+  json["schema"] = "dn.result/1";
+  json["flight"] = flight;
+  json["method"] = "dn";
+  json["boresight"] = BoresightJson(boresight);
+  json["assessment"] = {{"verdict", boresight.verdict}, {"reasons", boresight.reasons}};
+  json["correlations"] = {{"boresight_to_accel_bias", CorrelationJson(boresight.accel_bias)},
+                          {"boresight_to_gyro_bias", CorrelationJson(boresight.gyro_bias)}};
+  json["estimates"] = UnknownsJson(unknowns);
+  Json figures = AdjustmentJson(trajectory.figures);
+  figures["condition_number"] = boresight.condition_number;
+  figures["residual_initial_m"] = adjustment.residual_initial_m;
+  figures["residual_final_m"] = adjustment.residual_final_m;
+  json["adjustment"] = figures;
+  json["timing_s"] = TimingJson(timings);
+  return json;
+}
+
+Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
+                const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings) {
+  Json json;
+  json["schema"] = "dn.smooth/1";
+  json["flight"] = flight;
+  json["adjustment"] = AdjustmentJson(trajectory.figures);
+  json["innovations"] = StatisticsToJson(trajectory.innovations);
+  if (!trajectory.innovations.empty()) {
+    json["innovations"]["gnss position"]["nis"] = trajectory.nis_position;
+    if (json["innovations"].contains("gnss velocity")) {
+      json["innovations"]["gnss velocity"]["nis"] = trajectory.nis_velocity;
+    }
+  }
+  json["residuals"] = StatisticsToJson(trajectory.residuals);
+  json["estimates"] = UnknownsJson(unknowns);
+  json["timing_s"] = TimingJson(timings);
+  return json;
+}
+
+std::string FormatTrajectorySigma(const std::vector<TrajectorySigma>& sigma) {
+  std::string text = "# t, sigma E, N, U [m], v E, N, U [m/s], roll, pitch, heading [deg]\n";
+  for (const TrajectorySigma& row : sigma) {
+    AppendRow(&text, row.t_s, {row.position_enu_m, row.velocity_enu_mps, row.rph_rad * kDegPerRad});
+  }
+  return text;
+}
+
+std::string FormatBiases(const std::vector<BiasEstimate>& biases) {
+  constexpr double kDegH = kDegPerRad * 3600.0;
+  constexpr double kMg = 1e3 / kStandardGravityMps2;
+  std::string text =
+      "# t, gyro x, y, z [deg/h], accel x, y, z [mg], sigma gyro [deg/h], sigma accel [mg]\n";
+  for (const BiasEstimate& row : biases) {
+    AppendRow(&text, row.t_s,
+              {row.gyro_radps * kDegH, row.accel_mps2 * kMg, row.sigma_gyro_radps * kDegH,
+               row.sigma_accel_mps2 * kMg});
+  }
+  return text;
+}
+
+Json ReferenceErrorsJson(const FlightNetwork& network) {
+  const Flight& flight = network.flight();
+  if (!flight.reference) return nullptr;
+  const std::vector<MapPose> reference = flight.reference->InMap(flight.frame);
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d attitude = Eigen::Vector3d::Zero();
+  double n = 0.0;
+  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+    const MapPose pose = network.NodePose(k);
+    if (!flight.reference->Covers(pose.t_s)) continue;
+    const MapPose truth = InterpolatePose(reference, pose.t_s);
+    const Eigen::Matrix3d R_enu_m = flight.frame.R_m_enu(truth.p_mb).transpose();
+    position += (R_enu_m * (pose.p_mb - truth.p_mb)).cwiseAbs2();
+    velocity += (R_enu_m * (pose.v_m - truth.v_m)).cwiseAbs2();
+    Eigen::Vector3d difference = RollPitchHeading(ToNavPoint(pose, flight.frame).q_nb) -
+                                 RollPitchHeading(ToNavPoint(truth, flight.frame).q_nb);
+    for (int i = 0; i < 3; ++i)
+      difference[i] = std::remainder(difference[i], 2.0 * std::numbers::pi);
+    attitude += difference.cwiseAbs2();
+    n += 1.0;
+  }
+  if (n == 0.0) return nullptr;
+  return {{"nodes", static_cast<long>(n)},
+          {"position_enu_rmse_m", ToJson((position / n).cwiseSqrt())},
+          {"velocity_enu_rmse_mps", ToJson((velocity / n).cwiseSqrt())},
+          {"roll_pitch_heading_rmse_deg", ToJson((attitude / n).cwiseSqrt() * kDegPerRad)}};
+}
+
+}  // namespace dn

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dn {
+
+/// One curve or cloud of points.
+struct PlotSeries {
+  std::string label;
+  std::vector<std::pair<double, double>> points;
+  bool lines = true;
+};
+
+/// A plot with one or several panels stacked above a common abscissa.
+struct PlotPanel {
+  std::string y_label;
+  std::vector<PlotSeries> series;
+};
+
+/// SVG text of the plot, drawn by gnuplot. Nothing where gnuplot is not installed or fails: the
+/// numbers are in the result files anyway.
+std::optional<std::string> DrawSvg(const std::string& title, const std::string& x_label,
+                                   const std::vector<PlotPanel>& panels);
+
+}  // namespace dn
