@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <random>
+#include <string_view>
+
+namespace dn {
+
+/// Mixes 64 bits (splitmix64): neighbouring inputs give unrelated outputs.
+std::uint64_t MixBits(std::uint64_t x);
+
+/// Seeded random numbers. Streams of different names are independent, so that drawing more for one
+/// purpose changes nothing elsewhere.
+class Random {
+ public:
+  Random(std::uint64_t seed, std::string_view stream);
+
+  double Uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }  ///< in [0, 1)
+  double Uniform(double low, double high) { return low + (high - low) * Uniform(); }
+  double Normal();  ///< standard normal
+  Eigen::Vector3d Normal3() {
+    const double x = Normal(), y = Normal(), z = Normal();
+    return {x, y, z};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+  double spare_ = 0.0;
+  bool has_spare_ = false;
+};
+
+}  // namespace dn

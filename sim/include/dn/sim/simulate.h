@@ -1,0 +1,52 @@
+#pragma once
+
+#include <dn/flight/atomic_file.h>
+#include <dn/flight/flight.h>
+#include <dn/sim/scenario.h>
+#include <dn/sim/truth.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dn {
+
+struct SimulateOptions {
+  std::uint64_t seed =
+      1;  ///< of noise, turbulence and the choice of pairs; the terrain has its own
+  /// false: noise and biases of every sensor are zero; effects stay, and flight.yaml still holds
+  /// the assumed model.
+  bool noise = true;
+  /// Called with the stage ("trajectory", "imu", "gnss", "pairs") and its fraction done.
+  std::function<void(const std::string& stage, double fraction)> progress;
+};
+
+/// A flight and the truth behind it.
+struct SimulatedFlight {
+  Scenario scenario;
+  std::uint64_t seed = 1;
+  LocalFrame frame{Geodetic{}};
+  std::shared_ptr<const TruthTrajectory> truth;
+  /// What ReadFlight gives of the written folder: the assumed model and the measurements.
+  Flight flight;
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();        ///< true
+  Eigen::Vector3d gnss_lever_arm_b_m = Eigen::Vector3d::Zero();   ///< true
+  Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();  ///< true
+  /// True bias (sum of all processes, mean over the interval) of every inertial sample.
+  std::vector<Eigen::Vector3d> gyro_bias_radps;
+  std::vector<Eigen::Vector3d> accel_bias_mps2;
+  std::vector<StripInterval> strips;
+};
+
+/// Flies the scenario. Throws InvalidConfig when it cannot be flown (no two strips overlap, a line
+/// below the ground), InvalidInput for a bad trajectory to replay.
+SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options);
+
+/// Adds flight.yaml, IMU.txt, GPS.txt, lidar/<a>_<b>.txt, reference.out (SBET at the inertial rate)
+/// and truth.yaml to `directory`; the caller commits.
+void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory);
+
+}  // namespace dn

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <dn/geo/local_frame.h>
+#include <dn/geo/trajectory.h>
+#include <dn/sim/disturbance.h>
+#include <dn/sim/uniform_spline.h>
+
+#include <Eigen/Core>
+
+namespace dn {
+
+/// Exact motion at one instant, and what ideal inertial sensors feel there.
+struct TruthState {
+  MapPose pose;
+  Eigen::Vector3d a_m = Eigen::Vector3d::Zero();     ///< acceleration with respect to the Earth
+  Eigen::Vector3d w_mb_b = Eigen::Vector3d::Zero();  ///< angular rate with respect to the Earth
+  Eigen::Vector3d w_ib_b =
+      Eigen::Vector3d::Zero();                    ///< angular rate with respect to inertial space
+  Eigen::Vector3d f_b = Eigen::Vector3d::Zero();  ///< specific force
+};
+
+/// A smooth trajectory over the rotating Earth, with every derivative in closed form.
+///
+/// Position is the path at the time t + lead(t) plus the height disturbance; roll, pitch and
+/// heading refer to the north-east-down of the point. With n that frame, w the Earth rate:
+///
+///   w_ib_b = R_bm w + R_bn w_en_n + E(roll, pitch) d/dt (roll, pitch, heading)
+///   f_b    = R_bm (a + 2 w x v + w x (w x (r0 + p)) - attraction(p))
+///
+/// Position is C4, attitude C4: rates and forces are smooth. Thread-safe.
+class TruthTrajectory {
+ public:
+  /// The path's times count from t_begin_s. Throws InvalidInput when the path, led by the
+  /// disturbance, does not cover [t_begin_s, t_end_s].
+  TruthTrajectory(LocalFrame frame, UniformSpline path, Disturbance disturbance, double t_begin_s,
+                  double t_end_s);
+
+  const LocalFrame& frame() const { return frame_; }
+  double t_begin_s() const { return t_begin_s_; }
+  double t_end_s() const { return t_end_s_; }
+
+  /// t_s in [t_begin_s, t_end_s] (1 ms beyond is still defined); throws InvalidInput further out.
+  MapPose Pose(double t_s) const;
+  TruthState State(double t_s) const;
+  Eigen::Vector3d AngularRate(double t_s) const { return State(t_s).w_ib_b; }
+  Eigen::Vector3d SpecificForce(double t_s) const { return State(t_s).f_b; }
+
+  /// As navigation output: what a perfect system would have written.
+  NavPoint Nav(double t_s) const;
+
+ private:
+  struct Motion {
+    Eigen::Vector3d p, v, a;        // in m
+    Eigen::Vector3d rph, rph_rate;  // roll, pitch, heading, rad and rad/s
+  };
+  Motion MotionAt(double t_s) const;
+
+  LocalFrame frame_;
+  UniformSpline path_;
+  Disturbance disturbance_;
+  double t_begin_s_;
+  double t_end_s_;
+};
+
+}  // namespace dn

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <dn/imu/imu_data.h>
+#include <dn/sim/scenario.h>
+#include <dn/sim/truth.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace dn {
+
+struct SimulatedImu {
+  ImuData data;
+  std::vector<Eigen::Vector3d> gyro_bias_radps;  ///< of every sample, mean over its interval
+  std::vector<Eigen::Vector3d> accel_bias_mps2;
+};
+
+struct ImuSimulation {
+  std::uint64_t seed = 1;
+  bool noise = true;
+  Eigen::Vector3d gyro_scale = Eigen::Vector3d::Zero();  ///< measured = (1 + value) true
+  std::function<void(double fraction)> progress;
+};
+
+/// Means of rate and specific force over (t_{k-1}, t_k], t_k = begin + k / rate, with the model's
+/// noise.
+SimulatedImu SimulateImu(const ImuScenario& imu, const TruthTrajectory& truth,
+                         const ImuSimulation& options);
+
+}  // namespace dn

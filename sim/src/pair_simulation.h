@@ -1,0 +1,32 @@
+#pragma once
+
+#include <dn/flight/flight_config.h>
+#include <dn/lidar/pairs.h>
+#include <dn/sim/scenario.h>
+#include <dn/sim/terrain.h>
+#include <dn/sim/truth.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace dn {
+
+struct PairSimulation {
+  std::uint64_t seed = 1;
+  bool noise = true;
+  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();  ///< of the scanner, true
+  double time_offset_s = 0.0;                               ///< tag = t + offset
+  std::function<void(double fraction)> progress;
+};
+
+/// Correspondences uniformly over the overlaps of all strip pairs, `count` in total; files
+/// "lidar/<a>_<b>.txt", sorted by name, pairs sorted by t_i within a file. Throws InvalidConfig
+/// when no two strips overlap.
+PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval>& strips,
+                       const std::shared_ptr<const TruthTrajectory>& truth,
+                       const std::shared_ptr<const Terrain>& terrain,
+                       const PairSimulation& options);
+
+}  // namespace dn

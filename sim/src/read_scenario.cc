@@ -1,0 +1,52 @@
+#include <dn/error.h>
+#include <dn/sim/scenario.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "nearest_name.h"
+#include "shipped_scenarios.h"
+
+namespace dn {
+namespace {
+
+const std::vector<std::string>& AnnouncedScenarios() {
+  static const std::vector<std::string> names{"har2", "har4", "hal2", "hal4"};
+  return names;
+}
+
+std::string ReadText(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in) throw InvalidConfig("the scenario file cannot be read", {file.string()});
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> ScenarioNames() {
+  std::vector<std::string> names;
+  for (const ShippedScenario& scenario : ShippedScenarios()) names.push_back(scenario.name);
+  return names;
+}
+
+Scenario ReadScenario(const std::string& name_or_path) {
+  for (const ShippedScenario& scenario : ShippedScenarios()) {
+    if (scenario.name == name_or_path) return ParseScenario(scenario.yaml, name_or_path);
+  }
+  if (std::filesystem::is_regular_file(name_or_path)) {
+    return ParseScenario(ReadText(name_or_path), name_or_path);
+  }
+  const std::string shipped = JoinNames(ScenarioNames());
+  const auto& announced = AnnouncedScenarios();
+  if (std::find(announced.begin(), announced.end(), name_or_path) != announced.end()) {
+    throw InvalidConfig("scenario '" + name_or_path +
+                        "' is not shipped yet; shipped are: " + shipped);
+  }
+  throw InvalidConfig("'" + name_or_path +
+                      "' is neither a scenario file nor a shipped scenario; the nearest one is '" +
+                      NearestName(name_or_path, ScenarioNames()) + "'. Shipped: " + shipped);
+}
+
+}  // namespace dn

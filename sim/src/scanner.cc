@@ -1,0 +1,79 @@
+#include "scanner.h"
+
+#include <cmath>
+#include <utility>
+
+namespace dn {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kOnPlane_m = 1e-9;
+constexpr double kSameTime_s = 1e-10;  // about one step of a double at a second of the week
+constexpr int kMaxSteps = 60;
+constexpr double kNearSurface_m = 0.3;  // of range: what is this close does not hide the point
+
+Eigen::Matrix3d Rotation(const Vector3d& phi) {
+  const double angle = phi.norm();
+  if (angle == 0.0) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, phi / angle).toRotationMatrix();
+}
+
+}  // namespace
+
+Scanner::Scanner(const LidarScenario& lidar, const Vector3d& lever_arm_b_m,
+                 std::shared_ptr<const TruthTrajectory> truth,
+                 std::shared_ptr<const Terrain> terrain)
+    : truth_(std::move(truth)),
+      terrain_(std::move(terrain)),
+      R_bs_(Rotation(lidar.mounting.boresight_rad) * lidar.mounting.R_bs_nominal),
+      lever_arm_b_m_(lever_arm_b_m),
+      scan_axis_s_(lidar.scan_axis_s.normalized()),
+      nadir_axis_s_(lidar.nadir_axis_s.normalized()),
+      half_fov_rad_(0.5 * lidar.fov_rad) {}
+
+Vector3d Scanner::VectorTo(const Vector3d& point_m, double t_s) const {
+  const MapPose pose = truth_->Pose(t_s);
+  const Eigen::Matrix3d R_mb = pose.q_mb.toRotationMatrix();
+  return R_bs_.transpose() * (R_mb.transpose() * (point_m - pose.p_mb) - lever_arm_b_m_);
+}
+
+std::optional<double> Scanner::SweepTime(const Vector3d& point_m, double t0_s, double t1_s) const {
+  const auto ahead_m = [&](double t_s) { return VectorTo(point_m, t_s).dot(scan_axis_s_); };
+  double g0 = ahead_m(t0_s), g1 = ahead_m(t1_s);
+  if (g0 * g1 > 0.0) return std::nullopt;
+  for (int step = 0; step < kMaxSteps && std::abs(t1_s - t0_s) > kSameTime_s; ++step) {
+    const double t_s = t1_s - g1 * (t1_s - t0_s) / (g1 - g0);
+    const double g = ahead_m(t_s);
+    if (std::abs(g) < kOnPlane_m) return t_s;
+    if (g * g1 < 0.0) {
+      t0_s = t1_s;
+      g0 = g1;
+    } else {
+      g0 *= 0.5;  // Illinois: the end that stays must not stall the secant
+    }
+    t1_s = t_s;
+    g1 = g;
+  }
+  return t1_s;
+}
+
+bool Scanner::Hidden(const Vector3d& point_m, double t_s) const {
+  const MapPose pose = truth_->Pose(t_s);
+  const Vector3d origin_m = pose.p_mb + pose.q_mb * lever_arm_b_m_;
+  const Vector3d ray_m = point_m - origin_m;
+  const double range_m = ray_m.norm();
+  return terrain_->Intersect(origin_m, ray_m / range_m, range_m - kNearSurface_m).has_value();
+}
+
+std::optional<Sighting> Scanner::See(const Vector3d& point_m, double t0_s, double t1_s) const {
+  const std::optional<double> t_s = SweepTime(point_m, t0_s, t1_s);
+  if (!t_s) return std::nullopt;
+  const Vector3d u_s = VectorTo(point_m, *t_s);
+  const double angle =
+      std::atan2(u_s.dot(scan_axis_s_.cross(nadir_axis_s_)), u_s.dot(nadir_axis_s_));
+  if (std::abs(angle) > half_fov_rad_ || Hidden(point_m, *t_s)) return std::nullopt;
+  return Sighting{*t_s, u_s};
+}
+
+}  // namespace dn

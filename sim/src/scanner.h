@@ -1,0 +1,47 @@
+#pragma once
+
+#include <dn/sim/scenario.h>
+#include <dn/sim/terrain.h>
+#include <dn/sim/truth.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+
+namespace dn {
+
+/// A ground point seen by the scanner: when, and the exact vector to it in the sensor frame.
+struct Sighting {
+  double t_s = 0.0;
+  Eigen::Vector3d u_s = Eigen::Vector3d::Zero();
+};
+
+/// The true scanner on its true path: a line scanner whose beams lie in the plane through its
+/// origin that is perpendicular to scan_axis, within half the field of view of nadir_axis.
+class Scanner {
+ public:
+  /// lever_arm_b_m: the true one.
+  Scanner(const LidarScenario& lidar, const Eigen::Vector3d& lever_arm_b_m,
+          std::shared_ptr<const TruthTrajectory> truth, std::shared_ptr<const Terrain> terrain);
+
+  /// When, in [t0_s, t1_s], the scan plane sweeps over the point; nothing when it does not, when
+  /// the point is outside the field of view then, or hidden behind the surface.
+  std::optional<Sighting> See(const Eigen::Vector3d& point_m, double t0_s, double t1_s) const;
+
+  /// Vector from the scanner to a point, in the sensor frame, m.
+  Eigen::Vector3d VectorTo(const Eigen::Vector3d& point_m, double t_s) const;
+
+ private:
+  std::optional<double> SweepTime(const Eigen::Vector3d& point_m, double t0_s, double t1_s) const;
+  bool Hidden(const Eigen::Vector3d& point_m, double t_s) const;
+
+  std::shared_ptr<const TruthTrajectory> truth_;
+  std::shared_ptr<const Terrain> terrain_;
+  Eigen::Matrix3d R_bs_;
+  Eigen::Vector3d lever_arm_b_m_;
+  Eigen::Vector3d scan_axis_s_;
+  Eigen::Vector3d nadir_axis_s_;
+  double half_fov_rad_;
+};
+
+}  // namespace dn

@@ -1,0 +1,160 @@
+#include <dn/error.h>
+#include <dn/geo/text_table.h>
+#include <dn/sim/simulate.h>
+#include <dn/sim/terrain.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "effects.h"
+#include "flight_plan.h"
+#include "gnss_simulation.h"
+#include "imu_simulation.h"
+#include "pair_simulation.h"
+#include "replay.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kLowestFlight_m = 10.0;
+
+struct FlownPlan {
+  FlightPlan plan;
+  double begin_s;
+  Disturbance disturbance;
+};
+
+FlownPlan Plan(const Scenario& scenario, const LocalFrame& frame, std::uint64_t seed) {
+  if (scenario.plan.replay) {
+    const Trajectory trajectory = ReadTrajectory(*scenario.plan.replay);
+    return {ReplayFlight(trajectory, frame), trajectory.t_begin_s() + kReplayMargin_s, {}};
+  }
+  FlightPlan plan = PlanFlight(scenario.plan);
+  Disturbance disturbance = MakeDisturbance(scenario.plan.turbulence, plan.mean_speed_mps,
+                                            scenario.plan.stabilised_mount, seed);
+  return {std::move(plan), scenario.start_s, std::move(disturbance)};
+}
+
+/// When the flight, which runs ahead of its plan or behind it, is at the planned time path_s.
+double FlownTime(const Disturbance& disturbance, double path_s) {
+  double t_s = path_s;
+  for (int i = 0; i < 50; ++i) t_s = path_s - disturbance.lead_s.At(t_s).value;  // contraction
+  return t_s;
+}
+
+std::vector<StripInterval> Strips(const FlownPlan& flown) {
+  std::vector<StripInterval> strips;
+  for (const Vector2d& strip_s : flown.plan.strips_s) {
+    strips.push_back({std::to_string(strips.size() + 1),
+                      flown.begin_s + FlownTime(flown.disturbance, strip_s.x()),
+                      flown.begin_s + FlownTime(flown.disturbance, strip_s.y())});
+  }
+  return strips;
+}
+
+void CheckClearance(const Scenario& scenario, const std::vector<StripInterval>& strips,
+                    const TruthTrajectory& truth, const Terrain& terrain) {
+  for (const StripInterval& strip : strips) {
+    for (double t_s = strip.t0_s; t_s <= strip.t1_s; t_s += 1.0) {
+      const Vector3d p_m = truth.Pose(t_s).p_mb;
+      const double above_m = p_m.z() - terrain.Surface(p_m.head<2>());
+      if (above_m < kLowestFlight_m) {
+        throw InvalidConfig("line " + strip.name + " of scenario '" + scenario.name + "' passes " +
+                            FormatDouble(std::round(above_m)) +
+                            " m above the terrain; raise it to at least 10 m, or lower "
+                            "terrain.base_m");
+      }
+    }
+  }
+}
+
+/// What flight.yaml says: the assumed model, and nothing of the truth.
+FlightConfig AssumedConfig(const Scenario& scenario, const std::vector<StripInterval>& strips) {
+  FlightConfig config;
+  config.name = scenario.name;
+  config.origin = scenario.origin;
+  config.strips = strips;
+  config.imu.emplace();
+  config.imu->grade = scenario.imu.preset;
+  config.imu->model = scenario.imu.model;
+  config.gnss.emplace();
+  config.gnss->lever_arm_b_m = scenario.gnss.lever_arm_b_m;
+  config.gnss->sigma_enu_m = scenario.gnss.sigma_enu_m;
+  return config;
+}
+
+LidarConfig AssumedLidar(const Scenario& scenario, const PairData& pairs) {
+  LidarConfig lidar;
+  lidar.p2p.clear();
+  for (const auto& file : pairs.files) lidar.p2p.push_back(file.generic_string());
+  lidar.mounting = scenario.lidar.mounting;
+  lidar.mounting.boresight_rad.setZero();
+  lidar.scan_axis_s = scenario.lidar.scan_axis_s;
+  lidar.nadir_axis_s = scenario.lidar.nadir_axis_s;
+  lidar.gsd_m = scenario.lidar.gsd_m;
+  lidar.sigma_p_m = scenario.pairs.sigma_p_m;
+  return lidar;
+}
+
+Trajectory Reference(const TruthTrajectory& truth, const ImuData& imu) {
+  std::vector<NavPoint> points;
+  points.reserve(imu.samples.size() + 1);
+  points.push_back(truth.Nav(truth.t_begin_s()));
+  for (const ImuSample& sample : imu.samples) points.push_back(truth.Nav(sample.t_s));
+  return Trajectory(std::move(points), {.velocity_from_file = true});
+}
+
+}  // namespace
+
+SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options) {
+  const auto report = [&](const char* stage) {
+    return [&options, stage](double fraction) {
+      if (options.progress) options.progress(stage, fraction);
+    };
+  };
+  SimulatedFlight out;
+  out.scenario = scenario;
+  out.seed = options.seed;
+  out.frame = LocalFrame(scenario.origin);
+  out.boresight_rad = scenario.lidar.mounting.boresight_rad;
+  out.gnss_lever_arm_b_m = scenario.gnss.lever_arm_b_m + VectorEffect(scenario, "gnss_lever_arm");
+  out.lidar_lever_arm_b_m =
+      scenario.lidar.mounting.lever_arm_b_m + VectorEffect(scenario, "lidar_lever_arm");
+
+  report("trajectory")(0.0);
+  const FlownPlan flown = Plan(scenario, out.frame, options.seed);
+  out.truth =
+      std::make_shared<TruthTrajectory>(out.frame, flown.plan.path, flown.disturbance,
+                                        flown.begin_s, flown.begin_s + flown.plan.duration_s);
+  out.strips = Strips(flown);
+  const auto terrain = std::make_shared<const Terrain>(scenario.terrain);
+  CheckClearance(scenario, out.strips, *out.truth, *terrain);
+
+  out.flight.frame = out.frame;
+  out.flight.config = AssumedConfig(scenario, out.strips);
+  SimulatedImu imu =
+      SimulateImu(scenario.imu, *out.truth,
+                  {options.seed, options.noise, 1e-6 * VectorEffect(scenario, "gyro_scale_factor"),
+                   report("imu")});
+  out.gyro_bias_radps = std::move(imu.gyro_bias_radps);
+  out.accel_bias_mps2 = std::move(imu.accel_bias_mps2);
+  out.flight.imu = std::move(imu.data);
+  out.flight.reference = Reference(*out.truth, *out.flight.imu);
+  report("gnss")(0.0);
+  out.flight.gnss =
+      SimulateGnss(scenario.gnss, out.gnss_lever_arm_b_m, *out.truth, options.seed, options.noise);
+  if (scenario.pairs.count > 0) {
+    out.flight.pairs =
+        SimulatePairs(scenario, out.strips, out.truth, terrain,
+                      {options.seed, options.noise, out.lidar_lever_arm_b_m,
+                       ScalarEffect(scenario, "lidar_time_offset"), report("pairs")});
+    out.flight.config.lidar = AssumedLidar(scenario, *out.flight.pairs);
+  }
+  return out;
+}
+
+}  // namespace dn

@@ -1,0 +1,141 @@
+#include <dn/error.h>
+#include <dn/rotation.h>
+#include <dn/sim/truth.h>
+
+#include <cmath>
+#include <utility>
+
+namespace dn {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kSemiMajorAxis_m = 6378137.0;  // WGS84
+constexpr double kFlattening = 1.0 / 298.257223563;
+constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
+constexpr double kMargin_s = 1e-3;
+
+/// Rate of the local north-east-down of the point with respect to the Earth, in it (transport
+/// rate).
+Vector3d TransportRate(const Matrix3d& R_en, const Vector3d& p_e, const Vector3d& v_n) {
+  const Vector3d up_e = -R_en.col(2);
+  const double sin_lat = up_e.z();
+  const double cos_lat = std::hypot(up_e.x(), up_e.y());
+  const double w = std::sqrt(1.0 - kEccentricity2 * sin_lat * sin_lat);
+  const double h_m = p_e.dot(up_e) - kSemiMajorAxis_m * w;
+  const double prime_vertical_m = kSemiMajorAxis_m / w + h_m;
+  const double meridian_m = kSemiMajorAxis_m * (1.0 - kEccentricity2) / (w * w * w) + h_m;
+  return {v_n.y() / prime_vertical_m, -v_n.x() / meridian_m,
+          -v_n.y() / prime_vertical_m * sin_lat / cos_lat};
+}
+
+/// Rotation body -> north-east-down: Rz(heading) Ry(pitch) Rx(roll).
+Matrix3d BodyToNed(const Vector3d& rph) {
+  const double cr = std::cos(rph.x()), sr = std::sin(rph.x());
+  const double cp = std::cos(rph.y()), sp = std::sin(rph.y());
+  const double ch = std::cos(rph.z()), sh = std::sin(rph.z());
+  Matrix3d R;
+  R << cp * ch, sr * sp * ch - cr * sh, cr * sp * ch + sr * sh,  //
+      cp * sh, sr * sp * sh + cr * ch, cr * sp * sh - sr * ch,   //
+      -sp, sr * cp, cr * cp;
+  return R;
+}
+
+/// Angular rate of the body with respect to north-east-down, in body, from the angles' rates.
+Vector3d RateFromAngles(const Vector3d& rph, const Vector3d& rate) {
+  const double cr = std::cos(rph.x()), sr = std::sin(rph.x());
+  const double cp = std::cos(rph.y()), sp = std::sin(rph.y());
+  return {rate.x() - rate.z() * sp, rate.y() * cr + rate.z() * cp * sr,
+          -rate.y() * sr + rate.z() * cp * cr};
+}
+
+}  // namespace
+
+TruthTrajectory::TruthTrajectory(LocalFrame frame, UniformSpline path, Disturbance disturbance,
+                                 double t_begin_s, double t_end_s)
+    : frame_(std::move(frame)),
+      path_(std::move(path)),
+      disturbance_(std::move(disturbance)),
+      t_begin_s_(t_begin_s),
+      t_end_s_(t_end_s) {
+  if (!(t_end_s_ > t_begin_s_)) throw InvalidInput("a trajectory must end after it begins");
+  const double lead_s = disturbance_.lead_s.Bound() + kMargin_s;
+  if (path_.t_begin_s() > -lead_s || path_.t_end_s() < t_end_s_ - t_begin_s_ + lead_s) {
+    throw InvalidInput("the path does not cover the trajectory's time span");
+  }
+}
+
+TruthTrajectory::Motion TruthTrajectory::MotionAt(double t_s) const {
+  if (!(t_s >= t_begin_s_ - kMargin_s && t_s <= t_end_s_ + kMargin_s)) {
+    throw InvalidInput("time outside the simulated trajectory");
+  }
+  const double t = t_s - t_begin_s_;
+  const SumOfSines::Sample lead = disturbance_.lead_s.At(t);
+  const SumOfSines::Sample height = disturbance_.height_m.At(t);
+  const SumOfSines::Sample roll = disturbance_.roll_rad.At(t);
+  const SumOfSines::Sample pitch = disturbance_.pitch_rad.At(t);
+  const SumOfSines::Sample heading = disturbance_.heading_rad.At(t);
+  const UniformSpline::Sample path = path_.At(t + lead.value);
+  const double pace = 1.0 + lead.first;
+
+  Motion motion;
+  motion.p = path.value.head<3>() + height.value * Vector3d::UnitZ();
+  motion.v = pace * path.first.head<3>() + height.first * Vector3d::UnitZ();
+  motion.a = pace * pace * path.second.head<3>() + lead.second * path.first.head<3>() +
+             height.second * Vector3d::UnitZ();
+  motion.rph = path.value.tail<3>() + Vector3d(roll.value, pitch.value, heading.value);
+  motion.rph_rate = pace * path.first.tail<3>() + Vector3d(roll.first, pitch.first, heading.first);
+  return motion;
+}
+
+MapPose TruthTrajectory::Pose(double t_s) const {
+  const Motion motion = MotionAt(t_s);
+  MapPose pose;
+  pose.t_s = t_s;
+  pose.p_mb = motion.p;
+  pose.v_m = motion.v;
+  const Matrix3d R_mb = frame_.R_mn(motion.p) * BodyToNed(motion.rph);
+  pose.q_mb = Eigen::Quaterniond(R_mb).normalized();
+  return pose;
+}
+
+TruthState TruthTrajectory::State(double t_s) const {
+  const Motion motion = MotionAt(t_s);
+  const Matrix3d R_mn = frame_.R_mn(motion.p);
+  const Matrix3d R_nb = BodyToNed(motion.rph);
+  const Matrix3d R_mb = R_mn * R_nb;
+  const Vector3d r_m = frame_.r0_m() + motion.p;
+  const Vector3d& w = frame_.w_ie_m();
+
+  TruthState state;
+  state.pose.t_s = t_s;
+  state.pose.p_mb = motion.p;
+  state.pose.v_m = motion.v;
+  state.pose.q_mb = Eigen::Quaterniond(R_mb).normalized();
+  state.a_m = motion.a;
+  const Vector3d w_en_n =
+      TransportRate(frame_.R_me().transpose() * R_mn, frame_.R_me().transpose() * r_m,
+                    R_mn.transpose() * motion.v);
+  state.w_mb_b = R_nb.transpose() * w_en_n + RateFromAngles(motion.rph, motion.rph_rate);
+  state.w_ib_b = R_mb.transpose() * w + state.w_mb_b;
+  state.f_b = R_mb.transpose() * (motion.a + 2.0 * w.cross(motion.v) + w.cross(w.cross(r_m)) -
+                                  frame_.Attraction(motion.p));
+  return state;
+}
+
+NavPoint TruthTrajectory::Nav(double t_s) const {
+  const TruthState state = State(t_s);
+  const Matrix3d R_mn = frame_.R_mn(state.pose.p_mb);
+  NavPoint point;
+  point.t_s = t_s;
+  point.position = frame_.ToGeodetic(state.pose.p_mb);
+  point.q_nb =
+      Eigen::Quaterniond(R_mn.transpose() * state.pose.q_mb.toRotationMatrix()).normalized();
+  point.v_ned_mps = R_mn.transpose() * state.pose.v_m;
+  point.f_b_mps2 = state.f_b;
+  point.w_b_radps = state.w_ib_b;
+  return point;
+}
+
+}  // namespace dn

@@ -1,0 +1,131 @@
+#include <dn/geo/text_table.h>
+#include <dn/sim/simulate.h>
+
+#include <array>
+#include <charconv>
+#include <initializer_list>
+#include <numbers>
+#include <string>
+
+namespace dn {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+
+/// Numbers separated by commas, each the shortest that reads back to the same bits.
+class TableText {
+ public:
+  void Add(double value) {
+    std::array<char, 32> buffer;
+    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+    if (!at_row_start_) text_ += ',';
+    text_.append(buffer.data(), end);
+    at_row_start_ = false;
+  }
+  void Add(const Eigen::Vector3d& v) {
+    for (int i = 0; i < 3; ++i) Add(v[i]);
+  }
+  void EndRow() {
+    text_ += '\n';
+    at_row_start_ = true;
+  }
+  void Reserve(std::size_t bytes) { text_.reserve(bytes); }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+  bool at_row_start_ = true;
+};
+
+std::string ImuText(const ImuData& imu) {
+  constexpr std::size_t kBytesPerRow = 150;
+  TableText table;
+  table.Reserve(kBytesPerRow * imu.samples.size());
+  for (const ImuSample& sample : imu.samples) {
+    table.Add(sample.t_s);
+    table.Add(sample.w_ib_b_radps);
+    table.Add(sample.f_b_mps2);
+    table.EndRow();
+  }
+  return table.text();
+}
+
+std::string GnssText(const GnssData& gnss) {
+  const bool velocity = !gnss.epochs.empty() && gnss.epochs.front().velocity_enu_mps.has_value();
+  TableText table;
+  for (const GnssEpoch& epoch : gnss.epochs) {
+    table.Add(epoch.t_s);
+    table.Add(kDegPerRad * epoch.antenna.lat_rad);
+    table.Add(kDegPerRad * epoch.antenna.lon_rad);
+    table.Add(epoch.antenna.h_m);
+    table.Add(Eigen::Vector3d(epoch.covariance_enu_m2->diagonal().cwiseSqrt()));
+    if (velocity) {
+      table.Add(*epoch.velocity_enu_mps);
+      table.Add(Eigen::Vector3d(epoch.velocity_covariance_enu->diagonal().cwiseSqrt()));
+    }
+    table.EndRow();
+  }
+  return table.text();
+}
+
+std::string YamlList(const double* values, std::size_t count) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ", ") + FormatDouble(values[i]);
+  return text + "]";
+}
+
+std::string YamlList(const Eigen::Vector3d& v) { return YamlList(v.data(), 3); }
+
+/// A YAML double-quoted scalar.
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string TruthYaml(const SimulatedFlight& simulated) {
+  std::string text = "scenario: " + Quoted(simulated.scenario.name) + "\n";
+  text += "seed: " + std::to_string(simulated.seed) + "\n";
+  text += "boresight_deg: " + YamlList(kDegPerRad * simulated.boresight_rad) + "\n";
+  text += "gnss_lever_arm_m: " + YamlList(simulated.gnss_lever_arm_b_m) + "\n";
+  text += "lidar_lever_arm_m: " + YamlList(simulated.lidar_lever_arm_b_m) + "\n";
+  text += "effects:";
+  if (simulated.scenario.effects.empty()) return text + " []\n";
+  for (const Effect& effect : simulated.scenario.effects) {
+    text += "\n  - {effect: " + effect.name + ", value: ";
+    text += effect.value.size() == 1 ? FormatDouble(effect.value.front())
+                                     : YamlList(effect.value.data(), effect.value.size());
+    text += "}";
+  }
+  return text + "\n";
+}
+
+std::string PairText(const PairData& data, int file) {
+  std::vector<LidarPair> pairs;
+  for (const LidarPair& pair : data.pairs) {
+    if (pair.file == file) pairs.push_back(pair);
+  }
+  return FormatPairs(pairs);
+}
+
+}  // namespace
+
+void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory) {
+  const Flight& flight = simulated.flight;
+  directory.Add("flight.yaml", FormatFlightConfig(flight.config));
+  directory.Add("IMU.txt", ImuText(*flight.imu));
+  directory.Add("GPS.txt", GnssText(*flight.gnss));
+  if (flight.pairs) {
+    for (std::size_t i = 0; i < flight.pairs->files.size(); ++i) {
+      directory.Add(flight.pairs->files[i].generic_string(),
+                    PairText(*flight.pairs, static_cast<int>(i)));
+    }
+  }
+  directory.Add("reference.out", FormatSbet(flight.reference->points()));
+  directory.Add("truth.yaml", TruthYaml(simulated));
+}
+
+}  // namespace dn
