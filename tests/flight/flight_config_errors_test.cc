@@ -1,6 +1,8 @@
 // One test per way in which flight.yaml can be wrong: the message and the line.
 #include <dn/flight/flight_config.h>
 
+#include <random>
+
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
@@ -139,6 +141,45 @@ TEST(FlightConfigErrors, Estimate) {
   ExpectBad("estimate: [{unknown: boresight, sigma: 1}]\n", "lidar.boresight_sigma_deg", 1);
   ExpectBad("estimate: [{unknown: gnss_lever_arm, sigma: 0}]\n", "greater than 0", 1);
   ExpectBad("estimate: [{sigma: 1}]\n", "estimate[0].unknown: expected a word", 1);
+}
+
+/// True when the text parses, false when it is refused as it should be; anything else escapes.
+bool Parses(const std::string& text) {
+  try {
+    ParseFlightConfig(text, "/f");
+    return true;
+  } catch (const InvalidConfig&) {
+    return false;
+  }
+}
+
+TEST(FlightConfigErrors, DeepNestingIsRefused) {
+  EXPECT_FALSE(Parses(std::string(100000, '[')));
+  EXPECT_FALSE(Parses("name: " + std::string(100000, '{')));
+}
+
+TEST(FlightConfigErrors, AnAliasOfItselfIsRefused) {
+  EXPECT_FALSE(Parses("strips: &a [*a]\n"));
+  EXPECT_FALSE(Parses("gnss: &a {file: *a}\n"));
+}
+
+TEST(FlightConfigErrors, DamagedTextIsReadOrRefusedButNothingElse) {
+  const std::string whole =
+      "body: FLU\nstrips: [{name: a, t0: 1, t1: 2}]\nimu: {grade: ln200, gyro: {processes: [{type: "
+      "random_walk, sigma_deg_h_sqrt_h: 0.1}]}}\nlidar:\n  gsd_m: 1e-1\n  p2p: [a, b]\n  "
+      "R_sensor_to_body: [[1, 0, 0], [0, -1, 0], [0, 0, -1]]\nestimate: [boresight]\n";
+  ASSERT_TRUE(Parses(whole));
+  constexpr unsigned kSeed = 1;
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  std::mt19937 random(kSeed);
+  int refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string text = whole;
+    text[random() % text.size()] = static_cast<char>(random() % 256);
+    if (i % 3 == 0) text.resize(random() % text.size());
+    EXPECT_NO_THROW(refused += Parses(text) ? 0 : 1) << text;
+  }
+  EXPECT_GT(refused, 1000);  // most places matter
 }
 
 }  // namespace
