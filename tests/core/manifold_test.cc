@@ -26,7 +26,7 @@ class Manifold : public ::testing::TestWithParam<BlockKind> {
   }
 
   Eigen::VectorXd RandomTangent(std::mt19937& rng, double norm) const {
-    const Eigen::Matrix<double, 5, 1> d = testing::RandomVector<5>(rng, 1.0);
+    const Eigen::VectorXd d = testing::RandomVector<5>(rng, 1.0);
     return norm * d.head(GetParam().tangent_size).normalized();
   }
 
