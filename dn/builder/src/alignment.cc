@@ -10,7 +10,6 @@
 namespace dn {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 // Window of the in-flight alignment: long enough for a turn, short enough for the drift of the
 // gyros.
 constexpr double kWindowS = 180.0;

@@ -14,7 +14,6 @@
 namespace dn {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 constexpr double kPpm = 1e-6;
 // One bias step beyond which the first-order bias correction of an increment is worth replacing.
 constexpr double kGyroStepRadps = 30.0 / kDegPerRad / 3600.0;

@@ -12,7 +12,6 @@
 namespace dn {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 // Sum over the processes of an axis: covariance of the total bias at t_s.
 Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double t_s,

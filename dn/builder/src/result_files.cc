@@ -7,7 +7,6 @@
 namespace dn {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 Json CorrelationJson(const BiasCorrelation& correlation) {
   return {{"at_barycentre", ToJsonMatrix(correlation.at_barycentre)},
