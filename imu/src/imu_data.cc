@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,7 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGapFactor = 1.5;  // of the nominal interval
+/// Longest interval that is no gap; time tags of week seconds are rounded by 1e-10 s and more.
+double LongestInterval(double nominal_dt_s) { return 1.5 * nominal_dt_s + 1e-6; }
 
 /// Mean |f| of anything that does not fall is near 9.8 m/s^2, whatever it does meanwhile.
 constexpr double kLowestMeanForce = 3.0;
@@ -55,12 +57,16 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   return rows;
 }
 
-double MedianInterval(const std::vector<Row>& rows) {
+/// Mean of the intervals that are no longer than two medians: tags rounded to a coarse clock have a
+/// median off the mean.
+double NominalInterval(const std::vector<Row>& rows) {
   std::vector<double> dt(rows.size() - 1);
   for (std::size_t i = 0; i < dt.size(); ++i) dt[i] = rows[i + 1].t_s - rows[i].t_s;
   const auto middle = dt.begin() + static_cast<std::ptrdiff_t>(dt.size() / 2);
   std::nth_element(dt.begin(), middle, dt.end());
-  return *middle;
+  const auto end = std::partition(dt.begin(), dt.end(),
+                                  [longest = 2.0 * *middle](double x) { return x <= longest; });
+  return std::accumulate(dt.begin(), end, 0.0) / static_cast<double>(end - dt.begin());
 }
 
 /// The sample that ends at row i, or at the first row (i = 0) or after a gap the one interval
@@ -69,7 +75,7 @@ ImuSample Sample(const std::vector<Row>& rows, std::size_t i, double nominal_dt_
                  const ImuReadOptions& options) {
   const Row& row = rows[i];
   const double since_last_s = i == 0 ? 0.0 : row.t_s - rows[i - 1].t_s;
-  const bool adjoins = i > 0 && since_last_s <= kGapFactor * nominal_dt_s;
+  const bool adjoins = i > 0 && since_last_s <= LongestInterval(nominal_dt_s);
   const double dt_s = adjoins ? since_last_s : nominal_dt_s;
   if (options.format == ImuFormat::kIncrements) {
     return {row.t_s, dt_s, row.w / dt_s, row.f / dt_s};
@@ -84,7 +90,7 @@ void NoteSpacing(ImuData* imu) {
   for (std::size_t i = 1; i < imu->samples.size(); ++i) {
     const double end_before_s = imu->samples[i - 1].t_s;
     const double since_last_s = imu->samples[i].t_s - end_before_s;
-    if (since_last_s > kGapFactor * imu->nominal_dt_s) {
+    if (since_last_s > LongestInterval(imu->nominal_dt_s)) {
       imu->gaps.push_back({end_before_s, imu->samples[i].t_s - imu->nominal_dt_s});
     } else {
       imu->max_jitter_s = std::max(imu->max_jitter_s, std::abs(since_last_s - imu->nominal_dt_s));
@@ -135,7 +141,7 @@ void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
 ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options) {
   ImuData imu;
   const std::vector<Row> rows = ReadRows(file, options, &imu.repeated_rows_dropped);
-  imu.nominal_dt_s = MedianInterval(rows);
+  imu.nominal_dt_s = NominalInterval(rows);
   // A point sample is the mean of nothing before it: the first row only begins the first interval.
   const bool first_is_a_sample =
       options.format == ImuFormat::kIncrements || options.sampling == ImuSampling::kMean;

@@ -40,7 +40,7 @@ struct ImuGap {
 /// Inertial data of one sensor, sorted by time.
 struct ImuData {
   std::vector<ImuSample> samples;
-  double nominal_dt_s = 0.0;  ///< median interval
+  double nominal_dt_s = 0.0;  ///< mean interval, without those above two medians
   double max_jitter_s = 0.0;  ///< largest |dt - nominal| outside gaps
   std::vector<ImuGap> gaps;   ///< intervals longer than 1.5 nominal; the sample after a gap keeps
                               ///< dt_s = nominal_dt_s, so the hole stays visible
