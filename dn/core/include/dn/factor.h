@@ -48,11 +48,11 @@ template <class Matrix>
 void PutJacobian(const BlockKind& kind, const double* x, const Eigen::MatrixBase<Matrix>& J_r_x,
                  double* J) {
   if (J == nullptr) return;
-  constexpr int kRows = Matrix::RowsAtCompileTime;
+  constexpr int kRows = Matrix::RowsAtCompileTime, kCols = Matrix::ColsAtCompileTime;
   if (kind.parametrisation == Parametrisation::kVector) {
-    for (int r = 0; r < J_r_x.rows(); ++r) {
-      for (int c = 0; c < J_r_x.cols(); ++c) J[r * J_r_x.cols() + c] = J_r_x(r, c);
-    }
+    constexpr int kOrder = kCols == 1 ? Eigen::ColMajor : Eigen::RowMajor;  // the same for a column
+    Eigen::Map<Eigen::Matrix<double, kRows, kCols, kOrder>> out(J, J_r_x.rows(), J_r_x.cols());
+    out = J_r_x;
     return;
   }
   // PlusJacobian has orthogonal columns of squared length 1/4: its pseudo-inverse is 4
