@@ -105,7 +105,9 @@ Trajectory Reference(const TruthTrajectory& truth, const ImuData& imu) {
   points.reserve(imu.samples.size() + 1);
   points.push_back(truth.Nav(truth.t_begin_s()));
   for (const ImuSample& sample : imu.samples) points.push_back(truth.Nav(sample.t_s));
-  return Trajectory(std::move(points), {.velocity_from_file = true});
+  TrajectoryNotes notes;
+  notes.velocity_from_file = true;
+  return Trajectory(std::move(points), notes);
 }
 
 }  // namespace

@@ -126,13 +126,7 @@ TruthState TruthTrajectory::State(double t_s) const {
 
 NavPoint TruthTrajectory::Nav(double t_s) const {
   const TruthState state = State(t_s);
-  const Matrix3d R_mn = frame_.R_mn(state.pose.p_mb);
-  NavPoint point;
-  point.t_s = t_s;
-  point.position = frame_.ToGeodetic(state.pose.p_mb);
-  point.q_nb =
-      Eigen::Quaterniond(R_mn.transpose() * state.pose.q_mb.toRotationMatrix()).normalized();
-  point.v_ned_mps = R_mn.transpose() * state.pose.v_m;
+  NavPoint point = ToNavPoint(state.pose, frame_);
   point.f_b_mps2 = state.f_b;
   point.w_b_radps = state.w_ib_b;
   return point;

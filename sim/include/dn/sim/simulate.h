@@ -21,7 +21,7 @@ struct SimulateOptions {
   /// the assumed model.
   bool noise = true;
   /// Called with the stage ("trajectory", "imu", "gnss", "pairs") and its fraction done.
-  std::function<void(const std::string& stage, double fraction)> progress;
+  std::function<void(const std::string& stage, double fraction)> progress = nullptr;
 };
 
 /// A flight and the truth behind it.

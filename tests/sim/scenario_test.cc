@@ -1,0 +1,147 @@
+#include <dn/error.h>
+#include <dn/sim/scenario.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "sim/small_scenario.h"
+#include "testing/temp_folder.h"
+
+namespace dn {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+
+const std::string kGood = R"(name: x
+origin_deg_m: [46, 7, 500]
+start_s: 100
+plan: {lines: [[0, 0, 1000, 0, 200, 40]]}
+imu: {preset: airins}
+lidar: {fov_deg: 60, gsd_m: 0.3}
+)";
+
+/// The message of the InvalidConfig that the text gives; empty when there is none.
+std::string Fault(const std::string& yaml, long* line = nullptr) {
+  try {
+    ParseScenario(yaml, "file.yaml");
+  } catch (const InvalidConfig& error) {
+    EXPECT_EQ(error.where().file, "file.yaml");
+    if (line != nullptr) *line = error.where().line;
+    return error.what();
+  }
+  return "";
+}
+
+std::string Replace(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(ParseScenario, ConvertsToSiAndFillsDefaults) {
+  const Scenario s = testing::SmallScenario();
+  EXPECT_NEAR(s.origin.lat_rad, 46.57 * kRadPerDeg, 1e-15);
+  EXPECT_EQ(s.origin.h_m, 400.0);
+  EXPECT_EQ(s.plan.lines.size(), 3u);
+  EXPECT_EQ(s.plan.lines[1].speed_mps, 42.0);
+  EXPECT_NEAR(s.plan.bank_rad, 25.0 * kRadPerDeg, 1e-15);
+  EXPECT_NEAR(s.plan.turbulence.pitch_rad, 0.7 * kRadPerDeg, 1e-15);
+  EXPECT_NEAR(s.lidar.mounting.boresight_rad.z(), 1.2 * kRadPerDeg, 1e-15);
+  EXPECT_EQ(s.lidar.mounting.R_bs_nominal(2, 0), 1.0);
+  EXPECT_EQ(*s.imu.preset, "ln200");
+  const Scenario d = ParseScenario(kGood, "file.yaml");
+  EXPECT_NEAR(d.pairs.sigma_p_m, 0.3 / 2.0 / std::sqrt(3.0), 1e-15);
+  EXPECT_EQ(d.plan.warm_up_s, 0.0);
+  EXPECT_FALSE(d.plan.stabilised_mount);
+}
+
+TEST(ParseScenario, ExplicitNoiseOverridesThePreset) {
+  const Scenario s = ParseScenario(
+      Replace(kGood, "imu: {preset: airins}",
+              "imu:\n  preset: airins\n  gyro:\n    white_deg_sqrt_h: 0.06\n    processes:\n"
+              "      - {type: random_walk, sigma_deg_h_sqrt_h: 0.1}\n"
+              "      - {type: gauss_markov, sigma_deg_h: 2, tau_s: 50}\n"),
+      "file.yaml");
+  EXPECT_FALSE(s.imu.preset.has_value());
+  EXPECT_NEAR(s.imu.model.gyro.white, 0.06 * kRadPerDeg / 60.0, 1e-15);
+  ASSERT_EQ(s.imu.model.gyro.processes.size(), 2u);
+  EXPECT_NEAR(s.imu.model.gyro.processes[0].sigma, 0.1 * kRadPerDeg / 3600.0 / 60.0, 1e-18);
+  EXPECT_EQ(s.imu.model.gyro.processes[1].tau_s, 50.0);
+  EXPECT_EQ(s.imu.model.accel.white, ImuPreset("airins").accel.white);
+}
+
+TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
+  using ::testing::AllOf;
+  using ::testing::HasSubstr;
+  EXPECT_EQ(Fault(kGood), "");
+  long line = 0;
+  EXPECT_THAT(Fault(Replace(kGood, "fov_deg", "fov_dg"), &line),
+              AllOf(HasSubstr("lidar.fov_dg"), HasSubstr("lidar.fov_deg")));
+  EXPECT_EQ(line, 6);
+  EXPECT_THAT(Fault(kGood + "pars: {}\n"), AllOf(HasSubstr("'pars'"), HasSubstr("'pairs'")));
+  EXPECT_THAT(Fault(Replace(kGood, "airins", "airinz")), HasSubstr("airins"));
+  EXPECT_THAT(Fault(kGood + "terrain: {kind: mixd}\n"), HasSubstr("mixed"));
+  EXPECT_THAT(Fault(Replace(kGood, "start_s: 100", "start_s: soon")), HasSubstr("start_s"));
+  EXPECT_THAT(Fault(Replace(kGood, "start_s: 100", "start_s: .nan")), HasSubstr("start_s"));
+  EXPECT_THAT(Fault(Replace(kGood, "start_s: 100", "start_s: 700000")), HasSubstr("week"));
+  EXPECT_THAT(Fault(Replace(kGood, "[46, 7, 500]", "[96, 7, 500]")), HasSubstr("latitude"));
+  EXPECT_THAT(Fault(Replace(kGood, ", 200, 40]]", ", 200]]")), HasSubstr("6 numbers"));
+  EXPECT_THAT(Fault(Replace(kGood, ", 200, 40]]", ", 200, -4]]")), HasSubstr("speed"));
+  EXPECT_THAT(Fault(Replace(kGood, "lines: [[0, 0, 1000, 0, 200, 40]]", "warm_up_s: 3")),
+              HasSubstr("at least one line"));
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0")), HasSubstr("positive"));
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, nadir_axis: [0, 0, -1]")),
+              HasSubstr("above the horizon"));
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, nadir_axis: [1, 0, 0]")),
+              HasSubstr("perpendicular"));
+  EXPECT_THAT(Fault(Replace(kGood, "imu: {preset: airins}", "imu: {rate_hz: 200}")),
+              HasSubstr("imu.preset"));
+  EXPECT_THAT(Fault(kGood + "pairs: {count: 2.5}\n"), HasSubstr("whole number"));
+  EXPECT_THAT(Fault(kGood + "strips: true\n"), HasSubstr("not simulated"));
+  EXPECT_THAT(Fault("name: [x\n"), HasSubstr("not valid YAML"));
+  EXPECT_THAT(Fault("- 1\n"), HasSubstr("must be a map"));
+  EXPECT_THAT(Fault(""), HasSubstr("name"));
+}
+
+TEST(ParseScenario, ChecksEffects) {
+  using ::testing::AllOf;
+  using ::testing::HasSubstr;
+  const auto with = [](const std::string& effect) { return kGood + "effects: [" + effect + "]\n"; };
+  EXPECT_EQ(Fault(with("{effect: gnss_lever_arm, value: [0, 0, 1]}")), "");
+  EXPECT_THAT(Fault(with("{effect: gnss_lever_am, value: [0, 0, 1]}")),
+              HasSubstr("gnss_lever_arm"));
+  EXPECT_THAT(Fault(with("{effect: imu_vibration, value: [1, 1]}")),
+              AllOf(HasSubstr("not simulated by this version"), HasSubstr("lidar_time_offset")));
+  EXPECT_THAT(Fault(with("{effect: gnss_lever_arm, value: [0, 1]}")), HasSubstr("3 numbers"));
+  EXPECT_THAT(Fault(with("{effect: lidar_time_offset, value: [0, 1]}")), HasSubstr("1 number"));
+  EXPECT_THAT(Fault(with("{effect: lidar_time_offset, value: 1, t0_s: 3}")), HasSubstr("t0_s"));
+  EXPECT_THAT(SimulatedEffects(),
+              ::testing::UnorderedElementsAre("gnss_lever_arm", "lidar_lever_arm",
+                                              "lidar_time_offset", "gyro_scale_factor"));
+}
+
+TEST(ReadScenario, FindsShippedOnesFilesAndSaysWhatIsThere) {
+  EXPECT_THAT(ScenarioNames(),
+              ::testing::ElementsAre("leg2", "leg4", "lar2", "lar3", "uav2", "uav3"));
+  for (const std::string& name : ScenarioNames()) EXPECT_EQ(ReadScenario(name).name, name);
+  const testing::TempFolder folder;
+  folder.Write("mine.yaml", Replace(kGood, "lines: [[0, 0, 1000, 0, 200, 40]]", "replay: a.out"));
+  const Scenario mine = ReadScenario((folder.path() / "mine.yaml").string());
+  EXPECT_EQ(*mine.plan.replay, folder.path() / "a.out");
+  const auto message = [](const std::string& name) -> std::string {
+    try {
+      ReadScenario(name);
+    } catch (const InvalidConfig& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message("har2"), ::testing::HasSubstr("not shipped yet"));
+  EXPECT_THAT(message("lar33"), ::testing::HasSubstr("lar3"));
+}
+
+}  // namespace
+}  // namespace dn
