@@ -1,11 +1,11 @@
 #include <dn/error.h>
+#include <dn/network.h>
 #include <dn/sim/scenario.h>
 
 #include <algorithm>
 #include <fstream>
 #include <iterator>
 
-#include "nearest_name.h"
 #include "shipped_scenarios.h"
 
 namespace dn {

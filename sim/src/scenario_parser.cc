@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/network.h>
 #include <dn/sim/scenario.h>
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include <numbers>
 
 #include "effects.h"
-#include "nearest_name.h"
 #include "scenario_section.h"
 
 namespace dn {

@@ -2,11 +2,10 @@
 
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
+#include <dn/network.h>
 
 #include <cmath>
 #include <utility>
-
-#include "nearest_name.h"
 
 namespace dn {
 namespace {
