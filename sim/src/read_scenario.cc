@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "join_names.h"
 #include "shipped_scenarios.h"
 
 namespace dn {

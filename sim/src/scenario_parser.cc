@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "effects.h"
+#include "join_names.h"
 #include "scenario_section.h"
 
 namespace dn {
