@@ -11,7 +11,6 @@
 namespace dn {
 namespace {
 
-
 // Sum over the processes of an axis: covariance of the total bias at t_s.
 Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double t_s,
                                     const Marginals& marginals) {
@@ -216,7 +215,7 @@ double Barycentre(const FlightNetwork& network) {
 // The network models the trajectory's errors, so nothing is absorbed; what remains is whether the
 // strips separate the angles.
 void Assess(BoresightResult* result) {
-  constexpr double kInseparable = 0.99;
+  constexpr double kInseparable = 0.999;
   constexpr double kUselessSigmaRad = 1.0 * kRadPerDeg;
   const Eigen::Matrix3d correlation = result->correlation();
   const char* names[] = {"roll", "pitch", "yaw"};

@@ -7,7 +7,6 @@
 namespace dn {
 namespace {
 
-
 Json CorrelationJson(const BiasCorrelation& correlation) {
   return {{"at_barycentre", ToJsonMatrix(correlation.at_barycentre)},
           {"max_abs", correlation.max_abs},
