@@ -4,7 +4,6 @@
 #include <dn/sim/random.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 
@@ -15,18 +14,17 @@ using Eigen::Vector3d;
 
 constexpr long kProgressSamples = 20000;
 
-/// Mean rate and force over an interval by Gauss-Legendre quadrature with three points: exact for
-/// polynomials of degree five.
-void MeanOver(const TruthTrajectory& truth, double t0_s, double t1_s, ImuSample& sample) {
-  static const double kNode = std::sqrt(0.6);
-  const std::array<double, 3> nodes{-kNode, 0.0, kNode};
-  constexpr std::array<double, 3> kWeights{5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const double t_s = 0.5 * (t0_s + t1_s) + 0.5 * (t1_s - t0_s) * nodes[i];
-    const TruthState state = truth.State(t_s);
-    sample.w_ib_b_radps += kWeights[i] * state.w_ib_b;
-    sample.f_b_mps2 += kWeights[i] * state.f_b;
-  }
+/// Mean rate and force between two states by Gauss-Lobatto quadrature with four points, two of them
+/// at the ends: exact for polynomials of degree five, as Gauss-Legendre is with three.
+void MeanBetween(const TruthTrajectory& truth, const TruthState& begin, const TruthState& end,
+                 ImuSample& sample) {
+  static const double kNode = 1.0 / std::sqrt(5.0);
+  const double middle_s = 0.5 * (begin.pose.t_s + end.pose.t_s);
+  const double half_s = 0.5 * (end.pose.t_s - begin.pose.t_s);
+  const TruthState early = truth.State(middle_s - kNode * half_s);
+  const TruthState late = truth.State(middle_s + kNode * half_s);
+  sample.w_ib_b_radps = (begin.w_ib_b + end.w_ib_b + 5.0 * (early.w_ib_b + late.w_ib_b)) / 12.0;
+  sample.f_b_mps2 = (begin.f_b + end.f_b + 5.0 * (early.f_b + late.f_b)) / 12.0;
 }
 
 /// White noise and bias processes of a triad.
@@ -54,19 +52,14 @@ class TriadErrors {
   std::vector<ErrorProcess> processes_;
 };
 
+/// Interval lengths as a reader finds them: differences of the tags.
 void DescribeIntervals(ImuData& data, double nominal_dt_s) {
-  std::vector<double> dt_s;
+  data.nominal_dt_s = nominal_dt_s;
+  data.samples.front().dt_s = nominal_dt_s;
   for (std::size_t i = 1; i < data.samples.size(); ++i) {
-    data.samples[i].dt_s = data.samples[i].t_s - data.samples[i - 1].t_s;
-    dt_s.push_back(data.samples[i].dt_s);
-  }
-  if (dt_s.empty()) dt_s.push_back(nominal_dt_s);
-  const auto middle = dt_s.begin() + static_cast<std::ptrdiff_t>(dt_s.size() / 2);
-  std::nth_element(dt_s.begin(), middle, dt_s.end());
-  data.nominal_dt_s = *middle;
-  data.samples.front().dt_s = data.nominal_dt_s;
-  for (const ImuSample& sample : data.samples) {
-    data.max_jitter_s = std::max(data.max_jitter_s, std::abs(sample.dt_s - data.nominal_dt_s));
+    ImuSample& sample = data.samples[i];
+    sample.dt_s = sample.t_s - data.samples[i - 1].t_s;
+    data.max_jitter_s = std::max(data.max_jitter_s, std::abs(sample.dt_s - nominal_dt_s));
   }
 }
 
@@ -86,11 +79,17 @@ SimulatedImu SimulateImu(const ImuScenario& imu, const TruthTrajectory& truth,
   out.data.samples.resize(static_cast<std::size_t>(count));
   out.gyro_bias_radps.assign(out.data.samples.size(), Vector3d::Zero());
   out.accel_bias_mps2.assign(out.data.samples.size(), Vector3d::Zero());
+  out.reference.reserve(out.data.samples.size() + 1);
+  TruthState begin = truth.State(tag_s(0));
+  out.reference.push_back(ToNavPoint(begin, truth.frame()));
   for (long k = 1; k <= count; ++k) {
     const auto i = static_cast<std::size_t>(k - 1);
     ImuSample& sample = out.data.samples[i];
     sample.t_s = tag_s(k);
-    MeanOver(truth, tag_s(k - 1), sample.t_s, sample);
+    const TruthState end = truth.State(sample.t_s);
+    MeanBetween(truth, begin, end, sample);
+    out.reference.push_back(ToNavPoint(end, truth.frame()));
+    begin = end;
     sample.w_ib_b_radps += options.gyro_scale.cwiseProduct(sample.w_ib_b_radps);
     if (options.noise) {
       out.gyro_bias_radps[i] = gyro.NextBias();

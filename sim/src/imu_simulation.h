@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/geo/trajectory.h>
 #include <dn/imu/imu_data.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/truth.h>
@@ -15,6 +16,7 @@ struct SimulatedImu {
   ImuData data;
   std::vector<Eigen::Vector3d> gyro_bias_radps;  ///< of every sample, mean over its interval
   std::vector<Eigen::Vector3d> accel_bias_mps2;
+  std::vector<NavPoint> reference;  ///< the truth at the begin, and at the end of every interval
 };
 
 struct ImuSimulation {

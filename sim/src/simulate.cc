@@ -100,16 +100,6 @@ LidarConfig AssumedLidar(const Scenario& scenario, const PairData& pairs) {
   return lidar;
 }
 
-Trajectory Reference(const TruthTrajectory& truth, const ImuData& imu) {
-  std::vector<NavPoint> points;
-  points.reserve(imu.samples.size() + 1);
-  points.push_back(truth.Nav(truth.t_begin_s()));
-  for (const ImuSample& sample : imu.samples) points.push_back(truth.Nav(sample.t_s));
-  TrajectoryNotes notes;
-  notes.velocity_from_file = true;
-  return Trajectory(std::move(points), notes);
-}
-
 }  // namespace
 
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options) {
@@ -138,6 +128,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
 
   out.flight.frame = out.frame;
   out.flight.config = AssumedConfig(scenario, out.strips);
+  report("imu")(0.0);
   SimulatedImu imu =
       SimulateImu(scenario.imu, *out.truth,
                   {options.seed, options.noise, 1e-6 * VectorEffect(scenario, "gyro_scale_factor"),
@@ -145,7 +136,9 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.gyro_bias_radps = std::move(imu.gyro_bias_radps);
   out.accel_bias_mps2 = std::move(imu.accel_bias_mps2);
   out.flight.imu = std::move(imu.data);
-  out.flight.reference = Reference(*out.truth, *out.flight.imu);
+  TrajectoryNotes notes;
+  notes.velocity_from_file = true;
+  out.flight.reference = Trajectory(std::move(imu.reference), notes);
   report("gnss")(0.0);
   out.flight.gnss =
       SimulateGnss(scenario.gnss, out.gnss_lever_arm_b_m, *out.truth, options.seed, options.noise);

@@ -124,9 +124,10 @@ TruthState TruthTrajectory::State(double t_s) const {
   return state;
 }
 
-NavPoint TruthTrajectory::Nav(double t_s) const {
-  const TruthState state = State(t_s);
-  NavPoint point = ToNavPoint(state.pose, frame_);
+NavPoint TruthTrajectory::Nav(double t_s) const { return ToNavPoint(State(t_s), frame_); }
+
+NavPoint ToNavPoint(const TruthState& state, const LocalFrame& frame) {
+  NavPoint point = ToNavPoint(state.pose, frame);
   point.f_b_mps2 = state.f_b;
   point.w_b_radps = state.w_ib_b;
   return point;

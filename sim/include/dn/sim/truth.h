@@ -62,4 +62,7 @@ class TruthTrajectory {
   double t_end_s_;
 };
 
+/// A true state as navigation output, with what ideal inertial sensors feel.
+NavPoint ToNavPoint(const TruthState& state, const LocalFrame& frame);
+
 }  // namespace dn
