@@ -18,6 +18,11 @@ constexpr double kRejectNorm = 4.68;
 constexpr double kMedianChi2Of3 = 2.366;
 constexpr double kGnssHuberNorm = 3.0;
 constexpr double kPairCauchyNorm = 3.0;
+// The damping of Levenberg-Marquardt is relative to the diagonal of the normal matrix; a common
+// shift of a whole trajectory is a direction 1e-9 of it and must not be damped away.
+constexpr double kTrustRegionRadius = 1e13;
+// Relative change of the cost at which a stage has converged: 1e-4 sigma of a cost of 1e4.
+constexpr double kCostTolerance = 1e-13;
 constexpr double kStripJoinS = 5.0;
 constexpr double kStripMarginS = 0.5;
 constexpr int kMaxRelinearisations = 4;
@@ -178,6 +183,8 @@ class Adjuster {
     SolveOptions options;
     options.threads = options_.threads;
     options.max_iterations = max_iterations;
+    options.initial_trust_region_radius = kTrustRegionRadius;
+    options.function_tolerance = kCostTolerance;
     options.on_iteration = [&](const IterationProgress& progress) {
       if (options_.progress) options_.progress(name, progress.iteration);
       return !(options_.interrupted && options_.interrupted());

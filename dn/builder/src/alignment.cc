@@ -20,6 +20,9 @@ constexpr double kSecondDifferenceMps2 = 0.1;
 constexpr double kEnoughVelocityChangeMps = 60.0;
 constexpr double kMinDecisionS = 120.0;
 constexpr double kHuberSigmas = 4.0;
+// Floors of the filter's measurement sigmas while headings are compared, and in each refinement
+// after it.
+constexpr double kCoarseFloor[] = {0.5, 0.1, 0.02};
 
 PreintegrationNoise NoNoise() { return {}; }
 
@@ -350,6 +353,10 @@ Alignment Align(const Flight& flight, const std::vector<double>& times) {
   FilterOptions options;
   options.huber_sigmas = kHuberSigmas;
   options.t_end_s = DecisionTime(flight, span);
+  const auto set_floor = [&](int pass) {
+    options.position_floor_m = options.velocity_floor_mps = kCoarseFloor[pass];
+  };
+  set_floor(0);
 
   Candidate best = candidates.front();
   FilterRun best_run;
@@ -361,15 +368,13 @@ Alignment Align(const Flight& flight, const std::vector<double>& times) {
     best = candidate;
     best_run = std::move(run);
   }
-  for (int pass = 0; pass < 2 && !GapIn(*flight.imu, span.t0_s, best_run.last.pose.t_s); ++pass) {
-    Candidate refined = best;
-    refined.q_mb = BackToStart(flight, best_run.last, span.t0_s);
-    FilterRun run = RunForwardFilter(
-        flight, times, StartState(flight, span, refined, bias, 3.0 * kRadPerDeg), options);
-    if (!(run.log_likelihood > best_run.log_likelihood)) break;
-    best = refined;
-    best_run = std::move(run);
+  for (int pass = 1; pass < 3 && !GapIn(*flight.imu, span.t0_s, best_run.last.pose.t_s); ++pass) {
+    set_floor(pass);
+    best.q_mb = BackToStart(flight, best_run.last, span.t0_s);
+    best_run = RunForwardFilter(flight, times,
+                                StartState(flight, span, best, bias, 3.0 * kRadPerDeg), options);
   }
+  options.position_floor_m = options.velocity_floor_mps = 0.0;
   Alignment result;
   options.t_end_s = 1e300;
   result.run = RunForwardFilter(flight, times,

@@ -25,6 +25,8 @@ Eigen::Vector3d SumOf(const std::vector<Eigen::Vector3d>& biases) {
   return sum;
 }
 
+Eigen::Matrix3d Isotropic(double sigma) { return sigma * sigma * Eigen::Matrix3d::Identity(); }
+
 class Filter {
  public:
   Filter(const Flight& flight, const FilterState& start, const FilterOptions& options)
@@ -48,7 +50,8 @@ class Filter {
     const GnssConfig& config = *flight_.config.gnss;
     const GnssPosition factor(
         flight_.frame.ToMap(epoch.antenna),
-        Noise<3>::Covariance(GnssPositionCovariance(epoch, config, flight_.frame)));
+        Noise<3>::Covariance(GnssPositionCovariance(epoch, config, flight_.frame) +
+                             Isotropic(options_.position_floor_m)));
     const std::vector<const double*> x{state_.pose.q_mb.coeffs().data(), state_.pose.p_mb.data(),
                                        config.lever_arm_b_m.data()};
     Update(factor, x, {0, 3, -1}, false);
@@ -60,8 +63,9 @@ class Filter {
     const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * R_m_enu *
                                        *epoch.velocity_covariance_enu * R_m_enu.transpose();
     const Preintegrated here = IdentityIncrement(*flight_.imu, epoch.t_s, Correction());
-    const GnssVelocity factor(R_m_enu * *epoch.velocity_enu_mps, here.w_end_b_radps,
-                              flight_.frame.w_ie_m(), Noise<3>::Covariance(covariance));
+    const GnssVelocity factor(
+        R_m_enu * *epoch.velocity_enu_mps, here.w_end_b_radps, flight_.frame.w_ie_m(),
+        Noise<3>::Covariance(covariance + Isotropic(options_.velocity_floor_mps)));
     const std::vector<const double*> x{state_.pose.q_mb.coeffs().data(), state_.pose.v_m.data(),
                                        config.lever_arm_b_m.data()};
     Update(factor, x, {0, 6, -1}, true);

@@ -35,6 +35,10 @@ struct FilterOptions {
   /// Innovations beyond this many sigmas (root of NIS) are de-weighted so that they pull no more
   /// than one at the bound; 0: never.
   double huber_sigmas = 0.0;
+  /// Added in quadrature to the sigmas of the measurements: while the attitude is still degrees
+  /// off, the linearisation of the filter errs by more than a good receiver does.
+  double position_floor_m = 0.0;
+  double velocity_floor_mps = 0.0;
 };
 
 struct FilterRun {
