@@ -250,7 +250,7 @@ class Adjuster {
       }
       // Weak directions are left to the full network: a small ridge, 1 deg per sqrt(number of
       // pairs).
-      N.diagonal().array() += 1.0 / std::pow(1.0 * 3.14159265358979 / 180.0, 2);
+      N.diagonal().array() += 1.0 / (kRadPerDeg * kRadPerDeg);
       const Eigen::Vector3d d = -N.ldlt().solve(b);
       net.SetValue(network().boresight, Exp(d) * net.Value(network().boresight));
       if (d.norm() < kStepRad) break;

@@ -43,7 +43,7 @@ struct InitialStates {
 struct FlightNetworkOptions {
   /// Longest interval over which a Gauss-Markov bias is held, as a fraction of tau and in seconds.
   double bias_interval_per_tau = 1.0 / 40.0;
-  double bias_interval_max_s = 10.0;
+  double bias_interval_max_s = 5.0;
   double position_floor_m = 1e-6;  ///< of one inertial increment, see PreintegrationNoise
 };
 
