@@ -1,1 +1,204 @@
+#include "ceres_covariance.h"
 
+#include <ceres/cost_function.h>
+#include <ceres/covariance.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <ctime>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+namespace dn::bench {
+namespace {
+
+double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+class FactorCost final : public ceres::CostFunction {
+ public:
+  explicit FactorCost(const FactorBase& factor) : factor_(factor) {
+    set_num_residuals(factor.residual_size());
+    for (const BlockKind& kind : factor.block_kinds()) {
+      mutable_parameter_block_sizes()->push_back(kind.stored_size);
+    }
+  }
+  bool Evaluate(double const* const* x, double* r, double** J) const override {
+    return factor_.Evaluate(x, r, J);
+  }
+
+ private:
+  const FactorBase& factor_;
+};
+
+/// The block's tangent in units of `sigma`.
+class ScaledTangent final : public ceres::Manifold {
+ public:
+  ScaledTangent(const BlockKind& kind, Eigen::VectorXd sigma)
+      : kind_(kind), sigma_(std::move(sigma)) {}
+
+  int AmbientSize() const override { return kind_.stored_size; }
+  int TangentSize() const override { return kind_.tangent_size; }
+
+  bool Plus(const double* x, const double* d, double* x_plus_d) const override {
+    const Eigen::VectorXd scaled =
+        sigma_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(d, kind_.tangent_size));
+    dn::Plus(kind_, x, scaled.data(), x_plus_d);
+    return true;
+  }
+
+  bool PlusJacobian(const double* x, double* J) const override {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const RowMajor scaled = dn::PlusJacobian(kind_, x) * sigma_.asDiagonal();
+    std::copy(scaled.data(), scaled.data() + scaled.size(), J);
+    return true;
+  }
+
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
+    dn::Minus(kind_, y, x, y_minus_x);
+    for (int k = 0; k < kind_.tangent_size; ++k) y_minus_x[k] /= sigma_[k];
+    return true;
+  }
+
+  bool MinusJacobian(const double*, double*) const override { return false; }  // not used here
+
+ private:
+  BlockKind kind_;
+  Eigen::VectorXd sigma_;
+};
+
+void Fill(Network& network, const std::vector<Eigen::VectorXd>& sigma, ceres::Problem* problem) {
+  for (FactorId id = 0; id < network.num_factors(); ++id) {
+    const FactorRecord& record = network.factor(id);
+    if (!record.active) continue;
+    std::vector<double*> values;
+    for (const BlockId b : record.blocks) {
+      BlockRecord& block = network.block(b);
+      double* value = block.value.get();
+      values.push_back(value);
+      if (problem->HasParameterBlock(value)) continue;
+      problem->AddParameterBlock(value, block.kind.stored_size,
+                                 new ScaledTangent(block.kind, sigma[static_cast<std::size_t>(b)]));
+      if (block.held) problem->SetParameterBlockConstant(value);
+    }
+    problem->AddResidualBlock(new FactorCost(*record.factor), nullptr, values);
+  }
+}
+
+CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks,
+                            const std::vector<Eigen::VectorXd>& sigma) {
+  ceres::Problem problem;
+  Fill(network, sigma, &problem);
+  std::vector<std::pair<const double*, const double*>> pairs;
+  for (const BlockId b : blocks) {
+    const double* value = network.block(b).value.get();
+    pairs.emplace_back(value, value);
+  }
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::SPARSE_QR;
+  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  options.num_threads = 1;
+  ceres::Covariance covariance(options);
+  CeresCovariance result;
+  const double start_s = ProcessorSeconds();
+  const bool computed = covariance.Compute(pairs, &problem);
+  result.time_s = ProcessorSeconds() - start_s;
+  if (!computed) {
+    result.error = "rank deficient";
+    return result;
+  }
+  for (const BlockId b : blocks) {
+    const Eigen::VectorXd& s = sigma[static_cast<std::size_t>(b)];
+    Eigen::MatrixXd C(s.size(), s.size());
+    const double* value = network.block(b).value.get();
+    covariance.GetCovarianceBlockInTangentSpace(value, value, C.data());
+    result.covariance.emplace_back(s.asDiagonal() * C * s.asDiagonal());
+  }
+  return result;
+}
+
+/// First the time, negative for a failure, then the covariances.
+std::vector<double> Pack(const CeresCovariance& result) {
+  std::vector<double> numbers{result.error.empty() ? result.time_s : -1.0};
+  for (const Eigen::MatrixXd& C : result.covariance) {
+    numbers.insert(numbers.end(), C.data(), C.data() + C.size());
+  }
+  return numbers;
+}
+
+void WriteAll(int file, const std::vector<double>& numbers) {
+  const char* at = reinterpret_cast<const char*>(numbers.data());
+  std::size_t left = numbers.size() * sizeof(double);
+  while (left > 0) {
+    const ssize_t n = write(file, at, left);
+    if (n <= 0) return;
+    at += n;
+    left -= static_cast<std::size_t>(n);
+  }
+}
+
+/// Reads until there are `count` bytes or the other end closes.
+std::size_t ReadAll(int file, char* at, std::size_t count) {
+  std::size_t done = 0;
+  while (done < count) {
+    const ssize_t n = read(file, at + done, count - done);
+    if (n <= 0) break;
+    done += static_cast<std::size_t>(n);
+  }
+  return done;
+}
+
+void LimitCpu(unsigned limit_s) {
+  const rlimit limit{limit_s, limit_s};
+  setrlimit(RLIMIT_CPU, &limit);
+}
+
+}  // namespace
+
+CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blocks,
+                               const std::vector<Eigen::VectorXd>& sigma, unsigned limit_s) {
+  int ends[2];
+  if (pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+  const pid_t child = fork();
+  if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
+  if (child == 0) {
+    close(ends[0]);
+    LimitCpu(limit_s);
+    WriteAll(ends[1], Pack(ComputeHere(network, blocks, sigma)));
+    _exit(0);
+  }
+  close(ends[1]);
+  std::size_t count = 1;
+  for (const BlockId b : blocks) {
+    const auto size = static_cast<std::size_t>(sigma[static_cast<std::size_t>(b)].size());
+    count += size * size;
+  }
+  std::vector<double> numbers(count);
+  const std::size_t bytes =
+      ReadAll(ends[0], reinterpret_cast<char*>(numbers.data()), count * sizeof(double));
+  waitpid(child, nullptr, 0);
+  close(ends[0]);
+
+  CeresCovariance result;
+  if (bytes == 0) {
+    result.error = "not finished in " + std::to_string(limit_s) + " s of processor time";
+  } else if (numbers[0] < 0.0 || bytes < count * sizeof(double)) {
+    result.error = "ceres::Covariance takes the network for rank deficient";
+  }
+  if (!result.error.empty()) return result;
+  result.time_s = numbers[0];
+  const double* at = numbers.data() + 1;
+  for (const BlockId b : blocks) {
+    const Eigen::Index size = sigma[static_cast<std::size_t>(b)].size();
+    result.covariance.emplace_back(Eigen::Map<const Eigen::MatrixXd>(at, size, size));
+    at += size * size;
+  }
+  return result;
+}
+
+}  // namespace dn::bench

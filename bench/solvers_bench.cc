@@ -1,1 +1,172 @@
+/// Covariances of the network of a simulated flight: assembly, factorisation and selected inverse;
+/// on the smallest flight ceres::Covariance beside it.
+#include <benchmark/benchmark.h>
+#include <dn/builder/adjust.h>
+#include <dn/builder/alignment.h>
+#include <dn/builder/flight_network.h>
+#include <dn/builder/node_grid.h>
+#include <dn/sim/scenario.h>
+#include <dn/sim/simulate.h>
+#include <dn/solvers/marginals.h>
 
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ceres_covariance.h"
+#include "flight_sizes.h"
+
+namespace dn::bench {
+namespace {
+
+constexpr unsigned kCeresLimit_s = 60;
+/// Two double-precision factorisations (QR of J, Cholesky of J^T J) of the same Jacobian.
+constexpr double kSameCovariance = 1e-5;
+constexpr double kStripJoin_s = 5.0;
+constexpr double kNodeRate_hz = 5.0;
+
+std::vector<TimeInterval> LidarIntervals(const Flight& flight) {
+  std::vector<double> t_s;
+  for (const LidarPair& pair : flight.pairs->pairs) {
+    t_s.push_back(pair.t_i_s);
+    t_s.push_back(pair.t_j_s);
+  }
+  return ClusterEpochs(t_s, kStripJoin_s);
+}
+
+std::unique_ptr<FlightNetwork> NetworkAtTruth(const SimulatedFlight& simulated) {
+  const Flight& flight = simulated.flight;
+  const TimeInterval span = NetworkSpan(flight, true);
+  NodeGridOptions grid;
+  grid.rate_in_strips_hz = kNodeRate_hz;
+  const std::vector<double> node_t_s =
+      NodeTimes(*flight.imu, span, GnssTimes(flight, span), LidarIntervals(flight), grid);
+  InitialStates initial;
+  for (const double t_s : node_t_s) initial.nodes.push_back(simulated.truth->Pose(t_s));
+  auto network = std::make_unique<FlightNetwork>(flight, node_t_s, initial);
+  network->net.SetValue(network->boresight, Exp(simulated.boresight_rad));
+  network->AddPairs(flight.pairs->pairs);
+  return network;
+}
+
+/// The network of a size, made once.
+FlightNetwork& NetworkOf(const std::string& size) {
+  struct Entry {
+    std::unique_ptr<SimulatedFlight> flight;  // the network refers to it
+    std::unique_ptr<FlightNetwork> network;
+  };
+  static std::map<std::string, Entry> entries;
+  Entry& entry = entries[size];
+  if (!entry.network) {
+    const Scenario scenario = ParseScenario(ScenarioText(SizeByName(size), "airins"), size);
+    entry.flight = std::make_unique<SimulatedFlight>(Simulate(scenario, {}));
+    entry.network = NetworkAtTruth(*entry.flight);
+  }
+  return *entry.network;
+}
+
+std::vector<BlockId> NodeBlockIds(const FlightNetwork& network) {
+  std::vector<BlockId> ids;
+  for (const NodeBlocks& node : network.nodes) {
+    ids.insert(ids.end(), {node.q_mb.id, node.p_mb.id, node.v_m.id});
+  }
+  return ids;
+}
+
+void BM_Marginals(benchmark::State& state, const std::string& size) {
+  const FlightNetwork& network = NetworkOf(size);
+  for (auto _ : state) {
+    Marginals marginals(network.net);
+    marginals.ComputeSelectedInverse();
+    const Marginals::Timings& t = marginals.timings();
+    state.counters["assemble_s"] = t.assemble_s;
+    state.counters["analyze_s"] = t.analyze_s;
+    state.counters["factor_s"] = t.factor_s;
+    state.counters["selected_inverse_s"] = t.selected_inverse_s;
+    state.counters["parameters"] = marginals.num_parameters();
+    state.counters["nonzeros_of_L"] = static_cast<double>(marginals.factor_nonzeros());
+  }
+  state.counters["nodes"] = static_cast<double>(network.nodes.size());
+  state.counters["pairs"] = static_cast<double>(network.pair_edges.size());
+}
+BENCHMARK_CAPTURE(BM_Marginals, 5min, "5min")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_Marginals, 20min, "20min")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_Marginals, 60min, "60min")->Unit(benchmark::kMillisecond);
+
+/// Blocks whose covariances are wanted of the smallest flight.
+std::vector<BlockId> Wanted(const FlightNetwork& network, bool all_nodes) {
+  if (all_nodes) return NodeBlockIds(network);
+  return {network.boresight.id};
+}
+
+/// The same by Marginals, with the selected inverse only where many blocks are wanted.
+std::vector<Eigen::MatrixXd> ByMarginals(const Network& net, const std::vector<BlockId>& blocks) {
+  Marginals marginals(net);
+  if (blocks.size() > 1) marginals.ComputeSelectedInverse();
+  std::vector<Eigen::MatrixXd> covariance;
+  for (const BlockId b : blocks) covariance.push_back(marginals.Covariance(b));
+  return covariance;
+}
+
+void BM_WantedByMarginals(benchmark::State& state, bool all_nodes) {
+  const FlightNetwork& network = NetworkOf("5min");
+  const std::vector<BlockId> blocks = Wanted(network, all_nodes);
+  for (auto _ : state) benchmark::DoNotOptimize(ByMarginals(network.net, blocks).size());
+}
+BENCHMARK_CAPTURE(BM_WantedByMarginals, boresight, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_WantedByMarginals, all_nodes, true)->Unit(benchmark::kMillisecond);
+
+/// Standard deviations of every block; ones for a held one.
+std::vector<Eigen::VectorXd> SigmaOfEveryBlock(const Network& net) {
+  Marginals marginals(net);
+  marginals.ComputeSelectedInverse();
+  std::vector<Eigen::VectorXd> sigma;
+  for (BlockId b = 0; b < net.num_blocks(); ++b) {
+    sigma.push_back(net.block(b).held
+                        ? Eigen::VectorXd::Ones(net.block(b).kind.tangent_size)
+                        : Eigen::VectorXd(marginals.DiagonalBlock(b).diagonal().cwiseSqrt()));
+  }
+  return sigma;
+}
+
+/// Largest difference of two covariances of the same blocks, in units of the sigmas.
+double LargestDifference(const std::vector<Eigen::MatrixXd>& a,
+                         const std::vector<Eigen::MatrixXd>& b) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const Eigen::VectorXd scale = b[k].diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd difference = scale.asDiagonal() * (a[k] - b[k]) * scale.asDiagonal();
+    largest = std::max(largest, difference.cwiseAbs().maxCoeff());
+  }
+  return largest;
+}
+
+void BM_WantedByCeres(benchmark::State& state, bool all_nodes) {
+  FlightNetwork& network = NetworkOf("5min");
+  const std::vector<BlockId> blocks = Wanted(network, all_nodes);
+  const std::vector<Eigen::VectorXd> sigma = SigmaOfEveryBlock(network.net);
+  for (auto _ : state) {
+    const CeresCovariance ceres = ComputeByCeres(network.net, blocks, sigma, kCeresLimit_s);
+    if (!ceres.error.empty()) {
+      state.SkipWithError(ceres.error.c_str());
+      return;
+    }
+    state.SetIterationTime(ceres.time_s);
+    const double difference = LargestDifference(ceres.covariance, ByMarginals(network.net, blocks));
+    state.counters["difference"] = difference;
+    if (!(difference < kSameCovariance)) state.SkipWithError("the covariances differ");
+  }
+}
+BENCHMARK_CAPTURE(BM_WantedByCeres, boresight, false)
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_WantedByCeres, all_nodes, true)
+    ->UseManualTime()
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace dn::bench
