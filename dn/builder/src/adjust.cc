@@ -130,6 +130,11 @@ class Adjuster {
     SolveInsGnss();
     if (options_.with_pairs) {
       network().AddPairs(flight_.pairs->pairs);
+      if (network().pair_edges.empty()) {
+        throw InvalidInput(
+            "adjustment: the two epochs of every pair lie between the same two nodes; pairs must "
+            "join different strips");
+      }
       result_.residual_initial_m = MeanPairDifference();
       StartBoresight();
       SolvePairsRobustly();

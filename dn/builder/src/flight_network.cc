@@ -14,6 +14,9 @@ namespace dn {
 namespace {
 
 constexpr double kPpm = 1e-6;
+// With the time offset of the lidar free, pairs attach to a node at least this far before their
+// time tag.
+constexpr double kTimeOffsetMarginS = 0.05;
 // One bias step beyond which the first-order bias correction of an increment is worth replacing.
 constexpr double kGyroStepRadps = 30.0 / kDegPerRad / 3600.0;
 constexpr double kAccelStepMps2 = 5e-3 * kStandardGravityMps2;
@@ -295,13 +298,21 @@ std::shared_ptr<const FactorBase> FlightNetwork::MakePairFactor(const PairEdge& 
   const double dt_nominal_s = net.Value(lidar_time_offset)[0];
   const Eigen::Vector3d lever = net.Value(lidar_lever_arm);
   const Eigen::Quaterniond q_boresight = net.Value(boresight);
+  const Eigen::Vector3d scale =
+      gyro_scale_free() ? net.Value(gyro_scale_factor) : Eigen::Vector3d(Eigen::Vector3d::Zero());
   const auto make_end = [&](std::size_t k, double tag_s, const Eigen::Vector3d& u_s) {
     const double t_s = tag_s - dt_nominal_s;
+    if (t_s < node_t_s_[k] - 1e-7) {
+      throw InvalidInput("lidar time offset: the estimate of " + std::to_string(dt_nominal_s) +
+                         " s exceeds the " + std::to_string(kTimeOffsetMarginS) +
+                         " s that can be estimated; correct the time tags of the pairs first");
+    }
     LidarEnd end;
     end.partial =
         t_s - node_t_s_[k] > 1e-7
-            ? Preintegrate(*flight_->imu, node_t_s_[k], t_s, CorrectionAt(node_t_s_[k]), noise_)
-            : IdentityIncrement(*flight_->imu, node_t_s_[k], CorrectionAt(node_t_s_[k]));
+            ? Preintegrate(*flight_->imu, node_t_s_[k], t_s, CorrectionAt(node_t_s_[k]), noise_,
+                           scale)
+            : IdentityIncrement(*flight_->imu, node_t_s_[k], CorrectionAt(node_t_s_[k]), scale);
     end.u_s = u_s;
     end.p_nominal_m = net.Value(nodes[k].p_mb);
     return end;
@@ -321,11 +332,12 @@ std::shared_ptr<const FactorBase> FlightNetwork::MakePairFactor(const PairEdge& 
 }
 
 void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
+  const double margin_s = net.block(lidar_time_offset.id).held ? -1e-7 : kTimeOffsetMarginS;
   for (const LidarPair& pair : pairs) {
     PairEdge edge;
     edge.pair = pair;
-    edge.node_i = NodeBefore(node_t_s_, pair.t_i_s + 1e-7);
-    edge.node_j = NodeBefore(node_t_s_, pair.t_j_s + 1e-7);
+    edge.node_i = NodeBefore(node_t_s_, pair.t_i_s - margin_s);
+    edge.node_j = NodeBefore(node_t_s_, pair.t_j_s - margin_s);
     if (edge.node_i == edge.node_j) {
       ++pairs_within_one_node;
       continue;

@@ -151,10 +151,12 @@ Json ReferenceErrorsJson(const FlightNetwork& network) {
     n += 1.0;
   }
   if (n == 0.0) return nullptr;
-  return {{"nodes", static_cast<long>(n)},
-          {"position_enu_rmse_m", ToJson((position / n).cwiseSqrt())},
-          {"velocity_enu_rmse_mps", ToJson((velocity / n).cwiseSqrt())},
-          {"roll_pitch_heading_rmse_deg", ToJson((attitude / n).cwiseSqrt() * kDegPerRad)}};
+  const bool has_velocity = flight.reference->notes().velocity_from_file;
+  return {
+      {"nodes", static_cast<long>(n)},
+      {"position_enu_rmse_m", ToJson((position / n).cwiseSqrt())},
+      {"velocity_enu_rmse_mps", has_velocity ? ToJson((velocity / n).cwiseSqrt()) : Json(nullptr)},
+      {"roll_pitch_heading_rmse_deg", ToJson((attitude / n).cwiseSqrt() * kDegPerRad)}};
 }
 
 }  // namespace dn

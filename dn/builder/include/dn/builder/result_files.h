@@ -35,7 +35,8 @@ std::string FormatTrajectorySigma(const std::vector<TrajectorySigma>& sigma);
 std::string FormatBiases(const std::vector<BiasEstimate>& biases);
 
 /// Differences from the reference trajectory at the nodes, root mean squares: position E, N, U in
-/// m, velocity in m/s, roll, pitch, heading in deg; null where the reference does not cover any
+/// m, velocity in m/s (null where the reference has none of its own), roll, pitch, heading in deg.
+/// Null altogether where there is no reference, or it covers no
 /// node.
 Json ReferenceErrorsJson(const FlightNetwork& network);
 
