@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <Eigen/Core>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <thread>
@@ -17,6 +18,10 @@ namespace {
 volatile std::sig_atomic_t g_interrupted = 0;
 
 void OnSignal(int /*signal*/) { g_interrupted = 1; }
+
+double Since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 struct Failure {
   int exit_code;
@@ -32,7 +37,7 @@ std::string WithLocation(const InvalidInput& error) {
 
 Failure Classify(const std::exception& error) {
   if (dynamic_cast<const dn::Interrupted*>(&error) != nullptr || Interrupted()) {
-    return {130, "interrupted", "interrupted; nothing was written"};
+    return {130, "interrupted", "interrupted; no result was written"};
   }
   if (const auto* config = dynamic_cast<const InvalidConfig*>(&error)) {
     return {2, "configuration", WithLocation(*config)};
@@ -114,6 +119,7 @@ Run::Run(std::string command, const CommonOptions& options)
   report["command"] = command_;
   report["versions"] = Versions();
   report["threads"] = options.threads;
+  report["seed"] = nullptr;
   report["error"] = nullptr;
 }
 
@@ -128,6 +134,7 @@ void Run::AddFile(const std::string& name, const std::string& content) {
 }
 
 void Run::Commit() {
+  report["timings_s"]["total"] = Since(start_);
   AddFile("report.json", FormatJson(report));
   if (files_) files_->Commit();
 }
@@ -138,7 +145,9 @@ int Execute(const std::string& command, const CommonOptions& options,
   {
     Run run(command, options);
     try {
+      if (!options.out.empty()) run.files();  // fail before the work, not after it
       body(run);
+      if (Interrupted()) throw dn::Interrupted();
       run.Commit();
       return 0;
     } catch (const std::exception& error) {
@@ -162,6 +171,7 @@ int Execute(const std::string& command, const CommonOptions& options,
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   options->threads = std::max(1, cores);
+  app->set_version_flag("--version", "dn " DN_VERSION);
   app->add_option("--threads", options->threads, "Threads for evaluating the network")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();

@@ -4,6 +4,7 @@
 #include <dn/report/json.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -45,7 +46,7 @@ class Run {
  public:
   Run(std::string command, const CommonOptions& options);
 
-  /// The staged files of --out; made on first use. Without --out nothing is written.
+  /// Stages a file of --out. Without --out nothing is written.
   void AddFile(const std::string& name, const std::string& content);
 
   /// The output directory itself, for a library that writes into one. Throws without --out.
@@ -61,6 +62,7 @@ class Run {
   std::string command_;
   CommonOptions options_;
   std::unique_ptr<OutputDirectory> files_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 /// True after SIGINT or SIGTERM.

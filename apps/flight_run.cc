@@ -115,6 +115,7 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
 void FillReport(const FlightRun& flight_run, Run* run) {
   Json& report = run->report;
   report["flight"] = flight_run.flight.config.name;
+  if (const auto& lidar = flight_run.flight.config.lidar) report["seed"] = lidar->pairs.seed;
   report["alignment"] = flight_run.adjustment.alignment_method;
   report["node_rate_hz"] = flight_run.adjustment.node_rate_hz;
   report["counts"] = flight_run.flight.counts;
@@ -134,8 +135,7 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   }
   report["timings_s"] = {{"read", flight_run.timings.read_s},
                          {"solve", flight_run.timings.solve_s},
-                         {"covariance", flight_run.timings.covariance_s},
-                         {"total", flight_run.timings.total_s}};
+                         {"covariance", flight_run.timings.covariance_s}};
 }
 
 void PrintStatistics(const std::string& title, const std::vector<SeriesStatistics>& statistics) {

@@ -26,8 +26,9 @@ void RunSimulate(const Options& options, Run& run) {
   };
   const SimulatedFlight simulated = Simulate(scenario, simulate);
   run.progress.Stage("writing " + options.common.out.string());
-  WriteFlight(simulated, run.files());
   const Flight& flight = simulated.flight;
+  WriteFlight(simulated, run.files());
+  run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
   const std::size_t pairs = flight.pairs ? flight.pairs->pairs.size() : 0;
   run.report["scenario"] = scenario.name;
   run.report["seed"] = options.seed;

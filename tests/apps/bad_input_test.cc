@@ -1,0 +1,179 @@
+#include <dn/report/json.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "damaged_flight.h"
+
+namespace dn::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::StartsWith;
+namespace fs = std::filesystem;
+
+/// The run failed as the contract wants it: the exit code, one line on stderr with `what`, no
+/// result but report.json with the same message.
+void ExpectFailure(const ProgramRun& run, const DamagedFlight& flight, int exit_code,
+                   const std::string& kind, const std::string& what) {
+  EXPECT_EQ(run.exit_code, exit_code) << run.err;
+  const std::size_t at = run.err.find(": error: ");
+  ASSERT_NE(at, std::string::npos) << run.err;
+  const std::string message = run.err.substr(at + 9);
+  EXPECT_THAT(message, HasSubstr(what));
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1) << message;
+  EXPECT_EQ(NamesIn(flight.out()), std::vector<std::string>{"report.json"});
+  const Json error = Json::parse(ContentOf(flight.out() / "report.json"))["error"];
+  EXPECT_EQ(error["kind"], kind);
+  EXPECT_EQ(error["message"].get<std::string>() + "\n", message);
+}
+
+TEST(CliBadInput, MissingFolder) {
+  const DamagedFlight flight;
+  fs::remove_all(flight.path());
+  ExpectFailure(flight.Run("calibrate"), flight, 2, "configuration", flight.path().string());
+}
+
+TEST(CliBadInput, MissingFlightYaml) {
+  const DamagedFlight flight;
+  fs::remove(flight.path() / "flight.yaml");
+  ExpectFailure(flight.Run("smooth"), flight, 2, "configuration", "flight.yaml");
+}
+
+TEST(CliBadInput, MissingSection) {
+  const DamagedFlight flight;
+  flight.Write("flight.yaml", "name: x\ngnss: {file: GPS.txt}\n");
+  ExpectFailure(flight.Run("calibrate"), flight, 2, "configuration", "'imu'");
+}
+
+TEST(CliBadInput, MissingDataFile) {
+  const DamagedFlight flight;
+  fs::remove(flight.path() / "IMU.txt");
+  ExpectFailure(flight.Run("calibrate"), flight, 1, "input",
+                "IMU.txt does not exist; the key imu.file");
+}
+
+TEST(CliBadInput, MissingPairs) {
+  const DamagedFlight flight;
+  fs::remove_all(flight.path() / "lidar");
+  ExpectFailure(flight.Run("calibrate"), flight, 1, "input", "lidar.p2p");
+}
+
+TEST(CliBadInput, UnknownKeyNamesTheNearest) {
+  const DamagedFlight flight;
+  flight.Replace("flight.yaml", "boresight_deg:", "boresigt_deg:");
+  ExpectFailure(flight.Run("calibrate"), flight, 2, "configuration",
+                "unknown key 'boresigt_deg'; did you mean 'boresight_deg'");
+}
+
+TEST(CliBadInput, TextThatIsNotYaml) {
+  const DamagedFlight flight;
+  flight.Write("flight.yaml", "name: [x\n");
+  ExpectFailure(flight.Run("calibrate"), flight, 2, "configuration", "flight.yaml:");
+}
+
+TEST(CliBadInput, WrongNumberOfColumns) {
+  const DamagedFlight flight;
+  flight.ReplaceLine("IMU.txt", 7, "381000.14, 0, 0, 0, 0, 0");
+  ExpectFailure(flight.Run("calibrate"), flight, 1, "input", "IMU.txt:7");
+}
+
+TEST(CliBadInput, NotANumber) {
+  const DamagedFlight flight;
+  flight.ReplaceLine("GPS.txt", 12, "381011, nan, 6.5, 400, 0.01, 0.01, 0.02");
+  ExpectFailure(flight.Run("smooth"), flight, 1, "input", "GPS.txt:12");
+}
+
+TEST(CliBadInput, TimeStepsBack) {
+  const DamagedFlight flight;
+  flight.ReplaceLine("GPS.txt", 30, "381000.5, 46.57, 6.52, 600, 0.01, 0.01, 0.02");
+  ExpectFailure(flight.Run("smooth"), flight, 1, "input", "GPS.txt:30");
+}
+
+TEST(CliBadInput, NoOverlapOfImuAndGnss) {
+  const DamagedFlight flight;
+  flight.Write(
+      "GPS.txt",
+      "1000, 46.57, 6.52, 600, 0.01, 0.01, 0.02\n1001, 46.57, 6.52, 600, 0.01, 0.01, 0.02\n");
+  const ProgramRun run = flight.Run("calibrate");
+  ExpectFailure(run, flight, 1, "input", "no GNSS epoch lies inside");
+  EXPECT_THAT(run.err, HasSubstr("1000"));
+  EXPECT_THAT(run.err, HasSubstr("381000"));
+}
+
+TEST(CliBadInput, PairOutsideTheInertialData) {
+  const DamagedFlight flight;
+  const std::string pairs = "lidar/" + NamesIn(flight.path() / "lidar").front();
+  flight.ReplaceLine(pairs, 3, "381205, 390000, 100, 0, 0, 100, 0, 0");
+  const ProgramRun run = flight.Run("calibrate");
+  ExpectFailure(run, flight, 1, "input", pairs + ":3");
+  EXPECT_THAT(run.err, HasSubstr("390000"));
+}
+
+TEST(CliBadInput, DamagedReferenceNamesTheRecord) {
+  const DamagedFlight flight;
+  flight.Write("reference.out", flight.Read("reference.out").substr(0, 1000));
+  ExpectFailure(flight.Run("smooth"), flight, 1, "input", "reference.out");
+}
+
+TEST(CliBadInput, EmptyFiles) {
+  for (const char* name : {"IMU.txt", "GPS.txt"}) {
+    const DamagedFlight flight;
+    flight.Write(name, "");
+    ExpectFailure(flight.Run("calibrate"), flight, 1, "input", name);
+  }
+}
+
+TEST(CliBadInput, TooFewGnssEpochsToStart) {
+  const DamagedFlight flight;
+  const std::string gps = flight.Read("GPS.txt");
+  flight.Write("GPS.txt", gps.substr(0, gps.find('\n') + 1));
+  const ProgramRun run = flight.Run("calibrate");
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("error: "));
+  EXPECT_EQ(NamesIn(flight.out()), std::vector<std::string>{"report.json"});
+}
+
+TEST(CliBadInput, PairsThatCannotBelongToThisFlight) {
+  const DamagedFlight flight;
+  const std::string pairs = "lidar/" + NamesIn(flight.path() / "lidar").front();
+  std::string text;
+  for (int i = 0; i < 50; ++i) {
+    text += std::to_string(381200 + 0.3 * i) + ", " + std::to_string(381295 + 0.3 * i) +
+            ", 200, 0, " + std::to_string(7 * i % 40) + ", -50, " + std::to_string(11 * i % 60) +
+            ", 100\n";
+  }
+  flight.Write(pairs, text);
+  const ProgramRun run = flight.Run("calibrate");
+  if (run.exit_code == 0) {
+    const Json result = Json::parse(ContentOf(flight.out() / "result.json"));
+    EXPECT_NE(result["assessment"]["verdict"], "calibrated");
+  } else {
+    EXPECT_EQ(run.exit_code, 1) << run.err;
+    EXPECT_EQ(NamesIn(flight.out()), std::vector<std::string>{"report.json"});
+  }
+}
+
+TEST(CliBadInput, CheckRefusesWhatCalibrateWould) {
+  const DamagedFlight flight;
+  flight.ReplaceLine("IMU.txt", 7, "381000.14, 0, 0, 0, 0, 0");
+  const ProgramRun run = RunProgram({"check", flight.path().string()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, StartsWith("dn check: error: "));
+  EXPECT_THAT(run.err, HasSubstr("IMU.txt:7"));
+}
+
+TEST(CliBadInput, CheckSaysWhatIsMissing) {
+  const DamagedFlight flight;
+  fs::remove_all(flight.path() / "lidar");
+  const ProgramRun run = RunProgram({"check", flight.path().string()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("dn smooth                 possible"));
+  EXPECT_THAT(run.out, HasSubstr("dn calibrate --method dn  missing: pairs"));
+}
+
+}  // namespace
+}  // namespace dn::testing

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "run_program.h"
+#include "testing/temp_folder.h"
+
+namespace dn::testing {
+
+/// A copy of the short flight to be damaged, and a place for results.
+class DamagedFlight {
+ public:
+  DamagedFlight() {
+    std::filesystem::copy(ShortFlight(), path(), std::filesystem::copy_options::recursive);
+  }
+
+  std::filesystem::path path() const { return folder_.path() / "flight"; }
+  std::filesystem::path out() const { return folder_.path() / "out"; }
+
+  std::string Read(const std::string& name) const { return ContentOf(path() / name); }
+  void Write(const std::string& name, const std::string& content) const {
+    folder_.Write("flight/" + name, content);
+  }
+
+  /// Replaces the only occurrence of a text.
+  void Replace(const std::string& name, const std::string& old_text,
+               const std::string& new_text) const {
+    std::string content = Read(name);
+    const std::size_t at = content.find(old_text);
+    if (at == std::string::npos || content.find(old_text, at + 1) != std::string::npos) {
+      throw std::runtime_error("not exactly once in " + name + ": " + old_text);
+    }
+    Write(name, content.replace(at, old_text.size(), new_text));
+  }
+
+  /// Replaces a line, counted from 1.
+  void ReplaceLine(const std::string& name, int line, const std::string& new_text) const {
+    std::string content = Read(name);
+    std::size_t begin = 0;
+    for (int i = 1; i < line; ++i) begin = content.find('\n', begin) + 1;
+    Write(name, content.replace(begin, content.find('\n', begin) - begin, new_text));
+  }
+
+  ProgramRun Run(const std::string& command) const {
+    return RunProgram({command, path().string(), "--out", out().string()});
+  }
+
+ private:
+  TempFolder folder_;
+};
+
+}  // namespace dn::testing

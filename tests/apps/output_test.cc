@@ -1,0 +1,125 @@
+#include <dn/report/json.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "damaged_flight.h"
+
+namespace dn::testing {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+namespace fs = std::filesystem;
+
+std::vector<std::string> CalibrateInto(const fs::path& out) {
+  return {"calibrate", ShortFlight().string(), "--out", out.string()};
+}
+
+/// Staged or temporary files of any folder below.
+std::vector<std::string> HiddenNamesBelow(const fs::path& folder) {
+  std::vector<std::string> hidden;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with('.')) hidden.push_back(name);
+  }
+  return hidden;
+}
+
+TEST(CliOutput, TheSameRunGivesTheSameResult) {
+  const TempFolder folder;
+  for (const char* name : {"a", "b"}) {
+    auto arguments = CalibrateInto(folder.path() / name);
+    arguments.insert(arguments.end(), {"--threads", "2"});
+    ASSERT_EQ(RunProgram(arguments).exit_code, 0);
+  }
+  Json first = Json::parse(ContentOf(folder.path() / "a/result.json"));
+  Json second = Json::parse(ContentOf(folder.path() / "b/result.json"));
+  first.erase("timing_s");
+  second.erase("timing_s");
+  EXPECT_EQ(first, second);
+  for (const char* name : {"trajectory.out", "trajectory_sigma.txt", "biases.txt"}) {
+    EXPECT_EQ(ContentOf(folder.path() / "a" / name), ContentOf(folder.path() / "b" / name)) << name;
+  }
+}
+
+TEST(CliOutput, ReplacesTheFilesOfAnEarlierRun) {
+  const TempFolder folder;
+  folder.Write("r/result.json", "an earlier result");
+  folder.Write("r/notes.txt", "of the user");
+  ASSERT_EQ(RunProgram(CalibrateInto(folder.path() / "r")).exit_code, 0);
+  EXPECT_EQ(Json::parse(ContentOf(folder.path() / "r/result.json"))["schema"], "dn.result/1");
+  EXPECT_EQ(ContentOf(folder.path() / "r/notes.txt"), "of the user");
+  EXPECT_THAT(HiddenNamesBelow(folder.path()), IsEmpty());
+}
+
+TEST(CliOutput, AFileWhereTheFolderShouldBe) {
+  const TempFolder folder;
+  folder.Write("taken", "x");
+  for (const fs::path& out : {folder.path() / "taken", folder.path() / "taken/below"}) {
+    const ProgramRun run = RunProgram(CalibrateInto(out));
+    EXPECT_EQ(run.exit_code, 1);
+    EXPECT_THAT(run.err, HasSubstr(out.string()));
+  }
+  EXPECT_EQ(ContentOf(folder.path() / "taken"), "x");
+  EXPECT_THAT(NamesIn(folder.path()), ElementsAre("taken"));
+}
+
+TEST(CliOutput, AnUnusableFolderIsNoticedBeforeTheWork) {
+  const TempFolder folder;
+  folder.Write("taken", "x");
+  const ProgramRun run = RunProgram(CalibrateInto(folder.path() / "taken"));
+  EXPECT_THAT(run.err, StartsWith("dn calibrate: error: "));
+}
+
+TEST(CliOutput, AFullDiskLeavesTheEarlierResult) {
+  const TempFolder folder;
+  folder.Write("r/result.json", "an earlier result");
+  ProgramOptions options;
+  options.arguments = CalibrateInto(folder.path() / "r");
+  options.max_file_bytes = 50000;  // enough for report.json, not for trajectory.out
+  const ProgramRun run = RunProgram(options);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("trajectory.out"));
+  EXPECT_EQ(ContentOf(folder.path() / "r/result.json"), "an earlier result");
+  EXPECT_THAT(NamesIn(folder.path() / "r"), ElementsAre("report.json", "result.json"));
+  const Json report = Json::parse(ContentOf(folder.path() / "r/report.json"));
+  EXPECT_EQ(report["error"]["kind"], "output");
+}
+
+class Interrupting : public ::testing::TestWithParam<int> {};
+
+TEST_P(Interrupting, EndsWith130AndNoResult) {
+  const TempFolder folder;
+  ProgramOptions options;
+  options.arguments = CalibrateInto(folder.path() / "r");
+  options.signal = GetParam();
+  options.signal_after = "dn calibrate: reading";
+  const ProgramRun run = RunProgram(options);
+  EXPECT_EQ(run.exit_code, 130);
+  EXPECT_THAT(run.err, HasSubstr("dn calibrate: error: interrupted; no result was written\n"));
+  EXPECT_THAT(NamesIn(folder.path() / "r"), ElementsAre("report.json"));
+  const Json report = Json::parse(ContentOf(folder.path() / "r/report.json"));
+  EXPECT_EQ(report["error"]["kind"], "interrupted");
+}
+
+INSTANTIATE_TEST_SUITE_P(Cli, Interrupting, ::testing::Values(SIGINT, SIGTERM));
+
+TEST(CliOutput, InterruptedSimulationLeavesNoFlight) {
+  const TempFolder folder;
+  ProgramOptions options;
+  options.arguments = {"simulate", "lar3", "--out", (folder.path() / "f").string()};
+  options.signal = SIGINT;
+  options.signal_after = "dn simulate: ";
+  const ProgramRun run = RunProgram(options);
+  EXPECT_EQ(run.exit_code, 130);
+  EXPECT_THAT(NamesIn(folder.path() / "f"), ElementsAre("report.json"));
+}
+
+}  // namespace
+}  // namespace dn::testing

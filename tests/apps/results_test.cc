@@ -1,0 +1,191 @@
+#include <dn/flight/flight_config.h>
+#include <dn/geo/text_table.h>
+#include <dn/geo/trajectory.h>
+#include <dn/report/json.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "run_program.h"
+
+namespace dn::testing {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
+namespace fs = std::filesystem;
+
+constexpr std::size_t kSbetRecordBytes = 17 * 8;
+
+Json JsonOf(const fs::path& file) { return Json::parse(ContentOf(file)); }
+
+std::vector<std::string> KeysOf(const Json& json) {
+  std::vector<std::string> keys;
+  for (const auto& item : json.items()) keys.push_back(item.key());
+  return keys;
+}
+
+/// A list of n finite numbers.
+void ExpectNumbers(const Json& json, std::size_t n) {
+  ASSERT_TRUE(json.is_array()) << json.dump();
+  ASSERT_EQ(json.size(), n) << json.dump();
+  for (const Json& value : json) EXPECT_TRUE(value.is_number()) << json.dump();
+}
+
+void ExpectMatrix3(const Json& json) {
+  ASSERT_TRUE(json.is_array()) << json.dump();
+  ASSERT_EQ(json.size(), 3u);
+  for (const Json& row : json) ExpectNumbers(row, 3);
+}
+
+/// A resolved configuration that reads back to itself.
+void ExpectReadsBack(const fs::path& folder) {
+  const std::string text = ContentOf(folder / "config.resolved.yaml");
+  EXPECT_EQ(FormatFlightConfig(ParseFlightConfig(text, folder)), text);
+}
+
+void ExpectTrajectoryFiles(const fs::path& folder) {
+  const std::string sbet = ContentOf(folder / "trajectory.out");
+  EXPECT_EQ(sbet.size() % kSbetRecordBytes, 0u);
+  const Trajectory trajectory = ReadTrajectory(folder / "trajectory.out");
+  EXPECT_GT(trajectory.t_end_s() - trajectory.t_begin_s(), 200.0);
+
+  const TextTable sigma = ReadTextTable(folder / "trajectory_sigma.txt", {10});
+  const TextTable biases = ReadTextTable(folder / "biases.txt", {13});
+  EXPECT_EQ(sigma.rows(), biases.rows());
+  for (std::size_t i = 0; i < sigma.rows(); ++i) {
+    EXPECT_EQ(sigma.row(i)[0], biases.row(i)[0]);
+    EXPECT_TRUE(i == 0 || sigma.row(i)[0] > sigma.row(i - 1)[0]);
+    for (int c = 1; c < 10; ++c) EXPECT_GT(sigma.row(i)[c], 0.0);
+    for (int c = 7; c < 13; ++c) EXPECT_GT(biases.row(i)[c], 0.0);
+  }
+}
+
+void ExpectReport(const Json& report, const std::string& command) {
+  EXPECT_EQ(report["command"], command);
+  EXPECT_TRUE(report["error"].is_null());
+  EXPECT_EQ(report["versions"]["dn"], DN_VERSION);
+  EXPECT_TRUE(report["counts"].is_object());
+  EXPECT_TRUE(report.contains("seed"));
+  EXPECT_TRUE(report.contains("timings_s"));
+}
+
+TEST(CliResults, ReportsOfEverySubcommand) {
+  ExpectReport(JsonOf(ShortFlight() / "report.json"), "simulate");
+  ExpectReport(JsonOf(CheckResult() / "report.json"), "check");
+  ExpectReport(JsonOf(SmoothResult() / "report.json"), "smooth");
+  ExpectReport(JsonOf(CalibrateResult() / "report.json"), "calibrate");
+}
+
+TEST(CliResults, ResolvedConfigurationsReadBack) {
+  ExpectReadsBack(ShortFlight());
+  ExpectReadsBack(CheckResult());
+  ExpectReadsBack(SmoothResult());
+  ExpectReadsBack(CalibrateResult());
+}
+
+TEST(CliCheck, SummarisesAndSaysWhatIsPossible) {
+  const ProgramRun run = RunProgram({"check", ShortFlight().string()});
+  EXPECT_EQ(run.exit_code, 0);
+  for (const char* text :
+       {"flight          short", "50.00 Hz", "400 in 1 files, 2 strips",
+        "dn smooth                 possible", "dn calibrate --method dn  possible"}) {
+    EXPECT_THAT(run.out, HasSubstr(text));
+  }
+}
+
+TEST(CliSmooth, TrajectoryFiles) { ExpectTrajectoryFiles(SmoothResult()); }
+
+TEST(CliSmooth, SmoothJson) {
+  const Json smooth = JsonOf(SmoothResult() / "smooth.json");
+  EXPECT_EQ(smooth["flight"], "short");
+  EXPECT_TRUE(smooth["adjustment"]["converged"].get<bool>());
+  const Json& innovations = smooth["innovations"]["gnss position"];
+  EXPECT_TRUE(innovations["nis"].is_number());
+  for (const char* axis : {"east", "north", "up"}) {
+    EXPECT_THAT(KeysOf(innovations[axis]), IsSupersetOf({"mean", "variance", "lag1_correlation"}));
+  }
+}
+
+TEST(CliCalibrate, TrajectoryFiles) { ExpectTrajectoryFiles(CalibrateResult()); }
+
+TEST(CliCalibrate, ResultHasTheKeysOfTheContract) {
+  const Json result = JsonOf(CalibrateResult() / "result.json");
+  EXPECT_THAT(KeysOf(result),
+              UnorderedElementsAre("schema", "flight", "method", "boresight", "assessment",
+                                   "correlations", "estimates", "adjustment", "timing_s"));
+  EXPECT_EQ(result["schema"], "dn.result/1");
+  EXPECT_EQ(result["flight"], "short");
+  EXPECT_EQ(result["method"], "dn");
+
+  const Json& boresight = result["boresight"];
+  for (const char* key : {"angles_deg", "euler_zyx_deg", "sigma_deg"}) {
+    ExpectNumbers(boresight[key], 3);
+  }
+  ExpectMatrix3(boresight["covariance_deg2"]);
+  ExpectMatrix3(boresight["correlation"]);
+  EXPECT_TRUE(boresight.at("sigma_apriori_deg").is_null());
+  EXPECT_TRUE(boresight.at("sigma_scaled_deg").is_null());
+
+  EXPECT_THAT(result["assessment"]["verdict"].get<std::string>(),
+              AnyOf("calibrated", "absorbed", "not_observable"));
+  EXPECT_TRUE(result["assessment"]["reasons"].is_array());
+  for (const char* bias : {"boresight_to_accel_bias", "boresight_to_gyro_bias"}) {
+    ExpectMatrix3(result["correlations"][bias]["at_barycentre"]);
+    EXPECT_TRUE(result["correlations"][bias]["max_abs"].is_number());
+    EXPECT_TRUE(result["correlations"][bias]["rms"].is_number());
+  }
+  EXPECT_TRUE(result["estimates"].is_object());
+  const Json& adjustment = result["adjustment"];
+  for (const char* key : {"sigma0", "chi2", "redundancy", "condition_number", "iterations",
+                          "residual_initial_m", "residual_final_m", "nodes", "parameters",
+                          "imu_epochs", "gnss_epochs", "correspondences", "outliers"}) {
+    EXPECT_TRUE(adjustment.contains(key) && adjustment[key].is_number()) << key;
+  }
+  EXPECT_TRUE(adjustment["converged"].get<bool>());
+  for (const char* key : {"read", "solve", "covariance", "total"}) {
+    EXPECT_TRUE(result["timing_s"][key].is_number()) << key;
+  }
+}
+
+TEST(CliCalibrate, SigmaIsTheRootOfTheCovariance) {
+  const Json boresight = JsonOf(CalibrateResult() / "result.json")["boresight"];
+  constexpr double kRounding = 1e-12;  // of one square root
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double sigma = boresight["sigma_deg"][i];
+    EXPECT_NEAR(sigma, std::sqrt(boresight["covariance_deg2"][i][i].get<double>()),
+                kRounding * sigma);
+  }
+}
+
+TEST(CliCalibrate, FindsTheSimulatedBoresight) {
+  const Json boresight = JsonOf(CalibrateResult() / "result.json")["boresight"];
+  const double truth_deg[] = {0.2, 0.03, 0.35};
+  // Probability below 1e-5 per angle; the seed is fixed.
+  constexpr double kSigmas = 4.5;
+  // What these two strips must resolve at the least, deg: a tenth of the angles.
+  constexpr double kUsefulDeg = 0.03;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double sigma = boresight["sigma_deg"][i];
+    EXPECT_NEAR(boresight["angles_deg"][i].get<double>(), truth_deg[i], kSigmas * sigma);
+    EXPECT_LT(sigma, kUsefulDeg);
+  }
+}
+
+TEST(CliCalibrate, TheSmoothedTrajectoryIsNearTheTrueOne) {
+  const Json errors = JsonOf(CalibrateResult() / "report.json")["reference_errors"];
+  // GNSS of 1.5 cm and 3 cm, and a navigation grade unit.
+  constexpr double kPositionM = 0.05;
+  constexpr double kRollPitchDeg = 0.02;
+  for (const Json& rmse_m : errors["position_enu_rmse_m"]) EXPECT_LT(rmse_m, kPositionM);
+  EXPECT_LT(errors["roll_pitch_heading_rmse_deg"][0], kRollPitchDeg);
+  EXPECT_LT(errors["roll_pitch_heading_rmse_deg"][1], kRollPitchDeg);
+}
+
+}  // namespace
+}  // namespace dn::testing

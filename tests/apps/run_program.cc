@@ -1,0 +1,125 @@
+#include "run_program.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace dn::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kLongestRun{120};
+
+struct Pipe {
+  Pipe() {
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("pipe2 failed");
+  }
+  std::array<int, 2> ends{};
+};
+
+[[noreturn]] void BecomeProgram(const ProgramOptions& options, const Pipe& out, const Pipe& err) {
+  ::dup2(out.ends[1], STDOUT_FILENO);
+  ::dup2(err.ends[1], STDERR_FILENO);
+  if (options.max_file_bytes) {
+    const auto limit = static_cast<rlim_t>(*options.max_file_bytes);
+    const rlimit bound{limit, limit};
+    ::setrlimit(RLIMIT_FSIZE, &bound);
+    std::signal(SIGXFSZ, SIG_IGN);  // so that write() fails, as it does on a full disk
+  }
+  std::vector<std::string> words{DN_PROGRAM};
+  words.insert(words.end(), options.arguments.begin(), options.arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  ::execv(DN_PROGRAM, argv.data());
+  ::_exit(127);
+}
+
+/// Appends what can be read; false at the end of the stream.
+bool Append(int fd, std::string* text) {
+  std::array<char, 4096> buffer;
+  const ssize_t count = ::read(fd, buffer.data(), buffer.size());
+  if (count > 0) text->append(buffer.data(), static_cast<std::size_t>(count));
+  return count > 0;
+}
+
+/// Follows stdout and stderr until both are closed, and sends the signal in between.
+void Follow(pid_t child, const ProgramOptions& options, const Pipe& out, const Pipe& err,
+            ProgramRun* run) {
+  std::array<pollfd, 2> streams{pollfd{out.ends[0], POLLIN, 0}, pollfd{err.ends[0], POLLIN, 0}};
+  const std::array<std::string*, 2> texts{&run->out, &run->err};
+  const auto deadline = Clock::now() + kLongestRun;
+  bool signalled = options.signal == 0;
+  while (streams[0].fd >= 0 || streams[1].fd >= 0) {
+    ::poll(streams.data(), streams.size(), 1000);
+    for (std::size_t i = 0; i < streams.size(); ++i) {
+      const bool ready = streams[i].fd >= 0 && streams[i].revents != 0;
+      if (ready && !Append(streams[i].fd, texts[i])) streams[i].fd = -1;
+    }
+    if (!signalled && run->err.find(options.signal_after) != std::string::npos) {
+      ::kill(child, options.signal);
+      signalled = true;
+    }
+    if (Clock::now() > deadline) ::kill(child, SIGKILL);
+  }
+}
+
+}  // namespace
+
+ProgramRun RunProgram(const ProgramOptions& options) {
+  const Pipe out;
+  const Pipe err;
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) BecomeProgram(options, out, err);
+  ::close(out.ends[1]);
+  ::close(err.ends[1]);
+  ProgramRun run;
+  Follow(child, options, out, err, &run);
+  ::close(out.ends[0]);
+  ::close(err.ends[0]);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) run.signal = WTERMSIG(status);
+  return run;
+}
+
+ProgramRun RunProgram(const std::vector<std::string>& arguments) {
+  ProgramOptions options;
+  options.arguments = arguments;
+  return RunProgram(options);
+}
+
+fs::path ShortFlight() { return fs::path(DN_CLI_WORK) / "flight"; }
+fs::path CheckResult() { return fs::path(DN_CLI_WORK) / "check"; }
+fs::path SmoothResult() { return fs::path(DN_CLI_WORK) / "smooth"; }
+fs::path CalibrateResult() { return fs::path(DN_CLI_WORK) / "calibrate"; }
+fs::path ShortScenario() { return DN_SHORT_SCENARIO; }
+
+std::string ContentOf(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw std::runtime_error("cannot read " + file.string());
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<std::string> NamesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace dn::testing

@@ -1,0 +1,89 @@
+#include <dn/flight/flight_config.h>
+#include <dn/flight/truth.h>
+#include <dn/geo/trajectory.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "run_program.h"
+#include "testing/temp_folder.h"
+
+namespace dn::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+ProgramRun SimulateInto(const fs::path& folder, const fs::path& scenario, const char* seed) {
+  return RunProgram({"simulate", scenario.string(), "--seed", seed, "--out", folder.string()});
+}
+
+TEST(CliSimulate, WritesAFlightFolder) {
+  EXPECT_THAT(NamesIn(ShortFlight()),
+              ElementsAre("GPS.txt", "IMU.txt", "config.resolved.yaml", "flight.yaml", "lidar",
+                          "reference.out", "report.json", "truth.yaml"));
+  EXPECT_THAT(NamesIn(ShortFlight() / "lidar"), Not(IsEmpty()));
+}
+
+TEST(CliSimulate, SaysWhatItMade) {
+  const TempFolder folder;
+  const ProgramRun run = SimulateInto(folder.path() / "f", ShortScenario(), "3");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out, HasSubstr("flight short: "));
+  EXPECT_THAT(run.out, HasSubstr("2 strips, 400 pairs, seed 3"));
+  EXPECT_THAT(run.err, HasSubstr("dn simulate: "));
+}
+
+TEST(CliSimulate, TheSameSeedGivesTheSameBytesAnotherOneDoesNot) {
+  const TempFolder folder;
+  ASSERT_EQ(SimulateInto(folder.path() / "same", ShortScenario(), "3").exit_code, 0);
+  ASSERT_EQ(SimulateInto(folder.path() / "other", ShortScenario(), "4").exit_code, 0);
+  for (const char* name : {"IMU.txt", "GPS.txt", "flight.yaml", "truth.yaml", "reference.out"}) {
+    EXPECT_EQ(ContentOf(folder.path() / "same" / name), ContentOf(ShortFlight() / name)) << name;
+  }
+  for (const std::string& name : NamesIn(ShortFlight() / "lidar")) {
+    EXPECT_EQ(ContentOf(folder.path() / "same/lidar" / name),
+              ContentOf(ShortFlight() / "lidar" / name));
+  }
+  EXPECT_NE(ContentOf(folder.path() / "other/IMU.txt"), ContentOf(ShortFlight() / "IMU.txt"));
+}
+
+TEST(CliSimulate, TruthStaysInItsOwnFile) {
+  const TempFolder folder;
+  const std::string scenario = ContentOf(ShortScenario()) +
+                               "effects:\n  - {effect: gnss_lever_arm, value: [0.123, 0, 0]}\n"
+                               "  - {effect: lidar_time_offset, value: 0.000456}\n";
+  folder.Write("effects.yaml", scenario);
+  const fs::path flight = folder.path() / "f";
+  ASSERT_EQ(SimulateInto(flight, folder.path() / "effects.yaml", "1").exit_code, 0);
+
+  const FlightConfig config = ReadFlightConfig(flight);
+  EXPECT_EQ(config.lidar->mounting.boresight_rad, Eigen::Vector3d::Zero());
+  EXPECT_EQ(config.gnss->lever_arm_b_m, Eigen::Vector3d(0.4, -0.1, -1.1));
+  for (const char* name : {"flight.yaml", "config.resolved.yaml", "report.json"}) {
+    const std::string text = ContentOf(flight / name);
+    for (const char* leak : {"0.35", "0.03,", "0.123", "0.523", "0.000456", "effect"}) {
+      EXPECT_THAT(text, Not(HasSubstr(leak))) << name;
+    }
+  }
+  const std::string truth = ContentOf(flight / "truth.yaml");
+  EXPECT_THAT(truth, HasSubstr("gnss_lever_arm_m: [0.523, -0.1, -1.1]"));
+  EXPECT_THAT(truth, HasSubstr("{effect: lidar_time_offset, value: 0.000456}"));
+  const auto boresight_deg = ReadTrueBoresightDeg(flight);
+  ASSERT_TRUE(boresight_deg.has_value());
+  EXPECT_TRUE(boresight_deg->isApprox(Eigen::Vector3d(0.2, 0.03, 0.35), 1e-12));
+}
+
+TEST(CliSimulate, AScenarioWithAnUnknownKeyIsRefused) {
+  const TempFolder folder;
+  folder.Write("wrong.yaml", ContentOf(ShortScenario()) + "pears: {count: 4}\n");
+  const ProgramRun run = SimulateInto(folder.path() / "f", folder.path() / "wrong.yaml", "1");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("unknown key 'pears'; the nearest known one is 'pairs'"));
+  EXPECT_THAT(run.err, HasSubstr("wrong.yaml:"));
+}
+
+}  // namespace
+}  // namespace dn::testing
