@@ -1,0 +1,43 @@
+// The boresight of a simulated flight, in memory: IMU, GNSS and lidar point pairs in one network.
+//
+// Prints the true angles, the estimates with their standard deviations, and the correlation of the
+// boresight with the biases that were estimated with it.
+#include <dn/builder/adjust.h>
+#include <dn/builder/result.h>
+#include <dn/sim/simulate.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+int main() {
+  dn::Scenario scenario = dn::ReadScenario("lar2");
+  scenario.plan.warm_up_s = 120.0;
+  scenario.imu.rate_hz = 100.0;
+  scenario.pairs.count = 500;
+  const dn::SimulatedFlight sim = dn::Simulate(scenario, {});
+
+  const dn::Adjustment adjustment = dn::Adjust(sim.flight);
+  dn::Marginals marginals(adjustment.network->net);
+  marginals.ComputeSelectedInverse();
+  const dn::BoresightResult boresight = dn::ExtractBoresight(adjustment, marginals);
+
+  std::printf("aligned %s, %zu nodes, %ld pairs rejected, mean distance of pairs %.2f -> %.2f m\n",
+              adjustment.alignment_method.c_str(), adjustment.network->nodes.size(),
+              adjustment.outliers, adjustment.residual_initial_m, adjustment.residual_final_m);
+  const Eigen::Vector3d sigma_rad = boresight.sigma_rad();
+  const char* names[] = {"roll", "pitch", "yaw"};
+  double worst = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double error_rad = boresight.angles_rad[i] - sim.boresight_rad[i];
+    worst = std::max(worst, std::abs(error_rad) / sigma_rad[i]);
+    std::printf("%-5s  truth %.4f deg  estimate %.4f deg  sigma %.4f deg\n", names[i],
+                dn::kDegPerRad * sim.boresight_rad[i], dn::kDegPerRad * boresight.angles_rad[i],
+                dn::kDegPerRad * sigma_rad[i]);
+  }
+  std::printf("correlation with the biases: gyro %.2f, accelerometer %.2f\n",
+              boresight.gyro_bias.max_abs, boresight.accel_bias.max_abs);
+  std::printf("%s, %s four sigmas of the truth\n", boresight.verdict.c_str(),
+              worst < 4.0 ? "within" : "beyond");
+  return worst < 4.0 ? 0 : 1;
+}

@@ -1,0 +1,289 @@
+#include <dn/builder/alignment.h>
+#include <dn/builder/flight_network.h>
+#include <dn/error.h>
+#include <dn/solvers/solve.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "builder/short_flights.h"
+#include "testing/expect_invalid.h"
+
+namespace dn {
+namespace {
+
+using testing::Calibration;
+using testing::DroneScenario;
+using ::testing::HasSubstr;
+
+const SimulatedFlight& Drone() {
+  static const SimulatedFlight sim = [] {
+    SimulateOptions options;
+    options.seed = 7;
+    return Simulate(DroneScenario(), options);
+  }();
+  return sim;
+}
+
+/// A network of the drone flight, started at the truth.
+FlightNetwork AtTruth(const Flight& flight, const FlightNetworkOptions& options = {}) {
+  const TimeInterval span = NetworkSpan(flight, true);
+  const std::vector<double> times = NodeTimes(*flight.imu, span, GnssTimes(flight, span), {}, {});
+  InitialStates initial;
+  for (const double t_s : times) initial.nodes.push_back(Drone().truth->Pose(t_s));
+  return FlightNetwork(flight, times, initial, options);
+}
+
+std::map<std::string, long> GroupCounts(const Network& net) {
+  std::map<std::string, long> counts;
+  for (FactorId id = 0; id < net.num_factors(); ++id) {
+    ++counts[net.groups()[static_cast<std::size_t>(net.factor(id).group)]];
+  }
+  return counts;
+}
+
+TEST(FlightNetwork, BlocksHaveTheirNames) {
+  const FlightNetwork network = AtTruth(Drone().flight);
+  const std::string last = std::to_string(network.nodes.size() - 1);
+  EXPECT_EQ(network.net.Find("q_mb/0"), network.nodes.front().q_mb.id);
+  EXPECT_EQ(network.net.Find("p_mb/" + last), network.nodes.back().p_mb.id);
+  EXPECT_EQ(network.net.Find("v_m/" + last), network.nodes.back().v_m.id);
+  EXPECT_EQ(network.net.Find("gyro_bias/0/0"), network.gyro_bias[0].blocks[0].id);
+  EXPECT_EQ(network.net.Find("accel_bias/1/2"), network.accel_bias[1].blocks[2].id);
+  for (const char* name : {"boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset"}) {
+    EXPECT_GE(network.net.Find(name), 0);
+  }
+  EXPECT_THROW(network.net.Find("gyro_scale_factor"), InvalidInput);
+}
+
+TEST(FlightNetwork, GroupsHaveTheirCounts) {
+  FlightNetwork network = AtTruth(Drone().flight);
+  network.AddPairs(Drone().flight.pairs->pairs);
+  auto counts = GroupCounts(network.net);
+  const long nodes = static_cast<long>(network.nodes.size());
+  const long chain = static_cast<long>(network.gyro_bias[1].blocks.size());
+  EXPECT_EQ(counts["inertial"], nodes - 1);
+  EXPECT_EQ(counts["gnss position"], static_cast<long>(network.gnss_edges.size()));
+  EXPECT_EQ(counts["gnss position"],
+            static_cast<long>(GnssTimes(Drone().flight, {-1e300, 1e300}).size()) -
+                static_cast<long>(Drone().flight.gnss->epochs.back().t_s >
+                                  Drone().flight.imu->t_end_s() - 1e-6) -
+                static_cast<long>(Drone().flight.gnss->epochs.front().t_s <
+                                  Drone().flight.imu->t_begin_s() + 1e-6));
+  EXPECT_EQ(counts["gnss velocity"], 0);
+  EXPECT_EQ(counts["lidar p2p"], 300);
+  EXPECT_EQ(counts["prior"], 4) << "one per bias process";
+  EXPECT_EQ(counts["bias process"], 2 * (chain - 1));
+  EXPECT_EQ(counts[""], 0) << "every factor is in a group";
+}
+
+TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
+  FlightNetworkOptions options;
+  options.bias_interval_per_tau = 0.01;  // 6 s of 600 s
+  Flight flight = Drone().flight;
+  flight.config.imu->model.gyro.processes.push_back({BiasProcess::Type::kRandomWalk, 1e-7, 0.0});
+  const FlightNetwork network = AtTruth(flight, options);
+  ASSERT_EQ(network.gyro_bias.size(), 3U);
+  EXPECT_EQ(network.gyro_bias[0].blocks.size(), 1U) << "a constant is one block";
+  const std::vector<double> longest{6.0, 10.0};
+  for (const std::size_t process : {1U, 2U}) {
+    const BiasChain& chain = network.gyro_bias[process];
+    EXPECT_EQ(chain.t_begin_s.front(), network.node_times().front());
+    for (std::size_t k = 0; k < chain.blocks.size(); ++k) {
+      const double end_s =
+          k + 1 < chain.blocks.size() ? chain.t_begin_s[k + 1] : network.node_times().back();
+      EXPECT_GT(end_s, chain.t_begin_s[k]);
+      EXPECT_LE(end_s - chain.t_begin_s[k], longest[process - 1] + 1e-6);
+      EXPECT_DOUBLE_EQ(chain.t_mid_s[k], 0.5 * (chain.t_begin_s[k] + end_s));
+      EXPECT_EQ(chain.At(chain.t_begin_s[k]).id, chain.blocks[k].id);
+      EXPECT_EQ(chain.At(end_s - 1e-3).id, chain.blocks[k].id);
+    }
+  }
+}
+
+TEST(FlightNetwork, StartingBiasGoesToTheFirstProcess) {
+  const Flight& flight = Drone().flight;
+  const TimeInterval span = NetworkSpan(flight, true);
+  InitialStates initial;
+  const std::vector<double> times = NodeTimes(*flight.imu, span, {}, {}, {});
+  for (const double t_s : times) initial.nodes.push_back(Drone().truth->Pose(t_s));
+  initial.gyro_bias_radps = {1e-4, -2e-4, 3e-4};
+  initial.accel_bias_mps2 = {0.01, 0.02, -0.03};
+  const FlightNetwork network(flight, times, initial);
+  for (const double t_s : {times.front(), times.back()}) {
+    EXPECT_EQ(network.GyroBias(t_s), initial.gyro_bias_radps);
+    EXPECT_EQ(network.AccelBias(t_s), initial.accel_bias_mps2);
+  }
+  EXPECT_EQ(network.net.Value(network.gyro_bias[0].blocks[0]), initial.gyro_bias_radps);
+}
+
+TEST(FlightNetwork, ResidualsAtTheTruthOfANoiseFreeFlightVanish) {
+  SimulateOptions options;
+  options.noise = false;
+  options.seed = 7;
+  const SimulatedFlight sim = Simulate(DroneScenario(), options);
+  FlightNetwork network = AtTruth(sim.flight);
+  network.AddPairs(sim.flight.pairs->pairs);
+  network.net.SetValue(network.boresight, Exp(sim.boresight_rad));
+  // Coning and sculling within a sample, and the georeferencing between two: parts of sigma.
+  constexpr double kPerEdge = 1e-3;
+  EXPECT_LT(EvaluateCost(network.net).cost, kPerEdge * network.net.num_factors());
+  EXPECT_LT(network.PairDifference(0).norm(), 1e-3);
+}
+
+TEST(FlightNetwork, UnknownsAreHeldUnlessEstimated) {
+  Flight flight = Drone().flight;
+  flight.config.estimate = {{"gnss_lever_arm", 0.05}, {"gyro_scale_factor", 500.0}};
+  const FlightNetwork network = AtTruth(flight);
+  const auto held = [&](BlockId id) { return network.net.block(id).held; };
+  EXPECT_TRUE(held(network.boresight.id));
+  EXPECT_FALSE(held(network.gnss_lever_arm.id));
+  EXPECT_TRUE(held(network.lidar_lever_arm.id));
+  EXPECT_TRUE(held(network.lidar_time_offset.id));
+  EXPECT_FALSE(held(network.net.Find("gyro_scale_factor")));
+  EXPECT_EQ(GroupCounts(network.net)["prior"], 4 + 2);
+  EXPECT_EQ(network.net.Value(network.gnss_lever_arm), flight.config.gnss->lever_arm_b_m);
+}
+
+TEST(FlightNetwork, PriorsAreAtTheAssumedValuesWithTheirSigmas) {
+  Flight flight = Drone().flight;
+  flight.config.estimate = {{"boresight", {}},
+                            {"lidar_lever_arm", 0.02},
+                            {"lidar_time_offset", 0.001},
+                            {"gyro_scale_factor", 500.0}};
+  flight.config.lidar->boresight_sigma_rad = Eigen::Vector3d(0.01, 0.02, 0.03);
+  FlightNetwork network = AtTruth(flight);
+  network.net.SetValue(network.lidar_lever_arm,
+                       flight.config.lidar->mounting.lever_arm_b_m + Eigen::Vector3d(0.02, 0, 0));
+  network.net.SetValue(network.lidar_time_offset, Eigen::Matrix<double, 1, 1>(0.003));
+  network.net.SetValue(network.gyro_scale_factor, Eigen::Vector3d(0.0, 2000e-6, 0.0));
+  network.net.SetValue(network.boresight, Exp(Eigen::Vector3d(0.0, 0.0, 0.15)));
+  std::map<BlockId, double> norm;
+  for (FactorId id = 0; id < network.net.num_factors(); ++id) {
+    const FactorRecord& record = network.net.factor(id);
+    Eigen::VectorXd r;
+    if (record.blocks.size() != 1) continue;
+    ASSERT_TRUE(network.net.EvaluateFactor(id, &r));
+    norm[record.blocks[0]] = r.norm();
+  }
+  EXPECT_NEAR(norm[network.lidar_lever_arm.id], 1.0, 1e-9);
+  EXPECT_NEAR(norm[network.lidar_time_offset.id], 3.0, 1e-9);
+  EXPECT_NEAR(norm[network.gyro_scale_factor.id], 4.0, 1e-9);
+  EXPECT_NEAR(norm[network.boresight.id], 5.0, 1e-9);
+}
+
+TEST(FlightNetwork, NoInertialEdgeOverAGap) {
+  Flight flight = Drone().flight;
+  const double t0_s = flight.gnss->epochs[50].t_s + 0.2;
+  std::erase_if(flight.imu->samples, [&](const ImuSample& s) {
+    return s.t_s > t0_s + 1e-6 && s.t_s < t0_s + 2.0 - 1e-6;
+  });
+  flight.imu->gaps.push_back({t0_s, t0_s + 1.99});
+  const FlightNetwork network = AtTruth(flight);
+  for (const auto& edge : network.inertial_edges) {
+    const double begin_s = network.node_times()[edge.node_i];
+    const double end_s = network.node_times()[edge.node_i + 1];
+    EXPECT_TRUE(end_s <= t0_s + 1e-6 || begin_s >= t0_s + 1.99 - 1e-6)
+        << begin_s << " to " << end_s;
+  }
+  EXPECT_LT(network.inertial_edges.size(), network.nodes.size() - 1);
+}
+
+TEST(FlightNetwork, PairsWithinOneNodeAreCountedAndLeftOut) {
+  FlightNetwork network = AtTruth(Drone().flight);
+  LidarPair pair = Drone().flight.pairs->pairs.front();
+  pair.t_j_s = pair.t_i_s;
+  network.AddPairs({pair, Drone().flight.pairs->pairs.front()});
+  EXPECT_EQ(network.pairs_within_one_node, 1);
+  EXPECT_EQ(network.pair_edges.size(), 1U);
+}
+
+TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {
+  InitialStates initial;
+  initial.nodes.resize(2);
+  testing::ExpectInvalid(
+      [&] {
+        FlightNetwork(Drone().flight, {381001.0, 381002.0, 381003.0}, initial);
+      },
+      "2 starting poses for 3 nodes", 0);
+}
+
+TEST(FlightNetwork, RelinearisingAConvergedNetworkChangesNothing) {
+  Calibration calibration(Drone().flight);
+  FlightNetwork& network = *calibration.adjustment.network;
+  const double cost = EvaluateCost(network.net).cost;
+  const Eigen::Quaterniond before = network.net.Value(network.boresight);
+  network.Relinearise();
+  EXPECT_EQ(network.Relinearise(), 0.0) << "no bias has moved in between";
+  EXPECT_NEAR(EvaluateCost(network.net).cost, cost, 1e-6 * cost);
+  const SolveReport report = Solve(network.net);
+  EXPECT_TRUE(report.converged);
+  const Eigen::Vector3d moved = Log(network.net.Value(network.boresight) * before.conjugate());
+  constexpr double kOfSigma = 1e-3;  // the tolerance of the last solution: 1e-10 of the cost
+  EXPECT_LT(moved.cwiseQuotient(calibration.boresight.sigma_rad()).norm(), kOfSigma);
+}
+
+/// r = (height of the body - reading - offset) / sigma, for an own sensor with an own unknown.
+struct Altimeter : AutoFactor<Altimeter, 1, Vec<3>, Vec<1>> {
+  double reading_m = 0.0, sigma_m = 1.0;
+  template <class T>
+  bool Residual(const T* p_mb, const T* offset, T* r) const {
+    r[0] = (p_mb[2] - reading_m - offset[0]) / sigma_m;
+    return true;
+  }
+};
+
+/// r = (a - b) / 1: leaves the sum free.
+struct Tie : AutoFactor<Tie, 1, Vec<1>, Vec<1>> {
+  template <class T>
+  bool Residual(const T* a, const T* b, T* r) const {
+    r[0] = a[0] - b[0];
+    return true;
+  }
+};
+
+TEST(FlightNetwork, OwnBlockAndFactorAreSolvedWithTheRest) {
+  constexpr double kOffsetM = 12.5, kSigmaM = 0.01;
+  Block<Vec<1>> offset;
+  AdjustOptions options;
+  options.customise = [&](FlightNetwork& network) {
+    offset = network.net.AddVector<1>("altimeter_offset", Eigen::Matrix<double, 1, 1>(0.0));
+    for (std::size_t k = 100; k < 200; ++k) {
+      Altimeter f;
+      f.reading_m = Drone().truth->Pose(network.nodes[k].t_s).p_mb.z() - kOffsetM;
+      f.sigma_m = kSigmaM;
+      network.net.Tag(network.net.Add(f, network.nodes[k].p_mb, offset), "altimeter",
+                      network.nodes[k].t_s);
+    }
+  };
+  const Calibration calibration(Drone().flight, options);
+  const Network& net = calibration.adjustment.network->net;
+  const double sigma_m =
+      std::sqrt(calibration.marginals.Covariance(net.Find("altimeter_offset"))(0, 0));
+  EXPECT_GT(sigma_m, 0.1 * kSigmaM);
+  EXPECT_LT(sigma_m, kSigmaM) << "a hundred readings against GNSS of 3 cm";
+  EXPECT_NEAR(net.Value(offset)[0], kOffsetM, 4.0 * sigma_m);
+  EXPECT_EQ(GroupCounts(net)["altimeter"], 100);
+}
+
+TEST(FlightNetwork, AnOwnUnknownWithoutInformationIsNamed) {
+  AdjustOptions options;
+  options.customise = [](FlightNetwork& network) {
+    const auto a = network.net.AddVector<1>("my_first", Eigen::Matrix<double, 1, 1>(1.0));
+    const auto b = network.net.AddVector<1>("my_second", Eigen::Matrix<double, 1, 1>(0.0));
+    network.net.Add(Tie(), a, b);
+  };
+  const Adjustment adjustment = Adjust(Drone().flight, options);
+  try {
+    const Marginals marginals(adjustment.network->net);
+    FAIL() << "no RankDeficient";
+  } catch (const RankDeficient& e) {
+    EXPECT_THAT(e.what(), HasSubstr("my_first"));
+    EXPECT_THAT(e.what(), HasSubstr("my_second"));
+  }
+}
+
+}  // namespace
+}  // namespace dn
