@@ -98,6 +98,10 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
                                          flight_run->timings)));
   FillReport(*flight_run, &run);
   PrintResult(*flight_run, boresight, unknowns);
+  if (boresight.verdict == "not_observable") {
+    throw FailedWithResults("not_observable", fmt::format("the boresight is not observable: {}",
+                                                          fmt::join(boresight.reasons, "; ")));
+  }
 }
 
 }  // namespace

@@ -17,6 +17,11 @@ namespace {
 
 volatile std::sig_atomic_t g_interrupted = 0;
 
+Json& CommandLine() {
+  static Json arguments = Json::array();
+  return arguments;
+}
+
 void OnSignal(int /*signal*/) { g_interrupted = 1; }
 
 double Since(std::chrono::steady_clock::time_point start) {
@@ -76,6 +81,10 @@ Json Versions() {
 
 }  // namespace
 
+void RememberCommandLine(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) CommandLine().push_back(argv[i]);
+}
+
 bool Interrupted() { return g_interrupted != 0; }
 
 void InstallInterruptHandler() {
@@ -117,6 +126,7 @@ Run::Run(std::string command, const CommonOptions& options)
     : progress(command), command_(std::move(command)), options_(options) {
   report["schema"] = "dn.report/1";
   report["command"] = command_;
+  report["arguments"] = CommandLine();
   report["versions"] = Versions();
   report["threads"] = options.threads;
   report["seed"] = nullptr;
@@ -139,6 +149,22 @@ void Run::Commit() {
   if (files_) files_->Commit();
 }
 
+namespace {
+
+// The body's exit code when its results are to be written: 1 when they must not pass for a success.
+int RunBody(Run& run, const std::function<void(Run&)>& body) {
+  try {
+    body(run);
+    return 0;
+  } catch (const FailedWithResults& error) {
+    run.report["error"] = {{"kind", error.kind()}, {"message", error.what()}};
+    fmt::print(stderr, "dn {}: error: {}\n", run.command(), OneLine(error.what()));
+    return 1;
+  }
+}
+
+}  // namespace
+
 int Execute(const std::string& command, const CommonOptions& options,
             const std::function<void(Run&)>& body) {
   Failure failure;
@@ -146,10 +172,10 @@ int Execute(const std::string& command, const CommonOptions& options,
     Run run(command, options);
     try {
       if (!options.out.empty()) run.files();  // fail before the work, not after it
-      body(run);
+      const int exit_code = RunBody(run, body);
       if (Interrupted()) throw dn::Interrupted();
       run.Commit();
-      return 0;
+      return exit_code;
     } catch (const std::exception& error) {
       failure = Classify(error);
     }

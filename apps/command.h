@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,21 @@ class Progress {
   bool terminal_;
   bool line_open_ = false;
 };
+
+/// The work ended with results that must not pass for a success: they are written, the exit code
+/// is 1.
+class FailedWithResults : public std::runtime_error {
+ public:
+  FailedWithResults(std::string kind, const std::string& message)
+      : std::runtime_error(message), kind_(std::move(kind)) {}
+  const std::string& kind() const { return kind_; }
+
+ private:
+  std::string kind_;
+};
+
+/// Keeps the command line for report.json.
+void RememberCommandLine(int argc, char** argv);
 
 /// One run of a subcommand: what it writes into its output directory, and its report.
 class Run {

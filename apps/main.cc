@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
     const int code = program.exit(error);
     return code == 0 ? 0 : 2;
   }
+  dn::apps::RememberCommandLine(argc, argv);
   dn::apps::InstallInterruptHandler();
   return action();
 }

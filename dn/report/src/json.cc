@@ -20,6 +20,8 @@ Json ToJsonMatrix(const Eigen::Ref<const Eigen::MatrixXd>& matrix) {
   return rows;
 }
 
-std::string FormatJson(const Json& json) { return json.dump(2) + "\n"; }
+std::string FormatJson(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
 
 }  // namespace dn
