@@ -225,8 +225,8 @@ TEST(Observability, HeldBoresightHasNoCovariance) {
   EXPECT_THROW(ExtractBoresight(adjustment, marginals), RankDeficient);
 }
 
-// One ground point, however often it is measured from one pair of poses, gives three equations that
-// a flat turn of the boresight about its direction hardly changes.
+// One ground point, however often it is measured from one pair of poses, gives three equations, and
+// they leave one direction of the boresight almost free.
 TEST(Observability, OnePointSeenFromOnePairOfPosesIsNotACalibration) {
   SimulatedFlight sim = Fly(DroneScenario(), 3);
   const auto middle_s = [](const StripInterval& s) { return 0.5 * (s.t0_s + s.t1_s); };

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <map>
 
@@ -200,6 +201,28 @@ TEST(FlightNetwork, PairsWithinOneNodeAreCountedAndLeftOut) {
   EXPECT_EQ(network.pair_edges.size(), 1U);
 }
 
+// White gyro noise turns the arm from the node to the epoch: 2 n^2 dt |u|^2 over the three axes.
+TEST(FlightNetwork, PairsCarryTheNoiseOfTheIncrementFromTheirNodes) {
+  FlightNetwork network = AtTruth(Drone().flight);
+  network.AddPairs(Drone().flight.pairs->pairs);
+  const double white = Drone().flight.config.imu->model.gyro.white;
+  const double sigma_p_m = Drone().flight.config.lidar->sigma_p_m;
+  constexpr double kTolerance = 0.1;  // lever arm, white accelerometer noise
+  for (const auto& edge : network.pair_edges) {
+    const double dt_i_s = edge.pair.t_i_s - network.node_times()[edge.node_i];
+    const double dt_j_s = edge.pair.t_j_s - network.node_times()[edge.node_j];
+    Eigen::VectorXd r;
+    std::vector<Eigen::MatrixXd> J;
+    ASSERT_TRUE(network.net.EvaluateFactor(edge.id, &r, &J));
+    const Eigen::Matrix3d covariance = Eigen::Matrix3d(J[1].transpose() * J[1]).inverse();
+    const double excess = covariance.trace() - 3.0 * sigma_p_m * sigma_p_m;
+    const double expected =
+        2.0 * white * white *
+        (dt_i_s * edge.pair.u_i_s.squaredNorm() + dt_j_s * edge.pair.u_j_s.squaredNorm());
+    EXPECT_NEAR(excess, expected, kTolerance * expected) << dt_i_s << " s, " << dt_j_s << " s";
+  }
+}
+
 TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {
   InitialStates initial;
   initial.nodes.resize(2);
@@ -223,6 +246,40 @@ TEST(FlightNetwork, RelinearisingAConvergedNetworkChangesNothing) {
   const Eigen::Vector3d moved = Log(network.net.Value(network.boresight) * before.conjugate());
   constexpr double kOfSigma = 1e-3;  // the tolerance of the last solution: 1e-10 of the cost
   EXPECT_LT(moved.cwiseQuotient(calibration.boresight.sigma_rad()).norm(), kOfSigma);
+}
+
+TEST(FlightNetwork, GnssCovarianceIsTheFilesElseTheDefaultScaled) {
+  GnssConfig config;
+  config.sigma_enu_m = {0.1, 0.2, 0.3};
+  config.sigma_scale = 2.0;
+  GnssEpoch epoch;
+  epoch.antenna = Drone().frame.origin();  // there, east-north-up is m
+  const Eigen::Matrix3d expected = Eigen::Vector3d(0.04, 0.16, 0.36).asDiagonal();
+  constexpr double kRounding = 1e-12;
+  EXPECT_LT((GnssPositionCovariance(epoch, config, Drone().frame) - expected).norm(), kRounding);
+  epoch.covariance_enu_m2 = Eigen::Matrix3d::Identity();
+  EXPECT_LT(
+      (GnssPositionCovariance(epoch, config, Drone().frame) - 4.0 * Eigen::Matrix3d::Identity())
+          .norm(),
+      kRounding);
+  // A quarter of the Earth to the east, up is east.
+  epoch.covariance_enu_m2 = Eigen::Matrix3d(Eigen::Vector3d(1.0, 2.0, 3.0).asDiagonal());
+  const LocalFrame equator{Geodetic{}};
+  epoch.antenna = {0.0, 90.0 * kRadPerDeg, 0.0};
+  const Eigen::Matrix3d turned = Eigen::Vector3d(12.0, 8.0, 4.0).asDiagonal();
+  EXPECT_LT((GnssPositionCovariance(epoch, config, equator) - turned).norm(), 1e-9);
+}
+
+TEST(FlightNetwork, VelocitiesAreUsedWithTheirSigmasUnlessSwitchedOff) {
+  GnssConfig config;
+  GnssEpoch epoch;
+  EXPECT_FALSE(UsesVelocity(epoch, config));
+  epoch.velocity_enu_mps = Eigen::Vector3d::Zero();
+  EXPECT_FALSE(UsesVelocity(epoch, config)) << "no sigma";
+  epoch.velocity_covariance_enu = Eigen::Matrix3d::Identity();
+  EXPECT_TRUE(UsesVelocity(epoch, config));
+  config.use_velocity = false;
+  EXPECT_FALSE(UsesVelocity(epoch, config));
 }
 
 /// r = (height of the body - reading - offset) / sigma, for an own sensor with an own unknown.

@@ -3,7 +3,7 @@
 #include <dn/sim/random.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "builder/short_flights.h"
