@@ -15,7 +15,7 @@ Json ToJson(const Eigen::Ref<const Eigen::VectorXd>& vector);
 Json ToJsonMatrix(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
 /// Text of a result file: two blanks of indent, shortest digits that read back to the same value,
-/// final newline.
+/// final newline. Bytes that are not UTF-8 become the replacement character.
 std::string FormatJson(const Json& json);
 
 }  // namespace dn
