@@ -36,32 +36,28 @@ class FactorCost final : public ceres::CostFunction {
   const FactorBase& factor_;
 };
 
-/// The block's tangent in units of `sigma`.
-class ScaledTangent final : public ceres::Manifold {
+/// The tangent of dn (Ceres's own rotations have half the angle).
+class Tangent final : public ceres::Manifold {
  public:
-  ScaledTangent(const BlockKind& kind, Eigen::VectorXd sigma)
-      : kind_(kind), sigma_(std::move(sigma)) {}
+  explicit Tangent(const BlockKind& kind) : kind_(kind) {}
 
   int AmbientSize() const override { return kind_.stored_size; }
   int TangentSize() const override { return kind_.tangent_size; }
 
   bool Plus(const double* x, const double* d, double* x_plus_d) const override {
-    const Eigen::VectorXd scaled =
-        sigma_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(d, kind_.tangent_size));
-    dn::Plus(kind_, x, scaled.data(), x_plus_d);
+    dn::Plus(kind_, x, d, x_plus_d);
     return true;
   }
 
   bool PlusJacobian(const double* x, double* J) const override {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const RowMajor scaled = dn::PlusJacobian(kind_, x) * sigma_.asDiagonal();
-    std::copy(scaled.data(), scaled.data() + scaled.size(), J);
+    const RowMajor jacobian = dn::PlusJacobian(kind_, x);
+    std::copy(jacobian.data(), jacobian.data() + jacobian.size(), J);
     return true;
   }
 
   bool Minus(const double* y, const double* x, double* y_minus_x) const override {
     dn::Minus(kind_, y, x, y_minus_x);
-    for (int k = 0; k < kind_.tangent_size; ++k) y_minus_x[k] /= sigma_[k];
     return true;
   }
 
@@ -69,10 +65,9 @@ class ScaledTangent final : public ceres::Manifold {
 
  private:
   BlockKind kind_;
-  Eigen::VectorXd sigma_;
 };
 
-void Fill(Network& network, const std::vector<Eigen::VectorXd>& sigma, ceres::Problem* problem) {
+void Fill(Network& network, ceres::Problem* problem) {
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     const FactorRecord& record = network.factor(id);
     if (!record.active) continue;
@@ -82,18 +77,16 @@ void Fill(Network& network, const std::vector<Eigen::VectorXd>& sigma, ceres::Pr
       double* value = block.value.get();
       values.push_back(value);
       if (problem->HasParameterBlock(value)) continue;
-      problem->AddParameterBlock(value, block.kind.stored_size,
-                                 new ScaledTangent(block.kind, sigma[static_cast<std::size_t>(b)]));
+      problem->AddParameterBlock(value, block.kind.stored_size, new Tangent(block.kind));
       if (block.held) problem->SetParameterBlockConstant(value);
     }
     problem->AddResidualBlock(new FactorCost(*record.factor), nullptr, values);
   }
 }
 
-CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks,
-                            const std::vector<Eigen::VectorXd>& sigma) {
+CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks) {
   ceres::Problem problem;
-  Fill(network, sigma, &problem);
+  Fill(network, &problem);
   std::vector<std::pair<const double*, const double*>> pairs;
   for (const BlockId b : blocks) {
     const double* value = network.block(b).value.get();
@@ -113,11 +106,11 @@ CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks
     return result;
   }
   for (const BlockId b : blocks) {
-    const Eigen::VectorXd& s = sigma[static_cast<std::size_t>(b)];
-    Eigen::MatrixXd C(s.size(), s.size());
+    const int size = network.block(b).kind.tangent_size;
+    Eigen::MatrixXd C(size, size);
     const double* value = network.block(b).value.get();
     covariance.GetCovarianceBlockInTangentSpace(value, value, C.data());
-    result.covariance.emplace_back(s.asDiagonal() * C * s.asDiagonal());
+    result.covariance.push_back(C);
   }
   return result;
 }
@@ -161,7 +154,7 @@ void LimitCpu(unsigned limit_s) {
 }  // namespace
 
 CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blocks,
-                               const std::vector<Eigen::VectorXd>& sigma, unsigned limit_s) {
+                               unsigned limit_s) {
   int ends[2];
   if (pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
   const pid_t child = fork();
@@ -169,13 +162,13 @@ CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blo
   if (child == 0) {
     close(ends[0]);
     LimitCpu(limit_s);
-    WriteAll(ends[1], Pack(ComputeHere(network, blocks, sigma)));
+    WriteAll(ends[1], Pack(ComputeHere(network, blocks)));
     _exit(0);
   }
   close(ends[1]);
   std::size_t count = 1;
   for (const BlockId b : blocks) {
-    const auto size = static_cast<std::size_t>(sigma[static_cast<std::size_t>(b)].size());
+    const auto size = static_cast<std::size_t>(network.block(b).kind.tangent_size);
     count += size * size;
   }
   std::vector<double> numbers(count);
@@ -194,7 +187,7 @@ CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blo
   result.time_s = numbers[0];
   const double* at = numbers.data() + 1;
   for (const BlockId b : blocks) {
-    const Eigen::Index size = sigma[static_cast<std::size_t>(b)].size();
+    const int size = network.block(b).kind.tangent_size;
     result.covariance.emplace_back(Eigen::Map<const Eigen::MatrixXd>(at, size, size));
     at += size * size;
   }

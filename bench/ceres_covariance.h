@@ -3,7 +3,6 @@
 #include <dn/network.h>
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,10 +16,8 @@ struct CeresCovariance {
 };
 
 /// Runs ceres::Covariance (sparse QR by SuiteSparse, one thread) on the network in a process of its
-/// own, which ends after limit_s of processor time; error says so. The tangent of every block is
-/// divided by its entry of `sigma` (tangent sized, by block id) and multiplied again afterwards:
-/// without that its rank test rejects networks that mix metres and radians.
+/// own, which ends after limit_s of processor time; error says so.
 CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blocks,
-                               const std::vector<Eigen::VectorXd>& sigma, unsigned limit_s);
+                               unsigned limit_s);
 
 }  // namespace dn::bench

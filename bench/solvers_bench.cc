@@ -118,19 +118,6 @@ void BM_WantedByMarginals(benchmark::State& state, bool all_nodes) {
 BENCHMARK_CAPTURE(BM_WantedByMarginals, boresight, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_WantedByMarginals, all_nodes, true)->Unit(benchmark::kMillisecond);
 
-/// Standard deviations of every block; ones for a held one.
-std::vector<Eigen::VectorXd> SigmaOfEveryBlock(const Network& net) {
-  Marginals marginals(net);
-  marginals.ComputeSelectedInverse();
-  std::vector<Eigen::VectorXd> sigma;
-  for (BlockId b = 0; b < net.num_blocks(); ++b) {
-    sigma.push_back(net.block(b).held
-                        ? Eigen::VectorXd::Ones(net.block(b).kind.tangent_size)
-                        : Eigen::VectorXd(marginals.DiagonalBlock(b).diagonal().cwiseSqrt()));
-  }
-  return sigma;
-}
-
 /// Largest difference of two covariances of the same blocks, in units of the sigmas.
 double LargestDifference(const std::vector<Eigen::MatrixXd>& a,
                          const std::vector<Eigen::MatrixXd>& b) {
@@ -146,9 +133,8 @@ double LargestDifference(const std::vector<Eigen::MatrixXd>& a,
 void BM_WantedByCeres(benchmark::State& state, bool all_nodes) {
   FlightNetwork& network = NetworkOf("5min");
   const std::vector<BlockId> blocks = Wanted(network, all_nodes);
-  const std::vector<Eigen::VectorXd> sigma = SigmaOfEveryBlock(network.net);
   for (auto _ : state) {
-    const CeresCovariance ceres = ComputeByCeres(network.net, blocks, sigma, kCeresLimit_s);
+    const CeresCovariance ceres = ComputeByCeres(network.net, blocks, kCeresLimit_s);
     if (!ceres.error.empty()) {
       state.SkipWithError(ceres.error.c_str());
       return;
