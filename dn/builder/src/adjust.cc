@@ -27,7 +27,7 @@ constexpr double kCostTolerance = 1e-13;
 constexpr double kStripJoinS = 5.0;
 constexpr double kStripMarginS = 0.5;
 constexpr int kMaxRelinearisations = 4;
-// Bias change (in the units of Relinearise) below which new increments change nothing.
+// Bias change (in the units of BiasChange) below which new increments change nothing.
 constexpr double kRelinearised = 0.02;
 
 double Seconds(Clock::time_point since) {
@@ -210,7 +210,8 @@ class Adjuster {
   void SolveInsGnss() {
     SetGnssLoss(GnssLoss(flight_, true));
     SolveStage("INS/GNSS, robust", options_.max_iterations);
-    for (int k = 0; k < kMaxRelinearisations && network().Relinearise() > 1.0; ++k) {
+    for (int k = 0; k < kMaxRelinearisations && network().BiasChange() > 1.0; ++k) {
+      network().Relinearise();
       SolveStage("INS/GNSS, increments anew", options_.max_iterations);
     }
   }
@@ -291,7 +292,8 @@ class Adjuster {
     network().Relinearise();
     for (int k = 0; k < kMaxRelinearisations; ++k) {
       SolveStage("final least squares", options_.max_iterations);
-      if (network().Relinearise() < kRelinearised) break;
+      if (network().BiasChange() < kRelinearised) break;
+      network().Relinearise();
     }
     if (!result_.converged) {
       throw NotConverged(
@@ -315,19 +317,26 @@ void AdjustOptions::Validate() const {
 
 double AutoNodeRateHz(const Flight& flight) {
   constexpr double kLadderHz[] = {1.0, 2.0, 5.0, 10.0, 20.0};
-  // Measured on flights of three grades (docs/benchmarks.md): at this ratio no boresight sigma is
-  // off by more than 0.5 %, and no angle by more than 0.03 sigma, of what they are at 20 Hz.
-  constexpr double kNoiseRatio = 0.1;
+  // Measured on flights of three grades and two densities of pairs (docs/benchmarks.md): up to this
+  // share no boresight sigma is off by more than 0.5 %, and no angle by more than 0.05 sigma, of
+  // their limits.
+  constexpr double kSharedVariance = 0.1;
+  constexpr double kShortestStripS = 1.0;
   if (!flight.config.lidar || !flight.pairs || flight.pairs->pairs.empty()) return kLadderHz[0];
+  const auto ends = 2.0 * static_cast<double>(flight.pairs->pairs.size());
   double mean_range_m = 0.0;
   for (const LidarPair& pair : flight.pairs->pairs) {
-    mean_range_m += 0.5 * (pair.u_i_s.norm() + pair.u_j_s.norm());
+    mean_range_m += (pair.u_i_s.norm() + pair.u_j_s.norm()) / ends;
   }
-  mean_range_m /= static_cast<double>(flight.pairs->pairs.size());
+  double strips_s = kShortestStripS;
+  for (const TimeInterval& strip : ClusterEpochs(PairEpochs(flight), kStripJoinS)) {
+    strips_s += strip.t1_s - strip.t0_s;
+  }
   const double noise_m_per_sqrt_s = flight.config.imu->model.gyro.white * mean_range_m;
+  const double relative = noise_m_per_sqrt_s / flight.config.lidar->sigma_p_m;
   for (const double rate_hz : kLadderHz) {
-    if (noise_m_per_sqrt_s / std::sqrt(rate_hz) <= kNoiseRatio * flight.config.lidar->sigma_p_m)
-      return rate_hz;
+    const double ends_per_interval = std::max(1.0, ends / strips_s / rate_hz);
+    if (relative * relative / rate_hz * ends_per_interval <= kSharedVariance) return rate_hz;
   }
   return std::end(kLadderHz)[-1];
 }

@@ -352,25 +352,29 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
   }
 }
 
-double FlightNetwork::Relinearise() {
+double FlightNetwork::BiasChange() const {
   double change = 0.0;
   for (std::size_t e = 0; e < inertial_edges.size(); ++e) {
+    const double t_s = node_t_s_[inertial_edges[e].node_i];
+    const Eigen::Vector3d gyro = GyroBias(t_s) - linearised_gyro_bias_[e];
+    const Eigen::Vector3d accel = AccelBias(t_s) - linearised_accel_bias_[e];
+    change = std::max({change, gyro.cwiseAbs().maxCoeff() / kGyroStepRadps,
+                       accel.cwiseAbs().maxCoeff() / kAccelStepMps2});
+  }
+  return change;
+}
+
+void FlightNetwork::Relinearise() {
+  for (std::size_t e = 0; e < inertial_edges.size(); ++e) {
     const InertialEdge& edge = inertial_edges[e];
-    const double t_s = node_t_s_[edge.node_i];
-    const Eigen::Vector3d gyro = GyroBias(t_s);
-    const Eigen::Vector3d accel = AccelBias(t_s);
-    change =
-        std::max({change, (gyro - linearised_gyro_bias_[e]).cwiseAbs().maxCoeff() / kGyroStepRadps,
-                  (accel - linearised_accel_bias_[e]).cwiseAbs().maxCoeff() / kAccelStepMps2});
-    linearised_gyro_bias_[e] = gyro;
-    linearised_accel_bias_[e] = accel;
+    linearised_gyro_bias_[e] = GyroBias(node_t_s_[edge.node_i]);
+    linearised_accel_bias_[e] = AccelBias(node_t_s_[edge.node_i]);
     net.ReplaceFactor(edge.id, MakeInertialFactor(edge.node_i));
   }
   for (const GnssEdge& edge : gnss_edges) {
     if (edge.velocity >= 0) net.ReplaceFactor(edge.velocity, MakeVelocityFactor(edge));
   }
   for (const PairEdge& edge : pair_edges) net.ReplaceFactor(edge.id, MakePairFactor(edge));
-  return change;
 }
 
 Eigen::Vector3d FlightNetwork::PairDifference(std::size_t k) const {

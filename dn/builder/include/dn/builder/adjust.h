@@ -74,8 +74,10 @@ struct Adjustment {
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
 
 /// Node rate within the strips for `node_rate_hz: auto`: the lowest of 1, 2, 5, 10 and 20 Hz at
-/// which the angle random walk of one interval, seen at the mean laser range, is at most a tenth of
-/// sigma_p. Below it the noise that the pairs share with the inertial edges begins to matter.
+/// which the angle random walk of one interval, seen at the mean laser range, has at most a tenth
+/// of the variance of the mean of the pairs in that interval. Beyond it the noise that the pairs of
+/// an interval share with each other and with the inertial edge, and which the network takes as
+/// independent, begins to matter.
 double AutoNodeRateHz(const Flight& flight);
 
 }  // namespace dn

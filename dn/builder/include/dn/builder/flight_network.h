@@ -67,9 +67,12 @@ class FlightNetwork {
   void AddPairs(const std::vector<LidarPair>& pairs);
 
   /// Integrates every increment anew at the present biases (and time offset, and gyro scale), and
-  /// moves the gravity expansion to the present positions. Returns the largest change of a bias
-  /// since the last time, in units of 30 deg/h (gyro) and 5 mg (accelerometer).
-  double Relinearise();
+  /// moves the gravity expansion to the present positions.
+  void Relinearise();
+
+  /// The largest change of a bias since the increments were integrated, in units of 30 deg/h (gyro)
+  /// and 5 mg (accelerometer): a hundredth of it is far below the noise of any increment.
+  double BiasChange() const;
 
   /// Sum of the processes of an axis at t_s.
   Eigen::Vector3d GyroBias(double t_s) const;
