@@ -71,6 +71,15 @@ std::string OneLine(std::string text) {
   return text;
 }
 
+/// What was printed may wait in a buffer that cannot be written, on a full disk say.
+bool FlushStandardOutput(const std::string& command) {
+  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (!written) {
+    fmt::print(stderr, "dn {}: error: the standard output cannot be written\n", command);
+  }
+  return written;
+}
+
 Json Versions() {
   return {{"dn", DN_VERSION},
           {"ceres", CERES_VERSION_STRING},
@@ -175,7 +184,7 @@ int Execute(const std::string& command, const CommonOptions& options,
       const int exit_code = RunBody(run, body);
       if (Interrupted()) throw dn::Interrupted();
       run.Commit();
-      return exit_code;
+      return FlushStandardOutput(command) ? exit_code : 1;
     } catch (const std::exception& error) {
       failure = Classify(error);
     }
@@ -201,7 +210,10 @@ void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) 
   app->add_option("--threads", options->threads, "Threads for evaluating the network")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  auto* out = app->add_option("--out", options->out, "Directory for the results, made if absent");
+  auto* out = app->add_option("--out", options->out, "Directory for the results, made if absent")
+                  ->check([](const std::string& text) {
+                    return text.empty() ? std::string("is empty") : std::string();
+                  });
   if (out_required) out->required();
 }
 

@@ -53,7 +53,9 @@ void AddSimulate(CLI::App* program, Action* action) {
   app->add_option("SCENARIO", options->scenario,
                   "Scenario file, or the name of a shipped one (lar3, uav2, ...)")
       ->required();
-  app->add_option("--seed", options->seed, "Seed of every random number")->capture_default_str();
+  app->add_option("--seed", options->seed, "Seed of every random number")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app->add_flag("--noise-free", options->noise_free,
                 "Perfect sensors; flight.yaml still states the scenario's stochastic model");
   AddCommonOptions(app, &options->common, true);

@@ -92,6 +92,15 @@ TEST(CliOutput, AFullDiskLeavesTheEarlierResult) {
   EXPECT_EQ(report["error"]["kind"], "output");
 }
 
+TEST(CliOutput, AnUnwritableStandardOutputIsAnError) {
+  ProgramOptions options;
+  options.arguments = {"check", ShortFlight().string()};
+  options.out_file = "/dev/full";
+  const ProgramRun run = RunProgram(options);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.err, "dn check: error: the standard output cannot be written\n");
+}
+
 class Interrupting : public ::testing::TestWithParam<int> {};
 
 TEST_P(Interrupting, EndsWith130AndNoResult) {

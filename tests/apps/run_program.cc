@@ -28,7 +28,8 @@ struct Pipe {
 };
 
 [[noreturn]] void BecomeProgram(const ProgramOptions& options, const Pipe& out, const Pipe& err) {
-  ::dup2(out.ends[1], STDOUT_FILENO);
+  const int out_file = options.out_file ? ::open(options.out_file->c_str(), O_WRONLY) : -1;
+  ::dup2(options.out_file ? out_file : out.ends[1], STDOUT_FILENO);
   ::dup2(err.ends[1], STDERR_FILENO);
   if (options.max_file_bytes) {
     const auto limit = static_cast<rlim_t>(*options.max_file_bytes);

@@ -18,6 +18,8 @@ struct ProgramRun {
 
 struct ProgramOptions {
   std::vector<std::string> arguments;
+  /// Where stdout goes instead of ProgramRun::out.
+  std::optional<std::string> out_file;
   /// Largest file that the program may write, as on a full disk.
   std::optional<long> max_file_bytes;
   /// Signal sent once stderr contains `signal_after`.

@@ -87,6 +87,22 @@ TEST(CliUsage, ResultsNeedAFolder) {
   }
 }
 
+TEST(CliUsage, AnEmptyFolderNameIsWrongUsage) {
+  const ProgramRun run = RunProgram({"calibrate", ShortFlight().string(), "--out", ""});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("--out"));
+}
+
+TEST(CliUsage, SeedsAreWholeAndNotNegative) {
+  const TempFolder folder;
+  for (const char* seed : {"-1", "1.5", "one"}) {
+    const ProgramRun run = RunProgram({"simulate", ShortScenario().string(), "--seed", seed,
+                                       "--out", (folder.path() / "f").string()});
+    EXPECT_EQ(run.exit_code, 2) << seed;
+    EXPECT_THAT(run.err, HasSubstr("--seed")) << seed;
+  }
+}
+
 TEST(CliUsage, UnknownMethodNamesTheKnownOnes) {
   const TempFolder folder;
   const ProgramRun run = RunProgram({"calibrate", ShortFlight().string(), "--method", "ghh",
