@@ -174,4 +174,11 @@ std::pair<std::size_t, std::size_t> SampleRange(const ImuData& imu, double t0_s,
   return {static_cast<std::size_t>(first - begin), static_cast<std::size_t>(last - begin)};
 }
 
+bool HasGap(const ImuData& imu, double t0_s, double t1_s) {
+  constexpr double kSameTimeS = 1e-6;
+  return std::any_of(imu.gaps.begin(), imu.gaps.end(), [&](const ImuGap& gap) {
+    return gap.t_begin_s < t1_s - kSameTimeS && t0_s < gap.t_end_s - kSameTimeS;
+  });
+}
+
 }  // namespace dn

@@ -90,24 +90,12 @@ InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& nod
   return initial;
 }
 
-Loss GnssLoss(const Flight& flight, bool first_pass) {
-  switch (flight.config.gnss->robust) {
+Loss RobustLoss(RobustKind kind, double width) {
+  switch (kind) {
     case RobustKind::kHuber:
-      return {Loss::Type::kHuber, kGnssHuberNorm};
+      return {Loss::Type::kHuber, width};
     case RobustKind::kCauchy:
-      return {Loss::Type::kCauchy, kGnssHuberNorm};
-    case RobustKind::kNone:
-      break;
-  }
-  return first_pass ? Loss{Loss::Type::kHuber, kGnssHuberNorm} : Loss{};
-}
-
-Loss FinalPairLoss(const Flight& flight) {
-  switch (flight.config.lidar->robust) {
-    case RobustKind::kHuber:
-      return {Loss::Type::kHuber, kPairCauchyNorm};
-    case RobustKind::kCauchy:
-      return {Loss::Type::kCauchy, kPairCauchyNorm};
+      return {Loss::Type::kCauchy, width};
     case RobustKind::kNone:
       break;
   }
@@ -208,7 +196,9 @@ class Adjuster {
   }
 
   void SolveInsGnss() {
-    SetGnssLoss(GnssLoss(flight_, true));
+    const RobustKind configured = flight_.config.gnss->robust;
+    SetGnssLoss(RobustLoss(configured == RobustKind::kNone ? RobustKind::kHuber : configured,
+                           kGnssHuberNorm));
     SolveStage("INS/GNSS, robust", options_.max_iterations);
     for (int k = 0; k < kMaxRelinearisations && network().BiasChange() > 1.0; ++k) {
       network().Relinearise();
@@ -284,11 +274,11 @@ class Adjuster {
       net.SetActive(network().pair_edges[k].id, false);
       ++result_.outliers;
     }
-    SetPairLoss(FinalPairLoss(flight_));
+    SetPairLoss(RobustLoss(flight_.config.lidar->robust, kPairCauchyNorm));
   }
 
   void SolveFinally() {
-    SetGnssLoss(GnssLoss(flight_, false));
+    SetGnssLoss(RobustLoss(flight_.config.gnss->robust, kGnssHuberNorm));
     network().Relinearise();
     for (int k = 0; k < kMaxRelinearisations; ++k) {
       SolveStage("final least squares", options_.max_iterations);

@@ -55,11 +55,6 @@ double TypicalSigma(const Flight& flight) {
       GnssPositionCovariance(first, *flight.config.gnss, flight.frame).diagonal().maxCoeff());
 }
 
-bool GapIn(const ImuData& imu, double t0_s, double t1_s) {
-  return std::any_of(imu.gaps.begin(), imu.gaps.end(),
-                     [&](const ImuGap& gap) { return gap.t_begin_s < t1_s && t0_s < gap.t_end_s; });
-}
-
 struct StillStart {
   bool still = false;
   double t_end_s = 0.0;
@@ -155,7 +150,7 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
   while (i0 < track.size()) {
     const std::size_t i1 = later(i0);
     const std::size_t i2 = i1 < track.size() ? later(i1) : track.size();
-    if (i2 >= track.size() || GapIn(*flight.imu, track[i0].t_s, track[i2].t_s)) break;
+    if (i2 >= track.size() || HasGap(*flight.imu, track[i0].t_s, track[i2].t_s)) break;
     const double D = track[i1].t_s - track[i0].t_s;
     const double D2 = track[i2].t_s - track[i1].t_s;
     const Preintegrated a =
@@ -368,7 +363,7 @@ Alignment Align(const Flight& flight, const std::vector<double>& times) {
     best = candidate;
     best_run = std::move(run);
   }
-  for (int pass = 1; pass < 3 && !GapIn(*flight.imu, span.t0_s, best_run.last.pose.t_s); ++pass) {
+  for (int pass = 1; pass < 3 && !HasGap(*flight.imu, span.t0_s, best_run.last.pose.t_s); ++pass) {
     set_floor(pass);
     best.q_mb = BackToStart(flight, best_run.last, span.t0_s);
     best_run = RunForwardFilter(flight, times,

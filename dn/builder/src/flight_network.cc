@@ -47,6 +47,16 @@ Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig&
   return config.sigma_scale * config.sigma_scale * R_m_enu * covariance_enu * R_m_enu.transpose();
 }
 
+GnssVelocity MakeGnssVelocity(const GnssEpoch& epoch, const GnssConfig& config,
+                              const LocalFrame& frame, const Eigen::Vector3d& w_ib_b_radps,
+                              const Eigen::Matrix3d& added_covariance) {
+  const Eigen::Matrix3d R_m_enu = frame.R_m_enu(frame.ToMap(epoch.antenna));
+  const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * R_m_enu *
+                                     *epoch.velocity_covariance_enu * R_m_enu.transpose();
+  return {R_m_enu * *epoch.velocity_enu_mps, w_ib_b_radps, frame.w_ie_m(),
+          Noise<3>::Covariance(covariance + added_covariance)};
+}
+
 bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config) {
   return config.use_velocity.value_or(true) && epoch.velocity_enu_mps.has_value() &&
          epoch.velocity_covariance_enu.has_value();
@@ -223,13 +233,6 @@ ImuCorrection FlightNetwork::CorrectionAt(double t_s) const {
   return {GyroBias(t_s), AccelBias(t_s)};
 }
 
-bool FlightNetwork::GapBetween(double t0_s, double t1_s) const {
-  const auto& gaps = flight_->imu->gaps;
-  return std::any_of(gaps.begin(), gaps.end(), [&](const ImuGap& gap) {
-    return gap.t_begin_s < t1_s - 1e-6 && t0_s < gap.t_end_s - 1e-6;
-  });
-}
-
 std::shared_ptr<const FactorBase> FlightNetwork::MakeInertialFactor(std::size_t i) const {
   const double t_s = node_t_s_[i];
   const Eigen::Vector3d scale =
@@ -243,7 +246,7 @@ std::shared_ptr<const FactorBase> FlightNetwork::MakeInertialFactor(std::size_t 
 
 void FlightNetwork::AddInertialEdges() {
   for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
-    if (GapBetween(node_t_s_[i], node_t_s_[i + 1])) continue;
+    if (HasGap(*flight_->imu, node_t_s_[i], node_t_s_[i + 1])) continue;
     std::vector<BlockId> blocks{nodes[i].q_mb.id,     nodes[i].p_mb.id,     nodes[i].v_m.id,
                                 nodes[i + 1].q_mb.id, nodes[i + 1].p_mb.id, nodes[i + 1].v_m.id};
     for (const BiasChain& chain : gyro_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
@@ -260,14 +263,10 @@ void FlightNetwork::AddInertialEdges() {
 std::shared_ptr<const FactorBase> FlightNetwork::MakeVelocityFactor(const GnssEdge& edge) const {
   const GnssEpoch& epoch = flight_->gnss->epochs[edge.epoch];
   const GnssConfig& config = *flight_->config.gnss;
-  const Eigen::Matrix3d R_m_enu = flight_->frame.R_m_enu(flight_->frame.ToMap(epoch.antenna));
-  const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * R_m_enu *
-                                     *epoch.velocity_covariance_enu * R_m_enu.transpose();
   const Preintegrated at_epoch =
       IdentityIncrement(*flight_->imu, epoch.t_s, CorrectionAt(epoch.t_s));
-  return std::make_shared<GnssVelocity>(Eigen::Vector3d(R_m_enu * *epoch.velocity_enu_mps),
-                                        at_epoch.w_end_b_radps, flight_->frame.w_ie_m(),
-                                        Noise<3>::Covariance(covariance));
+  return std::make_shared<GnssVelocity>(
+      MakeGnssVelocity(epoch, config, flight_->frame, at_epoch.w_end_b_radps));
 }
 
 void FlightNetwork::AddGnssEdges() {

@@ -37,7 +37,7 @@ class Filter {
 
   void PredictTo(double t_s) {
     if (t_s - state_.pose.t_s < 1e-7) return;
-    if (InGap(state_.pose.t_s, t_s)) {
+    if (HasGap(*flight_.imu, state_.pose.t_s, t_s)) {
       PredictOverGap(t_s);
     } else {
       PredictInertially(t_s);
@@ -59,13 +59,9 @@ class Filter {
 
   void UpdateVelocity(const GnssEpoch& epoch) {
     const GnssConfig& config = *flight_.config.gnss;
-    const Eigen::Matrix3d R_m_enu = flight_.frame.R_m_enu(flight_.frame.ToMap(epoch.antenna));
-    const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * R_m_enu *
-                                       *epoch.velocity_covariance_enu * R_m_enu.transpose();
     const Preintegrated here = IdentityIncrement(*flight_.imu, epoch.t_s, Correction());
-    const GnssVelocity factor(
-        R_m_enu * *epoch.velocity_enu_mps, here.w_end_b_radps, flight_.frame.w_ie_m(),
-        Noise<3>::Covariance(covariance + Isotropic(options_.velocity_floor_mps)));
+    const GnssVelocity factor = MakeGnssVelocity(epoch, config, flight_.frame, here.w_end_b_radps,
+                                                 Isotropic(options_.velocity_floor_mps));
     const std::vector<const double*> x{state_.pose.q_mb.coeffs().data(), state_.pose.v_m.data(),
                                        config.lever_arm_b_m.data()};
     Update(factor, x, {0, 6, -1}, true);
@@ -76,13 +72,6 @@ class Filter {
 
  private:
   ImuCorrection Correction() const { return {state_.TotalGyroBias(), state_.TotalAccelBias()}; }
-
-  bool InGap(double t0_s, double t1_s) const {
-    const auto& gaps = flight_.imu->gaps;
-    return std::any_of(gaps.begin(), gaps.end(), [&](const ImuGap& gap) {
-      return gap.t_begin_s < t1_s - 1e-6 && t0_s < gap.t_end_s - 1e-6;
-    });
-  }
 
   void PredictOverGap(double t_s) {
     const double dt_s = t_s - state_.pose.t_s;

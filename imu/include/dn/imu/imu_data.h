@@ -59,4 +59,7 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
 /// Indices [first, last) of the samples whose intervals overlap (t0_s, t1_s].
 std::pair<std::size_t, std::size_t> SampleRange(const ImuData& imu, double t0_s, double t1_s);
 
+/// Whether a gap of the data overlaps (t0_s, t1_s) by more than a microsecond.
+bool HasGap(const ImuData& imu, double t0_s, double t1_s);
+
 }  // namespace dn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/builder/node_grid.h>
+#include <dn/factors/gnss_velocity.h>
 #include <dn/flight/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>
@@ -132,7 +133,6 @@ class FlightNetwork {
   std::shared_ptr<const FactorBase> MakeInertialFactor(std::size_t i) const;
   std::shared_ptr<const FactorBase> MakeVelocityFactor(const GnssEdge& edge) const;
   std::shared_ptr<const FactorBase> MakePairFactor(const PairEdge& edge) const;
-  bool GapBetween(double t0_s, double t1_s) const;
   bool gyro_scale_free() const { return gyro_scale_factor.id >= 0; }
 
   const Flight* flight_;
@@ -147,6 +147,13 @@ class FlightNetwork {
 /// default, scaled, rotated from the ENU of the point.
 Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig& config,
                                        const LocalFrame& frame);
+
+/// Velocity edge of a GNSS epoch that has one: covariance scaled and rotated as for the position.
+/// w_ib_b_radps: bias-corrected angular rate at the epoch, for the lever arm; added_covariance in
+/// (m/s)^2.
+GnssVelocity MakeGnssVelocity(const GnssEpoch& epoch, const GnssConfig& config,
+                              const LocalFrame& frame, const Eigen::Vector3d& w_ib_b_radps,
+                              const Eigen::Matrix3d& added_covariance = Eigen::Matrix3d::Zero());
 
 /// Whether the velocity of an epoch is used: by the configuration, else when it is there with its
 /// sigma.
