@@ -286,10 +286,12 @@ class Adjuster {
       network().Relinearise();
     }
     if (!result_.converged) {
+      const StageReport& last = result_.stages.back();
       throw NotConverged(
           "the final least squares did not converge in " + std::to_string(options_.max_iterations) +
-          " iterations; see the stages in report.json, and check the stochastic model, lever arms "
-          "and the time tags of the flight");
+          " iterations (cost " + std::to_string(last.cost_before) + " to " +
+          std::to_string(last.cost_after) +
+          "); check the stochastic model, lever arms and the time tags of the flight");
     }
   }
 
