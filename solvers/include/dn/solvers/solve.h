@@ -25,7 +25,7 @@ struct SolveOptions {
   double gradient_tolerance = 1e-12;
   double initial_trust_region_radius = 1e6;
   /// Called after every iteration, from the thread that called Solve; false stops the solution.
-  std::function<bool(const IterationProgress&)> on_iteration;
+  std::function<bool(const IterationProgress&)> on_iteration = {};
 
   /// Throws InvalidConfig naming the option, its value and its bound.
   void Validate() const;

@@ -17,12 +17,12 @@ struct AdjustOptions {
   int threads = 1;
   int max_iterations = 40;  ///< of each stage
   /// Called at the start of a stage and after every iteration ("lidar, robust", 3 iterations done).
-  std::function<void(const std::string& stage, int iterations)> progress;
+  std::function<void(const std::string& stage, int iterations)> progress = {};
   /// Polled between iterations; true ends the work with Interrupted.
-  std::function<bool()> interrupted;
+  std::function<bool()> interrupted = {};
   /// Called once when the network stands complete, before it is solved with every edge: the place
   /// to add blocks and factors of your own.
-  std::function<void(FlightNetwork&)> customise;
+  std::function<void(FlightNetwork&)> customise = {};
   FlightNetworkOptions network;
 
   void Validate() const;
