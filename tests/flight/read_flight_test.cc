@@ -196,12 +196,13 @@ TEST(ReadFlightErrors, MissingFolderOrConfiguration) {
 TEST(ReadFlightErrors, MissingSection) {
   const TempFolder folder;
   folder.Write("flight.yaml", "name: a\n");
-  for (const auto& [needs, section] :
+  for (const auto& [wanted, section] :
        std::vector<std::pair<FlightNeeds, std::string>>{{{.imu = true}, "'imu'"},
                                                         {{.gnss = true}, "'gnss'"},
                                                         {{.pairs = true}, "'lidar'"},
                                                         {{.trajectory = true}, "'trajectory'"}}) {
     SCOPED_TRACE(section);
+    const FlightNeeds& needs = wanted;  // a structured binding cannot be captured
     EXPECT_THROW(ReadFlight(folder.path(), needs), InvalidConfig);
     ExpectInvalid([&] { ReadFlight(folder.path(), needs); }, section, 0);
   }
