@@ -1,14 +1,10 @@
 #include <dn/flight/truth.h>
 #include <fmt/format.h>
 
-#include <numbers>
-
 #include "flight_run.h"
 
 namespace dn::apps {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 struct CalibrateOptions {
   CommonOptions common;

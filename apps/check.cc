@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "command.h"
 
@@ -101,7 +100,6 @@ void Check(const Options& options, Run& run) {
   needs.optional = true;
   const Flight flight = ReadFlight(options.flight, needs);
   const Geodetic& origin = flight.frame.origin();
-  constexpr double kDegPerRad = 180.0 / std::numbers::pi;
   fmt::print("flight          {}\norigin          {:.8f} deg, {:.8f} deg, {:.3f} m\n",
              flight.config.name, origin.lat_rad * kDegPerRad, origin.lon_rad * kDegPerRad,
              origin.h_m);

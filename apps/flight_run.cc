@@ -4,13 +4,11 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <numbers>
 
 namespace dn::apps {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 // Spacing of trajectory.out: 100 Hz resolves the motion of every platform that we know.
 constexpr double kTrajectorySpacingS = 0.01;
 // Points of a plotted curve beyond which nobody sees more.

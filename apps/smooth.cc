@@ -28,7 +28,7 @@ void Smooth(const SmoothOptions& options, Run& run) {
   PrintStatistics("innovations of the forward filter (expected mean 0, variance 1, NIS 1)",
                   trajectory.innovations);
   PrintStatistics("residuals after the adjustment", trajectory.residuals);
-  const Json errors = ReferenceErrorsJson(*flight_run->adjustment.network);
+  const Json& errors = run.report["reference_errors"];
   if (!errors.is_null()) fmt::print("differences from the reference: {}\n", errors.dump());
 }
 

@@ -108,6 +108,11 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
+// Variance of whitened residuals by the median of their squared norms, at least 1.
+double RobustVariance(const std::vector<double>& norm2) {
+  return std::max(1.0, Median(norm2) / kMedianChi2Of3);
+}
+
 class Adjuster {
  public:
   Adjuster(const Flight& flight, const AdjustOptions& options)
@@ -146,7 +151,8 @@ class Adjuster {
 
   void BuildInertial() {
     Announce("alignment");
-    result_.node_rate_hz = flight_.config.network.node_rate_hz.value_or(AutoNodeRateHz(flight_));
+    const std::optional<double>& rate_hz = flight_.config.network.node_rate_hz;
+    result_.node_rate_hz = rate_hz ? *rate_hz : AutoNodeRateHz(flight_);
     const TimeInterval span = NetworkSpan(flight_, options_.with_pairs);
     const TimeInterval gnss_span = NetworkSpan(flight_, false);
     const std::vector<double> coarse =
@@ -237,7 +243,7 @@ class Adjuster {
         A.emplace_back(J[kBoresightBlock]);
         norm2.push_back(residual.squaredNorm());
       }
-      const double scale2 = std::max(1.0, Median(norm2) / kMedianChi2Of3);
+      const double scale2 = RobustVariance(norm2);
       Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
       Eigen::Vector3d b = Eigen::Vector3d::Zero();
       for (std::size_t k = 0; k < r.size(); ++k) {
@@ -268,7 +274,7 @@ class Adjuster {
       net.EvaluateFactor(edge.id, &r);
       norm2.push_back(r.squaredNorm());
     }
-    const double scale2 = std::max(1.0, Median(norm2) / kMedianChi2Of3);
+    const double scale2 = RobustVariance(norm2);
     for (std::size_t k = 0; k < norm2.size(); ++k) {
       if (norm2[k] <= kRejectNorm * kRejectNorm * scale2) continue;
       net.SetActive(network().pair_edges[k].id, false);
