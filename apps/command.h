@@ -99,5 +99,6 @@ void AddCheck(CLI::App* program, Action* action);
 void AddSimulate(CLI::App* program, Action* action);
 void AddSmooth(CLI::App* program, Action* action);
 void AddCalibrate(CLI::App* program, Action* action);
+void AddMonteCarlo(CLI::App* program, Action* action);
 
 }  // namespace dn::apps

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   dn::apps::AddCalibrate(&program, &action);
   dn::apps::AddSmooth(&program, &action);
   dn::apps::AddSimulate(&program, &action);
+  dn::apps::AddMonteCarlo(&program, &action);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -32,13 +32,11 @@ std::vector<std::string> ScenarioNames() {
   return names;
 }
 
-Scenario ReadScenario(const std::string& name_or_path) {
+std::string ScenarioText(const std::string& name_or_path) {
   for (const ShippedScenario& scenario : ShippedScenarios()) {
-    if (scenario.name == name_or_path) return ParseScenario(scenario.yaml, name_or_path);
+    if (scenario.name == name_or_path) return scenario.yaml;
   }
-  if (std::filesystem::is_regular_file(name_or_path)) {
-    return ParseScenario(ReadText(name_or_path), name_or_path);
-  }
+  if (std::filesystem::is_regular_file(name_or_path)) return ReadText(name_or_path);
   const std::string shipped = JoinNames(ScenarioNames());
   const auto& announced = AnnouncedScenarios();
   if (std::find(announced.begin(), announced.end(), name_or_path) != announced.end()) {
@@ -48,6 +46,10 @@ Scenario ReadScenario(const std::string& name_or_path) {
   throw InvalidConfig("'" + name_or_path +
                       "' is neither a scenario file nor a shipped scenario; the nearest one is '" +
                       NearestName(name_or_path, ScenarioNames()) + "'. Shipped: " + shipped);
+}
+
+Scenario ReadScenario(const std::string& name_or_path) {
+  return ParseScenario(ScenarioText(name_or_path), name_or_path);
 }
 
 }  // namespace dn

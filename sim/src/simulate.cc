@@ -39,11 +39,12 @@ FlownPlan Plan(const Scenario& scenario, const LocalFrame& frame, std::uint64_t 
   return {std::move(plan), scenario.start_s, std::move(disturbance)};
 }
 
-/// When the flight, which runs ahead of its plan or behind it, is at the planned time path_s.
+/// When the flight, which runs ahead of its plan or behind it, is at the planned time path_s;
+/// never before it begins.
 double FlownTime(const Disturbance& disturbance, double path_s) {
   double t_s = path_s;
   for (int i = 0; i < 50; ++i) t_s = path_s - disturbance.lead_s.At(t_s).value;  // contraction
-  return t_s;
+  return std::max(0.0, t_s);
 }
 
 std::vector<StripInterval> Strips(const FlownPlan& flown) {

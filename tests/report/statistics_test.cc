@@ -1,3 +1,4 @@
+#include <dn/error.h>
 #include <dn/report/statistics.h>
 #include <gtest/gtest.h>
 
@@ -25,6 +26,36 @@ TEST(Statistics, WorstKeepsItsSign) {
   const SeriesStatistics s = DescribeSeries("a", "x", {1.0, 2.0, 3.0}, {1.0, -3.0, 2.0});
   EXPECT_EQ(s.worst, -3.0);
   EXPECT_EQ(s.worst_t_s, 2.0);
+}
+
+TEST(Statistics, AutocorrelationReachesAQuarterOfTheSeries) {
+  std::vector<double> t_s, values;  // period 4: 1, 1, -1, -1
+  for (int i = 0; i < 40; ++i) {
+    t_s.push_back(i);
+    values.push_back(i % 4 < 2 ? 1.0 : -1.0);
+  }
+  const SeriesStatistics s = DescribeSeries("a", "x", t_s, values);
+  ASSERT_EQ(s.autocorrelation.size(), 4U);
+  EXPECT_EQ(s.autocorrelation[0].first, 1);
+  EXPECT_EQ(s.autocorrelation[0].second, s.lag1_correlation);
+  EXPECT_EQ(s.autocorrelation[1].first, 2);
+  EXPECT_NEAR(s.autocorrelation[1].second, -38.0 / 40.0, kRounding);
+  EXPECT_EQ(s.autocorrelation[3].first, 10);
+}
+
+TEST(Statistics, WorstEpochsAreByStandardisedSize) {
+  const SeriesStatistics s =
+      DescribeSeries("a", "x", {1.0, 2.0, 3.0, 4.0}, {1.0, -3.0, 2.0, 0.5}, {1.0, 9.0, 1.0, 0.0});
+  EXPECT_NEAR(s.expected_variance, 11.0 / 4.0, kRounding);
+  ASSERT_EQ(s.worst_epochs.size(), 3U) << "a value without redundancy tells nothing";
+  EXPECT_EQ(s.worst_epochs[0].t_s, 3.0);
+  EXPECT_EQ(s.worst_epochs[1].standardised * s.worst_epochs[2].standardised, -1.0);
+  EXPECT_EQ(s.worst, -3.0);
+}
+
+TEST(Statistics, LengthsThatDifferAreRefused) {
+  EXPECT_THROW(DescribeSeries("a", "x", {1.0}, {1.0, 2.0}), InvalidInput);
+  EXPECT_THROW(DescribeSeries("a", "x", {1.0}, {1.0}, {1.0, 1.0}), InvalidInput);
 }
 
 TEST(Statistics, EmptySeriesGivesZeros) {

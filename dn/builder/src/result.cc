@@ -6,28 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
+
+#include "residual_statistics.h"
 
 namespace dn {
 namespace {
-
-// Sum over the processes of an axis: covariance of the total bias at t_s.
-Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double t_s,
-                                    const Marginals& marginals) {
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const BiasChain& a : chains) {
-    for (const BiasChain& b : chains) {
-      const BlockId id_a = a.At(t_s).id;
-      const BlockId id_b = b.At(t_s).id;
-      if (id_a == id_b) {
-        covariance += marginals.DiagonalBlock(id_a);
-      } else if (const auto block = marginals.PatternBlock(id_a, id_b)) {
-        covariance += *block;
-      }
-    }
-  }
-  return covariance;
-}
 
 // Body-axis rotation per change of roll, pitch, heading.
 Eigen::Matrix3d BodyFromEulerRates(const Eigen::Vector3d& rph) {
@@ -57,52 +40,6 @@ TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Margi
   result.rph_rad =
       sigma(rph_from_body * marginals.DiagonalBlock(node.q_mb.id) * rph_from_body.transpose());
   return result;
-}
-
-struct AxisNames {
-  const char* group;
-  std::vector<std::string> axes;
-};
-
-const std::vector<AxisNames>& SensorAxes() {
-  static const std::vector<AxisNames> axes{
-      {"inertial",
-       {"gyro_x", "gyro_y", "gyro_z", "velocity_x", "velocity_y", "velocity_z", "position_x",
-        "position_y", "position_z"}},
-      {"gnss position", {"east", "north", "up"}},
-      {"gnss velocity", {"east", "north", "up"}},
-      {"lidar p2p", {"east", "north", "up"}},
-      {"bias process", {"x", "y", "z"}}};
-  return axes;
-}
-
-std::vector<SeriesStatistics> ResidualStatistics(const Network& net) {
-  std::map<int, std::vector<FactorId>> by_group;
-  for (FactorId id = 0; id < net.num_factors(); ++id) {
-    if (net.factor(id).active) by_group[net.factor(id).group].push_back(id);
-  }
-  std::vector<SeriesStatistics> statistics;
-  for (const AxisNames& sensor : SensorAxes()) {
-    const auto name = std::find(net.groups().begin(), net.groups().end(), sensor.group);
-    const auto group = by_group.find(static_cast<int>(name - net.groups().begin()));
-    if (name == net.groups().end() || group == by_group.end()) continue;
-    std::vector<double> t_s;
-    std::vector<std::vector<double>> values(sensor.axes.size());
-    std::vector<FactorId> ids = group->second;
-    std::stable_sort(ids.begin(), ids.end(),
-                     [&](FactorId a, FactorId b) { return net.factor(a).t_s < net.factor(b).t_s; });
-    for (const FactorId id : ids) {
-      Eigen::VectorXd r;
-      if (!net.EvaluateFactor(id, &r)) continue;
-      t_s.push_back(net.factor(id).t_s);
-      for (std::size_t a = 0; a < values.size(); ++a)
-        values[a].push_back(r[static_cast<Eigen::Index>(a)]);
-    }
-    for (std::size_t a = 0; a < values.size(); ++a) {
-      statistics.push_back(DescribeSeries(sensor.group, sensor.axes[a], t_s, values[a]));
-    }
-  }
-  return statistics;
 }
 
 // The innovations of a forward filter that starts at the adjusted trajectory with an open mind
@@ -243,6 +180,23 @@ void Assess(BoresightResult* result) {
 
 }  // namespace
 
+Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double t_s,
+                                    const Marginals& marginals) {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const BiasChain& a : chains) {
+    for (const BiasChain& b : chains) {
+      const BlockId id_a = a.At(t_s).id;
+      const BlockId id_b = b.At(t_s).id;
+      if (id_a == id_b) {
+        covariance += marginals.DiagonalBlock(id_a);
+      } else if (const auto block = marginals.PatternBlock(id_a, id_b)) {
+        covariance += *block;
+      }
+    }
+  }
+  return covariance;
+}
+
 Eigen::Matrix3d BoresightResult::correlation() const {
   const Eigen::Vector3d inverse = sigma_rad().cwiseMax(1e-300).cwiseInverse();
   return inverse.asDiagonal() * covariance_rad2 * inverse.asDiagonal();
@@ -267,7 +221,7 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
     result.biases.push_back(bias);
   }
   result.figures = Figures(adjustment);
-  result.residuals = ResidualStatistics(network.net);
+  result.residuals = ResidualStatistics(network.net, marginals);
   AddInnovations(adjustment, &result);
   return result;
 }

@@ -112,6 +112,10 @@ std::vector<std::string> SimulatedEffects();
 /// (naming the nearest shipped one), and as ParseScenario does.
 Scenario ReadScenario(const std::string& name_or_path);
 
+/// The YAML text of a shipped scenario by name, else of a scenario file. Throws InvalidConfig as
+/// ReadScenario.
+std::string ScenarioText(const std::string& name_or_path);
+
 /// Reads a scenario from YAML. `where` is the file named in messages; a relative `replay` is looked
 /// for beside it. Throws InvalidConfig with file:line for bad YAML, an unknown key, effect, preset
 /// or terrain kind (with the nearest known one), and a value of the wrong type, shape or range.

@@ -3,30 +3,46 @@
 #include <dn/report/json.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dn {
 
-/// What a normalised series (expected mean 0, variance 1, white) looks like.
+/// One value of a series that stands out.
+struct SeriesEpoch {
+  double t_s = 0.0;
+  double value = 0.0;
+  double standardised = 0.0;  ///< value / its expected standard deviation
+};
+
+/// What a normalised series (expected mean 0, white) looks like.
 struct SeriesStatistics {
   std::string sensor;
   std::string axis;
   long count = 0;
   double mean = 0.0;
   double variance = 0.0;
+  double expected_variance = 1.0;  ///< mean over the series
   double lag1_correlation = 0.0;
-  double mean_square = 0.0;  ///< NIS per axis: 1 when the model fits
-  double worst = 0.0;        ///< largest absolute value, and when
+  double mean_square = 0.0;  ///< NIS per axis: the expected variance when the model fits
+  /// Correlation about the mean at lags of 1, 2, 5, 10, 20 and 50 values, as far as a quarter of
+  /// the series reaches. Of a white series, each has a standard deviation of 1/sqrt(count).
+  std::vector<std::pair<int, double>> autocorrelation;
+  double worst = 0.0;  ///< largest absolute value, and when
   double worst_t_s = 0.0;
+  std::vector<SeriesEpoch> worst_epochs;  ///< at most five, by their standardised size
 };
 
-/// Statistics of values in time order; lag-1 correlation is about the mean. Empty series give
-/// zeros.
+/// Statistics of values in time order. expected_variances: one per value (redundancy numbers of
+/// whitened residuals); empty: 1 each (innovations). An empty series gives zeros. Throws
+/// InvalidInput when the lengths differ.
 SeriesStatistics DescribeSeries(const std::string& sensor, const std::string& axis,
-                                const std::vector<double>& t_s, const std::vector<double>& values);
+                                const std::vector<double>& t_s, const std::vector<double>& values,
+                                const std::vector<double>& expected_variances = {});
 
-/// {"sensor": {"axis": {"count", "mean", "variance", "lag1_correlation", "nis", "worst",
-/// "worst_t_s"}}}
+/// {"sensor": {"axis": {"count", "mean", "variance", "expected_variance", "lag1_correlation",
+/// "autocorrelation": {"<lag>": value}, "nis", "worst", "worst_t_s", "worst_epochs": [{"t_s",
+/// "value", "standardised"}]}}}
 Json StatisticsToJson(const std::vector<SeriesStatistics>& statistics);
 
 }  // namespace dn

@@ -1,0 +1,106 @@
+#include <dn/error.h>
+#include <dn/solvers/redundancy.h>
+#include <dn/solvers/solve.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "solvers/pose_graph.h"
+
+namespace dn {
+namespace {
+
+using testing::MakePoseGraph;
+using testing::MakeVectorPrior;
+using testing::PoseGraph;
+
+// The covariance is exact to 1e-9 of its sigmas; some hundred numbers are added.
+constexpr double kSumTolerance = 1e-6;
+
+TEST(Redundancy, NumbersSumToResidualsMinusParameters) {
+  for (const bool held : {false, true}) {
+    PoseGraph graph = MakePoseGraph(3, {.noise = 1.0});
+    graph.network.Hold(graph.q_bs, held);
+    graph.network.SetActive(graph.relative[5], false);
+    Marginals marginals(graph.network);
+    marginals.ComputeSelectedInverse();
+    double sum = 0.0;
+    for (FactorId id = 0; id < graph.network.num_factors(); ++id) {
+      if (graph.network.factor(id).active) {
+        sum += RedundancyNumbers(graph.network, id, marginals).sum();
+      }
+    }
+    const CostSummary summary = EvaluateCost(graph.network);
+    EXPECT_NEAR(sum, static_cast<double>(summary.residuals - summary.parameters), kSumTolerance);
+  }
+}
+
+// One unknown, measured with sigma 1 and 3: weights 1 and 1/9, shares of the fit 0.9 and 0.1.
+TEST(Redundancy, OfTwoMeasurementsOfOneUnknown) {
+  Network net;
+  const auto x = net.AddVector<3>("x", Eigen::Vector3d::Zero());
+  const FactorId fine = net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Zero(), 1.0), x);
+  const FactorId coarse = net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Ones(), 3.0), x);
+  Marginals marginals(net);
+  EXPECT_THROW(RedundancyNumbers(net, fine, marginals), InvalidInput) << "no selected inverse";
+  marginals.ComputeSelectedInverse();
+  EXPECT_NEAR(RedundancyNumbers(net, fine, marginals)[0], 0.1, 1e-12);
+  EXPECT_NEAR(RedundancyNumbers(net, coarse, marginals)[2], 0.9, 1e-12);
+  net.SetActive(coarse, false);
+  EXPECT_THROW(RedundancyNumbers(net, coarse, marginals), InvalidInput);
+}
+
+/// r = (b - a - z) / sigma
+struct Step : AutoFactor<Step, 3, Vec<3>, Vec<3>> {
+  Eigen::Vector3d z;
+  double sigma = 1.0;
+  template <class T>
+  bool Residual(const T* a, const T* b, T* r) const {
+    for (int i = 0; i < 3; ++i) r[i] = (b[i] - a[i] - z[i]) / sigma;
+    return true;
+  }
+};
+
+// Residuals of a chain of noisy steps and noisy positions, divided by the roots of their numbers,
+// have variance one: of the steps and of the positions separately.
+TEST(Redundancy, StandardisesTheResiduals) {
+  constexpr double kStepSigma = 0.2, kPositionSigma = 0.7;
+  constexpr int kNodes = 300;
+  std::mt19937 rng(4);
+  const auto noise = [&rng](double sigma) {
+    std::normal_distribution<double> normal(0.0, sigma);
+    return Eigen::Vector3d(normal(rng), normal(rng), normal(rng));
+  };
+  Network net;
+  std::vector<Block<Vec<3>>> x;
+  std::vector<FactorId> steps, positions;
+  for (int k = 0; k < kNodes; ++k) {
+    x.push_back(net.AddVector<3>("x/" + std::to_string(k), Eigen::Vector3d::Zero()));
+    positions.push_back(
+        net.Add(MakeVectorPrior<3>(noise(kPositionSigma), kPositionSigma), x.back()));
+    if (k == 0) continue;
+    Step step;
+    step.z = noise(kStepSigma);
+    step.sigma = kStepSigma;
+    steps.push_back(net.Add(step, x[x.size() - 2], x.back()));
+  }
+  ASSERT_TRUE(Solve(net).converged);
+  Marginals marginals(net);
+  marginals.ComputeSelectedInverse();
+  for (const auto& ids : {steps, positions}) {
+    double sum2 = 0.0, n = 0.0;
+    for (const FactorId id : ids) {
+      Eigen::VectorXd r;
+      ASSERT_TRUE(net.EvaluateFactor(id, &r));
+      sum2 += r.squaredNorm();
+      n += RedundancyNumbers(net, id, marginals).sum();
+    }
+    EXPECT_NEAR(sum2 / n, 1.0, 4.0 * std::sqrt(2.0 / n));
+  }
+}
+
+}  // namespace
+}  // namespace dn
