@@ -1,5 +1,7 @@
 #include <dn/builder/adjust.h>
+#include <dn/geo/text_table.h>
 #include <dn/imu/strapdown.h>
+#include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 
 #include <Eigen/Cholesky>
@@ -7,6 +9,9 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+
+#include "gnss_screening.h"
+#include "robust_scale.h"
 
 namespace dn {
 namespace {
@@ -16,7 +21,6 @@ using Clock = std::chrono::steady_clock;
 // Largest norm of a whitened 3-vector that belongs to the data: the quantile of chi_3 that leaves
 // as much outside as four sigmas of a normal variable do (6.3e-5).
 constexpr double kRejectNorm = 4.68;
-constexpr double kMedianChi2Of3 = 2.366;
 constexpr double kGnssHuberNorm = 3.0;
 constexpr double kPairCauchyNorm = 3.0;
 // The damping of Levenberg-Marquardt is relative to the diagonal of the normal matrix; a common
@@ -27,6 +31,10 @@ constexpr double kCostTolerance = 1e-13;
 constexpr double kStripJoinS = 5.0;
 constexpr double kStripMarginS = 0.5;
 constexpr int kMaxRelinearisations = 4;
+constexpr int kMaxScreenings = 20;
+// A network that contradicts more of its GNSS epochs than this is not a good flight with bad
+// epochs.
+constexpr double kLargestRejectedShare = 1.0 / 3.0;
 // Bias change (in the units of BiasChange) below which new increments change nothing.
 constexpr double kRelinearised = 0.02;
 
@@ -90,6 +98,15 @@ InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& nod
   return initial;
 }
 
+std::vector<std::size_t> RejectedGnss(const FlightNetwork& network) {
+  std::vector<std::size_t> epochs;
+  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+    const bool velocity_out = edge.velocity >= 0 && !network.net.factor(edge.velocity).active;
+    if (!network.net.factor(edge.position).active || velocity_out) epochs.push_back(edge.epoch);
+  }
+  return epochs;
+}
+
 Loss RobustLoss(RobustKind kind, double width) {
   switch (kind) {
     case RobustKind::kHuber:
@@ -102,17 +119,6 @@ Loss RobustLoss(RobustKind kind, double width) {
   return {};
 }
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// Variance of whitened residuals by the median of their squared norms, at least 1.
-double RobustVariance(const std::vector<double>& norm2) {
-  return std::max(1.0, Median(norm2) / kMedianChi2Of3);
-}
-
 class Adjuster {
  public:
   Adjuster(const Flight& flight, const AdjustOptions& options)
@@ -122,6 +128,7 @@ class Adjuster {
     const auto start = Clock::now();
     BuildInertial();
     SolveInsGnss();
+    ScreenGnssEpochs();
     if (options_.with_pairs) {
       network().AddPairs(flight_.pairs->pairs);
       if (network().pair_edges.empty()) {
@@ -210,6 +217,34 @@ class Adjuster {
       network().Relinearise();
       SolveStage("INS/GNSS, increments anew", options_.max_iterations);
     }
+  }
+
+  void ScreenGnssEpochs() {
+    for (int pass = 0; pass < kMaxScreenings; ++pass) {
+      Announce("GNSS screening");
+      MarginalsOptions marginals_options;
+      marginals_options.threads = options_.threads;
+      Marginals marginals(network().net, marginals_options);
+      marginals.ComputeSelectedInverse();
+      if (ScreenGnss(&network(), marginals) == 0) break;
+      SolveStage("INS/GNSS, screened", options_.max_iterations);
+    }
+    result_.gnss_rejected = RejectedGnss(network());
+    CheckRejectedShare();
+  }
+
+  void CheckRejectedShare() const {
+    const auto all = static_cast<double>(result_.network->gnss_edges.size());
+    const auto rejected = static_cast<double>(result_.gnss_rejected.size());
+    if (rejected <= kLargestRejectedShare * all) return;
+    const GnssEpoch& first = flight_.gnss->epochs[result_.gnss_rejected.front()];
+    throw InvalidInput("GNSS and inertial data contradict each other at " +
+                           std::to_string(result_.gnss_rejected.size()) + " of " +
+                           std::to_string(result_.network->gnss_edges.size()) +
+                           " GNSS epochs, first at t = " + FormatDouble(first.t_s) +
+                           " s: a clock that steps, a changed reference, wrong time tags or wrong "
+                           "axes; correct the data, or limit time_span_s to the good part",
+                       {flight_.config.gnss->file, first.line});
   }
 
   double MeanPairDifference() {

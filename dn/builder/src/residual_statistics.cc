@@ -1,6 +1,6 @@
 #include "residual_statistics.h"
 
-#include <dn/solvers/redundancy.h>
+#include <dn/solvers/prediction.h>
 
 #include <algorithm>
 #include <map>

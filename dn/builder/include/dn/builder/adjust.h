@@ -58,19 +58,23 @@ struct Adjustment {
   std::vector<StageReport> stages;
   int iterations = 0;  ///< of all stages
   bool converged = false;
-  long outliers = 0;                ///< pairs rejected
+  long outliers = 0;  ///< pairs rejected
+  /// GNSS epochs whose position or velocity contradicts all other data, left out; indices into
+  /// Flight::gnss, in time order.
+  std::vector<std::size_t> gnss_rejected;
   double residual_initial_m = 0.0;  ///< mean norm of the pairs' differences before the lidar stages
   double residual_final_m = 0.0;    ///< of the pairs kept, at the solution
   double cost = 0.0;
   double time_s = 0.0;
 };
 
-/// Adjusts a flight in stages: alignment and forward filter; INS/GNSS; boresight alone with the
+/// Adjusts a flight in stages: alignment and forward filter; INS/GNSS, from which GNSS positions
+/// and velocities that contradict all other data are taken out one by one; boresight alone with the
 /// trajectory held; everything with a robust loss on the pairs; rejection of pairs; final least
 /// squares. Increments are integrated anew whenever the biases have moved, and at the end.
 ///
-/// Needs the flight's imu and gnss (and pairs, when with_pairs). Throws InvalidInput, NotConverged,
-/// Interrupted.
+/// Needs the flight's imu and gnss (and pairs, when with_pairs). Throws InvalidInput (also when
+/// more than a third of the GNSS epochs contradict the inertial data), NotConverged, Interrupted.
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
 
 /// Node rate within the strips for `node_rate_hz: auto`: the lowest of 1, 2, 5, 10 and 20 Hz at

@@ -95,8 +95,8 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
 /// is held.
 BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& marginals);
 
-/// Covariance of the total bias (sum of the processes of an axis) that holds at t_s, in (rad/s)^2 or
-/// (m/s^2)^2; zero without processes. `marginals` must have its selected inverse.
+/// Covariance of the total bias (sum of the processes of an axis) that holds at t_s, in (rad/s)^2
+/// or (m/s^2)^2; zero without processes. `marginals` must have its selected inverse.
 Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double t_s,
                                     const Marginals& marginals);
 

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/solvers/redundancy.h>
+#include <dn/solvers/prediction.h>
 #include <dn/solvers/solve.h>
 #include <gtest/gtest.h>
 
@@ -100,6 +100,62 @@ TEST(Redundancy, StandardisesTheResiduals) {
     }
     EXPECT_NEAR(sum2 / n, 1.0, 4.0 * std::sqrt(2.0 / n));
   }
+}
+
+/// A chain of steps with positions at every node, all noisy.
+struct Chain {
+  Network net;
+  std::vector<Block<Vec<3>>> x;
+  std::vector<FactorId> positions;
+
+  explicit Chain(int nodes) {
+    std::mt19937 rng(8);
+    std::normal_distribution<double> normal;
+    const auto noise = [&] { return Eigen::Vector3d(normal(rng), normal(rng), normal(rng)); };
+    for (int k = 0; k < nodes; ++k) {
+      x.push_back(net.AddVector<3>("x/" + std::to_string(k), Eigen::Vector3d::Zero()));
+      positions.push_back(net.Add(MakeVectorPrior<3>(noise(), 1.0), x.back()));
+      Step step;
+      step.z = 0.3 * noise();
+      step.sigma = 0.3;
+      if (k > 0) net.Add(step, x[x.size() - 2], x.back());
+    }
+  }
+
+  Prediction Predict(FactorId id) {
+    SolveOptions options;
+    options.function_tolerance = 1e-16;
+    EXPECT_TRUE(Solve(net, options).converged);
+    Marginals marginals(net);
+    marginals.ComputeSelectedInverse();
+    return PredictFactor(net, id, marginals);
+  }
+};
+
+// The adjustment with the factor says what the adjustment without it would say.
+TEST(Prediction, EqualsTheAdjustmentWithoutTheFactor) {
+  for (const bool robust : {false, true}) {
+    Chain chain(20);
+    const FactorId id = chain.positions[7];
+    if (robust) chain.net.SetLoss(id, {Loss::Type::kHuber, 0.2});
+    const Prediction with = chain.Predict(id);
+    chain.net.SetActive(id, false);
+    const Prediction without = chain.Predict(id);
+    EXPECT_LT((with.residual - without.residual).norm(), 1e-6);
+    EXPECT_LT((with.covariance - without.covariance).norm(), 1e-6);
+    EXPECT_NEAR(with.statistic, without.statistic, 1e-5);
+    EXPECT_GT(with.covariance(0, 0), 1.0);
+  }
+}
+
+TEST(Prediction, SaysWhenTheOthersLeaveTheUnknownsFree) {
+  Chain chain(5);
+  for (std::size_t k = 1; k < chain.positions.size(); ++k) {
+    chain.net.SetActive(chain.positions[k], false);
+  }
+  EXPECT_FALSE(chain.Predict(chain.positions[0]).determined);
+  chain.net.SetActive(chain.positions[4], true);
+  EXPECT_TRUE(chain.Predict(chain.positions[0]).determined);
 }
 
 }  // namespace
