@@ -143,6 +143,27 @@ struct Marginals::Impl {
       }
       column += block(b).tangent_size;
     }
+    return SolveScaled(std::move(B));
+  }
+
+  Eigen::MatrixXd Solve(const BlockColumns& rhs) const {
+    const Eigen::Index columns = rhs.empty() ? 0 : rhs.begin()->second.cols();
+    Eigen::MatrixXd B = Eigen::MatrixXd::Zero(layout.size(), columns);
+    for (const auto& [b, rows] : rhs) {
+      const int position = Position(b);
+      if (position < 0 || rows.rows() != block(b).tangent_size || rows.cols() != columns) {
+        throw InvalidInput("marginals: right-hand side of block '" + block(b).name + "' is " +
+                           std::to_string(rows.rows()) + " x " + std::to_string(rows.cols()) +
+                           (position < 0 ? ", but the block is held" : ", which does not fit"));
+      }
+      B.middleRows(Offset(position), rows.rows()) =
+          scale.segment(Offset(position), rows.rows()).asDiagonal() * rows;
+    }
+    return SolveScaled(std::move(B));
+  }
+
+  /// scale (scale N scale)^-1 B
+  Eigen::MatrixXd SolveScaled(Eigen::MatrixXd B) const {
     if (B.size() == 0) return B;
     const SerialBlas serial;
     B = cholesky->Solve(B);
@@ -234,6 +255,13 @@ Marginals::Columns Marginals::SolveColumns(const std::vector<BlockId>& blocks) c
   Columns columns;
   columns.impl_ = impl_;
   columns.columns_ = impl_->Solve(blocks);
+  return columns;
+}
+
+Marginals::Columns Marginals::Solve(const BlockColumns& rhs) const {
+  Columns columns;
+  columns.impl_ = impl_;
+  columns.columns_ = impl_->Solve(rhs);
   return columns;
 }
 

@@ -353,7 +353,7 @@ double AutoNodeRateHz(const Flight& flight) {
   // Measured on flights of three grades and two densities of pairs (docs/benchmarks.md): up to this
   // share no boresight sigma is off by more than 0.5 %, and no angle by more than 0.05 sigma, of
   // their limits.
-  constexpr double kSharedVariance = 0.1;
+  constexpr double kSharedVariance = 0.05;
   constexpr double kShortestStripS = 1.0;
   if (!flight.config.lidar || !flight.pairs || flight.pairs->pairs.empty()) return kLadderHz[0];
   const auto ends = 2.0 * static_cast<double>(flight.pairs->pairs.size());

@@ -3,11 +3,16 @@
 #include <dn/network.h>
 
 #include <Eigen/Core>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace dn {
+
+/// Columns over the unknowns, block by block (tangent size of the block x columns); zero where a
+/// block is missing. All have the same number of columns.
+using BlockColumns = std::map<BlockId, Eigen::MatrixXd>;
 
 /// Options of Marginals.
 struct MarginalsOptions {
@@ -47,8 +52,8 @@ class Marginals {
   /// Full columns of the covariance matrix: of every unknown with a few blocks.
   class Columns {
    public:
-    /// Covariance of block b with the blocks of SolveColumns, side by side in their order:
-    /// tangent size of b x sum of their tangent sizes.
+    /// The rows of block b: of SolveColumns, its covariance with those blocks, side by side in
+    /// their order (tangent size of b x sum of their tangent sizes).
     Eigen::MatrixXd Rows(BlockId b) const;
 
    private:
@@ -92,6 +97,10 @@ class Marginals {
 
   /// The columns of the covariance that belong to some blocks: one pair of triangular solves each.
   Columns SolveColumns(const std::vector<BlockId>& blocks) const;
+
+  /// N^-1 times the right-hand sides; Rows(b) of the result is the part of block b. Rows of held
+  /// blocks must not be given. Throws InvalidInput where a size does not fit.
+  Columns Solve(const BlockColumns& rhs) const;
 
   /// Computes every block of the covariance within the pattern of L.
   void ComputeSelectedInverse();

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <dn/network.h>
+#include <dn/solvers/marginals.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace dn {
+
+/// How an effect that the network lacks enters one factor: d(whitened residual) / d(effect),
+/// residuals x components of the effect.
+struct EffectPart {
+  FactorId factor = -1;
+  Eigen::MatrixXd L;
+};
+
+/// A candidate effect. Every part has the same number of columns.
+using EffectModel = std::vector<EffectPart>;
+
+/// What the network's residuals say about an effect that it lacks.
+struct ScoreTest {
+  Eigen::VectorXd estimate;    ///< of the effect's components, to first order
+  Eigen::MatrixXd covariance;  ///< of the estimate
+  /// Decrease of twice the cost if the effect were estimated: chi-square with `dof` degrees of
+  /// freedom when the effect is absent.
+  double statistic = 0.0;
+  /// Components that the data can tell from the unknowns; where this is less than their number,
+  /// estimate and covariance are those of the estimable part (pseudo-inverse).
+  int dof = 0;
+};
+
+/// Rao's score test of every effect by itself, at the minimum of the cost, without solving anew.
+/// With L the effect's columns and r, J, N those of the network (weighted by rho'),
+///
+///   s = L^T r,  A = L^T L - (J^T L)^T N^-1 (J^T L),  estimate = -A^-1 s,  statistic = s^T A^-1 s.
+///
+/// Inactive factors take no part. `marginals` must be of the network at its present values. Throws
+/// InvalidInput when a part's size does not fit its factor or the effect's other parts.
+std::vector<ScoreTest> TestEffects(const Network& network, const Marginals& marginals,
+                                   const std::vector<EffectModel>& effects);
+
+}  // namespace dn

@@ -1,0 +1,154 @@
+#include <dn/error.h>
+#include <dn/solvers/score_test.h>
+#include <dn/solvers/solve.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "solvers/pose_graph.h"
+
+namespace dn {
+namespace {
+
+using testing::MakeVectorPrior;
+
+/// r = (b - a - z) / sigma
+struct Step : AutoFactor<Step, 3, Vec<3>, Vec<3>> {
+  Eigen::Vector3d z;
+  double sigma = 1.0;
+  template <class T>
+  bool Residual(const T* a, const T* b, T* r) const {
+    for (int i = 0; i < 3; ++i) r[i] = (b[i] - a[i] - z[i]) / sigma;
+    return true;
+  }
+};
+
+/// r = (x + offset - z) / sigma: a position with an offset of its own block.
+struct ShiftedPosition : AutoFactor<ShiftedPosition, 3, Vec<3>, Vec<3>> {
+  Eigen::Vector3d z;
+  double sigma = 1.0;
+  template <class T>
+  bool Residual(const T* x, const T* offset, T* r) const {
+    for (int i = 0; i < 3; ++i) r[i] = (x[i] + offset[i] - z[i]) / sigma;
+    return true;
+  }
+};
+
+/// A chain of noisy steps whose positions from node 20 to 29 share an offset.
+struct Chain {
+  Network net;
+  Block<Vec<3>> offset;
+  std::vector<FactorId> positions;
+
+  Chain(unsigned seed, const Eigen::Vector3d& true_offset) {
+    std::mt19937 rng(seed);
+    std::normal_distribution<double> normal;
+    const auto noise = [&](double sigma) {
+      const double x = normal(rng), y = normal(rng), z = normal(rng);
+      return Eigen::Vector3d(sigma * Eigen::Vector3d(x, y, z));
+    };
+    offset = net.AddVector<3>("offset", Eigen::Vector3d::Zero());
+    Block<Vec<3>> before;
+    for (int k = 0; k < 50; ++k) {
+      const auto x = net.AddVector<3>("x/" + std::to_string(k), Eigen::Vector3d::Zero());
+      ShiftedPosition position;
+      position.z = noise(0.5) + (shifted(k) ? true_offset : Eigen::Vector3d::Zero().eval());
+      position.sigma = 0.5;
+      if (shifted(k)) {
+        positions.push_back(net.Add(position, x, offset));
+      } else {
+        net.Add(MakeVectorPrior<3>(position.z, 0.5), x);
+      }
+      Step step;
+      step.z = noise(0.2);
+      step.sigma = 0.2;
+      if (k > 0) net.Add(step, before, x);
+      before = x;
+    }
+    net.Hold(offset);
+  }
+
+  static bool shifted(int k) { return k >= 20 && k < 30; }
+
+  EffectModel Offset() const {
+    EffectModel effect;
+    for (const FactorId id : positions) {
+      effect.push_back({id, Eigen::MatrixXd(Eigen::Matrix3d::Identity() / 0.5)});
+    }
+    return effect;
+  }
+
+  double SolveCost() {
+    SolveOptions options;
+    options.function_tolerance = 1e-16;
+    const SolveReport report = Solve(net, options);
+    EXPECT_TRUE(report.converged);
+    return report.final_cost;
+  }
+
+  ScoreTest Test() { return TestEffects(net, Marginals(net), {Offset()}).front(); }
+};
+
+// The problem is linear: the test must say what the adjustment with the effect then finds.
+TEST(ScoreTest, EqualsTheAdjustmentWithTheEffect) {
+  Chain chain(1, {0.7, -0.2, 0.4});
+  const double cost_without = chain.SolveCost();
+  const ScoreTest test = chain.Test();
+  chain.net.Hold(chain.offset, false);
+  const double cost_with = chain.SolveCost();
+  EXPECT_EQ(test.dof, 3);
+  EXPECT_NEAR(test.statistic, 2.0 * (cost_without - cost_with), 1e-6);
+  EXPECT_LT((test.estimate - chain.net.Value(chain.offset)).norm(), 1e-6);
+  EXPECT_LT((test.covariance - Marginals(chain.net).Covariance(chain.offset)).norm(), 1e-9);
+}
+
+TEST(ScoreTest, IsChiSquareWithoutTheEffect) {
+  double sum = 0.0;
+  constexpr int kSeeds = 200;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    Chain chain(seed, Eigen::Vector3d::Zero());
+    chain.SolveCost();
+    sum += chain.Test().statistic;
+  }
+  const double dof = 3.0 * kSeeds;
+  EXPECT_NEAR(sum / dof, 1.0, 4.0 * std::sqrt(2.0 / dof));
+}
+
+TEST(ScoreTest, ManyEffectsAtOnceAreTestedEachByItself) {
+  Chain chain(2, {0.3, 0.0, 0.0});
+  chain.SolveCost();
+  const Marginals marginals(chain.net);
+  const std::vector<EffectModel> effects(40, chain.Offset());
+  const std::vector<ScoreTest> tests = TestEffects(chain.net, marginals, effects);
+  ASSERT_EQ(tests.size(), effects.size());
+  for (const ScoreTest& test : tests) {
+    EXPECT_NEAR(test.statistic, tests.front().statistic, 1e-9 * tests.front().statistic);
+  }
+}
+
+// The offset of every position is a shift of the whole chain: nothing is left to see.
+TEST(ScoreTest, DropsWhatTheUnknownsAbsorb) {
+  Network net;
+  const auto x = net.AddVector<3>("x", Eigen::Vector3d::Zero());
+  const FactorId id = net.Add(MakeVectorPrior<3>(Eigen::Vector3d(1.0, 2.0, 3.0), 1.0), x);
+  const EffectModel shift{{id, Eigen::MatrixXd::Identity(3, 3)}};
+  const ScoreTest test = TestEffects(net, Marginals(net), {shift}).front();
+  EXPECT_EQ(test.dof, 0);
+  EXPECT_EQ(test.statistic, 0.0);
+}
+
+TEST(ScoreTest, SizesThatDoNotFitAreNamed) {
+  Chain chain(1, Eigen::Vector3d::Zero());
+  const Marginals marginals(chain.net);
+  EffectModel effect = chain.Offset();
+  effect[3].L = Eigen::MatrixXd::Identity(3, 2);
+  EXPECT_THROW(TestEffects(chain.net, marginals, {effect}), InvalidInput);
+  EXPECT_THROW(marginals.Solve({{chain.offset.id, Eigen::MatrixXd::Zero(3, 1)}}), InvalidInput)
+      << "held";
+}
+
+}  // namespace
+}  // namespace dn
