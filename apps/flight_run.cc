@@ -62,6 +62,25 @@ void AddPlots(const FlightRun& flight_run, Run* run) {
   add("biases.svg", name + ": inertial biases", bias_panels);
 }
 
+void WarnOfRejectedGnss(const FlightRun& flight_run, Run* run) {
+  const std::vector<std::size_t>& rejected = flight_run.adjustment.gnss_rejected;
+  if (rejected.empty()) return;
+  const GnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
+  run->progress.Warn(fmt::format(
+      "{} GNSS epochs contradict all other data and were left out, the first at t = {} s ({}:{}); "
+      "report.json lists them",
+      rejected.size(), first.t_s, flight_run.flight.config.gnss->file, first.line));
+}
+
+Json RejectedGnssJson(const FlightRun& flight_run) {
+  Json epochs = Json::array();
+  for (const std::size_t e : flight_run.adjustment.gnss_rejected) {
+    const GnssEpoch& epoch = flight_run.flight.gnss->epochs[e];
+    epochs.push_back({{"t_s", epoch.t_s}, {"line", epoch.line}});
+  }
+  return epochs;
+}
+
 }  // namespace
 
 std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, bool with_pairs,
@@ -86,6 +105,8 @@ std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, boo
   options.interrupted = [] { return apps::Interrupted(); };
   result->adjustment = Adjust(result->flight, options);
   result->timings.solve_s = Since(solve_start);
+  for (const std::string& warning : result->adjustment.warnings) run->progress.Warn(warning);
+  WarnOfRejectedGnss(*result, run);
 
   const auto covariance_start = Clock::now();
   run->progress.Stage("covariances");
@@ -119,6 +140,10 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["counts"] = flight_run.flight.counts;
   report["counts"]["pairs rejected as outliers"] = flight_run.adjustment.outliers;
   report["counts"]["pairs within one node"] = flight_run.adjustment.network->pairs_within_one_node;
+  report["counts"]["pairs in IMU gaps"] = flight_run.adjustment.network->pairs_in_imu_gaps;
+  report["counts"]["gnss epochs rejected"] = flight_run.adjustment.gnss_rejected.size();
+  report["gnss_rejected"] = RejectedGnssJson(flight_run);
+  report["warnings"] = flight_run.adjustment.warnings;
   report["residuals"] = StatisticsToJson(flight_run.trajectory.residuals);
   report["innovations"] = StatisticsToJson(flight_run.trajectory.innovations);
   report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment.network);

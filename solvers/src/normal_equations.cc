@@ -1,5 +1,7 @@
 #include "normal_equations.h"
 
+#include <dn/solvers/robust_loss.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -8,7 +10,6 @@
 
 #include "factor_text.h"
 #include "parallel.h"
-#include "robust_loss.h"
 
 namespace dn {
 namespace {

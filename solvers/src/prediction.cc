@@ -1,12 +1,11 @@
 #include <dn/error.h>
 #include <dn/solvers/prediction.h>
+#include <dn/solvers/robust_loss.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <string>
 #include <vector>
-
-#include "robust_loss.h"
 
 namespace dn {
 namespace {

@@ -1,11 +1,10 @@
 #include <dn/error.h>
+#include <dn/solvers/robust_loss.h>
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <string>
-
-#include "robust_loss.h"
 
 namespace dn {
 namespace {

@@ -4,6 +4,7 @@
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
+#include <dn/solvers/robust_loss.h>
 #include <dn/solvers/solve.h>
 #include <glog/logging.h>
 
@@ -12,7 +13,6 @@
 
 #include "factor_text.h"
 #include "parallel.h"
-#include "robust_loss.h"
 #include "serial_blas.h"
 
 namespace dn {

@@ -67,6 +67,15 @@ TEST(NodeGrid, EndsOfGapsAreNodes) {
   ExpectTimes(NodeTimes(imu, {0.0, 2.0}, {1.0}, {}, {}), {0.0, 0.3, 0.7, 1.0, 2.0});
 }
 
+TEST(NodeGrid, NothingStandsInsideAGap) {
+  ImuData imu = EvenImu(9.0, 0.1);
+  imu.gaps = {{0.3, 4.7}};
+  NodeGridOptions options;
+  options.rate_in_strips_hz = 10.0;
+  ExpectTimes(NodeTimes(imu, {0.0, 5.0}, {0.2, 0.3, 0.5, 4.0, 4.7}, {{1.0, 4.0}}, options),
+              {0.0, 0.2, 0.3, 4.7, 5.0});
+}
+
 TEST(NodeGrid, RawHasANodeAtEveryImuEpochAndNoneInBetween) {
   NodeGridOptions options;
   options.every_imu_epoch = true;

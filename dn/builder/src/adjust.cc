@@ -9,8 +9,11 @@
 #include <chrono>
 #include <cmath>
 #include <iterator>
+#include <optional>
+#include <set>
 
 #include "gnss_screening.h"
+#include "gnss_steps.h"
 #include "robust_scale.h"
 
 namespace dn {
@@ -32,9 +35,13 @@ constexpr double kStripJoinS = 5.0;
 constexpr double kStripMarginS = 0.5;
 constexpr int kMaxRelinearisations = 4;
 constexpr int kMaxScreenings = 20;
+constexpr std::size_t kJumpEnds = 12;
+constexpr std::size_t kPositionBlock = 1;  // of a GNSS position edge
 // A network that contradicts more of its GNSS epochs than this is not a good flight with bad
 // epochs.
 constexpr double kLargestRejectedShare = 1.0 / 3.0;
+// Residuals so many times their stated noise come from something else than noise.
+constexpr double kLargestSigma0 = 10.0;
 // Bias change (in the units of BiasChange) below which new increments change nothing.
 constexpr double kRelinearised = 0.02;
 
@@ -150,6 +157,7 @@ class Adjuster {
 
  private:
   FlightNetwork& network() { return *result_.network; }
+  const FlightNetwork& network_const() const { return *result_.network; }
 
   void Announce(const std::string& stage) const {
     if (options_.progress) options_.progress(stage, 0);
@@ -219,28 +227,103 @@ class Adjuster {
     }
   }
 
+  // Gross errors of single epochs and offsets of whole runs, whichever stands out more, until
+  // nothing changes. A misfit with one cause for all epochs is not one of gross errors.
   void ScreenGnssEpochs() {
+    std::set<FactorId> out_for_good;
     for (int pass = 0; pass < kMaxScreenings; ++pass) {
       Announce("GNSS screening");
+      result_.gnss_rejected = RejectedGnss(network());
+      CheckRejectedShare();
       MarginalsOptions marginals_options;
       marginals_options.threads = options_.threads;
       Marginals marginals(network().net, marginals_options);
       marginals.ComputeSelectedInverse();
-      if (ScreenGnss(&network(), marginals) == 0) break;
+      if (MisfitExplained(marginals)) break;
+      const GnssScreening screening(network(), marginals);
+      const std::optional<GnssJump> jump =
+          FindGnssJump(network(), marginals, screening.WorstPositions(kJumpEnds));
+      if (jump && jump->statistic > screening.Worst()) {
+        TakeOut(*jump, &out_for_good);
+      } else if (screening.Apply(out_for_good, &network().net) == 0) {
+        break;
+      }
       SolveStage("INS/GNSS, screened", options_.max_iterations);
     }
     result_.gnss_rejected = RejectedGnss(network());
     CheckRejectedShare();
+    CheckFit();
+  }
+
+  // Far beyond any doubt about a stochastic model.
+  void CheckFit() const {
+    const CostSummary summary = EvaluateCost(network_const().net, options_.threads);
+    const auto redundancy = static_cast<double>(summary.residuals - summary.parameters);
+    const double sigma0 = std::sqrt(2.0 * summary.cost / std::max(1.0, redundancy));
+    if (sigma0 <= kLargestSigma0) return;
+    throw InvalidInput("inertial data and GNSS do not fit each other: their residuals are " +
+                       FormatDouble(std::round(sigma0 * 10.0) / 10.0) +
+                       " times the stated noise; check axes, units, lever arm, time tags and the "
+                       "stochastic model");
+  }
+
+  // Solves without the run, then takes back what lies nearer to the others than to the jump.
+  void TakeOut(const GnssJump& jump, std::set<FactorId>* out_for_good) {
+    Network& net = network().net;
+    for (std::size_t e = jump.first; e <= jump.last; ++e) {
+      net.SetActive(network().gnss_edges[e].position, false);
+    }
+    SolveStage("INS/GNSS, screened", options_.max_iterations);
+    for (std::size_t e = jump.first; e <= jump.last; ++e) {
+      const FactorId id = network().gnss_edges[e].position;
+      Eigen::VectorXd r;
+      std::vector<Eigen::MatrixXd> J;
+      net.EvaluateFactor(id, &r, &J);
+      const bool agrees = r.norm() < (r + J[kPositionBlock] * jump.offset_m).norm();
+      net.SetActive(id, agrees);
+      if (!agrees) out_for_good->insert(id);
+    }
+  }
+
+  // True where a wrong lever arm or wrong time tags lie behind the misfit: a warning. Throws
+  // InvalidInput when a clock steps, which no single correction undoes.
+  bool MisfitExplained(const Marginals& marginals) {
+    const std::optional<GnssMisfit> misfit = ExplainGnssMisfit(network(), marginals);
+    if (!misfit) return false;
+    const Eigen::VectorXd rounded = (misfit->estimate * 1e4).array().round() / 1e4;
+    const GnssEpoch& epoch = flight_.gnss->epochs[network().gnss_edges[misfit->first].epoch];
+    switch (misfit->cause) {
+      case GnssMisfit::Cause::kLeverArm:
+        result_.warnings.push_back(
+            "the innovations of the GNSS positions ask for a correction of gnss.lever_arm_m by "
+            "about [" +
+            FormatDouble(rounded[0]) + ", " + FormatDouble(rounded[1]) + ", " +
+            FormatDouble(rounded[2]) +
+            "] m (forward, right, down): check its sign and axes, or estimate gnss_lever_arm");
+        return true;
+      case GnssMisfit::Cause::kTimeOffset:
+        result_.warnings.push_back(
+            "the innovations of the GNSS positions ask for time tags that are earlier by about " +
+            FormatDouble(rounded[0]) + " s: check the time systems of IMU and GNSS");
+        return true;
+      case GnssMisfit::Cause::kClockStep:
+        break;
+    }
+    throw InvalidInput("a clock steps: from about t = " + FormatDouble(epoch.t_s) +
+                           " s on, the GNSS time tags are " + FormatDouble(rounded[0]) +
+                           " s late against those of the inertial data; correct the time tags, or "
+                           "limit time_span_s to one part",
+                       {flight_.config.gnss->file, epoch.line});
   }
 
   void CheckRejectedShare() const {
-    const auto all = static_cast<double>(result_.network->gnss_edges.size());
+    const auto all = static_cast<double>(network_const().gnss_edges.size());
     const auto rejected = static_cast<double>(result_.gnss_rejected.size());
     if (rejected <= kLargestRejectedShare * all) return;
     const GnssEpoch& first = flight_.gnss->epochs[result_.gnss_rejected.front()];
     throw InvalidInput("GNSS and inertial data contradict each other at " +
                            std::to_string(result_.gnss_rejected.size()) + " of " +
-                           std::to_string(result_.network->gnss_edges.size()) +
+                           std::to_string(network_const().gnss_edges.size()) +
                            " GNSS epochs, first at t = " + FormatDouble(first.t_s) +
                            " s: a clock that steps, a changed reference, wrong time tags or wrong "
                            "axes; correct the data, or limit time_span_s to the good part",

@@ -341,6 +341,11 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
       ++pairs_within_one_node;
       continue;
     }
+    if (HasGap(*flight_->imu, node_t_s_[edge.node_i], pair.t_i_s) ||
+        HasGap(*flight_->imu, node_t_s_[edge.node_j], pair.t_j_s)) {
+      ++pairs_in_imu_gaps;
+      continue;
+    }
     const NodeBlocks& i = nodes[edge.node_i];
     const NodeBlocks& j = nodes[edge.node_j];
     edge.id = net.AddFactor(MakePairFactor(edge),

@@ -244,7 +244,9 @@ FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& time
     if (t_s > options.t_end_s) break;
     filter.PredictTo(t_s);
     while (e < epochs.size() && epochs[e].t_s < t_s - 1e-6) ++e;
-    if (e < epochs.size() && std::abs(epochs[e].t_s - t_s) <= 1e-6) {
+    const bool skipped =
+        std::binary_search(options.skipped_epochs.begin(), options.skipped_epochs.end(), e);
+    if (e < epochs.size() && std::abs(epochs[e].t_s - t_s) <= 1e-6 && !skipped) {
       filter.UpdatePosition(epochs[e]);
       if (UsesVelocity(epochs[e], *flight.config.gnss)) filter.UpdateVelocity(epochs[e]);
     }

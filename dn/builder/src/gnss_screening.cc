@@ -3,9 +3,8 @@
 #include <dn/solvers/prediction.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <vector>
+#include <iterator>
 
 #include "robust_scale.h"
 
@@ -19,54 +18,81 @@ constexpr double kGrossNorm = 5.6;
 constexpr std::size_t kNeighbours = 10;
 constexpr double kShareOfWorst = 0.5;
 
-struct Judged {
-  FactorId id;
-  double statistic;
-};
+}  // namespace
 
-std::vector<Judged> Judge(const FlightNetwork& network, const Marginals& marginals,
-                          FactorId FlightNetwork::GnssEdge::*which) {
+GnssScreening::GnssScreening(const FlightNetwork& network, const Marginals& marginals)
+    : positions_(Judge(network, marginals, &FlightNetwork::GnssEdge::position)),
+      velocities_(Judge(network, marginals, &FlightNetwork::GnssEdge::velocity)) {}
+
+std::vector<GnssScreening::Judged> GnssScreening::Judge(const FlightNetwork& network,
+                                                        const Marginals& marginals,
+                                                        FactorId FlightNetwork::GnssEdge::*which) {
   std::vector<Judged> judged;
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
     const FactorId id = edge.*which;
     if (id < 0) continue;
     const Prediction prediction = PredictFactor(network.net, id, marginals);
-    if (prediction.determined) judged.push_back({id, prediction.statistic});
+    if (prediction.determined) {
+      judged.push_back({id, prediction.statistic, network.net.factor(id).active});
+    }
   }
   return judged;
 }
 
-double WorstNearby(const std::vector<Judged>& judged, std::size_t k) {
-  const std::size_t first = k > kNeighbours ? k - kNeighbours : 0;
-  const std::size_t past = std::min(judged.size(), k + kNeighbours + 1);
+double GnssScreening::Worst() const {
   double worst = 0.0;
-  for (std::size_t i = first; i < past; ++i) worst = std::max(worst, judged[i].statistic);
+  for (const auto* judged : {&positions_, &velocities_}) {
+    for (const Judged& one : *judged) {
+      if (one.active) worst = std::max(worst, one.statistic);
+    }
+  }
   return worst;
 }
 
-long Screen(FlightNetwork* network, const std::vector<Judged>& judged) {
+std::vector<FactorId> GnssScreening::WorstPositions(std::size_t count) const {
+  std::vector<Judged> active;
+  std::copy_if(positions_.begin(), positions_.end(), std::back_inserter(active),
+               [](const Judged& one) { return one.active; });
+  count = std::min(count, active.size());
+  std::partial_sort(active.begin(), active.begin() + static_cast<std::ptrdiff_t>(count),
+                    active.end(),
+                    [](const Judged& a, const Judged& b) { return a.statistic > b.statistic; });
+  std::vector<FactorId> ids;
+  for (std::size_t k = 0; k < count; ++k) ids.push_back(active[k].id);
+  return ids;
+}
+
+// Among those in use: the others do not spoil their neighbours.
+double GnssScreening::WorstNearby(const std::vector<Judged>& judged, std::size_t k) {
+  const std::size_t first = k > kNeighbours ? k - kNeighbours : 0;
+  const std::size_t past = std::min(judged.size(), k + kNeighbours + 1);
+  double worst = 0.0;
+  for (std::size_t i = first; i < past; ++i) {
+    if (judged[i].active) worst = std::max(worst, judged[i].statistic);
+  }
+  return worst;
+}
+
+long GnssScreening::Apply(const std::vector<Judged>& judged, const std::set<FactorId>& out_for_good,
+                          Network* net) {
   if (judged.empty()) return 0;
   std::vector<double> statistics;
   for (const Judged& one : judged) statistics.push_back(one.statistic);
   const double gross = kGrossNorm * kGrossNorm * RobustVariance(statistics);
   long changes = 0;
   for (std::size_t k = 0; k < judged.size(); ++k) {
-    const bool active = network->net.factor(judged[k].id).active;
     const bool agrees = judged[k].statistic <= gross;
+    if (judged[k].active == agrees) continue;
     const bool among_the_worst = judged[k].statistic >= kShareOfWorst * WorstNearby(judged, k);
-    if (active == agrees || (active && !among_the_worst)) continue;
-    network->net.SetActive(judged[k].id, agrees);
+    if (judged[k].active ? !among_the_worst : out_for_good.count(judged[k].id) > 0) continue;
+    net->SetActive(judged[k].id, agrees);
     ++changes;
   }
   return changes;
 }
 
-}  // namespace
-
-long ScreenGnss(FlightNetwork* network, const Marginals& marginals) {
-  const auto positions = Judge(*network, marginals, &FlightNetwork::GnssEdge::position);
-  const auto velocities = Judge(*network, marginals, &FlightNetwork::GnssEdge::velocity);
-  return Screen(network, positions) + Screen(network, velocities);
+long GnssScreening::Apply(const std::set<FactorId>& out_for_good, Network* net) const {
+  return Apply(positions_, out_for_good, net) + Apply(velocities_, out_for_good, net);
 }
 
 }  // namespace dn

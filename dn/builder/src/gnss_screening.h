@@ -3,16 +3,46 @@
 #include <dn/builder/flight_network.h>
 #include <dn/solvers/marginals.h>
 
+#include <cstddef>
+#include <set>
+#include <vector>
+
 namespace dn {
 
-/// One pass of the search for gross errors among the GNSS epochs of a solved INS/GNSS network: each
-/// position and velocity is compared with what all the other measurements predict for it, whether
-/// it is in use or not. The worst ones of each neighbourhood that cannot be noise are taken out,
-/// since they may have spoiled the others; those that agree are taken back. Returns how many
-/// changed. The threshold grows with the median of the statistics, so that a flight whose sigmas
-/// are too small as a whole keeps its measurements.
-///
-/// `marginals` must be of the network at its present values, with its selected inverse.
-long ScreenGnss(FlightNetwork* network, const Marginals& marginals);
+/// Every GNSS position and velocity of a network, in use or not, against what all the other
+/// measurements predict for it.
+class GnssScreening {
+ public:
+  /// `marginals` must be of the network at its present values, with its selected inverse.
+  GnssScreening(const FlightNetwork& network, const Marginals& marginals);
+
+  /// The largest statistic (chi-square of three) of an epoch in use.
+  double Worst() const;
+
+  /// Ids of the positions in use that the others contradict most, at most `count`: a jump shows at
+  /// its two ends.
+  std::vector<FactorId> WorstPositions(std::size_t count) const;
+
+  /// Takes out the worst ones of each neighbourhood that cannot be noise, since they may have
+  /// spoiled the others, and takes those back that agree, but for out_for_good. Returns how many
+  /// changed. The threshold grows with the median of the statistics, so that a flight whose sigmas
+  /// are too small as a whole keeps its measurements.
+  long Apply(const std::set<FactorId>& out_for_good, Network* net) const;
+
+ private:
+  struct Judged {
+    FactorId id;
+    double statistic;
+    bool active;
+  };
+  static std::vector<Judged> Judge(const FlightNetwork& network, const Marginals& marginals,
+                                   FactorId FlightNetwork::GnssEdge::*which);
+  static double WorstNearby(const std::vector<Judged>& judged, std::size_t k);
+  static long Apply(const std::vector<Judged>& judged, const std::set<FactorId>& out_for_good,
+                    Network* net);
+
+  std::vector<Judged> positions_;
+  std::vector<Judged> velocities_;
+};
 
 }  // namespace dn

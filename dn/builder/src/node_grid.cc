@@ -11,12 +11,19 @@ namespace {
 // time.
 constexpr double kSameNodeS = 1e-6;
 
+// Between the last sample before a gap and the first after it nothing joins a node to the others.
+bool InsideGap(const ImuData& imu, double t_s) {
+  return std::any_of(imu.gaps.begin(), imu.gaps.end(), [t_s](const ImuGap& gap) {
+    return t_s > gap.t_begin_s + kSameNodeS && t_s < gap.t_end_s - kSameNodeS;
+  });
+}
+
 std::vector<double> ForcedTimes(const ImuData& imu, const TimeInterval& span,
                                 const std::vector<double>& gnss_t_s,
                                 const NodeGridOptions& options) {
   std::vector<double> t{span.t0_s, span.t1_s};
   const auto add = [&](double t_s) {
-    if (t_s > span.t0_s && t_s < span.t1_s) t.push_back(t_s);
+    if (t_s > span.t0_s && t_s < span.t1_s && !InsideGap(imu, t_s)) t.push_back(t_s);
   };
   for (const double t_s : gnss_t_s) add(t_s);
   for (const ImuGap& gap : imu.gaps) {
@@ -58,7 +65,7 @@ std::vector<double> NodeTimes(const ImuData& imu, const TimeInterval& span,
     const double spacing = Overlaps(dense, t0, forced[i])
                                ? std::min(1.0 / options.rate_in_strips_hz, options.max_spacing_s)
                                : options.max_spacing_s;
-    const int parts = options.every_imu_epoch
+    const int parts = options.every_imu_epoch || InsideGap(imu, t0 + 0.5 * length)
                           ? 1
                           : std::max(1, static_cast<int>(std::ceil(length / spacing - 1e-3)));
     for (int k = 1; k < parts; ++k) nodes.push_back(t0 + length * k / parts);

@@ -59,7 +59,9 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   const FilterState start =
       MakeFilterState(flight, network.NodePose(k), network.GyroBias(times.front()),
                       network.AccelBias(times.front()), sigma_attitude, sigma_m, 1.0);
-  const FilterRun run = RunForwardFilter(flight, times, start);
+  FilterOptions options;
+  options.skipped_epochs = adjustment.gnss_rejected;
+  const FilterRun run = RunForwardFilter(flight, times, start, options);
   const std::vector<std::string> axes{"east", "north", "up"};
   for (const bool velocity : {false, true}) {
     std::vector<double> t_s;
@@ -99,7 +101,8 @@ AdjustmentFigures Figures(const Adjustment& adjustment) {
   const auto [first, past] =
       SampleRange(*network.flight().imu, network.node_times().front(), network.node_times().back());
   figures.imu_epochs = static_cast<long>(past - first);
-  figures.gnss_epochs = static_cast<long>(network.gnss_edges.size());
+  figures.gnss_epochs = static_cast<long>(network.gnss_edges.size()) -
+                        static_cast<long>(adjustment.gnss_rejected.size());
   figures.outliers = adjustment.outliers;
   figures.correspondences = static_cast<long>(network.pair_edges.size()) - adjustment.outliers;
   return figures;
@@ -149,9 +152,9 @@ double Barycentre(const FlightNetwork& network) {
   return n > 0.0 ? sum / n : network.node_times().front();
 }
 
-// The network models the trajectory's errors, so nothing is absorbed; what remains is whether the
-// strips separate the angles.
-void Assess(BoresightResult* result) {
+// The network models the trajectory's errors, so nothing is absorbed as long as the model holds;
+// what remains is whether the strips separate the angles.
+void Assess(const std::vector<std::string>& warnings, BoresightResult* result) {
   constexpr double kInseparable = 0.999;
   constexpr double kUselessSigmaRad = 1.0 * kRadPerDeg;
   const Eigen::Matrix3d correlation = result->correlation();
@@ -172,6 +175,8 @@ void Assess(BoresightResult* result) {
       }
     }
   }
+  if (result->verdict == "calibrated" && !warnings.empty()) result->verdict = "absorbed";
+  result->reasons.insert(result->reasons.end(), warnings.begin(), warnings.end());
   if (result->reasons.empty()) {
     result->reasons.emplace_back(
         "the trajectory and its time-correlated errors are estimated with the boresight");
@@ -246,7 +251,7 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
       CorrelateWithBias(network, network.accel_bias, sigma, barycentre_s, columns, marginals);
   result.gyro_bias =
       CorrelateWithBias(network, network.gyro_bias, sigma, barycentre_s, columns, marginals);
-  Assess(&result);
+  Assess(adjustment.warnings, &result);
   return result;
 }
 

@@ -62,6 +62,9 @@ struct Adjustment {
   /// GNSS epochs whose position or velocity contradicts all other data, left out; indices into
   /// Flight::gnss, in time order.
   std::vector<std::size_t> gnss_rejected;
+  /// What its user should look into, in one sentence each: the adjustment stands, but its model is
+  /// in doubt.
+  std::vector<std::string> warnings;
   double residual_initial_m = 0.0;  ///< mean norm of the pairs' differences before the lidar stages
   double residual_final_m = 0.0;    ///< of the pairs kept, at the solution
   double cost = 0.0;
@@ -78,10 +81,10 @@ struct Adjustment {
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
 
 /// Node rate within the strips for `node_rate_hz: auto`: the lowest of 1, 2, 5, 10 and 20 Hz at
-/// which the angle random walk of one interval, seen at the mean laser range, has at most a tenth
-/// of the variance of the mean of the pairs in that interval. Beyond it the noise that the pairs of
-/// an interval share with each other and with the inertial edge, and which the network takes as
-/// independent, begins to matter.
+/// which the angle random walk of one interval, seen at the mean laser range, has at most a
+/// twentieth of the variance of the mean of the pairs in that interval. Beyond it the noise that
+/// the pairs of an interval share with each other and with the inertial edge, and which the network
+/// takes as independent, begins to matter.
 double AutoNodeRateHz(const Flight& flight);
 
 }  // namespace dn

@@ -117,6 +117,7 @@ class FlightNetwork {
   std::vector<GnssEdge> gnss_edges;
   std::vector<PairEdge> pair_edges;
   long pairs_within_one_node = 0;  ///< left out: both ends attach to the same node
+  long pairs_in_imu_gaps = 0;      ///< left out: no inertial data lead to one of their epochs
 
  private:
   void AddMounting();

@@ -4,6 +4,7 @@
 #include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 namespace dn {
@@ -39,6 +40,7 @@ struct FilterOptions {
   /// off, the linearisation of the filter errs by more than a good receiver does.
   double position_floor_m = 0.0;
   double velocity_floor_mps = 0.0;
+  std::vector<std::size_t> skipped_epochs;  ///< not used; indices into Flight::gnss, rising
 };
 
 struct FilterRun {

@@ -21,7 +21,8 @@ struct TimeInterval {
 };
 
 /// Node times, strictly increasing: every GNSS epoch, the ends of the span and of IMU gaps, and in
-/// between equal divisions no longer than 1 / rate within `dense` and max_spacing_s elsewhere.
+/// between equal divisions no longer than 1 / rate within `dense` and max_spacing_s elsewhere. None
+/// inside an IMU gap.
 /// gnss_t_s must be sorted; epochs outside the span are ignored.
 std::vector<double> NodeTimes(const ImuData& imu, const TimeInterval& span,
                               const std::vector<double>& gnss_t_s,

@@ -55,7 +55,7 @@ struct AdjustmentFigures {
   long nodes = 0;
   long parameters = 0;
   long imu_epochs = 0;
-  long gnss_epochs = 0;
+  long gnss_epochs = 0;      ///< kept
   long correspondences = 0;  ///< kept
   long outliers = 0;
 };
