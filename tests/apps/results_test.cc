@@ -108,7 +108,9 @@ TEST(CliSmooth, SmoothJson) {
   const Json& innovations = smooth["innovations"]["gnss position"];
   EXPECT_TRUE(innovations["nis"].is_number());
   for (const char* axis : {"east", "north", "up"}) {
-    EXPECT_THAT(KeysOf(innovations[axis]), IsSupersetOf({"mean", "variance", "lag1_correlation"}));
+    EXPECT_THAT(KeysOf(innovations[axis]),
+                IsSupersetOf({"mean", "variance", "expected_variance", "lag1_correlation",
+                              "autocorrelation", "worst_epochs"}));
   }
 }
 
