@@ -1,0 +1,213 @@
+/// real_data DATA_DIR: what `dn smooth` says about measured flights; the figures of
+/// docs/real-data.md.
+#include <dn/builder/adjust.h>
+#include <dn/builder/result.h>
+#include <dn/solvers/marginals.h>
+#include <dn/solvers/prediction.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dn::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A smoothed flight with its covariances.
+struct Smoothed {
+  Flight flight;
+  Adjustment adjustment;
+  Marginals marginals;
+  TrajectoryResult result;
+
+  Smoothed(Flight read, const AdjustOptions& options)
+      : flight(std::move(read)),
+        adjustment(Adjust(flight, options)),
+        marginals(adjustment.network->net) {
+    marginals.ComputeSelectedInverse();
+    result = ExtractTrajectory(adjustment, marginals);
+  }
+};
+
+Flight Read(const fs::path& folder) {
+  FlightNeeds needs;
+  needs.imu = needs.gnss = true;
+  return ReadFlight(folder, needs);
+}
+
+AdjustOptions InsGnss() {
+  AdjustOptions options;
+  options.with_pairs = false;
+  return options;
+}
+
+void PrintSeries(const char* title, const std::vector<SeriesStatistics>& series) {
+  fmt::print("{}\n  {:<14} {:<6} {:>6} {:>8} {:>9} {:>9} {:>7} {:>7}\n", title, "sensor", "axis",
+             "count", "mean", "variance", "expected", "lag-1", "worst");
+  for (const SeriesStatistics& s : series) {
+    if (s.sensor.rfind("gnss", 0) != 0) continue;
+    fmt::print("  {:<14} {:<6} {:>6} {:>8.3f} {:>9.3f} {:>9.3f} {:>7.3f} {:>7.2f}\n", s.sensor,
+               s.axis, s.count, s.mean, s.variance, s.expected_variance, s.lag1_correlation,
+               s.worst);
+  }
+}
+
+void Describe(const std::string& name, const Smoothed& smoothed) {
+  const AdjustmentFigures& figures = smoothed.result.figures;
+  fmt::print(
+      "\n== {}: {} nodes, {} inertial and {} GNSS epochs, {} rejected, start by {}\n"
+      "sigma0 {:.3f}, redundancy {}, NIS / 3 of position {:.2f}, of velocity {:.2f}\n",
+      name, figures.nodes, figures.imu_epochs, figures.gnss_epochs,
+      smoothed.adjustment.gnss_rejected.size(), smoothed.adjustment.alignment_method,
+      figures.sigma0, figures.redundancy, smoothed.result.nis_position,
+      smoothed.result.nis_velocity);
+  PrintSeries("innovations", smoothed.result.innovations);
+  PrintSeries("residuals", smoothed.result.residuals);
+}
+
+/// Root mean square of vectors, component by component.
+class Rms {
+ public:
+  void Add(const Eigen::Vector3d& x) {
+    sum_ += x;
+    sum2_ += x.cwiseAbs2();
+    ++n_;
+  }
+  Eigen::Vector3d mean() const { return sum_ / static_cast<double>(n_); }
+  Eigen::Vector3d rms() const { return (sum2_ / static_cast<double>(n_)).cwiseSqrt(); }
+  long count() const { return n_; }
+
+ private:
+  Eigen::Vector3d sum_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sum2_ = Eigen::Vector3d::Zero();
+  long n_ = 0;
+};
+
+void CompareWithReference(const Smoothed& smoothed) {
+  const FlightNetwork& network = *smoothed.adjustment.network;
+  const std::vector<MapPose> reference = smoothed.flight.reference->InMap(smoothed.flight.frame);
+  const auto each_node = [&](const std::function<void(const MapPose&, const MapPose&)>& use) {
+    for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+      const MapPose estimate = network.NodePose(k);
+      if (smoothed.flight.reference->Covers(estimate.t_s)) {
+        use(estimate, InterpolatePose(reference, estimate.t_s));
+      }
+    }
+  };
+  Rms turned, velocity;
+  each_node([&](const MapPose& estimate, const MapPose& truth) {
+    turned.Add(Log(Eigen::Quaterniond(estimate.q_mb.conjugate() * truth.q_mb)));
+    velocity.Add(estimate.v_m - truth.v_m);
+  });
+  const Eigen::Quaterniond constant = Exp(turned.mean());
+  Rms remaining;
+  each_node([&](const MapPose& estimate, const MapPose& truth) {
+    remaining.Add(Log(Eigen::Quaterniond((estimate.q_mb * constant).conjugate() * truth.q_mb)));
+  });
+  const Eigen::Vector3d c = turned.mean() * kDegPerRad, r = remaining.rms() * kDegPerRad,
+                        v = velocity.rms();
+  double sigma2_rp = 0.0, sigma2_h = 0.0;
+  for (const TrajectorySigma& sigma : smoothed.result.sigma) {
+    sigma2_rp += sigma.rph_rad.head<2>().squaredNorm() / 2.0;
+    sigma2_h += sigma.rph_rad.z() * sigma.rph_rad.z();
+  }
+  const auto n = static_cast<double>(smoothed.result.sigma.size());
+  fmt::print(
+      "against the reference at {} nodes: constant turn of the axes {:.3f} {:.3f} {:.3f} deg (body "
+      "x, y, z), remaining rms {:.3f} {:.3f} {:.3f} deg; velocity rms {:.4f} {:.4f} {:.4f} m/s\n"
+      "own sigma: roll, pitch {:.3f} deg, heading {:.3f} deg\n",
+      remaining.count(), c[0], c[1], c[2], r[0], r[1], r[2], v[0], v[1], v[2],
+      std::sqrt(sigma2_rp / n) * kDegPerRad, std::sqrt(sigma2_h / n) * kDegPerRad);
+}
+
+/// Ten windows spread evenly, the first and last an eleventh of the flight from its ends.
+std::vector<TimeInterval> WithheldWindows(const FlightNetwork& network) {
+  constexpr int kWindows = 10;
+  constexpr double kLengthS = 5.0;
+  const double t0_s = network.node_times().front(), t1_s = network.node_times().back();
+  std::vector<TimeInterval> windows;
+  for (int k = 1; k <= kWindows; ++k) {
+    const double middle_s = t0_s + (t1_s - t0_s) * k / (kWindows + 1);
+    windows.push_back({middle_s - 0.5 * kLengthS, middle_s + 0.5 * kLengthS});
+  }
+  return windows;
+}
+
+std::vector<FlightNetwork::GnssEdge> EdgesInside(const FlightNetwork& network,
+                                                 const std::vector<TimeInterval>& windows) {
+  std::vector<FlightNetwork::GnssEdge> edges;
+  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+    const double t_s = network.node_times()[edge.node];
+    for (const TimeInterval& window : windows) {
+      if (t_s >= window.t0_s && t_s <= window.t1_s) edges.push_back(edge);
+    }
+  }
+  return edges;
+}
+
+void PredictWithheld(const fs::path& folder) {
+  AdjustOptions options = InsGnss();
+  std::vector<FlightNetwork::GnssEdge> withheld;
+  options.customise = [&](FlightNetwork& network) {
+    withheld = EdgesInside(network, WithheldWindows(network));
+    for (const FlightNetwork::GnssEdge& edge : withheld) {
+      network.net.SetActive(edge.position, false);
+      if (edge.velocity >= 0) network.net.SetActive(edge.velocity, false);
+    }
+  };
+  const Smoothed smoothed(Read(folder), options);
+  const FlightNetwork& network = *smoothed.adjustment.network;
+  Rms error;
+  double nis = 0.0;
+  Eigen::Vector3d worst = Eigen::Vector3d::Zero();
+  for (const FlightNetwork::GnssEdge& edge : withheld) {
+    const GnssEpoch& epoch = smoothed.flight.gnss->epochs[edge.epoch];
+    const Eigen::Vector3d antenna_m = network.net.Value(network.nodes[edge.node].p_mb) +
+                                      network.net.Value(network.nodes[edge.node].q_mb) *
+                                          smoothed.flight.config.gnss->lever_arm_b_m;
+    const Eigen::Vector3d e = antenna_m - smoothed.flight.frame.ToMap(epoch.antenna);
+    error.Add(e);
+    worst = worst.cwiseMax(e.cwiseAbs());
+    nis += PredictFactor(network.net, edge.position, smoothed.marginals).statistic / 3.0;
+  }
+  const Eigen::Vector3d r = error.rms();
+  fmt::print(
+      "ten windows of 5 s without GNSS, {} epochs withheld: predicted position off by {:.3f} "
+      "{:.3f} "
+      "{:.3f} m rms, {:.3f} {:.3f} {:.3f} m at most (east, north, up); error^2 / predicted "
+      "variance {:.2f}\n",
+      withheld.size(), r[0], r[1], r[2], worst[0], worst[1], worst[2],
+      nis / static_cast<double>(withheld.size()));
+}
+
+void Run(const fs::path& data) {
+  for (const char* name : {"thor75", "walk", "psins-car"}) {
+    const Smoothed smoothed(Read(data / name), InsGnss());
+    Describe(name, smoothed);
+    if (name == std::string("psins-car")) CompareWithReference(smoothed);
+    if (name == std::string("walk")) PredictWithheld(data / name);
+  }
+}
+
+}  // namespace
+}  // namespace dn::bench
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    fmt::print(stderr, "usage: real_data DATA_DIR   (the folder with thor75, walk, psins-car)\n");
+    return 2;
+  }
+  try {
+    dn::bench::Run(argv[1]);
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "real_data: error: {}\n", error.what());
+    return 1;
+  }
+}
