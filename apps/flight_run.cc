@@ -62,14 +62,19 @@ void AddPlots(const FlightRun& flight_run, Run* run) {
   add("biases.svg", name + ": inertial biases", bias_panels);
 }
 
-void WarnOfRejectedGnss(const FlightRun& flight_run, Run* run) {
+std::vector<std::string> Warnings(const FlightRun& flight_run) {
+  std::vector<std::string> warnings = flight_run.adjustment.warnings;
+  const auto& statistics = flight_run.trajectory.warnings;
+  warnings.insert(warnings.end(), statistics.begin(), statistics.end());
   const std::vector<std::size_t>& rejected = flight_run.adjustment.gnss_rejected;
-  if (rejected.empty()) return;
-  const GnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
-  run->progress.Warn(fmt::format(
-      "{} GNSS epochs contradict all other data and were left out, the first at t = {} s ({}:{}); "
-      "report.json lists them",
-      rejected.size(), first.t_s, flight_run.flight.config.gnss->file, first.line));
+  if (!rejected.empty()) {
+    const GnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
+    warnings.push_back(fmt::format(
+        "{} GNSS epochs contradict all other data and were left out, the first at t = {} s "
+        "({}:{}); report.json lists them",
+        rejected.size(), first.t_s, flight_run.flight.config.gnss->file, first.line));
+  }
+  return warnings;
 }
 
 Json RejectedGnssJson(const FlightRun& flight_run) {
@@ -105,8 +110,6 @@ std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, boo
   options.interrupted = [] { return apps::Interrupted(); };
   result->adjustment = Adjust(result->flight, options);
   result->timings.solve_s = Since(solve_start);
-  for (const std::string& warning : result->adjustment.warnings) run->progress.Warn(warning);
-  WarnOfRejectedGnss(*result, run);
 
   const auto covariance_start = Clock::now();
   run->progress.Stage("covariances");
@@ -117,6 +120,7 @@ std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, boo
   result->marginals->ComputeSelectedInverse();
   result->trajectory = ExtractTrajectory(result->adjustment, *result->marginals);
   result->timings.covariance_s = Since(covariance_start);
+  for (const std::string& warning : Warnings(*result)) run->progress.Warn(warning);
   result->timings.total_s = Since(start);
   return result;
 }
@@ -143,7 +147,7 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["counts"]["pairs in IMU gaps"] = flight_run.adjustment.network->pairs_in_imu_gaps;
   report["counts"]["gnss epochs rejected"] = flight_run.adjustment.gnss_rejected.size();
   report["gnss_rejected"] = RejectedGnssJson(flight_run);
-  report["warnings"] = flight_run.adjustment.warnings;
+  report["warnings"] = Warnings(flight_run);
   report["residuals"] = StatisticsToJson(flight_run.trajectory.residuals);
   report["innovations"] = StatisticsToJson(flight_run.trajectory.innovations);
   report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment.network);

@@ -1,4 +1,5 @@
 #include <dn/builder/result.h>
+#include <dn/geo/text_table.h>
 #include <dn/solvers/solve.h>
 
 #include <Eigen/Eigenvalues>
@@ -83,6 +84,29 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
     (velocity ? result->nis_velocity : result->nis_position) =
         nis / static_cast<double>(t_s.size());
   }
+}
+
+// Innovations whose size is off by more than this factor (a variance of 2, or of 1/2) call for
+// another stochastic model; chance alone moves it by a tenth in a short flight.
+constexpr double kVarianceFactor = 2.0;
+
+void WarnOfInnovations(TrajectoryResult* result) {
+  const auto judge = [&](double nis, const std::string& sensor) {
+    const auto text = [&](const std::string& verdict) {
+      result->warnings.push_back("the innovations of the " + sensor + "s are " +
+                                 FormatDouble(std::round(std::sqrt(nis) * 100.0) / 100.0) +
+                                 " times as large as the model expects: " + verdict);
+    };
+    if (nis > kVarianceFactor) {
+      text(
+          "the stated sigmas or the inertial noise are too small, or something is not modelled; "
+          "the covariances are too small as well");
+    } else if (nis > 0.0 && nis < 1.0 / kVarianceFactor) {
+      text("the stated sigmas are too large, or the errors are correlated in time");
+    }
+  };
+  judge(result->nis_position, "GNSS position");
+  judge(result->nis_velocity, "GNSS velocity");
 }
 
 AdjustmentFigures Figures(const Adjustment& adjustment) {
@@ -228,6 +252,7 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
   result.figures = Figures(adjustment);
   result.residuals = ResidualStatistics(network.net, marginals);
   AddInnovations(adjustment, &result);
+  WarnOfInnovations(&result);
   return result;
 }
 

@@ -69,6 +69,8 @@ struct TrajectoryResult {
   std::vector<SeriesStatistics> innovations;  ///< of the forward filter, per sensor and axis
   double nis_position = 0.0;                  ///< mean normalised innovation squared / 3
   double nis_velocity = 0.0;                  ///< 0 without velocities
+  /// What the statistics say against the assumed model, in one sentence each.
+  std::vector<std::string> warnings;
 };
 
 /// The boresight with its posterior covariance.
