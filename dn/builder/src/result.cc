@@ -29,15 +29,6 @@ Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double
   return covariance;
 }
 
-// Body-axis rotation per change of roll, pitch, heading.
-Eigen::Matrix3d BodyFromEulerRates(const Eigen::Vector3d& rph) {
-  const double sr = std::sin(rph.x()), cr = std::cos(rph.x());
-  const double sp = std::sin(rph.y()), cp = std::cos(rph.y());
-  Eigen::Matrix3d E;
-  E << 1.0, 0.0, -sp, 0.0, cr, sr * cp, 0.0, -sr, cr * cp;
-  return E;
-}
-
 TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
   const LocalFrame& frame = network.flight().frame;
   const NodeBlocks& node = network.nodes[k];
@@ -47,7 +38,8 @@ TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Margi
     return Eigen::Vector3d(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
   };
   const Eigen::Matrix3d rph_from_body =
-      BodyFromEulerRates(RollPitchHeading(ToNavPoint(pose, frame).q_nb)).inverse();
+      BodyFromEulerRates(ToNavPoint(pose, frame).q_nb.conjugate() * Eigen::Vector3d::UnitZ())
+          .inverse();
   TrajectorySigma result;
   result.t_s = node.t_s;
   result.position_enu_m =
