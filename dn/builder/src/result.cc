@@ -204,9 +204,14 @@ double Barycentre(const FlightNetwork& network) {
   return n > 0.0 ? sum / n : network.node_times().front();
 }
 
-// The network models the trajectory's errors, so nothing is absorbed; what remains is whether the
-// strips separate the angles.
-void Assess(BoresightResult* result) {
+}  // namespace
+
+Eigen::Matrix3d BoresightResult::correlation() const {
+  const Eigen::Vector3d inverse = sigma_rad().cwiseMax(1e-300).cwiseInverse();
+  return inverse.asDiagonal() * covariance_rad2 * inverse.asDiagonal();
+}
+
+void AssessObservability(BoresightResult* result) {
   constexpr double kInseparable = 0.999;
   constexpr double kUselessSigmaRad = 1.0 * kRadPerDeg;
   const Eigen::Matrix3d correlation = result->correlation();
@@ -227,17 +232,6 @@ void Assess(BoresightResult* result) {
       }
     }
   }
-  if (result->reasons.empty()) {
-    result->reasons.emplace_back(
-        "the trajectory and its time-correlated errors are estimated with the boresight");
-  }
-}
-
-}  // namespace
-
-Eigen::Matrix3d BoresightResult::correlation() const {
-  const Eigen::Vector3d inverse = sigma_rad().cwiseMax(1e-300).cwiseInverse();
-  return inverse.asDiagonal() * covariance_rad2 * inverse.asDiagonal();
 }
 
 TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals& marginals) {
@@ -284,7 +278,11 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
       CorrelateWithBias(network, network.accel_bias, sigma, barycentre_s, columns, marginals);
   result.gyro_bias =
       CorrelateWithBias(network, network.gyro_bias, sigma, barycentre_s, columns, marginals);
-  Assess(&result);
+  AssessObservability(&result);
+  if (result.reasons.empty()) {  // the network models the trajectory's errors: none is absorbed
+    result.reasons.emplace_back(
+        "the trajectory and its time-correlated errors are estimated with the boresight");
+  }
   return result;
 }
 
