@@ -86,6 +86,9 @@ TimeBlocks MakeBlocks(const GaussHelmertProblem& problem, const std::vector<doub
 struct BlockSums {
   MatrixXd H, N_e;
   VectorXd b;
+  Matrix3d N = Matrix3d::Zero();
+  Vector3d g = Vector3d::Zero();  // A^T S w: zero, unless the estimate had other weights
+  double chi2 = 0.0;
 };
 
 using EndJacobian = Eigen::Matrix<double, 3, 6>;
@@ -115,7 +118,13 @@ BlockSums Accumulate(const GaussHelmertProblem& problem, const GaussHelmertResul
                      BoresightModel model, const TrajectoryScatterOptions& options,
                      const TimeBlocks& blocks) {
   const int T = blocks.size();
-  BlockSums sums{MatrixXd::Zero(6 * T, 6 * T), MatrixXd::Zero(6 * T, 3), VectorXd::Zero(6 * T)};
+  BlockSums sums;
+  sums.H.setZero(6 * T, 6 * T);
+  sums.N_e.setZero(6 * T, 3);
+  sums.b.setZero(6 * T);
+  if (problem.boresight_sigma_rad) {
+    sums.N = problem.boresight_sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
+  }
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
     if (result.weights[k] == 0.0) continue;
     const GaussHelmertPair& pair = problem.pairs[k];
@@ -124,6 +133,10 @@ BlockSums Accumulate(const GaussHelmertProblem& problem, const GaussHelmertResul
         LinearisePair(pair, problem.lever_arm_b_m, model, result.boresight_rad, v);
     const Vector3d w = linear.w - linear.B * v;
     const Matrix3d S = result.weights[k] * MisclosureWeight(pair, linear);
+    const Matrix3d AtS = linear.A.transpose() * S;
+    sums.N += AtS * linear.A;
+    sums.g += AtS * w;
+    sums.chi2 += w.dot(S * w);
     const int at[] = {blocks.At(pair.i.t_s), blocks.At(pair.j.t_s)};
     const EndJacobian J[] = {
         ScaledJacobian(pair.i, linear.B.middleCols<3>(3), options),
@@ -182,7 +195,7 @@ TridiagonalFigures Evaluate(const VectorXd& diagonal, const VectorXd& sub, const
     const double off = i == 0 ? 0.0 : rho * sub[i - 1];
     const double next = 1.0 + rho * diagonal[i] - (i == 0 ? 0.0 : off * off / pivot);
     forward = c[i] - (i == 0 ? 0.0 : off / pivot * forward);
-    pivot = next;
+    pivot = std::max(next, 1.0);  // as the eigenvalues of I + rho T, but for rounding
     out.log_det += std::log(pivot);
     out.explained += rho * forward * forward / pivot;
   }
@@ -198,14 +211,13 @@ struct GridPoint {
 
 class ScatterEstimator {
  public:
-  ScatterEstimator(const GaussHelmertResult& result, const TimeBlocks& blocks,
-                   const BlockSums& sums)
-      : chi2_(result.chi2),
-        nu_(static_cast<double>(result.redundancy)),
+  ScatterEstimator(double redundancy, const TimeBlocks& blocks, const BlockSums& sums)
+      : nu_(redundancy),
         blocks_(blocks),
-        effect_(sums.N_e * result.covariance_apriori_rad2),
+        effect_(sums.N_e * sums.N.inverse()),
         H_P_(sums.H - effect_ * sums.N_e.transpose()),
-        b_(sums.b) {}
+        b_(sums.b - effect_ * sums.g),
+        chi2_(sums.chi2 - sums.g.dot(sums.N.llt().solve(sums.g))) {}
 
   TrajectoryScatter Run() {
     for (std::size_t tau = 0; tau < std::size(kTausS); ++tau) AddTau(tau);
@@ -308,11 +320,12 @@ class ScatterEstimator {
     return scatter;
   }
 
-  double chi2_, nu_;
+  double nu_;
   const TimeBlocks& blocks_;
   MatrixXd effect_;  // N_e N^-1
   MatrixXd H_P_;
   VectorXd b_;
+  double chi2_;
   std::vector<Matrix3d> C_p_, C_a_;    // by tau
   std::vector<double> mean_variance_;  // of the mean of a unit process over the epochs, by tau
   std::vector<GridPoint> grid_;
@@ -344,7 +357,7 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
   if (!(result.chi2 > 0.0)) return {};  // no misclosure at all
   const TimeBlocks blocks = MakeBlocks(problem, result.weights, options.max_blocks);
   const BlockSums sums = Accumulate(problem, result, model, options, blocks);
-  return ScatterEstimator(result, blocks, sums).Run();
+  return ScatterEstimator(static_cast<double>(result.redundancy), blocks, sums).Run();
 }
 
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,

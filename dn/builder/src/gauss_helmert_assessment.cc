@@ -65,9 +65,9 @@ double PairSigma(const GaussHelmertProblem& problem) {
   return std::sqrt(sum / static_cast<double>(problem.pairs.size()));
 }
 
-/// Largest displacement (1 sigma, per coordinate) of points by the attitude errors of the
-/// trajectory: roll and pitch act over the range, heading over the distance from the nadir.
-double AttitudeAtGround(const GaussHelmertProblem& problem, const Vector3d& sigma_rph_rad) {
+/// Largest sigma (per coordinate) of the difference of a pair by the attitude errors of its two
+/// epochs: roll and pitch act over the range, heading over the distance from the nadir.
+double AttitudeInPairs(const GaussHelmertProblem& problem, const Vector3d& sigma_rph_rad) {
   double range2 = 0.0, aside2 = 0.0;
   for (const GaussHelmertPair& pair : problem.pairs) {
     for (const GaussHelmertEnd* end : {&pair.i, &pair.j}) {
@@ -77,8 +77,8 @@ double AttitudeAtGround(const GaussHelmertProblem& problem, const Vector3d& sigm
     }
   }
   const double n = 2.0 * static_cast<double>(problem.pairs.size());
-  return std::max(sigma_rph_rad.head<2>().maxCoeff() * std::sqrt(range2 / n),
-                  sigma_rph_rad.z() * std::sqrt(aside2 / n));
+  return std::numbers::sqrt2 * std::max(sigma_rph_rad.head<2>().maxCoeff() * std::sqrt(range2 / n),
+                                        sigma_rph_rad.z() * std::sqrt(aside2 / n));
 }
 
 std::string Triple(const Vector3d& rad) {
@@ -150,13 +150,14 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   };
   const Vector3d attitude_rad =
       calibration->accuracy.sigma_rph_rad * std::max(1.0, calibration->scatter.attitude_ratio);
-  const double ground_m = AttitudeAtGround(calibration->problem, attitude_rad);
+  const double attitude_m = AttitudeInPairs(calibration->problem, attitude_rad);
   const double pair_m = PairSigma(calibration->problem);
   const std::string sizes = Format(
-      "the attitude error of the trajectory (%s) moves points by %.3f m at %.0f m, the pairs' own "
-      "sigma is %.3f m",
-      Triple(attitude_rad).c_str(), ground_m, calibration->mean_range_m, pair_m);
-  if (ground_m > pair_m) {
+      "the attitude error of the trajectory (%s) changes the difference of a pair by %.3f m at "
+      "%.0f m, "
+      "whose own sigma is %.3f m",
+      Triple(attitude_rad).c_str(), attitude_m, calibration->mean_range_m, pair_m);
+  if (attitude_m > pair_m) {
     if (boresight.verdict == "calibrated") boresight.verdict = "absorbed";
     add(sizes +
         ": the angles contain that error and make the cloud consistent, but are not those of "
