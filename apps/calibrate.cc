@@ -1,5 +1,8 @@
+#include <dn/builder/gauss_helmert_flight.h>
 #include <dn/flight/truth.h>
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "flight_run.h"
 
@@ -9,7 +12,8 @@ namespace {
 struct CalibrateOptions {
   CommonOptions common;
   std::string flight;
-  std::string method = "dn";
+  std::string method;  ///< empty: by the data
+  std::string trajectory;
 };
 
 void PrintMatrix(const std::string& title, const Eigen::Matrix3d& percent,
@@ -22,14 +26,14 @@ void PrintMatrix(const std::string& title, const Eigen::Matrix3d& percent,
   }
 }
 
-void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
-                 const std::vector<UnknownEstimate>& unknowns) {
+void PrintAngles(const FlightConfig& config, const BoresightResult& boresight,
+                 const std::string& method) {
   const char* names[] = {"roll", "pitch", "yaw"};
-  const auto truth_deg = ReadTrueBoresightDeg(flight_run.flight.config.folder);
+  const auto truth_deg = ReadTrueBoresightDeg(config.folder);
   const Eigen::Vector3d angles_deg = boresight.angles_rad * kDegPerRad;
   const Eigen::Vector3d sigma_deg = boresight.sigma_rad() * kDegPerRad;
-  fmt::print("boresight of flight {} [deg], rotation vector about the body axes\n",
-             flight_run.flight.config.name);
+  fmt::print("boresight of flight {}{} [deg], rotation vector about the body axes\n", config.name,
+             method);
   fmt::print("  {:<6} {:>12} {:>12}{}\n", "", "estimate", "sigma",
              truth_deg ? fmt::format(" {:>12} {:>10}", "truth", "error/sigma") : "");
   for (int i = 0; i < 3; ++i) {
@@ -40,6 +44,21 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
     }
     fmt::print("\n");
   }
+}
+
+void PrintAssessment(const BoresightResult& boresight) {
+  fmt::print("assessment: {}", boresight.verdict);
+  for (const std::string& reason : boresight.reasons) fmt::print("; {}", reason);
+}
+
+void PrintTimes(const RunTimings& timings) {
+  fmt::print("\ntime: reading {:.2f} s, solving {:.2f} s, covariances {:.2f} s\n", timings.read_s,
+             timings.solve_s, timings.covariance_s);
+}
+
+void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
+                 const std::vector<UnknownEstimate>& unknowns) {
+  PrintAngles(flight_run.flight.config, boresight, "");
   for (const UnknownEstimate& unknown : unknowns) {
     fmt::print("{} [{}], correction to the assumed value:", unknown.name, unknown.unit);
     for (std::size_t i = 0; i < unknown.value.size(); ++i) {
@@ -70,33 +89,232 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
       figures.correspondences, figures.outliers);
   fmt::print("  mean distance of the pairs {:.3f} m before, {:.3f} m after\n",
              flight_run.adjustment.residual_initial_m, flight_run.adjustment.residual_final_m);
-  fmt::print("assessment: {}", boresight.verdict);
-  for (const std::string& reason : boresight.reasons) fmt::print("; {}", reason);
-  fmt::print("\ntime: reading {:.2f} s, solving {:.2f} s, covariances {:.2f} s\n",
-             flight_run.timings.read_s, flight_run.timings.solve_s,
-             flight_run.timings.covariance_s);
+  PrintAssessment(boresight);
+  PrintTimes(flight_run.timings);
+}
+
+void PrintResult(const FlightConfig& config, const GaussHelmertCalibration& calibration,
+                 const RunTimings& timings) {
+  const BoresightResult& boresight = calibration.boresight;
+  PrintAngles(config, boresight, " by the Gauss-Helmert adjustment");
+  const auto print_sigmas = [](const char* title, const Eigen::Vector3d& rad) {
+    fmt::print("  {:<43} {:>10.6f} {:>10.6f} {:>10.6f}\n", title, rad.x() * kDegPerRad,
+               rad.y() * kDegPerRad, rad.z() * kDegPerRad);
+  };
+  const TrajectoryScatter& scatter = calibration.scatter;
+  fmt::print("sigmas beside it [deg]\n");
+  print_sigmas("normal matrix", *boresight.sigma_apriori_rad);
+  print_sigmas("normal matrix, times sigma0", *boresight.sigma_scaled_rad);
+  print_sigmas("scatter by time-correlated trajectory errors",
+               scatter.covariance_rad2.diagonal().cwiseSqrt());
+  print_sigmas("attitude error constant over the flight",
+               calibration.accuracy.attitude_covariance_rad2.diagonal().cwiseSqrt() *
+                   std::max(1.0, scatter.mean_attitude_ratio));
+  PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
+              {"roll", "pitch", "yaw"});
+  const AdjustmentFigures& figures = calibration.figures;
+  fmt::print(
+      "adjustment: sigma0 {:.4f}, chi2 {:.1f} with redundancy {}, condition number {:.1f}, {} "
+      "iterations\n",
+      figures.sigma0, figures.chi2, figures.redundancy, boresight.condition_number,
+      figures.iterations);
+  fmt::print("  {} pairs kept, {} outliers, rotation {}{}\n", figures.correspondences,
+             figures.outliers,
+             calibration.options.model == BoresightModel::kExponential ? "exp" : "small_angle",
+             calibration.options.libor_compat ? ", libor_compat" : "");
+  fmt::print("  mean distance of the pairs {:.3f} m before, {:.3f} m after\n",
+             calibration.adjustment.residual_initial_m, calibration.adjustment.residual_final_m);
+  PrintAssessment(boresight);
+  PrintTimes(timings);
+}
+
+struct Methods {
+  bool dn = false;
+  bool gh = false;
+};
+
+/// The configuration with the trajectory of the command line, if any.
+FlightConfig ReadConfig(const CalibrateOptions& options) {
+  FlightConfig config = ReadFlightConfig(options.flight);
+  if (!options.trajectory.empty()) {
+    if (!config.trajectory) config.trajectory = TrajectoryConfig();
+    config.trajectory->file = std::filesystem::absolute(options.trajectory).string();
+  }
+  return config;
+}
+
+Methods ChooseMethods(const CalibrateOptions& options, const FlightConfig& config) {
+  if (options.method == "planes") {
+    throw InvalidConfig("--method planes is not part of this version; use dn, gh or all");
+  }
+  if (options.method == "all") return {true, true};
+  const bool dn = options.method.empty() ? config.imu.has_value() : options.method == "dn";
+  return {dn, !dn};
+}
+
+bool HasTrajectory(const FlightConfig& config) {
+  const auto is_file = [&](const std::filesystem::path& name) {
+    std::error_code none;
+    return std::filesystem::is_regular_file(config.folder / name, none);
+  };
+  if (config.trajectory && is_file(config.trajectory->file)) return true;
+  const std::string usual = TrajectoryConfig().file;
+  const bool named = config.trajectory && config.trajectory->file != usual;
+  return !named && (is_file(usual) || is_file("trajectory.txt"));
+}
+
+/// Says how to get a trajectory where the Gauss-Helmert adjustment has none.
+void ExpectTrajectory(const CalibrateOptions& options, const FlightConfig& config) {
+  if (HasTrajectory(config)) return;
+  const std::string name = config.trajectory ? config.trajectory->file : TrajectoryConfig().file;
+  if (!config.imu) {
+    throw InvalidConfig(
+        "the flight has neither a section 'imu' (for the dynamic network) nor the "
+        "trajectory " +
+        name +
+        " (for the Gauss-Helmert adjustment); give one with "
+        "--trajectory FILE");
+  }
+  throw InvalidInput(fmt::format(
+      "the trajectory {} does not exist, and the Gauss-Helmert adjustment needs one; make it with "
+      "`dn smooth {} --out DIR` and give it with --trajectory DIR/trajectory.out",
+      name, options.flight));
+}
+
+struct GaussHelmertRun {
+  GaussHelmertCalibration calibration;
+  RunTimings timings;
+};
+
+GaussHelmertRun CalibrateByGaussHelmert(const Flight& flight, double read_s, Run* run) {
+  GaussHelmertFlightOptions options;
+  options.threads = run->options().threads;
+  options.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
+  options.interrupted = [] { return apps::Interrupted(); };
+  GaussHelmertRun out{CalibrateGaussHelmert(flight, options), {}};
+  out.timings.read_s = read_s;
+  out.timings.solve_s = out.calibration.solve_time_s;
+  out.timings.covariance_s = out.calibration.covariance_time_s;
+  out.timings.total_s = read_s + out.timings.solve_s + out.timings.covariance_s;
+  return out;
+}
+
+void FillReport(const Flight& flight, const GaussHelmertRun& gauss_helmert, Run* run) {
+  Json& report = run->report;
+  report["flight"] = flight.config.name;
+  report["seed"] = flight.config.lidar->pairs.seed;
+  report["counts"] = flight.counts;
+  report["counts"]["pairs rejected as outliers"] = gauss_helmert.calibration.adjustment.outliers;
+  report["gauss_helmert"] = GaussHelmertReportJson(gauss_helmert.calibration);
+  report["timings_s"] = {{"read", gauss_helmert.timings.read_s},
+                         {"solve", gauss_helmert.timings.solve_s},
+                         {"covariance", gauss_helmert.timings.covariance_s}};
+}
+
+void FailUnlessObservable(const std::vector<const BoresightResult*>& results) {
+  for (const BoresightResult* boresight : results) {
+    if (boresight->verdict != "not_observable") continue;
+    throw FailedWithResults("not_observable", fmt::format("the boresight is not observable: {}",
+                                                          fmt::join(boresight->reasons, "; ")));
+  }
+}
+
+/// A flight adjusted by the dynamic network, with what calibration takes out of it.
+struct NetworkRun {
+  std::unique_ptr<FlightRun> flight_run;
+  BoresightResult boresight;
+  std::vector<UnknownEstimate> unknowns;
+};
+
+NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
+  NetworkRun out;
+  out.flight_run = std::move(flight_run);
+  out.boresight = ExtractBoresight(out.flight_run->adjustment, *out.flight_run->marginals);
+  out.unknowns = ExtractUnknowns(out.flight_run->adjustment, *out.flight_run->marginals);
+  return out;
+}
+
+void AddNetworkFiles(const NetworkRun& network, const std::string& result_name, Run* run) {
+  const FlightRun& flight_run = *network.flight_run;
+  AddTrajectoryFiles(flight_run, run);
+  run->AddFile(result_name,
+               FormatJson(CalibrationJson(flight_run.flight.config.name, flight_run.adjustment,
+                                          flight_run.trajectory, network.boresight,
+                                          network.unknowns, flight_run.timings)));
+  FillReport(flight_run, run);
+}
+
+void RunNetwork(const CalibrateOptions& options, Run& run) {
+  const NetworkRun network = CalibrateByNetwork(AdjustFlight(options.flight, true, &run));
+  AddNetworkFiles(network, "result.json", &run);
+  PrintResult(*network.flight_run, network.boresight, network.unknowns);
+  FailUnlessObservable({&network.boresight});
+}
+
+Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double* read_s,
+                           Run* run) {
+  run->progress.Stage("reading " + config.folder.string());
+  FlightNeeds needs;
+  needs.pairs = needs.trajectory = true;
+  needs.imu = needs.gnss = with_network;
+  Flight flight = ReadFlight(config, needs);
+  *read_s = flight.read_time_s;
+  return flight;
+}
+
+void RunGaussHelmert(const FlightConfig& config, Run& run) {
+  double read_s = 0.0;
+  const Flight flight = ReadForGaussHelmert(config, false, &read_s, &run);
+  const GaussHelmertRun gh = CalibrateByGaussHelmert(flight, read_s, &run);
+  run.AddFile("result.json",
+              FormatJson(CalibrationJson(flight.config.name, gh.calibration, gh.timings)));
+  run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
+  FillReport(flight, gh, &run);
+  PrintResult(flight.config, gh.calibration, gh.timings);
+  FailUnlessObservable({&gh.calibration.boresight});
+}
+
+void PrintDifference(const BoresightResult& gh, const BoresightResult& network) {
+  const MethodDifference difference = Compare(gh, network);
+  const Eigen::Vector3d d = difference.difference_rad * kDegPerRad;
+  const Eigen::Vector3d sigma = difference.sigma_rad() * kDegPerRad;
+  fmt::print("gh - dn [deg]: {:.6f} {:.6f} {:.6f}, sigma {:.6f} {:.6f} {:.6f}, p = {:.3g}\n", d.x(),
+             d.y(), d.z(), sigma.x(), sigma.y(), sigma.z(), difference.p_value);
+  fmt::print("planes: not part of this version\n");
+}
+
+void RunAll(const FlightConfig& config, Run& run) {
+  double read_s = 0.0;
+  Flight flight = ReadForGaussHelmert(config, true, &read_s, &run);
+  GaussHelmertRun gh = CalibrateByGaussHelmert(flight, read_s, &run);
+  const NetworkRun network =
+      CalibrateByNetwork(AdjustFlight(std::move(flight), read_s, true, &run));
+  AssessAgainstNetwork(network.boresight, &gh.calibration);
+  const std::string& name = config.name;
+  FillReport(network.flight_run->flight, gh, &run);
+  AddNetworkFiles(network, "result_dn.json", &run);
+  run.AddFile("result_gh.json", FormatJson(CalibrationJson(name, gh.calibration, gh.timings)));
+  run.AddFile(
+      "comparison.json",
+      FormatJson(ComparisonJson(
+          name, {{"dn", &network.boresight}, {"gh", &gh.calibration.boresight}}, {"planes"})));
+  run.report["notes"] = {"planes: not part of this version"};
+  PrintResult(*network.flight_run, network.boresight, network.unknowns);
+  PrintResult(config, gh.calibration, gh.timings);
+  PrintDifference(gh.calibration.boresight, network.boresight);
+  FailUnlessObservable({&network.boresight, &gh.calibration.boresight});
 }
 
 void Calibrate(const CalibrateOptions& options, Run& run) {
-  if (options.method != "dn") {
-    throw InvalidConfig("--method " + options.method +
-                        " is not part of this version; use --method dn");
-  }
-  const std::unique_ptr<FlightRun> flight_run = AdjustFlight(options.flight, true, &run);
-  const BoresightResult boresight =
-      ExtractBoresight(flight_run->adjustment, *flight_run->marginals);
-  const std::vector<UnknownEstimate> unknowns =
-      ExtractUnknowns(flight_run->adjustment, *flight_run->marginals);
-  AddTrajectoryFiles(*flight_run, &run);
-  run.AddFile("result.json",
-              FormatJson(CalibrationJson(flight_run->flight.config.name, flight_run->adjustment,
-                                         flight_run->trajectory, boresight, unknowns,
-                                         flight_run->timings)));
-  FillReport(*flight_run, &run);
-  PrintResult(*flight_run, boresight, unknowns);
-  if (boresight.verdict == "not_observable") {
-    throw FailedWithResults("not_observable", fmt::format("the boresight is not observable: {}",
-                                                          fmt::join(boresight.reasons, "; ")));
+  const FlightConfig config = ReadConfig(options);
+  const Methods methods = ChooseMethods(options, config);
+  if (methods.gh) ExpectTrajectory(options, config);
+  if (methods.dn && methods.gh) {
+    RunAll(config, run);
+  } else if (methods.gh) {
+    RunGaussHelmert(config, run);
+  } else {
+    RunNetwork(options, run);
   }
 }
 
@@ -104,14 +322,21 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
 
 void AddCalibrate(CLI::App* program, Action* action) {
   auto options = std::make_shared<CalibrateOptions>();
-  CLI::App* app = program->add_subcommand(
-      "calibrate", "Boresight (and what `estimate` names) from raw inertial, GNSS and lidar data");
+  CLI::App* app = program->add_subcommand("calibrate",
+                                          "Boresight (and what `estimate` names) from raw "
+                                          "inertial, GNSS and lidar data (dn), or from a "
+                                          "smoothed trajectory and lidar data (gh)");
   app->add_option("FLIGHT", options->flight, "Flight folder")->required();
-  app->add_option("--method", options->method, "Formulation")
-      ->check(CLI::IsMember({"dn", "gh", "planes", "all"}))
-      ->capture_default_str();
+  app->add_option(
+         "--method", options->method,
+         "dn: dynamic network; gh: Gauss-Helmert adjustment on a trajectory; all: both and "
+         "their comparison. Default: dn, gh where flight.yaml has no inertial data")
+      ->check(CLI::IsMember({"dn", "gh", "planes", "all"}));
+  app->add_option("--trajectory", options->trajectory,
+                  "Smoothed trajectory for gh (SBET .out, or text), instead of flight.yaml's");
   AddCommonOptions(app, &options->common, true);
-  app->footer("Example: dn calibrate flight --method dn --out result");
+  app->footer(
+      "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");
   app->callback([options, action] {
     *action = [options] {
       return Execute("calibrate", options->common, [&](Run& run) { Calibrate(*options, run); });

@@ -90,15 +90,20 @@ Json RejectedGnssJson(const FlightRun& flight_run) {
 
 std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, bool with_pairs,
                                         Run* run) {
-  auto result = std::make_unique<FlightRun>();
   const auto start = Clock::now();
   run->progress.Stage("reading " + folder.string());
   FlightNeeds needs;
   needs.imu = true;
   needs.gnss = true;
   needs.pairs = with_pairs;
-  result->flight = ReadFlight(folder, needs);
-  result->timings.read_s = Since(start);
+  Flight flight = ReadFlight(folder, needs);
+  return AdjustFlight(std::move(flight), Since(start), with_pairs, run);
+}
+
+std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_pairs, Run* run) {
+  auto result = std::make_unique<FlightRun>();
+  result->flight = std::move(flight);
+  result->timings.read_s = read_s;
 
   const auto solve_start = Clock::now();
   AdjustOptions options;
@@ -121,7 +126,7 @@ std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, boo
   result->trajectory = ExtractTrajectory(result->adjustment, *result->marginals);
   result->timings.covariance_s = Since(covariance_start);
   for (const std::string& warning : Warnings(*result)) run->progress.Warn(warning);
-  result->timings.total_s = Since(start);
+  result->timings.total_s = read_s + Since(solve_start);
   return result;
 }
 

@@ -21,6 +21,9 @@ struct FlightRun {
 std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, bool with_pairs,
                                         Run* run);
 
+/// The same for a flight that was read already, with imu and gnss (and pairs), in read_s seconds.
+std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_pairs, Run* run);
+
 /// Stages trajectory.out, trajectory_sigma.txt, biases.txt, config.resolved.yaml and the plots.
 void AddTrajectoryFiles(const FlightRun& flight_run, Run* run);
 

@@ -13,15 +13,6 @@
 namespace dn {
 namespace {
 
-// Body-axis rotation per change of roll, pitch, heading.
-Eigen::Matrix3d BodyFromEulerRates(const Eigen::Vector3d& rph) {
-  const double sr = std::sin(rph.x()), cr = std::cos(rph.x());
-  const double sp = std::sin(rph.y()), cp = std::cos(rph.y());
-  Eigen::Matrix3d E;
-  E << 1.0, 0.0, -sp, 0.0, cr, sr * cp, 0.0, -sr, cr * cp;
-  return E;
-}
-
 TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
   const LocalFrame& frame = network.flight().frame;
   const NodeBlocks& node = network.nodes[k];
@@ -31,7 +22,8 @@ TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Margi
     return Eigen::Vector3d(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
   };
   const Eigen::Matrix3d rph_from_body =
-      BodyFromEulerRates(RollPitchHeading(ToNavPoint(pose, frame).q_nb)).inverse();
+      BodyFromEulerRates(ToNavPoint(pose, frame).q_nb.conjugate() * Eigen::Vector3d::UnitZ())
+          .inverse();
   TrajectorySigma result;
   result.t_s = node.t_s;
   result.position_enu_m =
@@ -176,37 +168,6 @@ double Barycentre(const FlightNetwork& network) {
   return n > 0.0 ? sum / n : network.node_times().front();
 }
 
-// The network models the trajectory's errors, so nothing is absorbed as long as the model holds;
-// what remains is whether the strips separate the angles.
-void Assess(const std::vector<std::string>& warnings, BoresightResult* result) {
-  constexpr double kInseparable = 0.999;
-  constexpr double kUselessSigmaRad = 1.0 * kRadPerDeg;
-  const Eigen::Matrix3d correlation = result->correlation();
-  const char* names[] = {"roll", "pitch", "yaw"};
-  result->verdict = "calibrated";
-  for (int i = 0; i < 3; ++i) {
-    if (result->sigma_rad()[i] > kUselessSigmaRad) {
-      result->verdict = "not_observable";
-      result->reasons.push_back(std::string("the standard deviation of ") + names[i] +
-                                " exceeds 1 deg: more overlapping strips are needed");
-    }
-    for (int j = 0; j < i; ++j) {
-      if (std::abs(correlation(i, j)) > kInseparable) {
-        result->verdict = "not_observable";
-        result->reasons.push_back(
-            std::string(names[j]) + " and " + names[i] +
-            " cannot be told apart: add a cross strip or a strip at another height");
-      }
-    }
-  }
-  if (result->verdict == "calibrated" && !warnings.empty()) result->verdict = "absorbed";
-  result->reasons.insert(result->reasons.end(), warnings.begin(), warnings.end());
-  if (result->reasons.empty()) {
-    result->reasons.emplace_back(
-        "the trajectory and its time-correlated errors are estimated with the boresight");
-  }
-}
-
 }  // namespace
 
 Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double t_s,
@@ -229,6 +190,29 @@ Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double
 Eigen::Matrix3d BoresightResult::correlation() const {
   const Eigen::Vector3d inverse = sigma_rad().cwiseMax(1e-300).cwiseInverse();
   return inverse.asDiagonal() * covariance_rad2 * inverse.asDiagonal();
+}
+
+void AssessObservability(BoresightResult* result) {
+  constexpr double kInseparable = 0.999;
+  constexpr double kUselessSigmaRad = 1.0 * kRadPerDeg;
+  const Eigen::Matrix3d correlation = result->correlation();
+  const char* names[] = {"roll", "pitch", "yaw"};
+  result->verdict = "calibrated";
+  for (int i = 0; i < 3; ++i) {
+    if (result->sigma_rad()[i] > kUselessSigmaRad) {
+      result->verdict = "not_observable";
+      result->reasons.push_back(std::string("the standard deviation of ") + names[i] +
+                                " exceeds 1 deg: more overlapping strips are needed");
+    }
+    for (int j = 0; j < i; ++j) {
+      if (std::abs(correlation(i, j)) > kInseparable) {
+        result->verdict = "not_observable";
+        result->reasons.push_back(
+            std::string(names[j]) + " and " + names[i] +
+            " cannot be told apart: add a cross strip or a strip at another height");
+      }
+    }
+  }
 }
 
 TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals& marginals) {
@@ -276,7 +260,14 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
       CorrelateWithBias(network, network.accel_bias, sigma, barycentre_s, columns, marginals);
   result.gyro_bias =
       CorrelateWithBias(network, network.gyro_bias, sigma, barycentre_s, columns, marginals);
-  Assess(adjustment.warnings, &result);
+  AssessObservability(&result);
+  if (result.verdict == "calibrated" && !adjustment.warnings.empty()) result.verdict = "absorbed";
+  result.reasons.insert(result.reasons.end(), adjustment.warnings.begin(),
+                        adjustment.warnings.end());
+  if (result.reasons.empty()) {  // the network models the trajectory's errors: none is absorbed
+    result.reasons.emplace_back(
+        "the trajectory and its time-correlated errors are estimated with the boresight");
+  }
   return result;
 }
 

@@ -29,6 +29,10 @@ Json TimingJson(const RunTimings& timings) {
           {"total", timings.total_s}};
 }
 
+Json SigmaJson(const std::optional<Eigen::Vector3d>& sigma_rad) {
+  return sigma_rad ? ToJson(*sigma_rad * kDegPerRad) : Json(nullptr);
+}
+
 Json BoresightJson(const BoresightResult& boresight) {
   const Eigen::Vector3d sigma_deg = boresight.sigma_rad() * kDegPerRad;
   return {{"angles_deg", ToJson(boresight.angles_rad * kDegPerRad)},
@@ -36,8 +40,8 @@ Json BoresightJson(const BoresightResult& boresight) {
           {"sigma_deg", ToJson(sigma_deg)},
           {"covariance_deg2", ToJsonMatrix(boresight.covariance_rad2 * kDegPerRad * kDegPerRad)},
           {"correlation", ToJsonMatrix(boresight.correlation())},
-          {"sigma_apriori_deg", nullptr},
-          {"sigma_scaled_deg", nullptr}};
+          {"sigma_apriori_deg", SigmaJson(boresight.sigma_apriori_rad)},
+          {"sigma_scaled_deg", SigmaJson(boresight.sigma_scaled_rad)}};
 }
 
 void AppendRow(std::string* text, double t_s, std::initializer_list<Eigen::Vector3d> columns) {
@@ -85,6 +89,102 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
   figures["residual_final_m"] = adjustment.residual_final_m;
   json["adjustment"] = figures;
   json["timing_s"] = TimingJson(timings);
+  return json;
+}
+
+Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
+                     const RunTimings& timings) {
+  const BoresightResult& boresight = calibration.boresight;
+  Json json;
+  json["schema"] = "dn.result/1";
+  json["flight"] = flight;
+  json["method"] = "gh";
+  json["boresight"] = BoresightJson(boresight);
+  json["assessment"] = {{"verdict", boresight.verdict}, {"reasons", boresight.reasons}};
+  json["correlations"] = nullptr;
+  json["estimates"] = nullptr;
+  Json figures = AdjustmentJson(calibration.figures);
+  figures["condition_number"] = boresight.condition_number;
+  figures["residual_initial_m"] = calibration.adjustment.residual_initial_m;
+  figures["residual_final_m"] = calibration.adjustment.residual_final_m;
+  for (const char* key : {"nodes", "imu_epochs", "gnss_epochs"}) figures[key] = nullptr;
+  json["adjustment"] = figures;
+  json["timing_s"] = TimingJson(timings);
+  return json;
+}
+
+Json GaussHelmertReportJson(const GaussHelmertCalibration& calibration) {
+  const GaussHelmertResult& adjustment = calibration.adjustment;
+  const TrajectoryScatter& scatter = calibration.scatter;
+  const TrajectoryAccuracy& accuracy = calibration.accuracy;
+  const PoseInterpolation& interpolation = calibration.interpolation;
+  return {{"rotation",
+           calibration.options.model == BoresightModel::kExponential ? "exp" : "small_angle"},
+          {"libor_compat", calibration.options.libor_compat},
+          {"chi2_observations", adjustment.chi2_observations},
+          {"chi2_conditions", adjustment.chi2_conditions},
+          {"normal_matrix_per_rad2", ToJsonMatrix(adjustment.normal)},
+          {"correlation_apriori", ToJsonMatrix(adjustment.correlation())},
+          {"interpolation",
+           {{"method", interpolation.method},
+            {"median_step_s", interpolation.median_step_s},
+            {"cubic_minus_linear_rms_deg", interpolation.cubic_minus_linear_rms_rad * kDegPerRad},
+            {"cubic_minus_linear_max_deg", interpolation.cubic_minus_linear_max_rad * kDegPerRad}}},
+          {"trajectory_sigma",
+           {{"source", accuracy.source},
+            {"position_ned_m", ToJson(accuracy.sigma_ned_m)},
+            {"roll_pitch_heading_deg", ToJson(accuracy.sigma_rph_rad * kDegPerRad)}}},
+          {"within_flight_scatter",
+           {{"sigma_deg", ToJson(scatter.covariance_rad2.diagonal().cwiseSqrt() * kDegPerRad)},
+            {"attitude_ratio", scatter.attitude_ratio},
+            {"position_ratio", scatter.position_ratio},
+            {"mean_attitude_ratio", scatter.mean_attitude_ratio},
+            {"tau_s", scatter.tau_s},
+            {"evidence_nats", scatter.evidence_nats},
+            {"blocks", scatter.blocks}}},
+          {"strips",
+           {{"count", calibration.diversity.strips},
+            {"crossing", calibration.diversity.crossing},
+            {"different_heights", calibration.diversity.heights}}}};
+}
+
+namespace {
+
+Json MethodJson(const BoresightResult& boresight) {
+  return {{"angles_deg", ToJson(boresight.angles_rad * kDegPerRad)},
+          {"sigma_deg", ToJson(boresight.sigma_rad() * kDegPerRad)},
+          {"verdict", boresight.verdict}};
+}
+
+}  // namespace
+
+Json ComparisonJson(const std::string& flight,
+                    const std::vector<std::pair<std::string, const BoresightResult*>>& methods,
+                    const std::vector<std::string>& absent) {
+  Json json;
+  json["schema"] = "dn.comparison/1";
+  json["flight"] = flight;
+  json["methods"] = Json::object();
+  for (const auto& [name, boresight] : methods) json["methods"][name] = MethodJson(*boresight);
+  json["notes"] = Json::array();
+  for (const std::string& name : absent) {
+    json["methods"][name] = nullptr;
+    json["notes"].push_back("the method " + name + " is not part of this version");
+  }
+  json["differences"] = Json::array();
+  for (std::size_t a = 0; a < methods.size(); ++a) {
+    for (std::size_t b = a + 1; b < methods.size(); ++b) {
+      const MethodDifference difference = Compare(*methods[a].second, *methods[b].second);
+      const Eigen::Vector3d sigma_rad = difference.sigma_rad();
+      json["differences"].push_back(
+          {{"methods", {methods[a].first, methods[b].first}},
+           {"difference_deg", ToJson(difference.difference_rad * kDegPerRad)},
+           {"sigma_deg", ToJson(sigma_rad * kDegPerRad)},
+           {"significance", ToJson(difference.difference_rad.cwiseQuotient(sigma_rad).cwiseAbs())},
+           {"chi2", difference.mahalanobis2},
+           {"p_value", difference.p_value}});
+    }
+  }
   return json;
 }
 

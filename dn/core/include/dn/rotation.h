@@ -68,4 +68,9 @@ Eigen::Quaterniond QuaternionFromRollPitchHeading(const Eigen::Vector3d& rph_rad
 /// away from |pitch| = pi/2.
 Eigen::Vector3d RollPitchHeading(const Eigen::Quaterniond& q_nb);
 
+/// Rotation vector about the body axes per change of roll, pitch, heading: R_nb(rph + d) =
+/// R_nb(rph) Exp(E d) to first order. down_b: the local down in body axes, the third row of R_nb.
+/// Singular at |pitch| = pi/2, where roll is taken as 0.
+Eigen::Matrix3d BodyFromEulerRates(const Eigen::Vector3d& down_b);
+
 }  // namespace dn

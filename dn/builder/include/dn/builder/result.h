@@ -82,12 +82,20 @@ struct BoresightResult {
   double condition_number = 0.0;  ///< of the reduced normal matrix
   BiasCorrelation accel_bias;
   BiasCorrelation gyro_bias;
+  /// Of methods whose reliable covariance is not the inverse of their normal matrix: from that, and
+  /// the same times sigma0.
+  std::optional<Eigen::Vector3d> sigma_apriori_rad;
+  std::optional<Eigen::Vector3d> sigma_scaled_rad;
   std::string verdict;  ///< calibrated | absorbed | not_observable
   std::vector<std::string> reasons;
 
   Eigen::Vector3d sigma_rad() const { return covariance_rad2.diagonal().cwiseSqrt(); }
   Eigen::Matrix3d correlation() const;
 };
+
+/// Sets the verdict not_observable, with the reasons, when a sigma exceeds 1 deg or two angles
+/// correlate by more than 0.999, else calibrated.
+void AssessObservability(BoresightResult* result);
 
 /// Posterior covariances of the trajectory and of the biases, figures, and statistics. `marginals`
 /// must have its selected inverse.

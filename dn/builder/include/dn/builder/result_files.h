@@ -1,9 +1,11 @@
 #pragma once
 
+#include <dn/builder/gauss_helmert_flight.h>
 #include <dn/builder/result.h>
 #include <dn/report/json.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dn {
@@ -20,6 +22,20 @@ struct RunTimings {
 Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
                      const TrajectoryResult& trajectory, const BoresightResult& boresight,
                      const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings);
+
+/// result.json of `dn calibrate --method gh`.
+Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
+                     const RunTimings& timings);
+
+/// What report.json holds of a Gauss-Helmert adjustment beyond result.json.
+Json GaussHelmertReportJson(const GaussHelmertCalibration& calibration);
+
+/// comparison.json of `dn calibrate --method all`: angles and sigmas per method, and for each two
+/// of them (a, b) the difference a - b, its sigma and significance (in sigmas). absent: methods
+/// without a result; null, with a note that says so.
+Json ComparisonJson(const std::string& flight,
+                    const std::vector<std::pair<std::string, const BoresightResult*>>& methods,
+                    const std::vector<std::string>& absent);
 
 /// smooth.json of `dn smooth`.
 Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,

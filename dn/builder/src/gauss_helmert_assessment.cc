@@ -1,0 +1,210 @@
+#include "gauss_helmert_assessment.h"
+
+#include <dn/rotation.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <numbers>
+
+namespace dn {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kCrossingRad = 20.0 * kRadPerDeg;
+constexpr double kHeightPerRange = 0.05;
+constexpr long kFewPairs = 30;         // "tens, not hundreds or thousands" are required
+constexpr double kManyOutliers = 0.3;  // share
+constexpr double kEvidentNats = 3.0;   // odds of 20 to 1
+constexpr double kThreeSigma = 0.0027;
+// Where the reliable sigma exceeds the formal one by more than this, it is worth a sentence.
+constexpr double kMuchWider = 1.2;
+
+[[gnu::format(printf, 1, 2)]] std::string Format(const char* format, ...) {
+  char text[512];
+  va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof(text), format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+struct StripMotion {
+  double course_rad = 0.0;
+  double height_m = 0.0;
+};
+
+std::vector<StripMotion> Motions(const Flight& flight, const std::vector<StripInterval>& strips) {
+  std::vector<StripMotion> motions;
+  const std::vector<NavPoint>& points = flight.trajectory->points();
+  for (const StripInterval& strip : strips) {
+    const double t_s = 0.5 * (strip.t0_s + strip.t1_s);
+    const auto at = std::lower_bound(points.begin(), points.end(), t_s,
+                                     [](const NavPoint& p, double t) { return p.t_s < t; });
+    if (at == points.end()) continue;
+    motions.push_back({std::atan2(at->v_ned_mps.y(), at->v_ned_mps.x()), at->position.h_m});
+  }
+  return motions;
+}
+
+double MeanRange(const GaussHelmertProblem& problem) {
+  double sum_m = 0.0;
+  for (const GaussHelmertPair& pair : problem.pairs) {
+    sum_m += pair.i.u_b.norm() + pair.j.u_b.norm();
+  }
+  return sum_m / (2.0 * static_cast<double>(problem.pairs.size()));
+}
+
+/// rms sigma of a pair's difference, per coordinate.
+double PairSigma(const GaussHelmertProblem& problem) {
+  double sum = 0.0;
+  for (const GaussHelmertPair& pair : problem.pairs) sum += pair.covariance_m2.trace() / 3.0;
+  return std::sqrt(sum / static_cast<double>(problem.pairs.size()));
+}
+
+/// Largest sigma (per coordinate) of the difference of a pair by the attitude errors of its two
+/// epochs: roll and pitch act over the range, heading over the distance from the nadir.
+double AttitudeInPairs(const GaussHelmertProblem& problem, const Vector3d& sigma_rph_rad) {
+  double range2 = 0.0, aside2 = 0.0;
+  for (const GaussHelmertPair& pair : problem.pairs) {
+    for (const GaussHelmertEnd* end : {&pair.i, &pair.j}) {
+      const Vector3d down_b = end->q_mb.conjugate() * (end->q_mn * Vector3d::UnitZ());
+      range2 += end->u_b.squaredNorm();
+      aside2 += end->u_b.cross(down_b).squaredNorm();
+    }
+  }
+  const double n = 2.0 * static_cast<double>(problem.pairs.size());
+  return std::numbers::sqrt2 * std::max(sigma_rph_rad.head<2>().maxCoeff() * std::sqrt(range2 / n),
+                                        sigma_rph_rad.z() * std::sqrt(aside2 / n));
+}
+
+std::string Triple(const Vector3d& rad) {
+  return Format("%.5f, %.5f, %.5f deg", rad.x() * kDegPerRad, rad.y() * kDegPerRad,
+                rad.z() * kDegPerRad);
+}
+
+std::string WhyTheSigmasDiffer(const GaussHelmertCalibration& calibration) {
+  const BoresightResult& boresight = calibration.boresight;
+  const TrajectoryScatter& scatter = calibration.scatter;
+  const Vector3d ratio = boresight.sigma_rad().cwiseQuotient(*boresight.sigma_scaled_rad);
+  if (ratio.maxCoeff() < kMuchWider) return {};
+  std::string text = Format(
+      "the reliable sigmas are %.1f, %.1f and %.1f times those of the normal matrix "
+      "(sigma_scaled_deg: %s), which take the errors of the trajectory as new at every epoch; "
+      "an attitude error that is constant over the flight, of %s by %s, is absorbed without a "
+      "trace",
+      ratio.x(), ratio.y(), ratio.z(), Triple(*boresight.sigma_scaled_rad).c_str(),
+      Triple(calibration.accuracy.sigma_rph_rad).c_str(), calibration.accuracy.source.c_str());
+  if (scatter.evidence_nats > kEvidentNats) {
+    text += Format(
+        ", and the pairs show errors that last for about %.0f s and scatter the angles by %s",
+        scatter.tau_s, Triple(scatter.covariance_rad2.diagonal().cwiseSqrt()).c_str());
+  }
+  return text;
+}
+
+std::string AboutStrips(const StripDiversity& diversity) {
+  if (diversity.sufficient()) return {};
+  return Format(
+      "%d strip%s%s: four parallel strips, or three of which one crosses or lies at another "
+      "height, determine yaw more reliably",
+      diversity.strips, diversity.strips == 1 ? "" : "s",
+      diversity.strips == 3 ? ", parallel and at one height" : "");
+}
+
+/// P(chi2_3 > x).
+double ChiSquareTail3(double x) {
+  return std::erfc(std::sqrt(0.5 * x)) + std::sqrt(2.0 * x / std::numbers::pi) * std::exp(-0.5 * x);
+}
+
+}  // namespace
+
+namespace internal {
+
+void DescribeStrips(const Flight& flight, GaussHelmertCalibration* calibration) {
+  calibration->mean_range_m = MeanRange(calibration->problem);
+  const std::vector<StripInterval> strips = FindStrips(flight);
+  const std::vector<StripMotion> motions = Motions(flight, strips);
+  StripDiversity& diversity = calibration->diversity;
+  diversity.strips = static_cast<int>(strips.size());
+  for (const StripMotion& a : motions) {
+    for (const StripMotion& b : motions) {
+      const double turn = std::remainder(a.course_rad - b.course_rad, std::numbers::pi);
+      if (std::abs(turn) >= kCrossingRad) diversity.crossing = true;
+      if (a.height_m - b.height_m >= kHeightPerRange * calibration->mean_range_m) {
+        diversity.heights = true;
+      }
+    }
+  }
+}
+
+void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
+  BoresightResult& boresight = calibration->boresight;
+  const GaussHelmertResult& adjustment = calibration->adjustment;
+  AssessObservability(&boresight);
+  const auto add = [&](const std::string& reason) {
+    if (!reason.empty()) boresight.reasons.push_back(reason);
+  };
+  const Vector3d attitude_rad =
+      calibration->accuracy.sigma_rph_rad * std::max(1.0, calibration->scatter.attitude_ratio);
+  const double attitude_m = AttitudeInPairs(calibration->problem, attitude_rad);
+  const double pair_m = PairSigma(calibration->problem);
+  const std::string sizes = Format(
+      "the attitude error of the trajectory (%s) changes the difference of a pair by %.3f m at "
+      "%.0f m, "
+      "whose own sigma is %.3f m",
+      Triple(attitude_rad).c_str(), attitude_m, calibration->mean_range_m, pair_m);
+  if (attitude_m > pair_m) {
+    if (boresight.verdict == "calibrated") boresight.verdict = "absorbed";
+    add(sizes +
+        ": the angles contain that error and make the cloud consistent, but are not those of "
+        "the mounting; the dynamic network separates the two");
+  } else {
+    add(sizes + ": noise level");
+  }
+  add(AboutStrips(calibration->diversity));
+  if (adjustment.pairs_kept < kFewPairs) {
+    add(Format("only %ld pairs", adjustment.pairs_kept));
+  }
+  const double share =
+      static_cast<double>(adjustment.outliers) / static_cast<double>(adjustment.weights.size());
+  if (share > kManyOutliers) {
+    add(Format("%.0f %% of the pairs are outliers: look at the matching", 100.0 * share));
+  }
+  add(WhyTheSigmasDiffer(*calibration));
+  for (const EstimateEntry& entry : flight.config.estimate) {
+    if (entry.unknown != "boresight") {
+      add(entry.unknown +
+          " is not estimated: the Gauss-Helmert adjustment knows the boresight only");
+    }
+  }
+}
+
+}  // namespace internal
+
+MethodDifference Compare(const BoresightResult& a, const BoresightResult& b) {
+  MethodDifference out;
+  out.difference_rad = Log(Eigen::Quaterniond(Exp(a.angles_rad) * Exp(b.angles_rad).conjugate()));
+  out.covariance_rad2 = a.covariance_rad2 + b.covariance_rad2;
+  out.mahalanobis2 = out.difference_rad.dot(out.covariance_rad2.inverse() * out.difference_rad);
+  out.p_value = ChiSquareTail3(out.mahalanobis2);
+  return out;
+}
+
+void AssessAgainstNetwork(const BoresightResult& network, GaussHelmertCalibration* gauss_helmert) {
+  BoresightResult& boresight = gauss_helmert->boresight;
+  const MethodDifference difference = Compare(boresight, network);
+  const bool contradicts = difference.p_value < kThreeSigma;
+  if (contradicts && boresight.verdict == "calibrated") boresight.verdict = "absorbed";
+  boresight.reasons.push_back(Format(
+      "differs from the dynamic network by %s (p = %.2g): %s",
+      Triple(difference.difference_rad).c_str(), difference.p_value,
+      contradicts ? "more than both sigmas explain, so the trajectory holds an attitude error "
+                    "beyond its stated sigma, and the network's angles are the mounting's"
+                  : "within both sigmas"));
+}
+
+}  // namespace dn

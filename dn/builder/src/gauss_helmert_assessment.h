@@ -1,0 +1,13 @@
+#pragma once
+
+#include <dn/builder/gauss_helmert_flight.h>
+
+namespace dn::internal {
+
+/// Fills diversity and mean_range_m.
+void DescribeStrips(const Flight& flight, GaussHelmertCalibration* calibration);
+
+/// Fills verdict and reasons of a calibration that is otherwise complete.
+void Assess(const Flight& flight, GaussHelmertCalibration* calibration);
+
+}  // namespace dn::internal

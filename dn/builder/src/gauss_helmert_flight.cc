@@ -1,0 +1,267 @@
+#include <dn/builder/adjust.h>
+#include <dn/builder/gauss_helmert_flight.h>
+#include <dn/builder/pose_interpolator.h>
+#include <dn/error.h>
+#include <dn/geo/text_table.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "gauss_helmert_assessment.h"
+
+namespace dn {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using Eigen::Vector3d;
+
+// On the chi-distributed norm of a pair's misclosure, exceeded by one good pair in ten.
+constexpr double kRobustWidth = 2.5;
+constexpr int kMostStripsInBlocks = 60;
+
+double Since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Sigmas of trajectory_sigma.txt by time.
+class SigmaFile {
+ public:
+  explicit SigmaFile(const fs::path& file) : table_(ReadTextTable(file, {10})) {
+    ContinueAndCheckTimes(table_, keep_);
+    for (const std::size_t i : keep_) {
+      const double* row = table_.row(i);
+      if (std::any_of(row + 1, row + 10, [](double sigma) { return !(sigma > 0.0); })) {
+        throw InvalidInput("a standard deviation is not positive",
+                           FileLocation{file.string(), table_.lines[i], 0});
+      }
+    }
+  }
+
+  void At(double t_s, Vector3d* sigma_ned_m, Vector3d* sigma_rph_rad) const {
+    const auto after =
+        std::upper_bound(keep_.begin(), keep_.end(), t_s,
+                         [&](double t, std::size_t i) { return t < table_.row(i)[0]; });
+    const double first_s = table_.row(keep_.front())[0], last_s = table_.row(keep_.back())[0];
+    if (after == keep_.begin() || t_s > last_s) {
+      throw InvalidInput("the pair epoch " + FormatDouble(t_s) +
+                             " s lies outside the standard deviations of the trajectory (" +
+                             FormatDouble(first_s) + " s to " + FormatDouble(last_s) +
+                             " s); give those of the same run, or remove the file",
+                         FileLocation{table_.file.string(), 0, 0});
+    }
+    const double* b = table_.row(after == keep_.end() ? keep_.back() : *after);
+    const double* a = table_.row(*(after - 1));
+    const double s = b[0] > a[0] ? (t_s - a[0]) / (b[0] - a[0]) : 0.0;
+    const auto at = [&](int column) { return (1.0 - s) * a[column] + s * b[column]; };
+    *sigma_ned_m = Vector3d(at(2), at(1), at(3));
+    *sigma_rph_rad = Vector3d(at(7), at(8), at(9)) * kRadPerDeg;
+  }
+
+ private:
+  TextTable table_;
+  std::vector<std::size_t> keep_;
+};
+
+// Interpolates and keeps the figures of what it did.
+class PairPoses {
+ public:
+  explicit PairPoses(const Flight& flight)
+      : linear_only_(flight.config.gh.libor_compat),
+        linear_(flight.trajectory->InMap(flight.frame), PoseInterpolator::Method::kLinear),
+        cubic_(flight.trajectory->InMap(flight.frame), PoseInterpolator::Method::kCubic) {
+    const std::vector<NavPoint>& points = flight.trajectory->points();
+    std::vector<double> steps_s;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      steps_s.push_back(points[i].t_s - points[i - 1].t_s);
+    }
+    const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
+    std::nth_element(steps_s.begin(), middle, steps_s.end());
+    figures_.median_step_s = *middle;
+    figures_.method = linear_only_ ? "linear" : "cubic (attitude: rotation vectors, position: ";
+    if (!linear_only_) {
+      figures_.method += flight.trajectory->notes().velocity_from_file
+                             ? "with the file's velocities)"
+                             : "with differentiated positions)";
+    }
+  }
+
+  MapPose At(double t_s) {
+    const MapPose linear = linear_.At(t_s);
+    const MapPose cubic = cubic_.At(t_s);
+    const double angle = linear.q_mb.angularDistance(cubic.q_mb);
+    sum2_ += angle * angle;
+    n_ += 1.0;
+    figures_.cubic_minus_linear_max_rad = std::max(figures_.cubic_minus_linear_max_rad, angle);
+    return linear_only_ ? linear : cubic;
+  }
+
+  PoseInterpolation Figures() const {
+    PoseInterpolation figures = figures_;
+    if (n_ > 0.0) figures.cubic_minus_linear_rms_rad = std::sqrt(sum2_ / n_);
+    return figures;
+  }
+
+ private:
+  bool linear_only_;
+  PoseInterpolator linear_, cubic_;
+  PoseInterpolation figures_;
+  double sum2_ = 0.0, n_ = 0.0;
+};
+
+GaussHelmertEnd MakeEnd(const Flight& flight, double t_s, const Vector3d& u_s, PairPoses* poses) {
+  const MapPose pose = poses->At(t_s);
+  const TrajectoryConfig& trajectory = *flight.config.trajectory;
+  GaussHelmertEnd end;
+  end.t_s = t_s;
+  end.q_mb = pose.q_mb;
+  end.p_mb = pose.p_mb;
+  end.q_mn = Eigen::Quaterniond(flight.frame.R_mn(pose.p_mb)).normalized();
+  end.sigma_ned_m = Vector3d(trajectory.sigma_xy_m, trajectory.sigma_xy_m, trajectory.sigma_z_m);
+  end.sigma_rph_rad =
+      Vector3d(trajectory.sigma_rp_rad, trajectory.sigma_rp_rad, trajectory.sigma_y_rad);
+  end.u_b = flight.config.lidar->mounting.R_bs_nominal * u_s;
+  return end;
+}
+
+GaussHelmertOptions MakeOptions(const FlightConfig& config, int threads) {
+  GaussHelmertOptions options;
+  options.libor_compat = config.gh.libor_compat;
+  options.model = config.gh.exponential && !config.gh.libor_compat ? BoresightModel::kExponential
+                                                                   : BoresightModel::kSmallAngle;
+  if (config.lidar->robust == RobustKind::kHuber) {
+    options.loss = {Loss::Type::kHuber, kRobustWidth};
+  } else if (config.lidar->robust == RobustKind::kCauchy) {
+    options.loss = {Loss::Type::kCauchy, kRobustWidth};
+  }
+  options.threads = threads;
+  return options;
+}
+
+void CheckEstimate(const FlightConfig& config) {
+  const auto is_boresight = [](const EstimateEntry& entry) { return entry.unknown == "boresight"; };
+  if (std::none_of(config.estimate.begin(), config.estimate.end(), is_boresight)) {
+    throw InvalidConfig(
+        "the Gauss-Helmert adjustment estimates the boresight, which `estimate` does not name");
+  }
+}
+
+void FillBoresight(GaussHelmertCalibration* calibration) {
+  const GaussHelmertResult& adjustment = calibration->adjustment;
+  BoresightResult& boresight = calibration->boresight;
+  boresight.angles_rad = adjustment.boresight_rad;
+  boresight.euler_zyx_rad = RollPitchHeading(Exp(adjustment.boresight_rad));
+  boresight.covariance_rad2 = ReliableCovariance(adjustment, calibration->scatter,
+                                                 calibration->accuracy.attitude_covariance_rad2);
+  boresight.condition_number = adjustment.condition_number;
+  boresight.sigma_apriori_rad = adjustment.covariance_apriori_rad2.diagonal().cwiseSqrt();
+  boresight.sigma_scaled_rad = adjustment.covariance_scaled_rad2.diagonal().cwiseSqrt();
+  AdjustmentFigures& figures = calibration->figures;
+  figures.sigma0 = adjustment.sigma0;
+  figures.chi2 = adjustment.chi2;
+  figures.redundancy = adjustment.redundancy;
+  figures.iterations = adjustment.iterations;
+  figures.converged = adjustment.converged;
+  figures.parameters = 3;
+  figures.outliers = adjustment.outliers;
+  figures.correspondences = adjustment.pairs_kept;
+}
+
+}  // namespace
+
+GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight,
+                                            PoseInterpolation* interpolation) {
+  if (!flight.trajectory || !flight.pairs || !flight.config.lidar || !flight.config.trajectory) {
+    throw InvalidInput("the Gauss-Helmert adjustment needs a trajectory and point pairs");
+  }
+  const LidarConfig& lidar = *flight.config.lidar;
+  GaussHelmertProblem problem;
+  problem.lever_arm_b_m = lidar.mounting.lever_arm_b_m;
+  problem.boresight_rad = lidar.mounting.boresight_rad;
+  problem.boresight_sigma_rad = lidar.boresight_sigma_rad;
+  problem.q_me = Eigen::Quaterniond(flight.frame.R_me()).normalized();
+  PairPoses poses(flight);
+  problem.pairs.reserve(flight.pairs->pairs.size());
+  for (const LidarPair& pair : flight.pairs->pairs) {
+    GaussHelmertPair condition;
+    condition.i = MakeEnd(flight, pair.t_i_s, pair.u_i_s, &poses);
+    condition.j = MakeEnd(flight, pair.t_j_s, pair.u_j_s, &poses);
+    condition.covariance_m2 = pair.covariance_m2.value_or(lidar.sigma_p_m * lidar.sigma_p_m *
+                                                          Eigen::Matrix3d::Identity());
+    problem.pairs.push_back(condition);
+  }
+  if (interpolation != nullptr) *interpolation = poses.Figures();
+  return problem;
+}
+
+TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
+                                          const GaussHelmertProblem& problem) {
+  const fs::path file = (flight.config.folder / flight.config.trajectory->file)
+                            .replace_filename("trajectory_sigma.txt");
+  std::optional<SigmaFile> sigma_file;
+  std::error_code none;
+  if (fs::is_regular_file(file, none)) sigma_file.emplace(file);
+  TrajectoryAccuracy accuracy;
+  accuracy.source = sigma_file ? "trajectory_sigma.txt" : "the section trajectory of flight.yaml";
+  Vector3d position2 = Vector3d::Zero(), attitude2 = Vector3d::Zero();
+  const auto add = [&](const GaussHelmertEnd& end) {
+    Vector3d sigma_ned_m = end.sigma_ned_m, sigma_rph_rad = end.sigma_rph_rad;
+    if (sigma_file) sigma_file->At(end.t_s, &sigma_ned_m, &sigma_rph_rad);
+    const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
+    const Eigen::Matrix3d F = BodyFromEulerRates(down_b) * sigma_rph_rad.asDiagonal();
+    position2 += sigma_ned_m.cwiseAbs2();
+    attitude2 += sigma_rph_rad.cwiseAbs2();
+    accuracy.attitude_covariance_rad2 += F * F.transpose();
+  };
+  for (const GaussHelmertPair& pair : problem.pairs) {
+    add(pair.i);
+    add(pair.j);
+  }
+  const double n = 2.0 * static_cast<double>(problem.pairs.size());
+  accuracy.sigma_ned_m = (position2 / n).cwiseSqrt();
+  accuracy.sigma_rph_rad = (attitude2 / n).cwiseSqrt();
+  accuracy.attitude_covariance_rad2 /= n;
+  return accuracy;
+}
+
+GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
+                                              const GaussHelmertFlightOptions& options) {
+  const auto stage = [&](const std::string& name) {
+    if (options.interrupted && options.interrupted()) throw Interrupted();
+    if (options.progress) options.progress(name);
+  };
+  CheckEstimate(flight.config);
+  const auto start = Clock::now();
+  GaussHelmertCalibration calibration;
+  stage("poses of the pairs");
+  calibration.problem = MakeGaussHelmertProblem(flight, &calibration.interpolation);
+  calibration.accuracy = ReadTrajectoryAccuracy(flight, calibration.problem);
+  stage("Gauss-Helmert adjustment");
+  calibration.options = MakeOptions(flight.config, options.threads);
+  calibration.adjustment = AdjustGaussHelmert(calibration.problem, calibration.options);
+  if (!calibration.adjustment.converged) {
+    throw NotConverged("the Gauss-Helmert adjustment did not converge in " +
+                       std::to_string(calibration.adjustment.iterations) +
+                       " iterations; are the pairs of this flight, and the mounting matrix right?");
+  }
+  calibration.solve_time_s = Since(start);
+
+  const auto covariance_start = Clock::now();
+  stage("covariance under time-correlated errors");
+  internal::DescribeStrips(flight, &calibration);
+  TrajectoryScatterOptions scatter;
+  scatter.sigma_ned_m = calibration.accuracy.sigma_ned_m;
+  scatter.sigma_rph_rad = calibration.accuracy.sigma_rph_rad;
+  scatter.max_blocks =
+      std::max(scatter.max_blocks, std::min(kMostStripsInBlocks, calibration.diversity.strips));
+  calibration.scatter = EstimateTrajectoryScatter(calibration.problem, calibration.adjustment,
+                                                  calibration.options.model, scatter);
+  FillBoresight(&calibration);
+  internal::Assess(flight, &calibration);
+  calibration.covariance_time_s = Since(covariance_start);
+  return calibration;
+}
+
+}  // namespace dn

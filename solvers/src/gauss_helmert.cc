@@ -1,0 +1,416 @@
+#include <dn/error.h>
+#include <dn/rotation.h>
+#include <dn/solvers/gauss_helmert.h>
+#include <dn/solvers/robust_loss.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "gauss_helmert_pair.h"
+#include "parallel.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using internal::EndTerms;
+
+constexpr int kChunk = 2048;              // pairs summed at a time: fixed, so that sums do not
+                                          // depend on the number of threads
+constexpr double kFreeDirection = 1e-12;  // ratio of eigenvalues at which rounding takes over
+constexpr double kRoundingM = 1e-6;       // no difference below it is an outlier
+constexpr int kLiborIterations = 5;
+constexpr double kLiborToleranceRad = 1e-9;
+constexpr double kRobustStartToleranceRad = 1e-6;
+
+std::string EndName(std::size_t k, const char* which) {
+  return "pair " + std::to_string(k) + ", end " + which;
+}
+
+bool PositiveAndFinite(const Vector3d& sigma) {
+  return sigma.allFinite() && sigma.minCoeff() > 0.0;
+}
+
+void CheckEnd(const GaussHelmertEnd& end, std::size_t k, const char* which) {
+  constexpr double kUnit = 1e-6;
+  if (!end.q_mb.coeffs().allFinite() || !end.q_mn.coeffs().allFinite() || !end.p_mb.allFinite()) {
+    throw InvalidInput(EndName(k, which) + ": the pose is not finite");
+  }
+  if (std::abs(end.q_mb.norm() - 1.0) > kUnit || std::abs(end.q_mn.norm() - 1.0) > kUnit) {
+    throw InvalidInput(EndName(k, which) + ": a quaternion does not have unit norm");
+  }
+  if (!end.u_b.allFinite() || !(end.u_b.norm() > 0.0)) {
+    throw InvalidInput(EndName(k, which) + ": the laser vector is zero or not finite");
+  }
+  if (!PositiveAndFinite(end.sigma_ned_m) || !PositiveAndFinite(end.sigma_rph_rad)) {
+    throw InvalidInput(EndName(k, which) +
+                       ": a sigma of the trajectory is not positive and finite");
+  }
+}
+
+bool SameEnd(const GaussHelmertEnd& a, const GaussHelmertEnd& b) {
+  return a.q_mb.coeffs() == b.q_mb.coeffs() && a.p_mb == b.p_mb && a.u_b == b.u_b;
+}
+
+void CheckProblem(const GaussHelmertProblem& problem) {
+  if (!problem.lever_arm_b_m.allFinite() || !problem.boresight_rad.allFinite()) {
+    throw InvalidInput("the lever arm or the initial boresight is not finite");
+  }
+  if (problem.boresight_sigma_rad && !PositiveAndFinite(*problem.boresight_sigma_rad)) {
+    throw InvalidInput("the sigma of the initial boresight is not positive and finite");
+  }
+  const std::vector<GaussHelmertPair>& pairs = problem.pairs;
+  if (pairs.size() < 2) {
+    throw InvalidInput("the boresight needs at least two point pairs, there " +
+                       std::string(pairs.empty() ? "is none" : "is one"));
+  }
+  bool different = false;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    CheckEnd(pairs[k].i, k, "i");
+    CheckEnd(pairs[k].j, k, "j");
+    if (!pairs[k].covariance_m2.allFinite() ||
+        Eigen::LLT<Matrix3d>(pairs[k].covariance_m2).info() != Eigen::Success) {
+      throw InvalidInput("pair " + std::to_string(k) +
+                         ": the covariance of its difference is not positive definite");
+    }
+    different = different || !SameEnd(pairs[k].i, pairs[0].i) || !SameEnd(pairs[k].j, pairs[0].j);
+  }
+  if (!different) {
+    throw InvalidInput("all " + std::to_string(pairs.size()) +
+                       " point pairs are one and the same; different ones are needed");
+  }
+}
+
+/// Weighted sums over the pairs at one state.
+struct Sums {
+  Matrix3d N = Matrix3d::Zero();
+  Vector3d g = Vector3d::Zero();  // A^T S w~
+  double chi2 = 0.0;
+  double chi2_conditions = 0.0;
+
+  void operator+=(const Sums& other) {
+    N += other.N;
+    g += other.g;
+    chi2 += other.chi2;
+    chi2_conditions += other.chi2_conditions;
+  }
+};
+
+class Adjuster {
+ public:
+  Adjuster(const GaussHelmertProblem& problem, const GaussHelmertOptions& options)
+      : problem_(problem),
+        options_(options),
+        model_(options.libor_compat ? BoresightModel::kSmallAngle : options.model),
+        theta_(problem.boresight_rad),
+        R_me_(problem.q_me.toRotationMatrix()) {
+    const std::size_t n = problem.pairs.size();
+    result_.weights.assign(n, 1.0);
+    result_.corrections.assign(n, PairCorrection::Zero());
+    norms_m_.resize(n);
+  }
+
+  GaussHelmertResult Run() {
+    UpdateNorms();
+    result_.residual_initial_m = MeanNorm();
+    if (options_.loss.type == Loss::Type::kNone) {
+      RunLeastSquares();
+    } else {
+      RunRobust();
+    }
+    Finish();
+    return std::move(result_);
+  }
+
+ private:
+  struct PairTerms {
+    Vector3d w;  // w~
+    Matrix3d A, S;
+    internal::EndNoise noise_i, noise_j;
+    Matrix3d L_i, L_j;  // d w / d attitude times the factor of the attitude's covariance
+  };
+
+  int num_pairs() const { return static_cast<int>(problem_.pairs.size()); }
+
+  // Calls work(chunk, first, past) for all chunks of pairs.
+  template <class Work>
+  void ForChunks(const Work& work) const {
+    const int chunks = (num_pairs() + kChunk - 1) / kChunk;
+    ParallelFor(chunks, options_.threads, [&](int c) {
+      work(static_cast<std::size_t>(c), static_cast<std::size_t>(c) * kChunk,
+           static_cast<std::size_t>(std::min(num_pairs(), (c + 1) * kChunk)));
+    });
+  }
+
+  std::size_t num_chunks() const {
+    return static_cast<std::size_t>((num_pairs() + kChunk - 1) / kChunk);
+  }
+
+  PairTerms Terms(std::size_t k) const {
+    const GaussHelmertPair& pair = problem_.pairs[k];
+    const PairCorrection& v = result_.corrections[k];
+    const EndTerms i = internal::EvaluateEnd(pair.i, problem_.lever_arm_b_m, model_, theta_,
+                                             q_theta_, v.segment<3>(0), v.segment<3>(3));
+    const EndTerms j = internal::EvaluateEnd(pair.j, problem_.lever_arm_b_m, model_, theta_,
+                                             q_theta_, v.segment<3>(6), v.segment<3>(9));
+    PairTerms terms;
+    terms.A = i.J_theta - j.J_theta;
+    terms.noise_i = internal::EvaluateNoise(pair.i);
+    terms.noise_j = internal::EvaluateNoise(pair.j);
+    Matrix3d B_i = i.J_phi, B_j = -j.J_phi;
+    if (options_.libor_compat) TurnAsLibor(pair, &terms, &B_i, &B_j);
+    terms.L_i.noalias() = B_i * terms.noise_i.attitude_factor;
+    terms.L_j.noalias() = B_j * terms.noise_j.attitude_factor;
+    terms.w = i.x - j.x - (v.segment<3>(0) - v.segment<3>(6)) - B_i * v.segment<3>(3) -
+              B_j * v.segment<3>(9);
+    Matrix3d M = pair.covariance_m2 + terms.noise_i.position + terms.noise_j.position;
+    M.noalias() += terms.L_i * terms.L_i.transpose();
+    M.noalias() += terms.L_j * terms.L_j.transpose();
+    terms.S = M.inverse();
+    return terms;
+  }
+
+  // libor turns its observations' derivatives by R_me alone: the position sigmas then stand along
+  // ECEF axes, and the derivatives of R_nb lack R_en.
+  void TurnAsLibor(const GaussHelmertPair& pair, PairTerms* terms, Matrix3d* B_i,
+                   Matrix3d* B_j) const {
+    const auto turn = [&](const GaussHelmertEnd& end, internal::EndNoise* noise, Matrix3d* B) {
+      const Matrix3d L = R_me_ * end.sigma_ned_m.asDiagonal();
+      noise->position = L * L.transpose();
+      *B = R_me_ * end.q_mn.toRotationMatrix().transpose() * *B;
+    };
+    turn(pair.i, &terms->noise_i, B_i);
+    turn(pair.j, &terms->noise_j, B_j);
+  }
+
+  Sums Accumulate() {
+    std::vector<Sums> partial(num_chunks());
+    ForChunks([&](std::size_t c, std::size_t first, std::size_t past) {
+      for (std::size_t k = first; k < past; ++k) {
+        if (result_.weights[k] == 0.0) continue;
+        const PairTerms terms = Terms(k);
+        const Vector3d lambda = terms.S * terms.w;
+        const double d2 = terms.w.dot(lambda);
+        if (loss_.type != Loss::Type::kNone) {
+          result_.weights[k] = EvaluateLoss(loss_, d2).rho_prime;
+        }
+        const double weight = result_.weights[k];
+        const Matrix3d AtS = weight * terms.A.transpose() * terms.S;
+        partial[c].N.noalias() += AtS * terms.A;
+        partial[c].g.noalias() += AtS * terms.w;
+        partial[c].chi2 += weight * d2;
+        partial[c].chi2_conditions += weight * lambda.dot(problem_.pairs[k].covariance_m2 * lambda);
+      }
+    });
+    Sums sums;
+    for (const Sums& part : partial) sums += part;
+    AddPrior(&sums);
+    return sums;
+  }
+
+  void AddPrior(Sums* sums) const {
+    if (!problem_.boresight_sigma_rad) return;
+    const Vector3d weight = problem_.boresight_sigma_rad->cwiseAbs2().cwiseInverse();
+    Vector3d r = theta_ - problem_.boresight_rad;
+    Matrix3d J = Matrix3d::Identity();
+    if (model_ == BoresightModel::kExponential) {
+      r = Log(Eigen::Quaterniond(q_theta_ * Exp(problem_.boresight_rad).conjugate()));
+      J = RightJacobianInverse(-r);
+    }
+    sums->N += J.transpose() * weight.asDiagonal() * J;
+    sums->g += J.transpose() * weight.cwiseProduct(r);
+    sums->chi2 += r.dot(weight.cwiseProduct(r));
+  }
+
+  // v = -P^-1 B^T S (A d + w~), with the terms at which d was found.
+  void UpdateCorrections(const Vector3d& d) {
+    ForChunks([&](std::size_t, std::size_t first, std::size_t past) {
+      for (std::size_t k = first; k < past; ++k) {
+        const PairTerms terms = Terms(k);
+        const Vector3d lambda = terms.S * (terms.A * d + terms.w);
+        PairCorrection& v = result_.corrections[k];
+        v.segment<3>(0) = -terms.noise_i.position * lambda;
+        v.segment<3>(3) = -terms.noise_i.attitude_factor * (terms.L_i.transpose() * lambda);
+        v.segment<3>(6) = terms.noise_j.position * lambda;
+        v.segment<3>(9) = -terms.noise_j.attitude_factor * (terms.L_j.transpose() * lambda);
+      }
+    });
+  }
+
+  void CheckRank(const Matrix3d& N) const {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(N);
+    const Vector3d values = eigen.eigenvalues();
+    if (N.allFinite() && values[0] > kFreeDirection * values[2]) return;
+    const Vector3d free = N.allFinite() ? Vector3d(eigen.eigenvectors().col(0)) : Vector3d::Zero();
+    char text[200];
+    std::snprintf(text, sizeof(text), "%+.2f roll %+.2f pitch %+.2f yaw", free.x(), free.y(),
+                  free.z());
+    throw RankDeficient(std::string("the point pairs leave a direction of the boresight free: ") +
+                        text + "; pairs between strips of other heading or height are needed");
+  }
+
+  Vector3d Step() {
+    const Sums sums = Accumulate();
+    CheckRank(sums.N);
+    const Vector3d d = -sums.N.llt().solve(sums.g);
+    if (!options_.libor_compat) UpdateCorrections(d);
+    SetBoresight(model_ == BoresightModel::kExponential ? Log(Eigen::Quaterniond(Exp(d) * q_theta_))
+                                                        : Vector3d(theta_ + d));
+    ++result_.iterations;
+    return d;
+  }
+
+  void SetBoresight(const Vector3d& theta_rad) {
+    theta_ = theta_rad;
+    q_theta_ = Exp(theta_rad);
+  }
+
+  // Ends when the step that would come next, by the rate of the last two, is below the tolerance.
+  bool Iterate(int max_iterations, double tolerance_rad) {
+    double previous = 0.0;
+    for (int i = 0; i < max_iterations; ++i) {
+      const double step = Step().norm();
+      if (step <= tolerance_rad || step * step <= tolerance_rad * previous) return true;
+      previous = step;
+    }
+    return false;
+  }
+
+  void RunLeastSquares() {
+    const bool libor = options_.libor_compat;
+    const int most = libor ? kLiborIterations : options_.max_iterations;
+    const double tolerance = libor ? kLiborToleranceRad : options_.tolerance_rad;
+    result_.converged = Iterate(most, tolerance);
+    if (options_.outlier_medians <= 0.0 || !result_.converged || !DropOutliers()) return;
+    if (libor) {
+      Step();
+    } else {
+      result_.converged = Iterate(most, tolerance);
+    }
+  }
+
+  // A re-descending loss has many minima: it starts where the convex one ended.
+  void RunRobust() {
+    loss_ = {Loss::Type::kHuber, options_.loss.width};
+    Iterate(options_.max_iterations, kRobustStartToleranceRad);
+    loss_ = options_.loss;
+    result_.converged = Iterate(options_.max_iterations, options_.tolerance_rad);
+  }
+
+  // |w| of every pair with the trajectory as given.
+  void UpdateNorms() {
+    ForChunks([&](std::size_t, std::size_t first, std::size_t past) {
+      for (std::size_t k = first; k < past; ++k) {
+        norms_m_[k] = LinearisePair(problem_.pairs[k], problem_.lever_arm_b_m, model_, theta_,
+                                    PairCorrection::Zero())
+                          .w.norm();
+      }
+    });
+  }
+
+  double MeanNorm() const {
+    double sum = 0.0;
+    double n = 0.0;
+    for (std::size_t k = 0; k < norms_m_.size(); ++k) {
+      if (result_.weights[k] == 0.0) continue;
+      sum += norms_m_[k];
+      n += 1.0;
+    }
+    return n > 0.0 ? sum / n : 0.0;
+  }
+
+  bool DropOutliers() {
+    UpdateNorms();
+    std::vector<double> sorted = norms_m_;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    const double limit_m = std::max(options_.outlier_medians * *middle, kRoundingM);
+    bool dropped = false;
+    for (std::size_t k = 0; k < norms_m_.size(); ++k) {
+      if (norms_m_[k] <= limit_m) continue;
+      result_.weights[k] = 0.0;
+      dropped = true;
+    }
+    return dropped;
+  }
+
+  void Finish() {
+    const Sums sums = Accumulate();
+    CheckRank(sums.N);
+    result_.boresight_rad = theta_;
+    result_.normal = sums.N;
+    result_.covariance_apriori_rad2 = sums.N.inverse();
+    const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(sums.N).eigenvalues();
+    result_.condition_number = values[2] / values[0];
+    result_.pairs_kept = std::count_if(result_.weights.begin(), result_.weights.end(),
+                                       [](double weight) { return weight > 0.0; });
+    result_.outliers = std::count_if(result_.weights.begin(), result_.weights.end(),
+                                     [](double weight) { return weight < 0.5; });
+    result_.redundancy = 3 * result_.pairs_kept - (problem_.boresight_sigma_rad ? 0 : 3);
+    result_.chi2 = sums.chi2;
+    result_.chi2_conditions = sums.chi2_conditions;
+    Sums prior;
+    AddPrior(&prior);
+    result_.chi2_observations = sums.chi2 - sums.chi2_conditions - prior.chi2;
+    result_.sigma0 = std::sqrt(sums.chi2 / static_cast<double>(result_.redundancy));
+    result_.covariance_scaled_rad2 =
+        result_.sigma0 * result_.sigma0 * result_.covariance_apriori_rad2;
+    UpdateNorms();
+    result_.residual_final_m = MeanNorm();
+    if (options_.libor_compat) UpdateCorrections(Vector3d::Zero());
+  }
+
+  const GaussHelmertProblem& problem_;
+  const GaussHelmertOptions& options_;
+  const BoresightModel model_;
+  Loss loss_;
+  Vector3d theta_;
+  Eigen::Quaterniond q_theta_ = Exp(theta_);
+  Matrix3d R_me_;
+  std::vector<double> norms_m_;
+  GaussHelmertResult result_;
+};
+
+}  // namespace
+
+void GaussHelmertOptions::Validate() const {
+  if (!(outlier_medians == 0.0 || outlier_medians > 1.0)) {
+    throw InvalidConfig("outlier_medians is " + std::to_string(outlier_medians) +
+                        ", must be 0 or above 1");
+  }
+  if (loss.type != Loss::Type::kNone && !(loss.width > 0.0 && std::isfinite(loss.width))) {
+    throw InvalidConfig("the width of the robust loss is " + std::to_string(loss.width) +
+                        ", must be positive");
+  }
+  if (libor_compat && loss.type != Loss::Type::kNone) {
+    throw InvalidConfig("libor_compat and a robust loss exclude each other");
+  }
+  if (max_iterations < 1) {
+    throw InvalidConfig("max_iterations is " + std::to_string(max_iterations) +
+                        ", must be at least 1");
+  }
+  if (!(tolerance_rad > 0.0)) throw InvalidConfig("tolerance_rad must be positive");
+  if (threads < 1) {
+    throw InvalidConfig("threads is " + std::to_string(threads) + ", must be at least 1");
+  }
+}
+
+Eigen::Matrix3d GaussHelmertResult::correlation() const {
+  const Vector3d inverse = covariance_apriori_rad2.diagonal().cwiseSqrt().cwiseInverse();
+  return inverse.asDiagonal() * covariance_apriori_rad2 * inverse.asDiagonal();
+}
+
+GaussHelmertResult AdjustGaussHelmert(const GaussHelmertProblem& problem,
+                                      const GaussHelmertOptions& options) {
+  options.Validate();
+  CheckProblem(problem);
+  return Adjuster(problem, options).Run();
+}
+
+}  // namespace dn

@@ -1,0 +1,243 @@
+#include <dn/error.h>
+#include <dn/solvers/trajectory_scatter.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "testing/strip_pairs.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using testing::FlightLine;
+using testing::PoseError;
+using testing::StripPairOptions;
+
+/// A time-correlated error of the trajectory: six Gauss-Markov processes (position in map, attitude
+/// in body) on a grid fine against tau, plus a constant attitude error.
+class CorrelatedErrors {
+ public:
+  CorrelatedErrors(const Vector3d& sigma_m, const Vector3d& sigma_rad, double tau_s,
+                   const Vector3d& constant_rad, std::mt19937& rng)
+      : constant_rad_(testing::NormalVector(rng, constant_rad)) {
+    const double decay = std::exp(-kStepS / tau_s);
+    const double drive = std::sqrt(1.0 - decay * decay);
+    PoseError error{testing::NormalVector(rng, sigma_m), testing::NormalVector(rng, sigma_rad)};
+    for (double t = kBeginS; t < kEndS; t += kStepS) {
+      errors_.push_back(error);
+      error.position_m = decay * error.position_m + drive * testing::NormalVector(rng, sigma_m);
+      error.attitude_rad =
+          decay * error.attitude_rad + drive * testing::NormalVector(rng, sigma_rad);
+    }
+  }
+
+  PoseError operator()(const GaussHelmertEnd& end) const {
+    const double at = (end.t_s - kBeginS) / kStepS;
+    const auto k = static_cast<std::size_t>(at);
+    const double s = at - static_cast<double>(k);
+    const PoseError &a = errors_.at(k), &b = errors_.at(k + 1);
+    return {(1.0 - s) * a.position_m + s * b.position_m,
+            (1.0 - s) * a.attitude_rad + s * b.attitude_rad + constant_rad_};
+  }
+
+ private:
+  static constexpr double kBeginS = 990.0, kEndS = 2500.0, kStepS = 0.5;
+  Vector3d constant_rad_;
+  std::vector<PoseError> errors_;
+};
+
+struct Case {
+  const char* name;
+  std::vector<FlightLine> lines;
+  double constant = 1.0;  ///< sigma of the constant attitude error / the stated sigma
+  double attitude = 1.0;  ///< the same of the Gauss-Markov process
+  double position = 1.0;
+  double tau_s = 100.0;
+};
+
+struct Consistency {
+  double nees = 0.0;                  ///< mean of e^T C^-1 e, 3 expected
+  double formal_nees = 0.0;           ///< the same with the covariance scaled by sigma0
+  Vector3d width = Vector3d::Zero();  ///< rms of the stated sigma / rms of the error
+};
+
+Consistency RunMonteCarlo(const Case& test, int runs) {
+  StripPairOptions options;
+  options.lines = test.lines;
+  options.count = 900;
+  options.sigma_p_m = 0.06;
+  // Between a navigation and a tactical grade: 1 cm and 2 cm at 250 m.
+  options.sigma_rph_rad = Vector3d(4e-5, 4e-5, 9e-5);
+  options.sigma_ned_m = Vector3d(0.01, 0.01, 0.02);
+  const GaussHelmertProblem exact = testing::MakeStripPairs(options);
+  Consistency out;
+  Vector3d error2 = Vector3d::Zero(), stated2 = Vector3d::Zero();
+  for (int run = 0; run < runs; ++run) {
+    std::mt19937 rng(static_cast<unsigned>(run));
+    GaussHelmertProblem problem = exact;
+    testing::Disturb(
+        &problem,
+        CorrelatedErrors(test.position * options.sigma_ned_m, test.attitude * options.sigma_rph_rad,
+                         test.tau_s, test.constant * options.sigma_rph_rad, rng),
+        options.sigma_p_m, rng);
+    const GaussHelmertResult gh = AdjustGaussHelmert(problem);
+    TrajectoryScatterOptions scatter_options;
+    scatter_options.sigma_ned_m = options.sigma_ned_m;
+    scatter_options.sigma_rph_rad = options.sigma_rph_rad;
+    const TrajectoryScatter scatter =
+        EstimateTrajectoryScatter(problem, gh, BoresightModel::kExponential, scatter_options);
+    const Matrix3d C =
+        ReliableCovariance(gh, scatter, Matrix3d(options.sigma_rph_rad.cwiseAbs2().asDiagonal()));
+    const Vector3d e = testing::BoresightError(gh.boresight_rad, options.boresight_rad);
+    out.nees += e.dot(C.inverse() * e) / runs;
+    out.formal_nees += e.dot(gh.covariance_scaled_rad2.inverse() * e) / runs;
+    error2 += e.cwiseAbs2() / runs;
+    stated2 += C.diagonal() / runs;
+  }
+  out.width = stated2.cwiseQuotient(error2).cwiseSqrt();
+  return out;
+}
+
+std::vector<FlightLine> TwoLines() {
+  return {{{-800, 0, 250}, {800, 0, 250}, 1000.0}, {{800, 100, 250}, {-800, 100, 250}, 1130.0}};
+}
+
+std::vector<FlightLine> FourLines() {
+  std::vector<FlightLine> lines;
+  for (int i = 0; i < 4; ++i) {
+    const double y = 100.0 * i, x = i % 2 == 0 ? 800.0 : -800.0;
+    lines.push_back({{-x, y, 250}, {x, y, 250}, 1000.0 + 100.0 * i});
+  }
+  return lines;
+}
+
+/// Mean over runs of a chi-square of three degrees of freedom, with 99 %.
+double NeesBound(int runs) { return 2.58 * std::sqrt(6.0 / runs); }
+
+constexpr double kWidest = 1.5;  // "not wider than needed by more than half"
+constexpr double kNarrowest = 0.75;
+
+class Consistent : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Consistent, UnderGaussMarkovErrorsPlusAConstant) {
+  constexpr int kRuns = 60;
+  const Consistency result = RunMonteCarlo(GetParam(), kRuns);
+  EXPECT_NEAR(result.nees, 3.0, NeesBound(kRuns));
+  EXPECT_LE(result.width.maxCoeff(), kWidest) << result.width.transpose();
+  EXPECT_GE(result.width.minCoeff(), kNarrowest) << result.width.transpose();
+  EXPECT_GT(result.formal_nees, 60.0);  // what it is for: the formal sigma is too small by far
+}
+
+// The stated sigma is of an epoch. It holds the part that is constant over the flight and the part
+// that varies; 0.85 of it for each lies between "each is as stated" and "their sum is as stated".
+INSTANTIATE_TEST_SUITE_P(
+    TrajectoryScatter, Consistent,
+    ::testing::Values(Case{"three", testing::CrossingLines(), 0.85, 0.85, 0.85, 100.0},
+                      Case{"four", FourLines(), 0.85, 0.85, 0.85, 100.0},
+                      Case{"two", TwoLines(), 0.85, 0.85, 0.85, 100.0},
+                      Case{"short", testing::CrossingLines(), 1.0, 0.7, 0.7, 10.0},
+                      Case{"none", testing::CrossingLines(), 1.0, 0.01, 0.01, 100.0}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(TrajectoryScatter, HoldsAtBothReadingsOfTheStatedSigma) {
+  constexpr int kRuns = 40;
+  for (const double each : {0.7, 1.0}) {
+    const Consistency result =
+        RunMonteCarlo({"", testing::CrossingLines(), each, each, each, 100.0}, kRuns);
+    EXPECT_LT(result.nees, 1.5 * 3.0) << each;
+    EXPECT_LE(result.width.maxCoeff(), kWidest) << each;
+  }
+}
+
+TEST(TrajectoryScatter, NoticesThatTheStatedSigmaIsOptimistic) {
+  constexpr int kRuns = 30;
+  const Consistency result =
+      RunMonteCarlo({"", testing::CrossingLines(), 1.0, 3.0, 3.0, 100.0}, kRuns);
+  EXPECT_GT(result.formal_nees, 3.0 * 100.0);
+  EXPECT_LT(result.nees, 3.0 * 2.5);  // of 3 x 10 with the stated constant alone
+}
+
+struct OneRun {
+  GaussHelmertProblem problem;
+  GaussHelmertResult result;
+  TrajectoryScatterOptions options;
+
+  OneRun() {
+    const StripPairOptions strips;
+    problem = testing::MakeStripPairs(strips);
+    std::mt19937 rng(4);
+    testing::Disturb(
+        &problem,
+        CorrelatedErrors(strips.sigma_ned_m, strips.sigma_rph_rad, 100.0, Vector3d::Zero(), rng),
+        strips.sigma_p_m, rng);
+    options.sigma_ned_m = strips.sigma_ned_m;
+    options.sigma_rph_rad = strips.sigma_rph_rad;
+    Adjust();
+  }
+  void Adjust() { result = AdjustGaussHelmert(problem); }
+  TrajectoryScatter Estimate() const {
+    return EstimateTrajectoryScatter(problem, result, BoresightModel::kExponential, options);
+  }
+};
+
+TEST(TrajectoryScatter, FindsTheErrorsThatAreThere) {
+  const TrajectoryScatter scatter = OneRun().Estimate();
+  EXPECT_GT(scatter.attitude_ratio, 0.3);
+  EXPECT_LT(scatter.attitude_ratio, 3.0);
+  EXPECT_GT(scatter.evidence_nats, 5.0);
+  EXPECT_GT(scatter.tau_s, 10.0);
+  EXPECT_LE(scatter.blocks, 24);
+}
+
+TEST(TrajectoryScatter, DoesNotDependOnTheOrderOfPairsOrEnds) {
+  OneRun run;
+  const TrajectoryScatter before = run.Estimate();
+  std::reverse(run.problem.pairs.begin(), run.problem.pairs.end());
+  for (GaussHelmertPair& pair : run.problem.pairs) std::swap(pair.i, pair.j);
+  run.Adjust();
+  const TrajectoryScatter after = run.Estimate();
+  EXPECT_LE((before.covariance_rad2 - after.covariance_rad2).norm(),
+            1e-6 * before.covariance_rad2.norm());
+}
+
+TEST(TrajectoryScatter, NothingWithoutMisclosures) {
+  OneRun run;
+  run.problem = testing::MakeStripPairs();
+  run.Adjust();
+  const Vector3d sigma = run.Estimate().covariance_rad2.diagonal().cwiseSqrt();
+  EXPECT_LE(sigma.maxCoeff(), 1e-9);  // of stated sigmas of 5e-5 and more
+}
+
+TEST(TrajectoryScatter, TheReliableCovarianceIsTheSumOfItsParts) {
+  const OneRun run;
+  TrajectoryScatter scatter = run.Estimate();
+  const Matrix3d constant = 1e-10 * Matrix3d::Identity();
+  scatter.mean_attitude_ratio = 0.5;
+  const Matrix3d expected = run.result.covariance_scaled_rad2 + scatter.covariance_rad2 + constant;
+  EXPECT_EQ(ReliableCovariance(run.result, scatter, constant), expected);
+  scatter.mean_attitude_ratio = 2.0;
+  EXPECT_LE((ReliableCovariance(run.result, scatter, constant) - expected - 3.0 * constant).norm(),
+            1e-15 * expected.norm() + 1e-24);
+}
+
+TEST(TrajectoryScatter, RejectsBadInput) {
+  const auto expect_bad_option = [](const auto& change) {
+    OneRun run;
+    change(&run.options);
+    EXPECT_THROW(run.Estimate(), InvalidConfig);
+  };
+  expect_bad_option([](TrajectoryScatterOptions* o) { o->sigma_ned_m.x() = 0.0; });
+  expect_bad_option([](TrajectoryScatterOptions* o) { o->sigma_rph_rad.z() = -1.0; });
+  expect_bad_option([](TrajectoryScatterOptions* o) { o->max_blocks = 1; });
+  OneRun run;
+  run.problem.pairs.pop_back();
+  EXPECT_THROW(run.Estimate(), InvalidInput);
+}
+
+}  // namespace
+}  // namespace dn
