@@ -7,9 +7,8 @@
 namespace dn {
 
 GnssData SimulateGnss(const GnssScenario& gnss, const Eigen::Vector3d& lever_arm_b_m,
-                      const TruthTrajectory& truth, std::uint64_t seed, bool noise) {
+                      const TruthTrajectory& truth, std::uint64_t seed, double noise_scale) {
   Random random(seed, "gnss");
-  const double scale = noise ? 1.0 : 0.0;
   const Eigen::Matrix3d position_covariance = gnss.sigma_enu_m.cwiseAbs2().asDiagonal();
   const Eigen::Matrix3d velocity_covariance = kGnssVelocitySigma_enu_mps.cwiseAbs2().asDiagonal();
   GnssData data;
@@ -21,7 +20,7 @@ GnssData SimulateGnss(const GnssScenario& gnss, const Eigen::Vector3d& lever_arm
     const Eigen::Matrix3d R_mb = state.pose.q_mb.toRotationMatrix();
     const Eigen::Vector3d antenna_m = state.pose.p_mb + R_mb * lever_arm_b_m;
     const Eigen::Matrix3d R_m_enu = truth.frame().R_m_enu(antenna_m);
-    const Eigen::Vector3d error_enu = scale * gnss.sigma_enu_m.cwiseProduct(random.Normal3());
+    const Eigen::Vector3d error_enu = noise_scale * gnss.sigma_enu_m.cwiseProduct(random.Normal3());
     GnssEpoch epoch;
     epoch.t_s = t_s;
     epoch.line = ++line;
@@ -29,8 +28,9 @@ GnssData SimulateGnss(const GnssScenario& gnss, const Eigen::Vector3d& lever_arm
     epoch.covariance_enu_m2 = position_covariance;
     if (gnss.velocity) {
       const Eigen::Vector3d v_m = state.pose.v_m + R_mb * state.w_mb_b.cross(lever_arm_b_m);
-      epoch.velocity_enu_mps = R_m_enu.transpose() * v_m +
-                               scale * kGnssVelocitySigma_enu_mps.cwiseProduct(random.Normal3());
+      epoch.velocity_enu_mps =
+          R_m_enu.transpose() * v_m +
+          noise_scale * kGnssVelocitySigma_enu_mps.cwiseProduct(random.Normal3());
       epoch.velocity_covariance_enu = velocity_covariance;
     }
     data.epochs.push_back(epoch);

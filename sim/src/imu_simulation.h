@@ -22,13 +22,12 @@ struct SimulatedImu {
 struct ImuSimulation {
   std::uint64_t seed = 1;
   bool noise = true;
-  Eigen::Vector3d gyro_scale = Eigen::Vector3d::Zero();  ///< measured = (1 + value) true
   std::function<void(double fraction)> progress;
 };
 
 /// Means of rate and specific force over (t_{k-1}, t_k], t_k = begin + k / rate, with the model's
-/// noise.
-SimulatedImu SimulateImu(const ImuScenario& imu, const TruthTrajectory& truth,
+/// noise and the scenario's effects.
+SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
                          const ImuSimulation& options);
 
 }  // namespace dn

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "pair_effects.h"
 #include "scanner.h"
 
 namespace dn {
@@ -191,8 +192,10 @@ PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval
       pair.file = static_cast<int>(data.files.size());
       pair.t_i_s = sightings.i.t_s + options.time_offset_s;
       pair.t_j_s = sightings.j.t_s + options.time_offset_s;
-      pair.u_i_s = sightings.i.u_s + end_sigma_m * random.Normal3();
-      pair.u_j_s = sightings.j.u_s + end_sigma_m * random.Normal3();
+      const double mean_range_m = 0.5 * (sightings.i.u_s.norm() + sightings.j.u_s.norm());
+      const double sigma_m = end_sigma_m * PairNoiseRatio(scenario, mean_range_m);
+      pair.u_i_s = Distort(scenario, sightings.i.u_s) + sigma_m * random.Normal3();
+      pair.u_j_s = Distort(scenario, sightings.j.u_s) + sigma_m * random.Normal3();
       data.pairs.push_back(pair);
     }
     data.files.emplace_back(overlap.File());
@@ -201,6 +204,7 @@ PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval
                        static_cast<double>(scenario.pairs.count));
     }
   }
+  ApplyPairEffects(scenario, options.seed, options.noise, &data);
   return data;
 }
 

@@ -261,6 +261,40 @@ PairScenario ReadPairScenario(const ScenarioSection& root, double gsd_m) {
   return pairs;
 }
 
+// Sizes that only make sense above zero, shares of a whole.
+void CheckEffectValues(const ScenarioSection& s, const Effect& effect) {
+  const std::string& name = effect.name;
+  const auto ends_with = [&](const std::string& end) {
+    return name.size() >= end.size() &&
+           name.compare(name.size() - end.size(), end.size(), end) == 0;
+  };
+  if (ends_with("_noise_scale") && !(effect.value[0] > 0.0)) s.Fail("value", "must be positive");
+  if (ends_with("_bias_process") || name == "gnss_correlated_noise") {
+    if (!(effect.value.back() > 0.0)) s.Fail("value", "the time constant must be positive");
+  }
+  if (ends_with("_outliers") &&
+      !(effect.value[0] >= 0.0 && effect.value[0] <= 1.0 && effect.value[1] >= 0.0)) {
+    s.Fail("value", "must be a share between 0 and 1 and a size of at least 0 m");
+  }
+}
+
+void ReadTiming(const ScenarioSection& s, const EffectDescription& description, Effect* effect) {
+  using Timing = EffectDescription::Timing;
+  const auto check = [&](const char* key, bool belongs) {
+    if (s.Has(key) && !belongs) s.Fail(key, "does not belong to '" + effect->name + "'");
+    if (!s.Has(key) && belongs) s.Fail(key, "is missing; '" + effect->name + "' needs it");
+  };
+  check("window_s", description.timing == Timing::kWindow);
+  check("t0_s", description.timing == Timing::kStart);
+  if (description.timing == Timing::kStart) effect->t0_s = s.Number("t0_s");
+  if (description.timing != Timing::kWindow) return;
+  const std::vector<double> window_s = s.Numbers("window_s");
+  if (window_s.size() != 2 || window_s[1] <= window_s[0]) {
+    s.Fail("window_s", "must be [begin, end] with begin before end");
+  }
+  effect->window_s = {window_s[0], window_s[1]};
+}
+
 Effect ReadEffect(const ScenarioSection& s) {
   std::vector<std::string> names;
   for (const EffectDescription& known : KnownEffects()) names.push_back(known.name);
@@ -277,14 +311,17 @@ Effect ReadEffect(const ScenarioSection& s) {
     s.Fail("effect", "'" + effect.name + "' is not simulated by this version; simulated are: " +
                          JoinNames(SimulatedEffects()));
   }
-  effect.value = s.Numbers("value");
+  if (description.values > 0) {
+    effect.value = s.Numbers("value");
+  } else if (s.Has("value")) {
+    s.Fail("value", "'" + effect.name + "' has no value");
+  }
   if (effect.value.size() != description.values) {
     s.Fail("value", "'" + effect.name + "' takes " + std::to_string(description.values) +
                         (description.values == 1 ? " number" : " numbers"));
   }
-  for (const char* key : {"window_s", "t0_s"}) {
-    if (s.Has(key)) s.Fail(key, "does not belong to '" + effect.name + "'");
-  }
+  CheckEffectValues(s, effect);
+  ReadTiming(s, description, &effect);
   return effect;
 }
 

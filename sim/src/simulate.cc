@@ -9,6 +9,7 @@
 
 #include "effects.h"
 #include "flight_plan.h"
+#include "gnss_effects.h"
 #include "gnss_simulation.h"
 #include "imu_simulation.h"
 #include "pair_simulation.h"
@@ -131,9 +132,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.flight.config = AssumedConfig(scenario, out.strips);
   report("imu")(0.0);
   SimulatedImu imu =
-      SimulateImu(scenario.imu, *out.truth,
-                  {options.seed, options.noise, 1e-6 * VectorEffect(scenario, "gyro_scale_factor"),
-                   report("imu")});
+      SimulateImu(scenario, *out.truth, {options.seed, options.noise, report("imu")});
   out.gyro_bias_radps = std::move(imu.gyro_bias_radps);
   out.accel_bias_mps2 = std::move(imu.accel_bias_mps2);
   out.flight.imu = std::move(imu.data);
@@ -141,8 +140,9 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   notes.velocity_from_file = true;
   out.flight.reference = Trajectory(std::move(imu.reference), notes);
   report("gnss")(0.0);
-  out.flight.gnss =
-      SimulateGnss(scenario.gnss, out.gnss_lever_arm_b_m, *out.truth, options.seed, options.noise);
+  out.flight.gnss = SimulateGnss(scenario.gnss, out.gnss_lever_arm_b_m, *out.truth, options.seed,
+                                 options.noise ? RatioEffect(scenario, "gnss_noise_scale") : 0.0);
+  ApplyGnssEffects(scenario, out.frame, options.seed, options.noise, &*out.flight.gnss);
   if (scenario.pairs.count > 0) {
     out.flight.pairs =
         SimulatePairs(scenario, out.strips, out.truth, terrain,

@@ -95,9 +95,16 @@ std::string TruthYaml(const SimulatedFlight& simulated) {
   text += "effects:";
   if (simulated.scenario.effects.empty()) return text + " []\n";
   for (const Effect& effect : simulated.scenario.effects) {
-    text += "\n  - {effect: " + effect.name + ", value: ";
-    text += effect.value.size() == 1 ? FormatDouble(effect.value.front())
-                                     : YamlList(effect.value.data(), effect.value.size());
+    text += "\n  - {effect: " + effect.name;
+    if (effect.value.size() == 1) text += ", value: " + FormatDouble(effect.value.front());
+    if (effect.value.size() > 1) {
+      text += ", value: " + YamlList(effect.value.data(), effect.value.size());
+    }
+    if (effect.window_s) {
+      text += ", window_s: [" + FormatDouble(effect.window_s->first) + ", " +
+              FormatDouble(effect.window_s->second) + "]";
+    }
+    if (effect.t0_s) text += ", t0_s: " + FormatDouble(*effect.t0_s);
     text += "}";
   }
   return text + "\n";

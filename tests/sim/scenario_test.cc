@@ -113,14 +113,22 @@ TEST(ParseScenario, ChecksEffects) {
   EXPECT_EQ(Fault(with("{effect: gnss_lever_arm, value: [0, 0, 1]}")), "");
   EXPECT_THAT(Fault(with("{effect: gnss_lever_am, value: [0, 0, 1]}")),
               HasSubstr("gnss_lever_arm"));
-  EXPECT_THAT(Fault(with("{effect: imu_vibration, value: [1, 1]}")),
+  EXPECT_THAT(Fault(with("{effect: lidar_scan_cone, value: 0.1}")),
               AllOf(HasSubstr("not simulated by this version"), HasSubstr("lidar_time_offset")));
+  EXPECT_THAT(Fault(with("{effect: imu_vibration, value: [1, 1]}")),
+              AllOf(HasSubstr("window_s"), HasSubstr("is missing")));
+  EXPECT_THAT(Fault(with("{effect: imu_gap, window_s: [5, 5]}")), HasSubstr("begin before end"));
+  EXPECT_THAT(Fault(with("{effect: imu_gap, value: 1, window_s: [5, 6]}")), HasSubstr("no value"));
+  EXPECT_EQ(Fault(with("{effect: gnss_clock_step, value: 1, t0_s: 5}")), "");
+  EXPECT_THAT(Fault(with("{effect: gnss_clock_step, value: 1}")), HasSubstr("t0_s"));
+  EXPECT_THAT(Fault(with("{effect: p2p_outliers, value: [1.2, 1]}")), HasSubstr("share"));
+  EXPECT_THAT(Fault(with("{effect: gyro_bias_process, value: [1, 0]}")), HasSubstr("positive"));
+  EXPECT_THAT(Fault(with("{effect: gnss_noise_scale, value: 0}")), HasSubstr("positive"));
   EXPECT_THAT(Fault(with("{effect: gnss_lever_arm, value: [0, 1]}")), HasSubstr("3 numbers"));
   EXPECT_THAT(Fault(with("{effect: lidar_time_offset, value: [0, 1]}")), HasSubstr("1 number"));
   EXPECT_THAT(Fault(with("{effect: lidar_time_offset, value: 1, t0_s: 3}")), HasSubstr("t0_s"));
-  EXPECT_THAT(SimulatedEffects(),
-              ::testing::UnorderedElementsAre("gnss_lever_arm", "lidar_lever_arm",
-                                              "lidar_time_offset", "gyro_scale_factor"));
+  EXPECT_THAT(SimulatedEffects(), ::testing::IsSupersetOf({"gnss_lever_arm", "p2p_outliers"}));
+  EXPECT_THAT(SimulatedEffects(), ::testing::Not(::testing::Contains("lidar_scan_cone")));
 }
 
 TEST(ReadScenario, FindsShippedOnesFilesAndSaysWhatIsThere) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dn {
@@ -81,10 +82,18 @@ struct PairScenario {
   double sigma_p_m = 0.0;  ///< per coordinate of the pair's difference
 };
 
-/// Something that the data contain and the assumed model lacks; value in the unit of the contract.
+/// Something that the data contain and the assumed model lacks; docs/formats.md lists the names and
+/// the units of their values.
 struct Effect {
   std::string name;
   std::vector<double> value;
+  /// GPS seconds of week, first and last; for the effects that last for a while.
+  std::optional<std::pair<double, double>> window_s;
+  std::optional<double> t0_s;  ///< start, for those that begin at an instant
+
+  bool During(double t_s) const {
+    return window_s && t_s >= window_s->first && t_s <= window_s->second;
+  }
 };
 
 /// Everything that `dn simulate` needs: the plan, the world and the sensors. SI, radian, body
@@ -105,7 +114,7 @@ struct Scenario {
 /// Names of the scenarios that come with the program.
 std::vector<std::string> ScenarioNames();
 
-/// Effects that this version can put into a flight, in the order of the contract.
+/// Effects that this version can put into a flight.
 std::vector<std::string> SimulatedEffects();
 
 /// A shipped scenario by name, else a scenario file. Throws InvalidConfig when there is neither
