@@ -95,6 +95,7 @@ void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required);
 
 /// Subcommands: each adds itself to the program and puts its action where main calls it.
 using Action = std::function<int()>;
+void AddAllan(CLI::App* program, Action* action);
 void AddCheck(CLI::App* program, Action* action);
 void AddSimulate(CLI::App* program, Action* action);
 void AddSmooth(CLI::App* program, Action* action);

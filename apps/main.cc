@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   dn::apps::AddSmooth(&program, &action);
   dn::apps::AddSimulate(&program, &action);
   dn::apps::AddMonteCarlo(&program, &action);
+  dn::apps::AddAllan(&program, &action);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,369 @@
+#include <dn/builder/adjust.h>
+#include <dn/error.h>
+#include <dn/geo/local_frame.h>
+#include <dn/imu/allan.h>
+#include <dn/imu/imu_data.h>
+#include <dn/report/plot.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "command.h"
+
+namespace dn::apps {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  std::filesystem::path file;
+  double rate_hz = 0.0;
+  std::string format = "odyn";
+  std::string body = "FRD";
+};
+
+// Rate given against rate found: more is another file or another sensor.
+constexpr double kRateTolerance = 0.01;
+// A second's mean that departs from the record's by more was no sensor at rest.
+constexpr double kRestGyroRadps = 0.02;
+constexpr double kRestAccelMps2 = 0.2;
+// Drift between the first and last third of the record, in sigmas of what the other terms explain.
+constexpr double kDriftSigmas = 4.0;
+
+/// One sensor in the units that flight.yaml uses.
+struct SensorUnits {
+  const char* name;
+  double rate_per_si;  ///< deg/h per rad/s; mg per m/s^2
+  const char* rate_unit;
+  double white_per_si;  ///< deg/sqrt(h) per rad/sqrt(s); m/s/sqrt(h) per m/s/sqrt(s)
+  const char* white_unit;
+  const char* white_key;
+  const char* sigma_key;
+  const char* walk_key;
+};
+
+const SensorUnits kGyro{"gyro",        3600.0 * kDegPerRad, "deg/h",       60.0 * kDegPerRad,
+                        "deg/sqrt(h)", "white_deg_sqrt_h",  "sigma_deg_h", "sigma_deg_h_sqrt_h"};
+const SensorUnits kAccel{"accel",       1e3 / kStandardGravityMps2, "mg",       60.0,
+                         "m/s/sqrt(h)", "white_m_s_sqrt_h",         "sigma_mg", "sigma_mg_sqrt_h"};
+constexpr double kSqrtSecondsPerHour = 60.0;
+const char* const kAxes[] = {"x", "y", "z"};
+
+struct Axis {
+  double mean = 0.0;  // SI
+  std::vector<AllanPoint> curve;
+  NoiseFit fit;
+};
+
+struct Sensor {
+  const SensorUnits& units;
+  std::vector<Axis> axes;
+  std::vector<AllanPoint> mean_curve;
+  NoiseFit fit;  // of the mean curve: one model for the three axes
+};
+
+std::vector<double> AxisValues(const ImuData& imu, bool gyro, int axis) {
+  std::vector<double> values;
+  values.reserve(imu.samples.size());
+  for (const ImuSample& sample : imu.samples) {
+    values.push_back((gyro ? sample.w_ib_b_radps : sample.f_b_mps2)[axis]);
+  }
+  return values;
+}
+
+double Mean(const std::vector<double>& values, std::size_t first, std::size_t past) {
+  double sum = 0.0;
+  for (std::size_t k = first; k < past; ++k) sum += values[k];
+  return sum / static_cast<double>(past - first);
+}
+
+bool AtRest(const std::vector<double>& values, double dt_s, double limit) {
+  const auto second = static_cast<std::size_t>(std::max(1.0, std::round(1.0 / dt_s)));
+  const double mean = Mean(values, 0, values.size());
+  for (std::size_t k = 0; k + second <= values.size(); k += second) {
+    if (std::abs(Mean(values, k, k + second) - mean) > limit) return false;
+  }
+  return true;
+}
+
+// The difference of the means of the first and last third against what the terms without the
+// random walk, which may itself be that drift, let it be.
+double DriftInSigmas(const std::vector<double>& values, const Axis& axis, double dt_s) {
+  const std::size_t third = values.size() / 3;
+  const double drift = Mean(values, values.size() - third, values.size()) - Mean(values, 0, third);
+  NoiseFit stationary = axis.fit;
+  stationary.random_walk.reset();
+  const double tau_s = static_cast<double>(third) * dt_s;
+  const double sigma = std::sqrt(2.0 * std::max(stationary.Variance(tau_s), 1e-300));
+  return drift / sigma;
+}
+
+Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run,
+               std::vector<std::string>* warnings) {
+  Sensor sensor{units, {}, {}, {}};
+  std::vector<std::vector<AllanPoint>> curves;
+  for (int i = 0; i < 3; ++i) {
+    run->progress.Stage("Allan variance", fmt::format("{} {}", units.name, kAxes[i]));
+    if (Interrupted()) throw dn::Interrupted();
+    const std::vector<double> values = AxisValues(imu, gyro, i);
+    Axis axis;
+    axis.mean = Mean(values, 0, values.size());
+    axis.curve = AllanVariance(values, imu.nominal_dt_s);
+    axis.fit = FitNoise(axis.curve);
+    if (!AtRest(values, imu.nominal_dt_s, gyro ? kRestGyroRadps : kRestAccelMps2)) {
+      warnings->push_back(
+          fmt::format("{} {}: the sensor was not at rest; the terms hold motion as well as noise",
+                      units.name, kAxes[i]));
+    }
+    const double drift = DriftInSigmas(values, axis, imu.nominal_dt_s);
+    if (std::abs(drift) > kDriftSigmas) {
+      warnings->push_back(fmt::format(
+          "{} {}: the record drifts from its first to its last third by {:.0f} times what its "
+          "stationary terms explain: temperature? A random walk below may be that drift",
+          units.name, kAxes[i], std::abs(drift)));
+    }
+    curves.push_back(axis.curve);
+    sensor.axes.push_back(std::move(axis));
+  }
+  sensor.mean_curve = MeanCurve(curves);
+  sensor.fit = FitNoise(sensor.mean_curve);
+  return sensor;
+}
+
+Json TermJson(const std::optional<NoiseTerm>& term, double unit, const char* name) {
+  if (!term) return nullptr;
+  return {{"value", unit * term->value}, {"sigma", unit * term->sigma}, {"unit", name}};
+}
+
+Json FitJson(const NoiseFit& fit, const SensorUnits& u) {
+  const std::string walk_unit = std::string(u.rate_unit) + "/sqrt(h)";
+  return {{"white", TermJson(fit.white, u.white_per_si, u.white_unit)},
+          {"gauss_markov", TermJson(fit.gauss_markov, u.rate_per_si, u.rate_unit)},
+          {"gauss_markov_tau", TermJson(fit.gauss_markov_tau_s, 1.0, "s")},
+          {"random_walk",
+           TermJson(fit.random_walk, u.rate_per_si * kSqrtSecondsPerHour, walk_unit.c_str())},
+          {"floor", {{"deviation", u.rate_per_si * fit.floor}, {"tau_s", fit.floor_tau_s}}},
+          {"longest_tau_s", fit.longest_tau_s},
+          {"chi2", fit.chi2},
+          {"dof", fit.dof}};
+}
+
+Json CurveJson(const std::vector<AllanPoint>& curve, const SensorUnits& u) {
+  Json tau = Json::array(), deviation = Json::array(), sigma = Json::array();
+  for (const AllanPoint& p : curve) {
+    tau.push_back(p.tau_s);
+    deviation.push_back(u.rate_per_si * p.deviation());
+    sigma.push_back(u.rate_per_si * p.sigma_of_deviation());
+  }
+  return {{"unit", u.rate_unit}, {"tau_s", tau}, {"deviation", deviation}, {"sigma", sigma}};
+}
+
+Json SensorJson(const Sensor& sensor) {
+  Json json = {{"model", FitJson(sensor.fit, sensor.units)}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Axis& axis = sensor.axes[i];
+    json[kAxes[i]] = {{"mean", sensor.units.rate_per_si * axis.mean},
+                      {"curve", CurveJson(axis.curve, sensor.units)},
+                      {"terms", FitJson(axis.fit, sensor.units)}};
+  }
+  return json;
+}
+
+std::string Csv(const std::vector<Sensor>& sensors) {
+  std::string text = "# tau [s]; deviation of";
+  for (const Sensor& sensor : sensors) {
+    text += fmt::format(" {} x, y, z [{}];", sensor.units.name, sensor.units.rate_unit);
+  }
+  text += " their sigmas in the same order\n";
+  for (std::size_t p = 0; p < sensors[0].axes[0].curve.size(); ++p) {
+    text += fmt::format("{}", sensors[0].axes[0].curve[p].tau_s);
+    for (const bool sigma : {false, true}) {
+      for (const Sensor& sensor : sensors) {
+        for (const Axis& axis : sensor.axes) {
+          const AllanPoint& point = axis.curve[p];
+          text +=
+              fmt::format(",{:.8g}", sensor.units.rate_per_si *
+                                         (sigma ? point.sigma_of_deviation() : point.deviation()));
+        }
+      }
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string Terms(const NoiseFit& fit, const SensorUnits& u) {
+  const auto term = [](const std::optional<NoiseTerm>& t, double unit) {
+    return t ? fmt::format("{:.3g} +- {:.1g}", unit * t->value, unit * t->sigma) : std::string("-");
+  };
+  return fmt::format("{:>18} {:>18} {:>16} {:>18} {:>10.3g} at {:.0f} s",
+                     term(fit.white, u.white_per_si), term(fit.gauss_markov, u.rate_per_si),
+                     term(fit.gauss_markov_tau_s, 1.0),
+                     term(fit.random_walk, u.rate_per_si * kSqrtSecondsPerHour),
+                     u.rate_per_si * fit.floor, fit.floor_tau_s);
+}
+
+void PrintTable(const std::vector<Sensor>& sensors) {
+  for (const Sensor& sensor : sensors) {
+    const SensorUnits& u = sensor.units;
+    fmt::print("{:<6} {:>18} {:>18} {:>16} {:>18} {:>10}\n", u.name,
+               fmt::format("white {}", u.white_unit), fmt::format("GM sigma {}", u.rate_unit),
+               "GM tau s", fmt::format("walk {}/sqrt(h)", u.rate_unit), "floor");
+    for (std::size_t i = 0; i < 3; ++i) {
+      fmt::print("  {:<4} {}\n", kAxes[i], Terms(sensor.axes[i].fit, u));
+    }
+    fmt::print("  {:<4} {}\n", "all", Terms(sensor.fit, u));
+  }
+}
+
+std::string SensorYaml(const Sensor& sensor) {
+  const SensorUnits& u = sensor.units;
+  const SensorNoise noise = sensor.fit.ToSensorNoise();
+  std::string text = fmt::format("  {}:\n", u.name);
+  const auto comment = [&](const char* what, const std::optional<NoiseTerm> NoiseFit::*term,
+                           double unit) {
+    std::string axes;
+    for (const Axis& axis : sensor.axes) {
+      const std::optional<NoiseTerm>& t = axis.fit.*term;
+      axes += t ? fmt::format(" {:.3g}", unit * t->value) : std::string(" -");
+    }
+    return fmt::format("    # {} by axis:{}\n", what, axes);
+  };
+  text += comment("white", &NoiseFit::white, u.white_per_si);
+  if (noise.white > 0.0) {
+    text += fmt::format("    {}: {:.4g}\n", u.white_key, u.white_per_si * noise.white);
+  } else {
+    text += fmt::format("    # {}: not seen; take it from the data sheet\n", u.white_key);
+  }
+  text += fmt::format(
+      "    # means by axis [{}]: {:.4g} {:.4g} {:.4g}; a turn-on bias needs several\n"
+      "    # records, or the data sheet: {{type: random_constant, {}: ...}}\n",
+      u.rate_unit, u.rate_per_si * sensor.axes[0].mean, u.rate_per_si * sensor.axes[1].mean,
+      u.rate_per_si * sensor.axes[2].mean, u.sigma_key);
+  text += comment("Gauss-Markov sigma", &NoiseFit::gauss_markov, u.rate_per_si);
+  text += comment("Gauss-Markov tau", &NoiseFit::gauss_markov_tau_s, 1.0);
+  text += comment("random walk", &NoiseFit::random_walk, u.rate_per_si * kSqrtSecondsPerHour);
+  text += noise.processes.empty() ? "    processes: []\n" : "    processes:\n";
+  for (const BiasProcess& process : noise.processes) {
+    if (process.type == BiasProcess::Type::kGaussMarkov) {
+      text += fmt::format("      - {{type: gauss_markov, {}: {:.4g}, tau_s: {:.4g}}}\n",
+                          u.sigma_key, u.rate_per_si * process.sigma, process.tau_s);
+    } else {
+      text += fmt::format("      - {{type: random_walk, {}: {:.4g}}}\n", u.walk_key,
+                          u.rate_per_si * kSqrtSecondsPerHour * process.sigma);
+    }
+  }
+  return text;
+}
+
+std::string NoiseYaml(const std::vector<Sensor>& sensors, const Options& options,
+                      const ImuData& imu) {
+  std::string text = fmt::format(
+      "# Noise of {} by Allan variance: {} values at {:.6g} Hz. One model for three axes, fitted "
+      "to\n"
+      "# the mean of their variances. Terms slower than {:.0f} s are beyond the record.\nimu:\n",
+      options.file.filename().string(), imu.samples.size(), 1.0 / imu.nominal_dt_s,
+      sensors[0].fit.longest_tau_s);
+  for (const Sensor& sensor : sensors) text += SensorYaml(sensor);
+  return text;
+}
+
+void AddPlot(const Sensor& sensor, Run* run) {
+  std::vector<PlotPanel> panels;
+  PlotPanel panel{fmt::format("log10 deviation [{}]", sensor.units.rate_unit), {}};
+  const auto point = [&](double tau_s, double variance) {
+    return std::pair(std::log10(tau_s), std::log10(sensor.units.rate_per_si * std::sqrt(variance)));
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    PlotSeries measured{kAxes[i], {}, false};
+    for (const AllanPoint& p : sensor.axes[i].curve) {
+      if (p.variance > 0.0) measured.points.push_back(point(p.tau_s, p.variance));
+    }
+    panel.series.push_back(std::move(measured));
+  }
+  PlotSeries model{"model", {}, true};
+  for (const AllanPoint& p : sensor.mean_curve) {
+    model.points.push_back(point(p.tau_s, sensor.fit.Variance(p.tau_s)));
+  }
+  panel.series.push_back(std::move(model));
+  panels.push_back(std::move(panel));
+  const std::string name = sensor.units.name;
+  if (const auto svg = DrawSvg("Allan deviation, " + name, "log10 cluster time [s]", panels)) {
+    run->AddFile("allan_" + name + ".svg", *svg);
+  } else {
+    run->progress.Warn("no plots: gnuplot is not installed or failed");
+  }
+}
+
+void CheckRecord(const Options& options, const ImuData& imu) {
+  const double found_hz = 1.0 / imu.nominal_dt_s;
+  if (std::abs(found_hz / options.rate_hz - 1.0) > kRateTolerance) {
+    throw InvalidConfig(fmt::format(
+        "--rate {} Hz, but the time tags of {} say {:.6g} Hz; give the rate of the file",
+        options.rate_hz, options.file.string(), found_hz));
+  }
+  if (!imu.gaps.empty()) {
+    throw InvalidInput(fmt::format("{} gaps in the record, the first from {:.3f} to {:.3f} s; the "
+                                   "Allan variance needs an even record: cut out the longest part "
+                                   "without a gap",
+                                   imu.gaps.size(), imu.gaps[0].t_begin_s, imu.gaps[0].t_end_s),
+                       {options.file.string()});
+  }
+}
+
+void Allan(const Options& options, Run& run) {
+  run.progress.Stage("reading " + options.file.string());
+  ImuReadOptions read;
+  read.format = options.format == "odyn" ? ImuFormat::kOdyn : ImuFormat::kIncrements;
+  read.body_is_flu = options.body == "FLU";
+  const ImuData imu = ReadImu(options.file, read);
+  CheckRecord(options, imu);
+  std::vector<std::string> warnings;
+  std::vector<Sensor> sensors;
+  sensors.push_back(Analyse(imu, kGyro, true, &run, &warnings));
+  sensors.push_back(Analyse(imu, kAccel, false, &run, &warnings));
+  for (const std::string& warning : warnings) run.progress.Warn(warning);
+  const Json json = {{"schema", "dn.allan/1"},         {"file", options.file.string()},
+                     {"values", imu.samples.size()},   {"rate_hz", 1.0 / imu.nominal_dt_s},
+                     {"gyro", SensorJson(sensors[0])}, {"accel", SensorJson(sensors[1])}};
+  run.AddFile("allan.json", FormatJson(json));
+  run.AddFile("allan.csv", Csv(sensors));
+  const std::string yaml = NoiseYaml(sensors, options, imu);
+  run.AddFile("noise.yaml", yaml);
+  run.AddFile("config.resolved.yaml",
+              fmt::format("file: {}\nrate_hz: {}\nformat: {}\nbody: {}\n", options.file.string(),
+                          options.rate_hz, options.format, options.body));
+  for (const Sensor& sensor : sensors) AddPlot(sensor, &run);
+  run.report["warnings"] = warnings;
+  run.report["counts"] = {{"imu epochs", imu.samples.size()},
+                          {"imu rows repeated, dropped", imu.repeated_rows_dropped}};
+  PrintTable(sensors);
+  fmt::print("\n{}", yaml);
+}
+
+}  // namespace
+
+void AddAllan(CLI::App* program, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = program->add_subcommand(
+      "allan", "Allan variance of a record at rest: noise terms ready for flight.yaml");
+  app->add_option("IMU", options->file, "IMU.txt: t, rates [rad/s], specific force [m/s^2]")
+      ->required();
+  app->add_option("--rate", options->rate_hz, "Rate of the record [Hz], checked against its tags")
+      ->required()
+      ->check(CLI::PositiveNumber);
+  app->add_option("--format", options->format, "odyn or increments, as imu.format of flight.yaml")
+      ->check(CLI::IsMember({"odyn", "increments"}))
+      ->capture_default_str();
+  app->add_option("--body", options->body, "Axes of the file: FRD or FLU")
+      ->check(CLI::IsMember({"FRD", "FLU"}))
+      ->capture_default_str();
+  AddCommonOptions(app, &options->common, true);
+  app->footer("Example: dn allan static/IMU.txt --rate 200 --out noise");
+  app->callback([options, action] {
+    *action = [options] {
+      return Execute("allan", options->common, [&](Run& run) { Allan(*options, run); });
+    };
+  });
+}
+
+}  // namespace dn::apps
