@@ -350,7 +350,11 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
                                    const TrajectoryScatter& scatter,
                                    const Eigen::Matrix3d& constant_rad2) {
-  return result.covariance_scaled_rad2 + scatter.covariance_rad2 + constant_rad2;
+  constexpr double kAssumed = 10.0;  // weight of the assumed noise, in observations
+  const double factor = std::max(
+      result.sigma0 * result.sigma0,
+      (result.chi2 + kAssumed) / (static_cast<double>(result.redundancy) + kAssumed - 2.0));
+  return factor * result.covariance_apriori_rad2 + scatter.covariance_rad2 + constant_rad2;
 }
 
 }  // namespace dn

@@ -73,8 +73,10 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
 /// What may be relied on: white part, scatter by correlated errors, and the attitude error that is
 /// constant over the flight, which the boresight absorbs without a trace,
 ///
-///   C = s0^2 N^-1 + C_scatter + C_attitude
+///   C = f N^-1 + C_scatter + C_attitude,      f = max(sigma0^2, (chi2 + 10) / (redundancy + 8))
 ///
+/// f is sigma0^2 but for a handful of pairs, whose sigma0 says little: there the assumed noise
+/// counts as ten observations of its own (mean of the inverse chi-square posterior).
 /// constant_rad2: C_attitude, covariance of the trajectory's attitude in body axes by its own
 /// account. A stated sigma that is meant to hold the varying part as well is thereby counted twice
 /// in that part: where both are alike, the sigmas are wide by a third.
