@@ -148,6 +148,10 @@ Methods ChooseMethods(const CalibrateOptions& options, const FlightConfig& confi
   }
   if (options.method == "all") return {true, true};
   const bool dn = options.method.empty() ? config.imu.has_value() : options.method == "dn";
+  if (dn && !options.trajectory.empty()) {
+    throw InvalidConfig(
+        "--trajectory is for the Gauss-Helmert adjustment: add --method gh or --method all");
+  }
   return {dn, !dn};
 }
 

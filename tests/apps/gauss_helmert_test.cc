@@ -168,6 +168,15 @@ TEST(CliGaussHelmert, AMissingTrajectoryFileIsNamed) {
               "/no/such/file.out does not exist");
 }
 
+TEST(CliGaussHelmert, ATrajectoryForTheNetworkIsWrongUsage) {
+  for (const std::vector<std::string>& method : {std::vector<std::string>{}, {"--method", "dn"}}) {
+    const DamagedFlight flight;
+    std::vector<std::string> arguments{"--trajectory", SmoothedTrajectory()};
+    arguments.insert(arguments.end(), method.begin(), method.end());
+    ExpectError(flight.Run("calibrate", arguments), 2, "add --method gh");
+  }
+}
+
 TEST(CliGaussHelmert, NeitherInertialDataNorATrajectory) {
   const DamagedFlight flight;
   RemoveImuSection(flight);
@@ -226,6 +235,11 @@ TEST(CliGaussHelmert, CheckSaysWhetherItIsPossible) {
   fs::copy_file(SmoothedTrajectory(), flight.path() / "trajectory.out");
   const ProgramRun after = RunProgram({"check", flight.path().string()});
   EXPECT_THAT(after.out, HasSubstr("dn calibrate --method gh  possible"));
+  const std::string sbet = ContentOf(SmoothedTrajectory());
+  flight.Write("trajectory.out", sbet.substr(0, 13600));
+  const ProgramRun part = RunProgram({"check", flight.path().string()});
+  EXPECT_THAT(part.out,
+              HasSubstr("dn calibrate --method gh  missing: pairs inside the trajectory"));
 }
 
 // ---- Reference and real data -------------------------------------------------------------------
