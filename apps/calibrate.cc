@@ -300,7 +300,7 @@ void RunAll(const FlightConfig& config, Run& run) {
   run.AddFile(
       "comparison.json",
       FormatJson(ComparisonJson(
-          name, {{"dn", &network.boresight}, {"gh", &gh.calibration.boresight}}, {"planes"})));
+          name, {{"gh", &gh.calibration.boresight}, {"dn", &network.boresight}}, {"planes"})));
   run.report["notes"] = {"planes: not part of this version"};
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   PrintResult(config, gh.calibration, gh.timings);

@@ -98,10 +98,11 @@ TEST(CliGaussHelmert, AllMethodsAndTheirComparison) {
   EXPECT_THAT(comparison["notes"].dump(), HasSubstr("planes is not part of this version"));
   ASSERT_EQ(comparison["differences"].size(), 1u);
   const Json& difference = comparison["differences"][0];
+  EXPECT_EQ(difference["methods"], Json({"gh", "dn"}));
   for (std::size_t i = 0; i < 3; ++i) {
     const double d = difference["difference_deg"][i];
-    const double expected = dn["boresight"]["angles_deg"][i].get<double>() -
-                            gh["boresight"]["angles_deg"][i].get<double>();
+    const double expected = gh["boresight"]["angles_deg"][i].get<double>() -
+                            dn["boresight"]["angles_deg"][i].get<double>();
     EXPECT_NEAR(d, expected, 1e-4 + 0.01 * std::abs(expected));  // a rotation, not a subtraction
     EXPECT_NEAR(difference["significance"][i].get<double>(),
                 std::abs(d) / difference["sigma_deg"][i].get<double>(), 1e-9);
