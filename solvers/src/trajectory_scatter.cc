@@ -25,9 +25,10 @@ constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
 constexpr double kRatioPriorOctaves = 1.5;
 constexpr double kScalePriorMeanOctaves = -1.0;  // of s_a
 constexpr double kScalePriorOctaves = 1.0;
-// Of (s_a / s0)^2, in octaves; from an error without any effect to one that explains everything.
+// Of (s_a / s0)^2, in octaves: from an error without any effect to one of 32 times the stated
+// sigma.
 constexpr int kFirstRhoOctave = -16;
-constexpr int kLastRhoOctave = 14;
+constexpr int kLastRhoOctave = 10;
 constexpr double kShortestBlockS = 1.0;
 
 /// Blocks of time that hold the epochs of the pairs.
