@@ -108,8 +108,7 @@ void PrintResult(const FlightConfig& config, const GaussHelmertCalibration& cali
   print_sigmas("scatter by time-correlated trajectory errors",
                scatter.covariance_rad2.diagonal().cwiseSqrt());
   print_sigmas("attitude error constant over the flight",
-               calibration.accuracy.attitude_covariance_rad2.diagonal().cwiseSqrt() *
-                   std::max(1.0, scatter.mean_attitude_ratio));
+               calibration.accuracy.attitude_covariance_rad2.diagonal().cwiseSqrt());
   PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
               {"roll", "pitch", "yaw"});
   const AdjustmentFigures& figures = calibration.figures;
@@ -149,6 +148,10 @@ Methods ChooseMethods(const CalibrateOptions& options, const FlightConfig& confi
   }
   if (options.method == "all") return {true, true};
   const bool dn = options.method.empty() ? config.imu.has_value() : options.method == "dn";
+  if (dn && !options.trajectory.empty()) {
+    throw InvalidConfig(
+        "--trajectory is for the Gauss-Helmert adjustment: add --method gh or --method all");
+  }
   return {dn, !dn};
 }
 
@@ -297,7 +300,7 @@ void RunAll(const FlightConfig& config, Run& run) {
   run.AddFile(
       "comparison.json",
       FormatJson(ComparisonJson(
-          name, {{"dn", &network.boresight}, {"gh", &gh.calibration.boresight}}, {"planes"})));
+          name, {{"gh", &gh.calibration.boresight}, {"dn", &network.boresight}}, {"planes"})));
   run.report["notes"] = {"planes: not part of this version"};
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   PrintResult(config, gh.calibration, gh.timings);

@@ -41,6 +41,10 @@ std::vector<CommandVerdict> Verdicts(const Flight& flight) {
   };
   add("smooth", {{"inertial data", imu}, {"GNSS data", gnss}});
   add("calibrate --method dn", {{"inertial data", imu}, {"GNSS data", gnss}, {"pairs", pairs}});
+  add("calibrate --method gh",
+      {{"a trajectory", flight.trajectory.has_value()},
+       {"pairs", pairs},
+       {"pairs inside the trajectory", !flight.counts.contains("pairs outside the trajectory")}});
   return verdicts;
 }
 

@@ -25,6 +25,7 @@ constexpr int kChunk = 2048;              // pairs summed at a time: fixed, so t
                                           // depend on the number of threads
 constexpr double kFreeDirection = 1e-12;  // ratio of eigenvalues at which rounding takes over
 constexpr double kRoundingM = 1e-6;       // no difference below it is an outlier
+constexpr double kFarRad = 1e-4;
 constexpr int kLiborIterations = 5;
 constexpr double kLiborToleranceRad = 1e-9;
 constexpr double kRobustStartToleranceRad = 1e-6;
@@ -259,7 +260,9 @@ class Adjuster {
     const Sums sums = Accumulate();
     CheckRank(sums.N);
     const Vector3d d = -sums.N.llt().solve(sums.g);
-    if (!options_.libor_compat) UpdateCorrections(d);
+    // A first step may be of degrees: corrections for the misclosures before it would be worthless.
+    const bool far = result_.iterations == 0 && d.norm() > kFarRad;
+    if (!options_.libor_compat && !far) UpdateCorrections(d);
     SetBoresight(model_ == BoresightModel::kExponential ? Log(Eigen::Quaterniond(Exp(d) * q_theta_))
                                                         : Vector3d(theta_ + d));
     ++result_.iterations;

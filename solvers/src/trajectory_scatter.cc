@@ -25,15 +25,15 @@ constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
 constexpr double kRatioPriorOctaves = 1.5;
 constexpr double kScalePriorMeanOctaves = -1.0;  // of s_a
 constexpr double kScalePriorOctaves = 1.0;
-// Of (s_a / s0)^2, in octaves; from an error without any effect to one that explains everything.
+// Of (s_a / s0)^2, in octaves: from an error without any effect to one of 32 times the stated
+// sigma.
 constexpr int kFirstRhoOctave = -16;
-constexpr int kLastRhoOctave = 14;
+constexpr int kLastRhoOctave = 10;
 constexpr double kShortestBlockS = 1.0;
 
 /// Blocks of time that hold the epochs of the pairs.
 struct TimeBlocks {
   std::vector<double> begin_s, mid_s, length_s;
-  VectorXd share;  // of the epochs
 
   int size() const { return static_cast<int>(mid_s.size()); }
   int At(double t_s) const {
@@ -45,21 +45,16 @@ struct TimeBlocks {
 
 TimeBlocks Cut(const std::vector<double>& t_s, double longest_s) {
   TimeBlocks blocks;
-  std::vector<double> count;
   for (const double t : t_s) {
     if (blocks.begin_s.empty() || t - blocks.begin_s.back() > longest_s) {
       blocks.begin_s.push_back(t);
       blocks.length_s.push_back(0.0);
-      count.push_back(0.0);
     }
     blocks.length_s.back() = t - blocks.begin_s.back();
-    count.back() += 1.0;
   }
-  for (std::size_t b = 0; b < count.size(); ++b) {
+  for (std::size_t b = 0; b < blocks.begin_s.size(); ++b) {
     blocks.mid_s.push_back(blocks.begin_s[b] + 0.5 * blocks.length_s[b]);
   }
-  blocks.share =
-      Eigen::Map<const VectorXd>(count.data(), blocks.size()) / static_cast<double>(t_s.size());
   return blocks;
 }
 
@@ -239,12 +234,8 @@ class ScatterEstimator {
   void AddTau(std::size_t tau) {
     const int T = blocks_.size();
     const MatrixXd K = BlockKernel(blocks_, kTausS[tau]);
-    const MatrixXd centre =
-        MatrixXd::Identity(T, T) - VectorXd::Ones(T) * blocks_.share.transpose();
-    const MatrixXd K_centred = centre * K * centre.transpose();
-    C_p_.push_back(Effect(K_centred, 0));
-    C_a_.push_back(Effect(K_centred, 3));
-    mean_variance_.push_back(blocks_.share.dot(K * blocks_.share));
+    C_p_.push_back(Effect(K, 0));
+    C_a_.push_back(Effect(K, 3));
     constexpr double kRounding = 1e-10;  // of the positive definiteness of K
     const MatrixXd L = Eigen::LLT<MatrixXd>(K + kRounding * MatrixXd::Identity(T, T)).matrixL();
     MatrixXd M(6 * T, 6 * T);
@@ -301,19 +292,17 @@ class ScatterEstimator {
     const double evidence = log_sum(grid_, [](const GridPoint& p) { return p.log_posterior; });
     const double prior = log_sum(log_prior_, [](double p) { return p; });
     TrajectoryScatter scatter;
-    double s_a2 = 0.0, s_p2 = 0.0, mean2 = 0.0, log_tau = 0.0;
+    double s_a2 = 0.0, s_p2 = 0.0, log_tau = 0.0;
     for (const GridPoint& point : grid_) {
       const double weight = std::exp(point.log_posterior - evidence);
       s_a2 += weight * point.s_a * point.s_a;
       s_p2 += weight * point.s_p * point.s_p;
-      mean2 += weight * point.s_a * point.s_a * mean_variance_[point.tau];
       log_tau += weight * std::log(point.tau_s);
       scatter.covariance_rad2 += weight * (point.s_p * point.s_p * C_p_[point.tau] +
                                            point.s_a * point.s_a * C_a_[point.tau]);
     }
     scatter.attitude_ratio = std::sqrt(s_a2);
     scatter.position_ratio = std::sqrt(s_p2);
-    scatter.mean_attitude_ratio = std::sqrt(mean2);
     scatter.tau_s = std::exp(log_tau);
     scatter.evidence_nats = evidence - prior;
     scatter.blocks = blocks_.size();
@@ -326,8 +315,7 @@ class ScatterEstimator {
   MatrixXd H_P_;
   VectorXd b_;
   double chi2_;
-  std::vector<Matrix3d> C_p_, C_a_;    // by tau
-  std::vector<double> mean_variance_;  // of the mean of a unit process over the epochs, by tau
+  std::vector<Matrix3d> C_p_, C_a_;  // by tau
   std::vector<GridPoint> grid_;
   std::vector<double> log_prior_;
 };
@@ -363,8 +351,11 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
                                    const TrajectoryScatter& scatter,
                                    const Eigen::Matrix3d& constant_rad2) {
-  const double raise = std::max(1.0, scatter.mean_attitude_ratio);
-  return result.covariance_scaled_rad2 + scatter.covariance_rad2 + raise * raise * constant_rad2;
+  constexpr double kAssumed = 10.0;  // weight of the assumed noise, in observations
+  const double factor = std::max(
+      result.sigma0 * result.sigma0,
+      (result.chi2 + kAssumed) / (static_cast<double>(result.redundancy) + kAssumed - 2.0));
+  return factor * result.covariance_apriori_rad2 + scatter.covariance_rad2 + constant_rad2;
 }
 
 }  // namespace dn

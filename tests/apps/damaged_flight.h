@@ -42,8 +42,10 @@ class DamagedFlight {
     Write(name, content.replace(begin, content.find('\n', begin) - begin, new_text));
   }
 
-  ProgramRun Run(const std::string& command) const {
-    return RunProgram({command, path().string(), "--out", out().string()});
+  ProgramRun Run(const std::string& command, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{command, path().string(), "--out", out().string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunProgram(arguments);
   }
 
  private:

@@ -114,14 +114,13 @@ TEST(CliUsage, UnknownMethodNamesTheKnownOnes) {
 
 TEST(CliUsage, AMethodOfALaterVersionIsRefusedInOneLine) {
   const TempFolder folder;
-  for (const char* method : {"gh", "planes", "all"}) {
-    const ProgramRun run = RunProgram({"calibrate", ShortFlight().string(), "--method", method,
-                                       "--out", (folder.path() / method).string()});
-    EXPECT_EQ(run.exit_code, 2);
-    EXPECT_EQ(run.err, std::string("dn calibrate: error: --method ") + method +
-                           " is not part of this version; use --method dn\n");
-    EXPECT_EQ(NamesIn(folder.path() / method), std::vector<std::string>{"report.json"});
-  }
+  const ProgramRun run = RunProgram({"calibrate", ShortFlight().string(), "--method", "planes",
+                                     "--out", (folder.path() / "r").string()});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_EQ(
+      run.err,
+      "dn calibrate: error: --method planes is not part of this version; use dn, gh or all\n");
+  EXPECT_EQ(NamesIn(folder.path() / "r"), std::vector<std::string>{"report.json"});
 }
 
 TEST(CliUsage, UnknownScenarioNamesTheNearest) {

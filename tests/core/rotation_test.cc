@@ -136,5 +136,26 @@ TEST(RollPitchHeading, ReadsBackWhatWasSet) {
   }
 }
 
+TEST(EulerAngles, RatesInBodyAreTheDerivative) {
+  constexpr double kTurn = 1e-6;
+  for (const double pitch : {-1.2, 0.0, 0.4, 1.5}) {
+    const Eigen::Vector3d rph(0.3, pitch, 2.0);
+    const Eigen::Quaterniond q_nb = QuaternionFromRollPitchHeading(rph);
+    const Eigen::Matrix3d E = BodyFromEulerRates(q_nb.conjugate() * Eigen::Vector3d::UnitZ());
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d d = kTurn * Eigen::Vector3d::Unit(i);
+      const Eigen::Quaterniond turned = QuaternionFromRollPitchHeading(rph + d);
+      const Eigen::Vector3d numeric = Log(Eigen::Quaterniond(q_nb.conjugate() * turned)) / kTurn;
+      EXPECT_LE((E.col(i) - numeric).norm(), 2.0 * kTurn) << "pitch " << pitch << ", angle " << i;
+    }
+  }
+}
+
+TEST(EulerAngles, RatesInBodyAreFiniteStraightDown) {
+  const Eigen::Matrix3d E = BodyFromEulerRates(-Eigen::Vector3d::UnitX());
+  EXPECT_TRUE(E.allFinite());
+  EXPECT_EQ(E.col(1), Eigen::Vector3d::UnitY());
+}
+
 }  // namespace
 }  // namespace dn

@@ -133,33 +133,32 @@ TEST_P(Consistent, UnderGaussMarkovErrorsPlusAConstant) {
   EXPECT_GT(result.formal_nees, 60.0);  // what it is for: the formal sigma is too small by far
 }
 
-// The stated sigma is of an epoch. It holds the part that is constant over the flight and the part
-// that varies; 0.85 of it for each lies between "each is as stated" and "their sum is as stated".
 INSTANTIATE_TEST_SUITE_P(
     TrajectoryScatter, Consistent,
-    ::testing::Values(Case{"three", testing::CrossingLines(), 0.85, 0.85, 0.85, 100.0},
-                      Case{"four", FourLines(), 0.85, 0.85, 0.85, 100.0},
-                      Case{"two", TwoLines(), 0.85, 0.85, 0.85, 100.0},
-                      Case{"short", testing::CrossingLines(), 1.0, 0.7, 0.7, 10.0},
+    ::testing::Values(Case{"three", testing::CrossingLines(), 1.0, 1.0, 1.0, 100.0},
+                      Case{"four", FourLines(), 1.0, 1.0, 1.0, 100.0},
+                      Case{"two", TwoLines(), 1.0, 1.0, 1.0, 100.0},
+                      Case{"short", testing::CrossingLines(), 1.0, 1.0, 1.0, 10.0},
+                      Case{"long", testing::CrossingLines(), 1.0, 1.0, 1.0, 600.0},
                       Case{"none", testing::CrossingLines(), 1.0, 0.01, 0.01, 100.0}),
     [](const auto& test) { return std::string(test.param.name); });
 
-TEST(TrajectoryScatter, HoldsAtBothReadingsOfTheStatedSigma) {
-  constexpr int kRuns = 40;
-  for (const double each : {0.7, 1.0}) {
-    const Consistency result =
-        RunMonteCarlo({"", testing::CrossingLines(), each, each, each, 100.0}, kRuns);
-    EXPECT_LT(result.nees, 1.5 * 3.0) << each;
-    EXPECT_LE(result.width.maxCoeff(), kWidest) << each;
-  }
+// The sigma that a trajectory states is of an epoch. Where it holds both the constant and the
+// varying part, the varying part is counted twice: too wide, by a bounded amount.
+TEST(TrajectoryScatter, IsBoundedWhereTheStatedSigmaHoldsBothParts) {
+  constexpr int kRuns = 60;
+  const Consistency result =
+      RunMonteCarlo({"", testing::CrossingLines(), 0.7, 0.7, 0.7, 100.0}, kRuns);
+  EXPECT_LT(result.nees, 3.0);
+  EXPECT_LE(result.width.maxCoeff(), 1.6) << result.width.transpose();
 }
 
 TEST(TrajectoryScatter, NoticesThatTheStatedSigmaIsOptimistic) {
-  constexpr int kRuns = 30;
+  constexpr int kRuns = 40;
   const Consistency result =
       RunMonteCarlo({"", testing::CrossingLines(), 1.0, 3.0, 3.0, 100.0}, kRuns);
   EXPECT_GT(result.formal_nees, 3.0 * 100.0);
-  EXPECT_LT(result.nees, 3.0 * 2.5);  // of 3 x 10 with the stated constant alone
+  EXPECT_LT(result.nees, 3.0 * 2.0);  // of 3 x 10 with the stated constant alone
 }
 
 struct OneRun {
@@ -214,15 +213,25 @@ TEST(TrajectoryScatter, NothingWithoutMisclosures) {
 }
 
 TEST(TrajectoryScatter, TheReliableCovarianceIsTheSumOfItsParts) {
-  const OneRun run;
-  TrajectoryScatter scatter = run.Estimate();
+  OneRun run;
+  const TrajectoryScatter scatter = run.Estimate();
   const Matrix3d constant = 1e-10 * Matrix3d::Identity();
-  scatter.mean_attitude_ratio = 0.5;
-  const Matrix3d expected = run.result.covariance_scaled_rad2 + scatter.covariance_rad2 + constant;
-  EXPECT_EQ(ReliableCovariance(run.result, scatter, constant), expected);
-  scatter.mean_attitude_ratio = 2.0;
-  EXPECT_LE((ReliableCovariance(run.result, scatter, constant) - expected - 3.0 * constant).norm(),
-            1e-15 * expected.norm() + 1e-24);
+  const auto white = [&] {
+    return Matrix3d(ReliableCovariance(run.result, scatter, constant) - scatter.covariance_rad2 -
+                    constant);
+  };
+  // Of 297 x 3 observations, ten more are 1 %.
+  EXPECT_LE((white() - run.result.covariance_scaled_rad2).norm(),
+            0.02 * run.result.covariance_scaled_rad2.norm());
+  // Two pairs that happen to fit prove nothing.
+  run.result.redundancy = 3;
+  run.result.chi2 = 0.1;
+  run.result.sigma0 = std::sqrt(0.1 / 3.0);
+  EXPECT_NEAR(white()(0, 0), 10.1 / 11.0 * run.result.covariance_apriori_rad2(0, 0),
+              1e-9 * run.result.covariance_apriori_rad2(0, 0));
+  run.result.sigma0 = 3.0;
+  EXPECT_NEAR(white()(0, 0), 9.0 * run.result.covariance_apriori_rad2(0, 0),
+              1e-9 * run.result.covariance_apriori_rad2(0, 0));
 }
 
 TEST(TrajectoryScatter, RejectsBadInput) {

@@ -70,8 +70,7 @@ class PairPoses {
  public:
   explicit PairPoses(const Flight& flight)
       : linear_only_(flight.config.gh.libor_compat),
-        linear_(flight.trajectory->InMap(flight.frame), PoseInterpolator::Method::kLinear),
-        cubic_(flight.trajectory->InMap(flight.frame), PoseInterpolator::Method::kCubic) {
+        poses_(flight.trajectory->InMap(flight.frame)) {
     const std::vector<NavPoint>& points = flight.trajectory->points();
     std::vector<double> steps_s;
     for (std::size_t i = 1; i < points.size(); ++i) {
@@ -89,8 +88,8 @@ class PairPoses {
   }
 
   MapPose At(double t_s) {
-    const MapPose linear = linear_.At(t_s);
-    const MapPose cubic = cubic_.At(t_s);
+    const MapPose linear = poses_.At(t_s, PoseInterpolator::Method::kLinear);
+    const MapPose cubic = poses_.At(t_s, PoseInterpolator::Method::kCubic);
     const double angle = linear.q_mb.angularDistance(cubic.q_mb);
     sum2_ += angle * angle;
     n_ += 1.0;
@@ -106,7 +105,7 @@ class PairPoses {
 
  private:
   bool linear_only_;
-  PoseInterpolator linear_, cubic_;
+  PoseInterpolator poses_;
   PoseInterpolation figures_;
   double sum2_ = 0.0, n_ = 0.0;
 };

@@ -12,8 +12,7 @@ constexpr double kFarSteps = 3.0;  // a neighbour further away says nothing abou
 
 }  // namespace
 
-PoseInterpolator::PoseInterpolator(std::vector<MapPose> poses, Method method)
-    : poses_(std::move(poses)), method_(method) {
+PoseInterpolator::PoseInterpolator(std::vector<MapPose> poses) : poses_(std::move(poses)) {
   if (poses_.size() < 2) throw InvalidInput("a trajectory needs at least two epochs");
 }
 
@@ -40,13 +39,13 @@ Eigen::Quaterniond PoseInterpolator::AttitudeAt(std::size_t k, double t_s) const
   return (q_k * Exp(phi)).normalized();
 }
 
-MapPose PoseInterpolator::At(double t_s) const {
+MapPose PoseInterpolator::At(double t_s, Method method) const {
   MapPose pose = InterpolatePose(poses_, t_s);
   const auto after = std::upper_bound(poses_.begin(), poses_.end(), t_s,
                                       [](double t, const MapPose& next) { return t < next.t_s; });
   if (after == poses_.end()) return pose;  // the last epoch itself
   const auto k = static_cast<std::size_t>(after - poses_.begin()) - 1;
-  if (method_ == Method::kCubic) {
+  if (method == Method::kCubic) {
     pose.q_mb = AttitudeAt(k, t_s);
   } else {
     const double s = (t_s - poses_[k].t_s) / (poses_[k + 1].t_s - poses_[k].t_s);

@@ -138,7 +138,6 @@ Json GaussHelmertReportJson(const GaussHelmertCalibration& calibration) {
            {{"sigma_deg", ToJson(scatter.covariance_rad2.diagonal().cwiseSqrt() * kDegPerRad)},
             {"attitude_ratio", scatter.attitude_ratio},
             {"position_ratio", scatter.position_ratio},
-            {"mean_attitude_ratio", scatter.mean_attitude_ratio},
             {"tau_s", scatter.tau_s},
             {"evidence_nats", scatter.evidence_nats},
             {"blocks", scatter.blocks}}},

@@ -45,14 +45,4 @@ Eigen::Vector3d RollPitchHeading(const Eigen::Quaterniond& q_nb) {
           std::atan2(R_nb(1, 0), R_nb(0, 0))};
 }
 
-Eigen::Matrix3d BodyFromEulerRates(const Eigen::Vector3d& down_b) {
-  const double cos_pitch = down_b.tail<2>().norm();
-  Eigen::Matrix3d E;
-  E.col(0) = Eigen::Vector3d::UnitX();
-  E.col(1) = cos_pitch > 0.0 ? Eigen::Vector3d(0.0, down_b.z() / cos_pitch, -down_b.y() / cos_pitch)
-                             : Eigen::Vector3d(Eigen::Vector3d::UnitY());
-  E.col(2) = down_b;
-  return E;
-}
-
 }  // namespace dn

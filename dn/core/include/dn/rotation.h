@@ -71,6 +71,14 @@ Eigen::Vector3d RollPitchHeading(const Eigen::Quaterniond& q_nb);
 /// Rotation vector about the body axes per change of roll, pitch, heading: R_nb(rph + d) =
 /// R_nb(rph) Exp(E d) to first order. down_b: the local down in body axes, the third row of R_nb.
 /// Singular at |pitch| = pi/2, where roll is taken as 0.
-Eigen::Matrix3d BodyFromEulerRates(const Eigen::Vector3d& down_b);
+inline Eigen::Matrix3d BodyFromEulerRates(const Eigen::Vector3d& down_b) {
+  const double cos_pitch = down_b.tail<2>().norm();
+  const double scale = cos_pitch > 0.0 ? 1.0 / cos_pitch : 0.0;
+  Eigen::Matrix3d E;
+  E << 1.0, 0.0, down_b.x(),                                        //
+      0.0, cos_pitch > 0.0 ? scale * down_b.z() : 1.0, down_b.y(),  //
+      0.0, -scale * down_b.y(), down_b.z();
+  return E;
+}
 
 }  // namespace dn

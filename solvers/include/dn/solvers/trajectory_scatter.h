@@ -17,53 +17,51 @@ struct TrajectoryScatterOptions {
   void Validate() const;
 };
 
-/// How the time-correlated errors of the trajectory scatter the boresight within a flight.
+/// How the time-correlated errors of the trajectory scatter the boresight.
 struct TrajectoryScatter {
-  /// Of the boresight, rad^2: beyond the white part (covariance_scaled_rad2 of the adjustment) and
-  /// beyond the error that is constant over the flight.
+  /// Of the boresight, rad^2: beyond the white part (covariance_scaled_rad2 of the adjustment).
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
   double attitude_ratio = 0.0;  ///< rms of the correlated attitude errors / the stated sigma
   double position_ratio = 0.0;  ///< the same of the positions
-  /// rms of the mean over the flight of the correlated attitude errors / the stated sigma. It
-  /// leaves no trace in the misclosures: inferred from the errors that do.
-  double mean_attitude_ratio = 0.0;
-  double tau_s = 0.0;          ///< correlation time, geometric mean over what fits
-  double evidence_nats = 0.0;  ///< log of (likelihood with / without correlated errors)
+  double tau_s = 0.0;           ///< correlation time, geometric mean over what fits
+  double evidence_nats = 0.0;   ///< log of (likelihood with / without correlated errors)
   int blocks = 0;
 };
 
 /// Estimates, from the misclosures of an adjustment, the covariance that errors of the trajectory
 /// with a correlation in time give to its boresight.
 ///
-/// The formal covariance takes the errors as new at every epoch. If they last for tau, the pairs of
-/// a strip share them, and the boresight scatters from flight to flight by much more. A cluster
+/// The formal covariance takes the errors as new at every epoch. If they last for tau, the pairs
+/// of a strip share them, and the boresight scatters from flight to flight by much more. A cluster
 /// ("sandwich") or HAC estimator sums the scores A^T S w over strips or blocks of time: with three
 /// strips there are three pairs of strips, whose scores add up to zero by the normal equations, so
-/// the estimate has rank two for three angles, and it is biased low by whatever lasts longer than a
-/// block. Here the correlation is modelled and its size is estimated (a random effect):
+/// the estimate has rank two for three angles, and it is biased low by whatever lasts longer than
+/// a block. Here the correlation is modelled and its size is estimated (a random effect):
 ///
 ///   w_k = A_k dtheta + J_k e(t_i) - J_k e(t_j) + n_k,     n_k ~ N(0, s0^2 S_k^-1)
-///   e: six Gauss-Markov processes with correlation time tau; sigma s_p sigma_ned of the position
-///   and
-///      s_a sigma_rph of roll, pitch, heading
+///
+///   e: six Gauss-Markov processes of correlation time tau, with sigma
+///      s_p sigma_ned (position) and s_a sigma_rph (roll, pitch, heading)
 ///
 /// on blocks of time (averages of the processes over a block, exactly). With H, b, N_e the sums of
-/// J^T S J, J^T S w and J^T S A over the pairs and dtheta eliminated, H_P = H - N_e N^-1 N_e^T, the
-/// restricted likelihood of (s_p, s_a, tau), s0 at its maximum, is
+/// J^T S J, J^T S w and J^T S A over the pairs, and dtheta eliminated, H_P = H - N_e N^-1 N_e^T,
+/// the restricted likelihood of (s_p, s_a, tau), with s0 at its maximum, is
 ///
-///   -2 log L = nu log s0^2 + log det(I + Q^(1/2) H_P Q^(1/2)),     Q = K_tau x diag(s_p^2,
-///   s_a^2)/s0^2 nu s0^2  = chi2 - b^T (Q^-1 + H_P)^-1 b
+///   -2 log L = nu log s0^2 + log det(I + Q^(1/2) H_P Q^(1/2))
+///   nu s0^2  = chi2 - b^T (Q^-1 + H_P)^-1 b
+///   Q        = K_tau x diag(s_p^2, s_a^2) / s0^2          (x: Kronecker product)
 ///
-/// An error e moves the estimate by -N^-1 N_e^T e, which gives
+/// An error e moves the estimate by -N^-1 N_e^T e, so that
 ///
-///   C(s_p, s_a, tau) = N^-1 N_e^T [ (I - 1 o^T) K_tau (I - o 1^T) x diag(s_p^2, s_a^2) ] N_e N^-1
+///   C(s_p, s_a, tau) = N^-1 N_e^T [ K_tau x diag(s_p^2, s_a^2) ] N_e N^-1.
 ///
-/// o: share of the epochs in each block. The mean over the flight is taken out because it leaves no
-/// trace in the misclosures (the boresight absorbs it): it has to be added, see
-/// ReliableCovariance. The result is the mean of C over the posterior of (s_p, s_a, tau), so that
-/// what few strips cannot tell widens it instead of being ignored. Prior: s_a is half of what is
-/// stated, within a factor of 2 (1 sigma, log-normal); s_p / s_a is 1, within a factor of 3; tau 3
-/// s to 1000 s, uniform in its logarithm.
+/// The result is the mean of C over the posterior of (s_p, s_a, tau): what few strips cannot tell
+/// widens it instead of being ignored. Prior: s_a is half of what is stated, within a factor of 2
+/// (1 sigma, log-normal); s_p / s_a is 1, within a factor of 3; tau 3 s to 1000 s, uniform in its
+/// logarithm.
+///
+/// An error that is the same all over the flight leaves no trace in w (the boresight absorbs it)
+/// and is not in the result: see ReliableCovariance.
 ///
 /// Cost: linear in the pairs, and 30 tridiagonalisations of order 6 x blocks (10 ms at 24).
 /// Throws InvalidConfig for bad options, InvalidInput when the result does not belong to the
@@ -72,13 +70,16 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
                                             const GaussHelmertResult& result, BoresightModel model,
                                             const TrajectoryScatterOptions& options);
 
-/// What may be relied on: white part, within-flight scatter, and the attitude error that is
+/// What may be relied on: white part, scatter by correlated errors, and the attitude error that is
 /// constant over the flight, which the boresight absorbs without a trace,
 ///
-///   C = s0^2 N^-1 + C_scatter + max(1, m)^2 C_attitude,      m: mean_attitude_ratio
+///   C = f N^-1 + C_scatter + C_attitude,      f = max(sigma0^2, (chi2 + 10) / (redundancy + 8))
 ///
+/// f is sigma0^2 but for a handful of pairs, whose sigma0 says little: there the assumed noise
+/// counts as ten observations of its own (mean of the inverse chi-square posterior).
 /// constant_rad2: C_attitude, covariance of the trajectory's attitude in body axes by its own
-/// account. It is raised where the misclosures prove that account optimistic.
+/// account. A stated sigma that is meant to hold the varying part as well is thereby counted twice
+/// in that part: where both are alike, the sigmas are wide by a third.
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
                                    const TrajectoryScatter& scatter,
                                    const Eigen::Matrix3d& constant_rad2);

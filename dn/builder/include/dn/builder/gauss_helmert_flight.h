@@ -82,8 +82,8 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelme
 /// The covariance is ReliableCovariance; the verdict is
 ///   not_observable  a sigma exceeds 1 deg, or two angles correlate by more than 0.999,
 ///   absorbed        the attitude errors of the trajectory at the two epochs of a pair (stated, or
-///                   shown by the pairs where that is more) change its difference by more than its
-///                   own sigma: the angles make the cloud consistent, but hold that error,
+///                   shown by the pairs where that is more) change its difference by more than
+///                   half its own sigma: the angles make the cloud consistent, but hold that error,
 ///   calibrated      else,
 /// with the reasons in words. Throws InvalidConfig when `estimate` does not name the boresight;
 /// InvalidInput, RankDeficient, NotConverged, Interrupted.

@@ -29,16 +29,15 @@ class PoseInterpolator {
   };
 
   /// Poses by increasing time, at least two.
-  PoseInterpolator(std::vector<MapPose> poses, Method method);
+  explicit PoseInterpolator(std::vector<MapPose> poses);
 
   /// Throws InvalidInput naming the time and the span when t_s is outside.
-  MapPose At(double t_s) const;
+  MapPose At(double t_s, Method method = Method::kCubic) const;
 
  private:
   Eigen::Quaterniond AttitudeAt(std::size_t k, double t_s) const;
 
   std::vector<MapPose> poses_;
-  Method method_;
 };
 
 }  // namespace dn

@@ -1,0 +1,278 @@
+#include <dn/report/json.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "damaged_flight.h"
+
+namespace dn::testing {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+std::string SmoothedTrajectory() { return (SmoothResult() / "trajectory.out").string(); }
+
+Json JsonOf(const fs::path& file) { return Json::parse(ContentOf(file)); }
+
+/// A flight without its inertial data.
+void RemoveImuSection(const DamagedFlight& flight) {
+  std::string yaml = flight.Read("flight.yaml");
+  const std::size_t begin = yaml.find("\nimu:") + 1;
+  ASSERT_NE(begin, 0u);
+  std::size_t end = yaml.find('\n', begin) + 1;
+  while (end < yaml.size() && yaml[end] == ' ') end = yaml.find('\n', end) + 1;
+  flight.Write("flight.yaml", yaml.erase(begin, end - begin));
+  fs::remove(flight.path() / "IMU.txt");
+}
+
+void ExpectNear(const Json& boresight, double sigmas) {
+  const double truth_deg[] = {0.2, 0.03, 0.35};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double sigma = boresight["sigma_deg"][i];
+    EXPECT_NEAR(boresight["angles_deg"][i].get<double>(), truth_deg[i], sigmas * sigma);
+    EXPECT_NEAR(sigma, std::sqrt(boresight["covariance_deg2"][i][i].get<double>()), 1e-12 * sigma);
+    EXPECT_GT(sigma, boresight["sigma_scaled_deg"][i].get<double>());
+    EXPECT_GT(boresight["sigma_apriori_deg"][i].get<double>(), 0.0);
+  }
+}
+
+TEST(CliGaussHelmert, ResultOnTheSmoothedTrajectory) {
+  const DamagedFlight flight;
+  const ProgramRun run =
+      flight.Run("calibrate", {"--method", "gh", "--trajectory", SmoothedTrajectory()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(NamesIn(flight.out()),
+              ElementsAre("config.resolved.yaml", "report.json", "result.json"));
+  const Json result = JsonOf(flight.out() / "result.json");
+  EXPECT_EQ(result["schema"], "dn.result/1");
+  EXPECT_EQ(result["method"], "gh");
+  ExpectNear(result["boresight"], 4.5);
+  EXPECT_TRUE(result["correlations"].is_null());
+  EXPECT_TRUE(result["estimates"].is_null());
+  const Json& adjustment = result["adjustment"];
+  for (const char* key : {"nodes", "imu_epochs", "gnss_epochs"}) {
+    EXPECT_TRUE(adjustment.at(key).is_null()) << key;
+  }
+  for (const char* key :
+       {"sigma0", "chi2", "redundancy", "condition_number", "iterations", "residual_initial_m",
+        "residual_final_m", "parameters", "correspondences", "outliers"}) {
+    EXPECT_TRUE(adjustment.at(key).is_number()) << key;
+  }
+  EXPECT_TRUE(adjustment["converged"].get<bool>());
+  EXPECT_LT(adjustment["residual_final_m"], adjustment["residual_initial_m"]);
+  EXPECT_THAT(result["assessment"]["verdict"].get<std::string>(), AnyOf("calibrated", "absorbed"));
+  EXPECT_FALSE(result["assessment"]["reasons"].empty());
+  EXPECT_THAT(run.out, HasSubstr("by the Gauss-Helmert adjustment"));
+  EXPECT_THAT(run.out, HasSubstr("times those of the normal matrix"));
+  const Json report = JsonOf(flight.out() / "report.json");
+  EXPECT_EQ(report["gauss_helmert"]["trajectory_sigma"]["source"], "trajectory_sigma.txt");
+  EXPECT_GT(report["gauss_helmert"]["within_flight_scatter"]["blocks"], 1);
+}
+
+TEST(CliGaussHelmert, AllMethodsAndTheirComparison) {
+  const DamagedFlight flight;
+  const ProgramRun run =
+      flight.Run("calibrate", {"--method", "all", "--trajectory", SmoothedTrajectory()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(NamesIn(flight.out()),
+              IsSupersetOf({"comparison.json", "report.json", "result_dn.json", "result_gh.json",
+                            "trajectory.out", "trajectory_sigma.txt"}));
+  EXPECT_THAT(NamesIn(flight.out()), Not(Contains("result.json")));
+  const Json dn = JsonOf(flight.out() / "result_dn.json");
+  const Json gh = JsonOf(flight.out() / "result_gh.json");
+  EXPECT_EQ(dn["method"], "dn");
+  EXPECT_EQ(gh["method"], "gh");
+  EXPECT_EQ(dn["boresight"],
+            JsonOf(CalibrateResult() / "result.json")["boresight"]);  // as by itself
+  const Json comparison = JsonOf(flight.out() / "comparison.json");
+  EXPECT_EQ(comparison["methods"]["dn"]["angles_deg"], dn["boresight"]["angles_deg"]);
+  EXPECT_EQ(comparison["methods"]["gh"]["sigma_deg"], gh["boresight"]["sigma_deg"]);
+  EXPECT_TRUE(comparison["methods"].at("planes").is_null());
+  EXPECT_THAT(comparison["notes"].dump(), HasSubstr("planes is not part of this version"));
+  ASSERT_EQ(comparison["differences"].size(), 1u);
+  const Json& difference = comparison["differences"][0];
+  EXPECT_EQ(difference["methods"], Json({"gh", "dn"}));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double d = difference["difference_deg"][i];
+    const double expected = gh["boresight"]["angles_deg"][i].get<double>() -
+                            dn["boresight"]["angles_deg"][i].get<double>();
+    EXPECT_NEAR(d, expected, 1e-4 + 0.01 * std::abs(expected));  // a rotation, not a subtraction
+    EXPECT_NEAR(difference["significance"][i].get<double>(),
+                std::abs(d) / difference["sigma_deg"][i].get<double>(), 1e-9);
+  }
+  EXPECT_THAT(run.out, HasSubstr("gh - dn [deg]"));
+  EXPECT_THAT(gh["assessment"]["reasons"].dump(), HasSubstr("from the dynamic network"));
+}
+
+TEST(CliGaussHelmert, IsTheDefaultWithoutInertialData) {
+  const DamagedFlight flight;
+  RemoveImuSection(flight);
+  fs::copy_file(SmoothedTrajectory(), flight.path() / "trajectory.out");
+  const ProgramRun run = flight.Run("calibrate");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json result = JsonOf(flight.out() / "result.json");
+  EXPECT_EQ(result["method"], "gh");
+  // No trajectory_sigma.txt beside it: the section's sigmas.
+  EXPECT_THAT(JsonOf(flight.out() / "report.json")["gauss_helmert"]["trajectory_sigma"]["source"]
+                  .get<std::string>(),
+              HasSubstr("flight.yaml"));
+}
+
+TEST(CliGaussHelmert, RotationModelsAndRobustLosses) {
+  for (const char* section : {"gh: {rotation: small_angle}", "gh: {libor_compat: true}"}) {
+    const DamagedFlight flight;
+    std::string yaml = flight.Read("flight.yaml");
+    const std::size_t at = yaml.find("\ngh:");
+    if (at != std::string::npos) {
+      std::size_t end = yaml.find('\n', at + 1) + 1;
+      while (end < yaml.size() && yaml[end] == ' ') end = yaml.find('\n', end) + 1;
+      yaml.erase(at + 1, end - at - 1);
+    }
+    flight.Write("flight.yaml", yaml + section + "\n");
+    const ProgramRun run =
+        flight.Run("calibrate", {"--method", "gh", "--trajectory", SmoothedTrajectory()});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("small_angle"));
+    ExpectNear(JsonOf(flight.out() / "result.json")["boresight"], 6.0);
+  }
+}
+
+// ---- Bad input ---------------------------------------------------------------------------------
+
+void ExpectError(const ProgramRun& run, int exit_code, const std::string& what) {
+  EXPECT_EQ(run.exit_code, exit_code) << run.err;
+  const std::size_t at = run.err.find("dn calibrate: error: ");
+  ASSERT_NE(at, std::string::npos) << run.err;
+  EXPECT_THAT(run.err.substr(at), HasSubstr(what));
+}
+
+TEST(CliGaussHelmert, WithoutATrajectorySaysHowToMakeOne) {
+  for (const char* method : {"gh", "all"}) {
+    const DamagedFlight flight;
+    const ProgramRun run = flight.Run("calibrate", {"--method", method});
+    ExpectError(run, 1, "`dn smooth " + flight.path().string() + " --out DIR`");
+    EXPECT_THAT(run.err, HasSubstr("--trajectory DIR/trajectory.out"));
+    EXPECT_THAT(NamesIn(flight.out()), ElementsAre("report.json"));
+  }
+}
+
+TEST(CliGaussHelmert, AMissingTrajectoryFileIsNamed) {
+  const DamagedFlight flight;
+  ExpectError(flight.Run("calibrate", {"--method", "gh", "--trajectory", "/no/such/file.out"}), 1,
+              "/no/such/file.out does not exist");
+}
+
+TEST(CliGaussHelmert, ATrajectoryForTheNetworkIsWrongUsage) {
+  for (const std::vector<std::string>& method : {std::vector<std::string>{}, {"--method", "dn"}}) {
+    const DamagedFlight flight;
+    std::vector<std::string> arguments{"--trajectory", SmoothedTrajectory()};
+    arguments.insert(arguments.end(), method.begin(), method.end());
+    ExpectError(flight.Run("calibrate", arguments), 2, "add --method gh");
+  }
+}
+
+TEST(CliGaussHelmert, NeitherInertialDataNorATrajectory) {
+  const DamagedFlight flight;
+  RemoveImuSection(flight);
+  ExpectError(flight.Run("calibrate"), 2, "neither a section 'imu'");
+}
+
+TEST(CliGaussHelmert, APairOutsideTheTrajectoryIsNamed) {
+  const DamagedFlight flight;
+  const std::string pairs = "lidar/" + NamesIn(flight.path() / "lidar").front();
+  flight.ReplaceLine(pairs, 3, "381205, 390000, 100, 0, 0, 100, 0, 0");
+  const ProgramRun run =
+      flight.Run("calibrate", {"--method", "gh", "--trajectory", SmoothedTrajectory()});
+  ExpectError(run, 1, "390000");
+  EXPECT_THAT(run.err, HasSubstr("the trajectory"));
+  EXPECT_THAT(run.err, HasSubstr(pairs + ":3"));
+}
+
+TEST(CliGaussHelmert, ADamagedTrajectoryIsNamed) {
+  const DamagedFlight flight;
+  const std::string sbet = ContentOf(SmoothedTrajectory());
+  flight.Write("trajectory.out", sbet.substr(0, 13600 + 17));
+  ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "trajectory.out");
+  flight.Write("trajectory.out", sbet.substr(0, 13600));
+  ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "lies outside the trajectory");
+}
+
+TEST(CliGaussHelmert, DamagedStandardDeviationsAreNamed) {
+  const DamagedFlight flight;
+  fs::copy_file(SmoothedTrajectory(), flight.path() / "trajectory.out");
+  flight.Write("trajectory_sigma.txt", "1, 2, 3\n");
+  ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "trajectory_sigma.txt:1");
+  flight.Write("trajectory_sigma.txt", "381000, 1, 1, 1, 1, 1, 1, 1, 1, 1\n");
+  ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "trajectory_sigma.txt");
+}
+
+TEST(CliGaussHelmert, TooFewPairsAndTheSamePairAgain) {
+  const DamagedFlight flight;
+  const std::string pairs = "lidar/" + NamesIn(flight.path() / "lidar").front();
+  const std::string all = flight.Read(pairs);
+  std::string line = all.substr(0, all.find('\n') + 1);
+  if (line.front() == '#') {
+    const std::size_t begin = line.size();
+    line = all.substr(begin, all.find('\n', begin) + 1 - begin);
+  }
+  const std::vector<std::string> gh{"--method", "gh", "--trajectory", SmoothedTrajectory()};
+  flight.Write(pairs, line);
+  ExpectError(flight.Run("calibrate", gh), 1, "at least two point pairs");
+  flight.Write(pairs, line + line + line);
+  ExpectError(flight.Run("calibrate", gh), 1, "one and the same");
+}
+
+TEST(CliGaussHelmert, CheckSaysWhetherItIsPossible) {
+  const DamagedFlight flight;
+  const ProgramRun before = RunProgram({"check", flight.path().string()});
+  EXPECT_THAT(before.out, HasSubstr("dn calibrate --method gh  missing: a trajectory"));
+  fs::copy_file(SmoothedTrajectory(), flight.path() / "trajectory.out");
+  const ProgramRun after = RunProgram({"check", flight.path().string()});
+  EXPECT_THAT(after.out, HasSubstr("dn calibrate --method gh  possible"));
+  const std::string sbet = ContentOf(SmoothedTrajectory());
+  flight.Write("trajectory.out", sbet.substr(0, 13600));
+  const ProgramRun part = RunProgram({"check", flight.path().string()});
+  EXPECT_THAT(part.out,
+              HasSubstr("dn calibrate --method gh  missing: pairs inside the trajectory"));
+}
+
+// ---- Reference and real data -------------------------------------------------------------------
+
+fs::path SharedData(const std::string& name) {
+  return fs::path(DN_SHARED_DATA_DIR) / "data" / name;
+}
+
+TEST(CliGaussHelmert, LiborCheck) {
+  const fs::path folder = SharedData("libor-check");
+  if (!fs::exists(folder)) GTEST_SKIP() << "no reference data in " << folder;
+  const TempFolder out;
+  const ProgramRun run =
+      RunProgram({"calibrate", folder.string(), "--out", (out.path() / "r").string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json libor = JsonOf(folder / "libor.json");
+  const Json result = JsonOf(out.path() / "r/result.json");
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(result["boresight"]["angles_deg"][i].get<double>(),
+                libor["boresight_deg"][i].get<double>(), 2e-5);
+    const double sigma = libor["sigma_scaled_deg"][i];
+    EXPECT_NEAR(result["boresight"]["sigma_scaled_deg"][i].get<double>(), sigma, 0.01 * sigma);
+  }
+}
+
+TEST(CliGaussHelmert, TentNeedsItsPairsFirst) {
+  const fs::path folder = SharedData("tent");
+  if (!fs::exists(folder)) GTEST_SKIP() << "no real data in " << folder;
+  const TempFolder out;
+  ExpectError(RunProgram({"calibrate", folder.string(), "--out", (out.path() / "r").string()}), 1,
+              "lidar.p2p");
+}
+
+}  // namespace
+}  // namespace dn::testing
