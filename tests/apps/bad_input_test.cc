@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 
 #include "damaged_flight.h"
 
@@ -156,6 +157,122 @@ TEST(CliBadInput, PairsThatCannotBelongToThisFlight) {
   const Json result = Json::parse(ContentOf(flight.out() / "result.json"));
   EXPECT_NE(result["assessment"]["verdict"], "calibrated");
   EXPECT_EQ(run.exit_code, result["assessment"]["verdict"] == "not_observable" ? 1 : 0);
+}
+
+/// One row of a file is replaced: what dn says, and where.
+struct BadRow {
+  const char* name;
+  const char* file;
+  int line;
+  const char* row;
+  const char* what;
+};
+
+class CliBadRow : public ::testing::TestWithParam<BadRow> {};
+
+TEST_P(CliBadRow, IsRefusedWithItsPlace) {
+  const BadRow& bad = GetParam();
+  const DamagedFlight flight;
+  flight.ReplaceLine(bad.file, bad.line, bad.row);
+  const ProgramRun run = flight.Run("calibrate");
+  ExpectFailure(run, flight, 1, "input", std::string(bad.file) + ":" + std::to_string(bad.line));
+  EXPECT_THAT(run.err, HasSubstr(bad.what));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Matrix, CliBadRow,
+    ::testing::Values(
+        BadRow{"ZeroSigma", "GPS.txt", 9, "381008, 46.57, 6.52, 600, 0, 0.01, 0.02", "sigma"},
+        BadRow{"InfiniteSigma", "GPS.txt", 9, "381008, 46.57, 6.52, 600, inf, 0.01, 0.02", "inf"},
+        BadRow{"NegativeSigma", "GPS.txt", 9, "381008, 46.57, 6.52, 600, -1, 0.01, 0.02", "sigma"},
+        BadRow{"LatitudeBeyondThePole", "GPS.txt", 9, "381008, 96.57, 6.52, 600, 1, 1, 1", "lat"},
+        BadRow{"NanRate", "IMU.txt", 9, "381000.18, nan, 0, 0, 0, 0, -9.8", "nan"},
+        BadRow{"ImuStepsBack", "IMU.txt", 900, "381000.02, 0, 0, 0, 0, 0, -9.8", "time"},
+        BadRow{"WordForANumber", "IMU.txt", 9, "381000.18, a, 0, 0, 0, 0, -9.8", "a"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+/// Every value of some columns of a table, changed.
+std::string WithColumns(const std::string& table, std::size_t first, std::size_t last,
+                        double factor) {
+  std::istringstream in(table);
+  std::string out;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (std::size_t column = 0; std::getline(cells, cell, ','); ++column) {
+      const bool changed = column >= first && column <= last;
+      out += (column > 0 ? "," : "") + (changed ? std::to_string(factor * std::stod(cell)) : cell);
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+TEST(CliBadInput, SpecificForceInG) {
+  const DamagedFlight flight;
+  flight.Write("IMU.txt", WithColumns(flight.Read("IMU.txt"), 4, 6, 1.0 / 9.80665));
+  ExpectFailure(flight.Run("calibrate"), flight, 1, "input", "is it in g? Multiply by 9.80665");
+}
+
+TEST(CliBadInput, RatesInDegreesPerSecond) {
+  const DamagedFlight flight;
+  flight.Write("IMU.txt", WithColumns(flight.Read("IMU.txt"), 1, 3, 57.29577951308232));
+  ExpectFailure(flight.Run("calibrate"), flight, 1, "input", "deg/s");
+}
+
+TEST(CliBadInput, NoPairsInTheFile) {
+  const DamagedFlight flight;
+  for (const std::string& name : NamesIn(flight.path() / "lidar")) {
+    flight.Write("lidar/" + name, "# t_i, t_j, u_i, u_j\n");
+  }
+  ExpectFailure(flight.Run("calibrate"), flight, 1, "input", "lidar/");
+}
+
+TEST(CliBadInput, AllPairsOnOnePairOfEpochs) {
+  const DamagedFlight flight;
+  const std::string pairs = "lidar/" + NamesIn(flight.path() / "lidar").front();
+  const std::string first = flight.Read(pairs).substr(0, flight.Read(pairs).find('\n') + 1);
+  std::string text;
+  for (int i = 0; i < 50; ++i) text += first;
+  flight.Write(pairs, text);
+  const ProgramRun run = flight.Run("calibrate");
+  EXPECT_EQ(run.exit_code, 1) << run.out;
+  EXPECT_THAT(run.err, HasSubstr("the same two epochs"));
+}
+
+TEST(CliBadInput, AQuaternionOfZeroNorm) {
+  const DamagedFlight flight;
+  flight.Write("initial_guess.txt",
+               "381000, 46.57, 6.52, 600, 1, 0, 0, 0\n381400, 46.57, 6.52, 600, 0, 0, 0, 0\n");
+  ExpectFailure(flight.Run("smooth"), flight, 1, "input", "initial_guess.txt:2");
+}
+
+TEST(CliBadInput, ATruncatedTrajectory) {
+  const DamagedFlight flight;
+  flight.Write("trajectory.out", flight.Read("reference.out").substr(0, 136 * 50 + 77));
+  const ProgramRun run = flight.Run("calibrate", {"--method", "gh"});
+  ExpectFailure(run, flight, 1, "input", "trajectory.out");
+  EXPECT_THAT(run.err, HasSubstr("136"));
+}
+
+TEST(CliBadInput, CheckReportsGapsAndJitter) {
+  const DamagedFlight flight;
+  std::istringstream in(flight.Read("IMU.txt"));
+  std::string text;
+  int line = 0;
+  for (std::string row; std::getline(in, row);) {
+    if (++line >= 1000 && line < 1050) continue;  // one second
+    if (line == 2000) {
+      const std::size_t comma = row.find(',');
+      row = std::to_string(std::stod(row.substr(0, comma)) + 0.004) + row.substr(comma);
+    }
+    text += row + "\n";
+  }
+  flight.Write("IMU.txt", text);
+  const ProgramRun run = RunProgram({"check", flight.path().string()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("1 gap"));
+  EXPECT_THAT(run.out, HasSubstr("jitter"));
 }
 
 TEST(CliBadInput, CheckRefusesWhatCalibrateWould) {

@@ -1,0 +1,137 @@
+#include <dn/flight/flight_config.h>
+#include <dn/report/json.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+#include <random>
+
+#include "run_program.h"
+#include "testing/temp_folder.h"
+
+namespace dn::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+constexpr double kRate_hz = 50.0;
+constexpr double kArw_deg_sqrt_h = 0.3, kVrw_m_s_sqrt_h = 0.06;
+
+/// A sensor at rest with white noise; some rows may be left out, or turn.
+std::string Record(int seconds, int gap_from = -1, double turn_radps = 0.0) {
+  std::mt19937 rng(7);
+  std::normal_distribution<double> normal;
+  const double w = kArw_deg_sqrt_h * std::numbers::pi / 180.0 / 60.0 * std::sqrt(kRate_hz);
+  const double f = kVrw_m_s_sqrt_h / 60.0 * std::sqrt(kRate_hz);
+  std::string text;
+  char row[200];
+  const int rows = seconds * static_cast<int>(kRate_hz);
+  for (int k = 0; k < rows; ++k) {
+    const double turn = k > rows / 2 ? turn_radps : 0.0;
+    std::array<double, 6> x{};
+    for (double& value : x) value = normal(rng);
+    if (k >= gap_from && gap_from >= 0 && k < gap_from + 100) continue;
+    std::snprintf(row, sizeof row, "%.3f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
+                  1000.0 + (k + 1) / kRate_hz, w * x[0], w * x[1], w * x[2] + turn, f * x[3],
+                  f * x[4], f * x[5] - 9.81);
+    text += row;
+  }
+  return text;
+}
+
+ProgramRun Allan(const TempFolder& folder, const std::string& rate = "50") {
+  return RunProgram({"allan", (folder.path() / "IMU.txt").string(), "--rate", rate, "--out",
+                     (folder.path() / "out").string()});
+}
+
+TEST(CliAllan, FindsTheWhiteNoiseAndNothingElse) {
+  const TempFolder folder;
+  folder.Write("IMU.txt", Record(1200));
+  const ProgramRun run = Allan(folder);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(ContentOf(folder.path() / "out/allan.json"));
+  EXPECT_EQ(json["schema"], "dn.allan/1");
+  EXPECT_NEAR(json["gyro"]["model"]["white"]["value"], kArw_deg_sqrt_h, 0.02 * kArw_deg_sqrt_h);
+  EXPECT_EQ(json["gyro"]["model"]["white"]["unit"], "deg/sqrt(h)");
+  EXPECT_NEAR(json["accel"]["model"]["white"]["value"], kVrw_m_s_sqrt_h, 0.02 * kVrw_m_s_sqrt_h);
+  EXPECT_TRUE(json["gyro"]["model"]["gauss_markov"].is_null());
+  EXPECT_TRUE(json["accel"]["model"]["random_walk"].is_null());
+  EXPECT_EQ(json["gyro"]["x"]["curve"]["tau_s"].size(),
+            json["gyro"]["x"]["curve"]["deviation"].size());
+  for (const char* name : {"allan.csv", "noise.yaml", "config.resolved.yaml", "report.json"}) {
+    EXPECT_TRUE(fs::exists(folder.path() / "out" / name)) << name;
+  }
+}
+
+TEST(CliAllan, ItsNoiseGoesIntoAFlightAsItIs) {
+  const TempFolder folder;
+  folder.Write("IMU.txt", Record(600));
+  ASSERT_EQ(Allan(folder).exit_code, 0);
+  const std::string text = "name: pasted\n" + ContentOf(folder.path() / "out/noise.yaml");
+  const FlightConfig config = ParseFlightConfig(text, folder.path());
+  ASSERT_TRUE(config.imu);
+  EXPECT_NEAR(config.imu->model.accel.white * 60.0, kVrw_m_s_sqrt_h, 0.03 * kVrw_m_s_sqrt_h);
+  EXPECT_TRUE(config.imu->model.gyro.processes.empty());
+}
+
+TEST(CliAllan, BadRecordsAreRefused) {
+  const TempFolder folder;
+  folder.Write("IMU.txt", Record(600));
+  const ProgramRun rate = Allan(folder, "100");
+  EXPECT_EQ(rate.exit_code, 2);
+  EXPECT_THAT(rate.err, HasSubstr("--rate 100 Hz, but the time tags"));
+  EXPECT_THAT(rate.err, HasSubstr("50 Hz"));
+  folder.Write("IMU.txt", Record(600, 5000));
+  const ProgramRun gap = Allan(folder);
+  EXPECT_EQ(gap.exit_code, 1);
+  EXPECT_THAT(gap.err, HasSubstr("1 gaps in the record, the first from 1100.000"));
+  folder.Write("IMU.txt", Record(3));
+  const ProgramRun few = Allan(folder);
+  EXPECT_EQ(few.exit_code, 1);
+  EXPECT_THAT(few.err, HasSubstr("too short"));
+  EXPECT_EQ(NamesIn(folder.path() / "out"), std::vector<std::string>{"report.json"});
+}
+
+TEST(CliAllan, MotionIsNamed) {
+  const TempFolder folder;
+  folder.Write("IMU.txt", Record(600, -1, 0.1));
+  const ProgramRun run = Allan(folder);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.err, HasSubstr("gyro z: the sensor was not at rest"));
+}
+
+// The first 2,000 s of a measured record, unpacked from its 16-bit integers (its README.md).
+TEST(CliAllan, MeasuredSensor) {
+  const fs::path packed = fs::path(DN_SHARED_DATA_DIR) / "data/adis16405/adis16405_run1.i16.xz";
+  if (!fs::exists(packed)) GTEST_SKIP() << "no measured data: " << packed;
+  constexpr double kRadpsPerBit = 0.05 * std::numbers::pi / 180.0, kMps2PerBit = 0.00333 * 9.80665;
+  FILE* pipe = popen(("xz -dc '" + packed.string() + "' 2>/dev/null").c_str(), "r");
+  ASSERT_NE(pipe, nullptr);
+  std::string text;
+  std::array<std::int16_t, 6> bits{};
+  char row[200];
+  for (int k = 0; k < 200000 && std::fread(bits.data(), 2, 6, pipe) == 6; ++k) {
+    std::snprintf(row, sizeof row, "%.2f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", 1000.0 + (k + 1) / 100.0,
+                  kRadpsPerBit * bits[0], kRadpsPerBit * bits[1], kRadpsPerBit * bits[2],
+                  kMps2PerBit * bits[3], kMps2PerBit * bits[4], kMps2PerBit * bits[5]);
+    text += row;
+  }
+  pclose(pipe);
+  if (text.empty()) GTEST_SKIP() << "xz is not installed";
+  const TempFolder folder;
+  folder.Write("IMU.txt", text);
+  const ProgramRun run = Allan(folder, "100");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json model = Json::parse(ContentOf(folder.path() / "out/allan.json"))["gyro"]["model"];
+  // Independent figures for this record: about 2.5 deg/sqrt(h) and a floor of 25 to 30 deg/h.
+  EXPECT_NEAR(model["white"]["value"], 2.5, 0.25);
+  EXPECT_NEAR(model["floor"]["deviation"], 27.0, 6.0);
+}
+
+}  // namespace
+}  // namespace dn::testing
