@@ -7,6 +7,7 @@
 #include <dn/gnss/gnss_data.h>
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
+#include <dn/sim/scenario.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -109,6 +110,13 @@ void CheckPairs(const fs::path& folder) {
   }
 }
 
+void CheckScenario(const std::string& yaml) {
+  const Scenario scenario = ParseScenario(yaml, "scenario.yaml");
+  Require(!scenario.plan.lines.empty() || scenario.plan.replay, "there is a path to fly");
+  Require(scenario.imu.rate_hz > 0.0 && scenario.gnss.rate_hz > 0.0, "rates are positive");
+  Require(scenario.pairs.sigma_p_m > 0.0, "the sigma of the pairs is positive");
+}
+
 /// Without the leading comment, which says what the body frame of the input was.
 std::string WithoutComment(const std::string& yaml) {
   return yaml.starts_with('#') ? yaml.substr(yaml.find('\n') + 1) : yaml;
@@ -150,6 +158,8 @@ void Read(char reader, std::string_view content) {
     case 'P':
       scratch.Write("LiDAR_p2p.txt", content);
       return CheckPairs(scratch.path());
+    case 'C':
+      return CheckScenario(std::string(content));
     default:
       scratch.Write("flight.yaml", content);
       return CheckConfig(scratch);

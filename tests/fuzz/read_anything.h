@@ -12,8 +12,8 @@ namespace dn::testing {
 ///   T ReadTextTable                     S ReadTrajectory, SBET      O ReadTrajectory, ODyN text
 ///   I ReadImu, ODyN                     J ReadImu, increments
 ///   G ReadGnss, ODyN                    R ReadGnss, RTKLIB          B ReadGnss, OB_GINS
-///   P ReadPairs                         F ReadFlightConfig
-inline constexpr std::string_view kReaders = "TSOIJGRBPF";
+///   P ReadPairs                         F ReadFlightConfig          C ParseScenario
+inline constexpr std::string_view kReaders = "TSOIJGRBPFC";
 
 /// Gives the bytes after the first to the reader that the first selects (any other letter: modulo
 /// the number of readers), as a file in memory.

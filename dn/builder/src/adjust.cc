@@ -137,6 +137,7 @@ class Adjuster {
     SolveInsGnss();
     ScreenGnssEpochs();
     if (options_.with_pairs) {
+      CheckPairEpochs();
       network().AddPairs(flight_.pairs->pairs);
       if (network().pair_edges.empty()) {
         throw InvalidInput(
@@ -162,6 +163,18 @@ class Adjuster {
   void Announce(const std::string& stage) const {
     if (options_.progress) options_.progress(stage, 0);
     if (options_.interrupted && options_.interrupted()) throw Interrupted();
+  }
+
+  void CheckPairEpochs() const {
+    const std::vector<LidarPair>& pairs = flight_.pairs->pairs;
+    const bool one = std::all_of(pairs.begin(), pairs.end(), [&](const LidarPair& pair) {
+      return pair.t_i_s == pairs[0].t_i_s && pair.t_j_s == pairs[0].t_j_s;
+    });
+    if (!one) return;
+    throw InvalidInput("adjustment: all " + std::to_string(pairs.size()) +
+                       " pairs join the same two epochs, " + FormatDouble(pairs[0].t_i_s) +
+                       " and " + FormatDouble(pairs[0].t_j_s) +
+                       " s; a boresight needs pairs along whole strips");
   }
 
   void BuildInertial() {
