@@ -189,7 +189,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadRow{"NanRate", "IMU.txt", 9, "381000.18, nan, 0, 0, 0, 0, -9.8", "nan"},
         BadRow{"ImuStepsBack", "IMU.txt", 900, "381000.02, 0, 0, 0, 0, 0, -9.8", "time"},
         BadRow{"WordForANumber", "IMU.txt", 9, "381000.18, a, 0, 0, 0, 0, -9.8", "a"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& parameter) { return std::string(parameter.param.name); });
 
 /// Every value of some columns of a table, changed.
 std::string WithColumns(const std::string& table, std::size_t first, std::size_t last,

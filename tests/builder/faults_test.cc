@@ -90,7 +90,7 @@ class Faults : public ::testing::TestWithParam<const char*> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Grades, Faults, ::testing::Values("drone", "aircraft"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& parameter) { return std::string(parameter.param); });
 
 TEST_P(Faults, ACleanFlightLosesNothing) {
   const Calibration c(sim_.flight);
