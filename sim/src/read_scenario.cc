@@ -2,7 +2,6 @@
 #include <dn/network.h>
 #include <dn/sim/scenario.h>
 
-#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -11,11 +10,6 @@
 
 namespace dn {
 namespace {
-
-const std::vector<std::string>& AnnouncedScenarios() {
-  static const std::vector<std::string> names{"har2", "har4", "hal2", "hal4"};
-  return names;
-}
 
 std::string ReadText(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -38,11 +32,6 @@ std::string ScenarioText(const std::string& name_or_path) {
   }
   if (std::filesystem::is_regular_file(name_or_path)) return ReadText(name_or_path);
   const std::string shipped = JoinNames(ScenarioNames());
-  const auto& announced = AnnouncedScenarios();
-  if (std::find(announced.begin(), announced.end(), name_or_path) != announced.end()) {
-    throw InvalidConfig("scenario '" + name_or_path +
-                        "' is not shipped yet; shipped are: " + shipped);
-  }
   throw InvalidConfig("'" + name_or_path +
                       "' is neither a scenario file nor a shipped scenario; the nearest one is '" +
                       NearestName(name_or_path, ScenarioNames()) + "'. Shipped: " + shipped);

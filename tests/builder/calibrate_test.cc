@@ -227,7 +227,7 @@ TEST(Observability, HeldBoresightHasNoCovariance) {
 
 // One ground point, however often it is measured from one pair of poses, gives three equations, and
 // they leave one direction of the boresight almost free.
-TEST(Observability, OnePointSeenFromOnePairOfPosesIsNotACalibration) {
+TEST(Observability, OnePointSeenFromTwoPairsOfPosesIsNotACalibration) {
   SimulatedFlight sim = Fly(DroneScenario(), 3);
   const auto middle_s = [](const StripInterval& s) { return 0.5 * (s.t0_s + s.t1_s); };
   const Mounting& mounting = sim.scenario.lidar.mounting;
@@ -238,9 +238,11 @@ TEST(Observability, OnePointSeenFromOnePairOfPosesIsNotACalibration) {
         mounting.R_bs_nominal.transpose() *
         (Exp(mounting.boresight_rad).conjugate() * (arm_b - sim.lidar_lever_arm_b_m)));
   };
+  double later_s = 0.0;
   for (LidarPair& pair : sim.flight.pairs->pairs) {
-    pair.t_i_s = middle_s(sim.strips[0]);
-    pair.t_j_s = middle_s(sim.strips[1]);
+    later_s = 0.02 - later_s;
+    pair.t_i_s = middle_s(sim.strips[0]) + later_s;
+    pair.t_j_s = middle_s(sim.strips[1]) + later_s;
     pair.u_i_s = sight(pair.t_i_s);
     pair.u_j_s = sight(pair.t_j_s);
   }
