@@ -114,4 +114,12 @@ std::string FormatPairs(const std::vector<LidarPair>& pairs) {
   return text;
 }
 
+double MeanRange(const std::vector<LidarPair>& pairs) {
+  double mean_m = 0.0;
+  for (const LidarPair& pair : pairs) {
+    mean_m += (pair.u_i_s.norm() + pair.u_j_s.norm()) / (2.0 * static_cast<double>(pairs.size()));
+  }
+  return mean_m;
+}
+
 }  // namespace dn

@@ -453,15 +453,12 @@ double AutoNodeRateHz(const Flight& flight) {
   constexpr double kShortestStripS = 1.0;
   if (!flight.config.lidar || !flight.pairs || flight.pairs->pairs.empty()) return kLadderHz[0];
   const auto ends = 2.0 * static_cast<double>(flight.pairs->pairs.size());
-  double mean_range_m = 0.0;
-  for (const LidarPair& pair : flight.pairs->pairs) {
-    mean_range_m += (pair.u_i_s.norm() + pair.u_j_s.norm()) / ends;
-  }
   double strips_s = kShortestStripS;
   for (const TimeInterval& strip : ClusterEpochs(PairEpochs(flight), kStripJoinS)) {
     strips_s += strip.t1_s - strip.t0_s;
   }
-  const double noise_m_per_sqrt_s = flight.config.imu->model.gyro.white * mean_range_m;
+  const double noise_m_per_sqrt_s =
+      flight.config.imu->model.gyro.white * MeanRange(flight.pairs->pairs);
   const double relative = noise_m_per_sqrt_s / flight.config.lidar->sigma_p_m;
   for (const double rate_hz : kLadderHz) {
     const double ends_per_interval = std::max(1.0, ends / strips_s / rate_hz);

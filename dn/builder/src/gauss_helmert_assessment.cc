@@ -146,7 +146,7 @@ void DescribeStrips(const Flight& flight, GaussHelmertCalibration* calibration) 
 void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   BoresightResult& boresight = calibration->boresight;
   const GaussHelmertResult& adjustment = calibration->adjustment;
-  AssessObservability(&boresight);
+  AssessObservability(flight, &boresight);
   const auto add = [&](const std::string& reason) {
     if (!reason.empty()) boresight.reasons.push_back(reason);
   };

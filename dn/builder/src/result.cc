@@ -192,17 +192,21 @@ Eigen::Matrix3d BoresightResult::correlation() const {
   return inverse.asDiagonal() * covariance_rad2 * inverse.asDiagonal();
 }
 
-void AssessObservability(BoresightResult* result) {
+void AssessObservability(const Flight& flight, BoresightResult* result) {
   constexpr double kInseparable = 0.999;
-  constexpr double kUselessSigmaRad = 1.0 * kRadPerDeg;
+  // All pairs together, no better than this many times a single one: nothing was determined.
+  constexpr double kPairResolutions = 10.0;
+  const double useless_rad =
+      kPairResolutions * flight.config.lidar->sigma_p_m / MeanRange(flight.pairs->pairs);
   const Eigen::Matrix3d correlation = result->correlation();
   const char* names[] = {"roll", "pitch", "yaw"};
   result->verdict = "calibrated";
   for (int i = 0; i < 3; ++i) {
-    if (result->sigma_rad()[i] > kUselessSigmaRad) {
+    if (result->sigma_rad()[i] > useless_rad) {
       result->verdict = "not_observable";
       result->reasons.push_back(std::string("the standard deviation of ") + names[i] +
-                                " exceeds 1 deg: more overlapping strips are needed");
+                                " exceeds ten times the resolution of a single pair: more "
+                                "overlapping strips are needed");
     }
     for (int j = 0; j < i; ++j) {
       if (std::abs(correlation(i, j)) > kInseparable) {
@@ -260,7 +264,7 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
       CorrelateWithBias(network, network.accel_bias, sigma, barycentre_s, columns, marginals);
   result.gyro_bias =
       CorrelateWithBias(network, network.gyro_bias, sigma, barycentre_s, columns, marginals);
-  AssessObservability(&result);
+  AssessObservability(network.flight(), &result);
   if (result.verdict == "calibrated" && !adjustment.warnings.empty()) result.verdict = "absorbed";
   result.reasons.insert(result.reasons.end(), adjustment.warnings.begin(),
                         adjustment.warnings.end());

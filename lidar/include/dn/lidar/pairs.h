@@ -36,6 +36,9 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 /// vector has zero length, a covariance is not positive definite, or there is no pair.
 PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns);
 
+/// Mean length of the laser vectors, m; 0 without pairs.
+double MeanRange(const std::vector<LidarPair>& pairs);
+
 /// Text of a pair file with 17 significant digits where needed. Either all pairs carry a
 /// covariance or none does: a file has one number of columns.
 std::string FormatPairs(const std::vector<LidarPair>& pairs);

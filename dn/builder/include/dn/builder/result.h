@@ -93,9 +93,10 @@ struct BoresightResult {
   Eigen::Matrix3d correlation() const;
 };
 
-/// Sets the verdict not_observable, with the reasons, when a sigma exceeds 1 deg or two angles
-/// correlate by more than 0.999, else calibrated.
-void AssessObservability(BoresightResult* result);
+/// Sets the verdict not_observable, with the reasons, when two angles correlate by more than 0.999,
+/// or a sigma exceeds ten times what a single pair resolves: its own sigma_p at its range. Else
+/// calibrated.
+void AssessObservability(const Flight& flight, BoresightResult* result);
 
 /// Posterior covariances of the trajectory and of the biases, figures, and statistics. `marginals`
 /// must have its selected inverse.
