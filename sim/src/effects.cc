@@ -34,7 +34,7 @@ const std::vector<EffectDescription>& KnownEffects() {
       {"p2p_noise_scale", 1, true},
       {"p2p_outliers", 2, true},
       {"p2p_range_noise", 1, true},
-      {"trajectory_attitude_offset", 3, false},
+      {"trajectory_attitude_offset", 3, true},
       {"gnss_outage", 0, true, Timing::kWindow},
       {"gnss_outliers", 2, true},
       {"gnss_clock_step", 1, true, Timing::kStart},

@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/geo/local_frame.h>
 #include <dn/network.h>
 #include <dn/sim/scenario.h>
 
@@ -6,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 
 #include "effects.h"
 #include "join_names.h"
@@ -15,7 +15,6 @@
 namespace dn {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kSecondsPerWeek = 604800.0;
 
 Geodetic ReadOrigin(const ScenarioSection& root) {

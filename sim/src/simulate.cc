@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
+#include <dn/rotation.h>
 #include <dn/sim/simulate.h>
 #include <dn/sim/terrain.h>
 
@@ -102,6 +103,18 @@ LidarConfig AssumedLidar(const Scenario& scenario, const PairData& pairs) {
   return lidar;
 }
 
+/// The true trajectory with its attitude turned by trajectory_attitude_offset; none without.
+std::optional<Trajectory> OffsetTrajectory(const Scenario& scenario, const Trajectory& reference) {
+  if (EffectsNamed(scenario, "trajectory_attitude_offset").empty()) return std::nullopt;
+  const Eigen::Quaterniond offset =
+      Exp(Eigen::Vector3d(kRadPerDeg * VectorEffect(scenario, "trajectory_attitude_offset")));
+  std::vector<NavPoint> points = reference.points();
+  for (NavPoint& point : points) point.q_nb = (point.q_nb * offset).normalized();
+  TrajectoryNotes notes;
+  notes.velocity_from_file = true;
+  return Trajectory(std::move(points), notes);
+}
+
 }  // namespace
 
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options) {
@@ -139,6 +152,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   TrajectoryNotes notes;
   notes.velocity_from_file = true;
   out.flight.reference = Trajectory(std::move(imu.reference), notes);
+  out.flight.trajectory = OffsetTrajectory(scenario, *out.flight.reference);
   report("gnss")(0.0);
   out.flight.gnss = SimulateGnss(scenario.gnss, out.gnss_lever_arm_b_m, *out.truth, options.seed,
                                  options.noise ? RatioEffect(scenario, "gnss_noise_scale") : 0.0);

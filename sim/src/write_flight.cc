@@ -132,6 +132,7 @@ void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory) {
     }
   }
   directory.Add("reference.out", FormatSbet(flight.reference->points()));
+  if (flight.trajectory) directory.Add("trajectory.out", FormatSbet(flight.trajectory->points()));
   directory.Add("truth.yaml", TruthYaml(simulated));
 }
 

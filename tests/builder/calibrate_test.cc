@@ -69,18 +69,36 @@ INSTANTIATE_TEST_SUITE_P(
         EffectCase{"lidar_lever_arm", "[0.15, -0.20, 0.05]", {0.15, -0.20, 0.05}, 0.2}),
     [](const auto& tested) { return tested.param.unknown; });
 
+// One flight and its calibration, shared by the tests of the program that look at it.
+struct CalibratedFlight {
+  explicit CalibratedFlight(const Scenario& scenario)
+      : sim(Fly(scenario, 4)),
+        calibration(sim.flight),
+        trajectory(ExtractTrajectory(calibration.adjustment, calibration.marginals)) {}
+
+  SimulatedFlight sim;
+  Calibration calibration;
+  TrajectoryResult trajectory;
+};
+
+const CalibratedFlight& Aircraft() {
+  static const CalibratedFlight flight(AircraftScenario());
+  return flight;
+}
+
+const CalibratedFlight& Drone() {
+  static const CalibratedFlight flight(DroneScenario());
+  return flight;
+}
+
 class Results : public ::testing::TestWithParam<bool> {
  protected:
-  Results()
-      : sim_(Fly(GetParam() ? AircraftScenario() : DroneScenario(), 4)),
-        calibration_(sim_.flight),
-        trajectory_(ExtractTrajectory(calibration_.adjustment, calibration_.marginals)) {}
-
   const FlightNetwork& network() const { return *calibration_.adjustment.network; }
 
-  SimulatedFlight sim_;
-  Calibration calibration_;
-  TrajectoryResult trajectory_;
+  const CalibratedFlight& flight_ = GetParam() ? Aircraft() : Drone();
+  const SimulatedFlight& sim_ = flight_.sim;
+  const Calibration& calibration_ = flight_.calibration;
+  const TrajectoryResult& trajectory_ = flight_.trajectory;
 };
 
 /// Mean square of normalised errors that are correlated over minutes: few are independent.

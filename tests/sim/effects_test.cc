@@ -326,5 +326,23 @@ TEST_F(Effects, RangeAngleAndClockOfTheScanner) {
   }
 }
 
+TEST_F(Effects, AttitudeOffsetTurnsTheGivenTrajectoryAlone) {
+  const SimulatedFlight with =
+      With("{effect: trajectory_attitude_offset, value: [0.05, 0.01, 0.2]}");
+  EXPECT_FALSE(Clean().flight.trajectory);
+  ASSERT_TRUE(with.flight.trajectory);
+  const Eigen::Quaterniond offset = Exp(Vector3d(kRadPerDegree * Vector3d(0.05, 0.01, 0.2)));
+  const auto& given = with.flight.trajectory->points();
+  const auto& truth = with.flight.reference->points();
+  ASSERT_EQ(given.size(), truth.size());
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    EXPECT_LT(given[k].q_nb.angularDistance(truth[k].q_nb * offset), kRounding);
+    EXPECT_EQ(given[k].position.h_m, truth[k].position.h_m);
+  }
+  EachSample(with, [](const ImuSample& sample, const ImuSample& clean, std::size_t) {
+    ASSERT_EQ(sample.w_ib_b_radps, clean.w_ib_b_radps);
+  });
+}
+
 }  // namespace
 }  // namespace dn

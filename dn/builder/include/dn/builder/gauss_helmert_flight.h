@@ -80,7 +80,7 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelme
 /// none is the paper's outlier rule, huber and cauchy are robust losses of width 2.5.
 ///
 /// The covariance is ReliableCovariance; the verdict is
-///   not_observable  a sigma exceeds 1 deg, or two angles correlate by more than 0.999,
+///   not_observable  as AssessObservability says,
 ///   absorbed        the attitude errors of the trajectory at the two epochs of a pair (stated, or
 ///                   shown by the pairs where that is more) change its difference by more than
 ///                   half its own sigma: the angles make the cloud consistent, but hold that error,
