@@ -34,5 +34,9 @@ function(dn_add_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(${name} PRIVATE ${A_LINK} GTest::gmock GTest::gtest_main dn_dev_flags)
   target_compile_definitions(${name} PRIVATE DN_SHARED_DATA_DIR="${DN_SHARED_DATA_DIR}")
+  if(A_LABEL STREQUAL slow)  # apart from those that .ci/run starts one by one
+    set_target_properties(${name} PROPERTIES
+      RUNTIME_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/slow)
+  endif()
   gtest_discover_tests(${name} PROPERTIES LABELS "${A_LABEL}" DISCOVERY_TIMEOUT 120 TIMEOUT 600)
 endfunction()
