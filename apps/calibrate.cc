@@ -108,7 +108,7 @@ void PrintResult(const FlightConfig& config, const GaussHelmertCalibration& cali
   print_sigmas("scatter by time-correlated trajectory errors",
                scatter.covariance_rad2.diagonal().cwiseSqrt());
   print_sigmas("attitude error constant over the flight",
-               calibration.accuracy.attitude_covariance_rad2.diagonal().cwiseSqrt());
+               calibration.constant_rad2.diagonal().cwiseSqrt());
   PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
               {"roll", "pitch", "yaw"});
   const AdjustmentFigures& figures = calibration.figures;

@@ -20,11 +20,17 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kTausS[] = {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
+// The last one, for ever, only where the stated sigma holds the constant part as well.
+constexpr double kTausS[] = {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 1e7};
+constexpr std::size_t kForEver = std::size(kTausS) - 1;
 constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
 constexpr double kRatioPriorOctaves = 1.5;
-constexpr double kScalePriorMeanOctaves = -1.0;  // of s_a
-constexpr double kScalePriorOctaves = 1.0;
+/// Log-normal prior of s_a, in octaves.
+struct ScalePrior {
+  double mean, sigma;
+};
+constexpr ScalePrior kVaryingPart{-1.0, 1.0};
+constexpr ScalePrior kWholeError{0.0, 0.4};
 // Of (s_a / s0)^2, in octaves: from an error without any effect to one of 32 times the stated
 // sigma.
 constexpr int kFirstRhoOctave = -16;
@@ -206,8 +212,10 @@ struct GridPoint {
 
 class ScatterEstimator {
  public:
-  ScatterEstimator(double redundancy, const TimeBlocks& blocks, const BlockSums& sums)
-      : nu_(redundancy),
+  ScatterEstimator(double redundancy, const TimeBlocks& blocks, const BlockSums& sums,
+                   bool whole_error)
+      : whole_error_(whole_error),
+        nu_(redundancy),
         blocks_(blocks),
         effect_(sums.N_e * sums.N.inverse()),
         H_P_(sums.H - effect_ * sums.N_e.transpose()),
@@ -215,7 +223,8 @@ class ScatterEstimator {
         chi2_(sums.chi2 - sums.g.dot(sums.N.llt().solve(sums.g))) {}
 
   TrajectoryScatter Run() {
-    for (std::size_t tau = 0; tau < std::size(kTausS); ++tau) AddTau(tau);
+    for (std::size_t tau = 0; tau < kForEver; ++tau) AddTau(tau);
+    if (whole_error_) AddTau(kForEver);
     return Average();
   }
 
@@ -261,6 +270,7 @@ class ScatterEstimator {
     const VectorXd sub = tridiagonal.subDiagonal();
     const VectorXd turned = tridiagonal.matrixQ().adjoint() * c;
     const auto squared = [](double x) { return x * x; };
+    const ScalePrior& scale = whole_error_ ? kWholeError : kVaryingPart;
     for (int octave = kFirstRhoOctave; octave <= kLastRhoOctave; ++octave) {
       const double rho = std::exp2(octave);
       const TridiagonalFigures figures = Evaluate(diagonal, sub, turned, rho);
@@ -272,9 +282,8 @@ class ScatterEstimator {
       point.s_a = std::sqrt(rho * s0_2);
       point.s_p = ratio * point.s_a;
       const double log_likelihood = -0.5 * (nu_ * std::log(s0_2 * nu_ / chi2_) + figures.log_det);
-      const double log_prior =
-          -0.5 * squared(log2_ratio / kRatioPriorOctaves) -
-          0.5 * squared((std::log2(point.s_a) - kScalePriorMeanOctaves) / kScalePriorOctaves);
+      const double log_prior = -0.5 * squared(log2_ratio / kRatioPriorOctaves) -
+                               0.5 * squared((std::log2(point.s_a) - scale.mean) / scale.sigma);
       point.log_posterior = log_likelihood + log_prior;
       grid_.push_back(point);
       log_prior_.push_back(log_prior);
@@ -292,23 +301,30 @@ class ScatterEstimator {
     const double evidence = log_sum(grid_, [](const GridPoint& p) { return p.log_posterior; });
     const double prior = log_sum(log_prior_, [](double p) { return p; });
     TrajectoryScatter scatter;
-    double s_a2 = 0.0, s_p2 = 0.0, log_tau = 0.0;
+    if (whole_error_) scatter.constant_share = 0.0;
+    double s_a2 = 0.0, s_p2 = 0.0, log_tau = 0.0, varying = 0.0;
     for (const GridPoint& point : grid_) {
       const double weight = std::exp(point.log_posterior - evidence);
       s_a2 += weight * point.s_a * point.s_a;
       s_p2 += weight * point.s_p * point.s_p;
+      if (point.tau == kForEver) {
+        scatter.constant_share += weight * point.s_a * point.s_a;
+        continue;
+      }
+      varying += weight;
       log_tau += weight * std::log(point.tau_s);
       scatter.covariance_rad2 += weight * (point.s_p * point.s_p * C_p_[point.tau] +
                                            point.s_a * point.s_a * C_a_[point.tau]);
     }
     scatter.attitude_ratio = std::sqrt(s_a2);
     scatter.position_ratio = std::sqrt(s_p2);
-    scatter.tau_s = std::exp(log_tau);
+    scatter.tau_s = std::exp(log_tau / varying);
     scatter.evidence_nats = evidence - prior;
     scatter.blocks = blocks_.size();
     return scatter;
   }
 
+  bool whole_error_;
   double nu_;
   const TimeBlocks& blocks_;
   MatrixXd effect_;  // N_e N^-1
@@ -345,7 +361,9 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
   if (!(result.chi2 > 0.0)) return {};  // no misclosure at all
   const TimeBlocks blocks = MakeBlocks(problem, result.weights, options.max_blocks);
   const BlockSums sums = Accumulate(problem, result, model, options, blocks);
-  return ScatterEstimator(static_cast<double>(result.redundancy), blocks, sums).Run();
+  return ScatterEstimator(static_cast<double>(result.redundancy), blocks, sums,
+                          options.of_whole_error)
+      .Run();
 }
 
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,

@@ -152,8 +152,10 @@ void FillBoresight(GaussHelmertCalibration* calibration) {
   BoresightResult& boresight = calibration->boresight;
   boresight.angles_rad = adjustment.boresight_rad;
   boresight.euler_zyx_rad = RollPitchHeading(Exp(adjustment.boresight_rad));
-  boresight.covariance_rad2 = ReliableCovariance(adjustment, calibration->scatter,
-                                                 calibration->accuracy.attitude_covariance_rad2);
+  calibration->constant_rad2 =
+      calibration->scatter.constant_share * calibration->accuracy.attitude_covariance_rad2;
+  boresight.covariance_rad2 =
+      ReliableCovariance(adjustment, calibration->scatter, calibration->constant_rad2);
   boresight.condition_number = adjustment.condition_number;
   boresight.sigma_apriori_rad = adjustment.covariance_apriori_rad2.diagonal().cwiseSqrt();
   boresight.sigma_scaled_rad = adjustment.covariance_scaled_rad2.diagonal().cwiseSqrt();
@@ -204,6 +206,7 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
   if (fs::is_regular_file(file, none)) sigma_file.emplace(file);
   TrajectoryAccuracy accuracy;
   accuracy.source = sigma_file ? "trajectory_sigma.txt" : "the section trajectory of flight.yaml";
+  accuracy.of_whole_error = sigma_file.has_value();
   Vector3d position2 = Vector3d::Zero(), attitude2 = Vector3d::Zero();
   const auto add = [&](const GaussHelmertEnd& end) {
     Vector3d sigma_ned_m = end.sigma_ned_m, sigma_rph_rad = end.sigma_rph_rad;
@@ -253,6 +256,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   TrajectoryScatterOptions scatter;
   scatter.sigma_ned_m = calibration.accuracy.sigma_ned_m;
   scatter.sigma_rph_rad = calibration.accuracy.sigma_rph_rad;
+  scatter.of_whole_error = calibration.accuracy.of_whole_error;
   scatter.max_blocks =
       std::max(scatter.max_blocks, std::min(kMostStripsInBlocks, calibration.diversity.strips));
   calibration.scatter = EstimateTrajectoryScatter(calibration.problem, calibration.adjustment,

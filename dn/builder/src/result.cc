@@ -124,6 +124,13 @@ AdjustmentFigures Figures(const Adjustment& adjustment) {
   return figures;
 }
 
+std::size_t NodeNear(const std::vector<double>& node_t_s, double t_s) {
+  const std::size_t before = NodeBefore(node_t_s, t_s);
+  const bool next =
+      before + 1 < node_t_s.size() && node_t_s[before + 1] - t_s < std::abs(t_s - node_t_s[before]);
+  return next ? before + 1 : before;
+}
+
 BiasCorrelation CorrelateWithBias(const FlightNetwork& network,
                                   const std::vector<BiasChain>& chains,
                                   const Eigen::Vector3d& sigma_boresight, double barycentre_s,
@@ -132,7 +139,7 @@ BiasCorrelation CorrelateWithBias(const FlightNetwork& network,
   if (chains.empty()) return result;
   double sum2 = 0.0;
   long n = 0;
-  const std::size_t nearest = NodeBefore(network.node_times(), barycentre_s);
+  const std::size_t nearest = NodeNear(network.node_times(), barycentre_s);
   std::vector<BlockId> before;
   Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < network.nodes.size(); ++k) {
@@ -192,17 +199,22 @@ Eigen::Matrix3d BoresightResult::correlation() const {
   return inverse.asDiagonal() * covariance_rad2 * inverse.asDiagonal();
 }
 
-void AssessObservability(const Flight& flight, BoresightResult* result) {
+double PairResolution(const Flight& flight) {
+  return flight.config.lidar->sigma_p_m / MeanRange(flight.pairs->pairs);
+}
+
+void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
+                         const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result) {
   constexpr double kInseparable = 0.999;
   // All pairs together, no better than this many times a single one: nothing was determined.
   constexpr double kPairResolutions = 10.0;
-  const double useless_rad =
-      kPairResolutions * flight.config.lidar->sigma_p_m / MeanRange(flight.pairs->pairs);
+  constexpr double kAttitudeSigmas = 3.0;
+  const double pairs_rad = kPairResolutions * PairResolution(flight);
   const Eigen::Matrix3d correlation = result->correlation();
   const char* names[] = {"roll", "pitch", "yaw"};
   result->verdict = "calibrated";
   for (int i = 0; i < 3; ++i) {
-    if (result->sigma_rad()[i] > useless_rad) {
+    if (sigma_rad[i] > pairs_rad + kAttitudeSigmas * attitude_sigma_rad[i]) {
       result->verdict = "not_observable";
       result->reasons.push_back(std::string("the standard deviation of ") + names[i] +
                                 " exceeds ten times the resolution of a single pair: more "
@@ -264,7 +276,9 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
       CorrelateWithBias(network, network.accel_bias, sigma, barycentre_s, columns, marginals);
   result.gyro_bias =
       CorrelateWithBias(network, network.gyro_bias, sigma, barycentre_s, columns, marginals);
-  AssessObservability(network.flight(), &result);
+  AssessObservability(
+      network.flight(), sigma,
+      SigmaAt(network, NodeNear(network.node_times(), barycentre_s), marginals).rph_rad, &result);
   if (result.verdict == "calibrated" && !adjustment.warnings.empty()) result.verdict = "absorbed";
   result.reasons.insert(result.reasons.end(), adjustment.warnings.begin(),
                         adjustment.warnings.end());

@@ -11,6 +11,9 @@ struct TrajectoryScatterOptions {
   /// pitch, heading, whatever part of it is constant over the flight. Sets the scale of the prior.
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
+  /// The stated sigmas are of the whole error at an epoch, as a smoother's posterior is: how much
+  /// of it is constant over the flight is then estimated, too.
+  bool of_whole_error = false;
   int max_blocks = 24;  ///< of time; the cost grows with its cube
 
   /// Throws InvalidConfig naming the option, its value and its bound.
@@ -23,8 +26,11 @@ struct TrajectoryScatter {
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
   double attitude_ratio = 0.0;  ///< rms of the correlated attitude errors / the stated sigma
   double position_ratio = 0.0;  ///< the same of the positions
-  double tau_s = 0.0;           ///< correlation time, geometric mean over what fits
-  double evidence_nats = 0.0;   ///< log of (likelihood with / without correlated errors)
+  /// Share of the stated attitude variance that is left for an error constant over the flight:
+  /// with of_whole_error the posterior mean of s_a^2 where tau is for ever, else 1.
+  double constant_share = 1.0;
+  double tau_s = 0.0;          ///< correlation time, geometric mean over what fits
+  double evidence_nats = 0.0;  ///< log of (likelihood with / without correlated errors)
   int blocks = 0;
 };
 
@@ -61,7 +67,10 @@ struct TrajectoryScatter {
 /// logarithm.
 ///
 /// An error that is the same all over the flight leaves no trace in w (the boresight absorbs it)
-/// and is not in the result: see ReliableCovariance.
+/// and is not in the result: see ReliableCovariance. Where the stated sigmas are of the whole
+/// error, varying and constant part share them: s_a is 1 within a factor of 1.3, and an infinite
+/// tau is one more possibility. Strips that disagree by what is stated rule it out; strips that
+/// agree, or too few pairs to tell, leave it.
 ///
 /// Cost: linear in the pairs, and 30 tridiagonalisations of order 6 x blocks (10 ms at 24).
 /// Throws InvalidConfig for bad options, InvalidInput when the result does not belong to the
@@ -78,8 +87,8 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
 /// f is sigma0^2 but for a handful of pairs, whose sigma0 says little: there the assumed noise
 /// counts as ten observations of its own (mean of the inverse chi-square posterior).
 /// constant_rad2: C_attitude, covariance of the trajectory's attitude in body axes by its own
-/// account. A stated sigma that is meant to hold the varying part as well is thereby counted twice
-/// in that part: where both are alike, the sigmas are wide by a third.
+/// account. Where that account is of the whole error at an epoch (a smoother's posterior), the
+/// varying part is in it already: give constant_share of it (of_whole_error).
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
                                    const TrajectoryScatter& scatter,
                                    const Eigen::Matrix3d& constant_rad2);

@@ -20,6 +20,9 @@ struct TrajectoryAccuracy {
   /// Mean covariance of the attitude in body axes, rad^2: that of an error constant in body.
   Eigen::Matrix3d attitude_covariance_rad2 = Eigen::Matrix3d::Zero();
   std::string source;  ///< "trajectory_sigma.txt" or "the section trajectory of flight.yaml"
+  /// The sigmas are a smoother's own, of the whole error at an epoch, varying part and constant
+  /// one; those of the section `trajectory` are taken as of either.
+  bool of_whole_error = false;
 };
 
 /// How the poses at the pairs' epochs came about.
@@ -48,6 +51,9 @@ struct GaussHelmertCalibration {
   GaussHelmertResult adjustment;
   TrajectoryScatter scatter;
   TrajectoryAccuracy accuracy;
+  /// Of the attitude error that is constant over the flight, rad^2 in body: the share of the
+  /// trajectory's attitude covariance that the pairs do not show to vary (of_whole_error), or all.
+  Eigen::Matrix3d constant_rad2 = Eigen::Matrix3d::Zero();
   PoseInterpolation interpolation;
   StripDiversity diversity;
   double mean_range_m = 0.0;
@@ -83,7 +89,8 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelme
 ///   not_observable  as AssessObservability says,
 ///   absorbed        the attitude errors of the trajectory at the two epochs of a pair (stated, or
 ///                   shown by the pairs where that is more) change its difference by more than
-///                   half its own sigma: the angles make the cloud consistent, but hold that error,
+///                   half its own sigma, and exceed 0.01 deg in roll or pitch or 0.02 deg in
+///                   heading: the angles make the cloud consistent, but hold that error,
 ///   calibrated      else,
 /// with the reasons in words. Throws InvalidConfig when `estimate` does not name the boresight;
 /// InvalidInput, RankDeficient, NotConverged, Interrupted.

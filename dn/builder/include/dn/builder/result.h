@@ -93,10 +93,14 @@ struct BoresightResult {
   Eigen::Matrix3d correlation() const;
 };
 
+/// What a single pair resolves: its own sigma_p at the mean range, rad.
+double PairResolution(const Flight& flight);
+
 /// Sets the verdict not_observable, with the reasons, when two angles correlate by more than 0.999,
-/// or a sigma exceeds ten times what a single pair resolves: its own sigma_p at its range. Else
-/// calibrated.
-void AssessObservability(const Flight& flight, BoresightResult* result);
+/// or a standard deviation that the geometry leaves exceeds ten times PairResolution, beyond three
+/// times the attitude sigma that no geometry helps against. Else calibrated.
+void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
+                         const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result);
 
 /// Posterior covariances of the trajectory and of the biases, figures, and statistics. `marginals`
 /// must have its selected inverse.
