@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 
 #include "gauss_helmert_pair.h"
@@ -23,6 +24,9 @@ using Eigen::VectorXd;
 // The last one, for ever, only where the stated sigma holds the constant part as well.
 constexpr double kTausS[] = {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 1e7};
 constexpr std::size_t kForEver = std::size(kTausS) - 1;
+// Gyros carry a smoothed attitude from one GNSS epoch over many to the next: what is left of its
+// error changes over tens of seconds at least.
+constexpr std::size_t kShortestOfSmoother = 2;
 constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
 constexpr double kRatioPriorOctaves = 1.5;
 /// Log-normal prior of s_a, in octaves.
@@ -223,8 +227,9 @@ class ScatterEstimator {
         chi2_(sums.chi2 - sums.g.dot(sums.N.llt().solve(sums.g))) {}
 
   TrajectoryScatter Run() {
-    for (std::size_t tau = 0; tau < kForEver; ++tau) AddTau(tau);
-    if (whole_error_) AddTau(kForEver);
+    const std::size_t first = whole_error_ ? kShortestOfSmoother : 0;
+    const std::size_t last = whole_error_ ? kForEver : kForEver - 1;
+    for (std::size_t tau = first; tau <= last; ++tau) AddTau(tau);
     return Average();
   }
 
@@ -243,8 +248,8 @@ class ScatterEstimator {
   void AddTau(std::size_t tau) {
     const int T = blocks_.size();
     const MatrixXd K = BlockKernel(blocks_, kTausS[tau]);
-    C_p_.push_back(Effect(K, 0));
-    C_a_.push_back(Effect(K, 3));
+    C_p_[tau] = Effect(K, 0);
+    C_a_[tau] = Effect(K, 3);
     constexpr double kRounding = 1e-10;  // of the positive definiteness of K
     const MatrixXd L = Eigen::LLT<MatrixXd>(K + kRounding * MatrixXd::Identity(T, T)).matrixL();
     MatrixXd M(6 * T, 6 * T);
@@ -313,8 +318,8 @@ class ScatterEstimator {
       }
       varying += weight;
       log_tau += weight * std::log(point.tau_s);
-      scatter.covariance_rad2 += weight * (point.s_p * point.s_p * C_p_[point.tau] +
-                                           point.s_a * point.s_a * C_a_[point.tau]);
+      scatter.covariance_rad2 += weight * (point.s_p * point.s_p * C_p_.at(point.tau) +
+                                           point.s_a * point.s_a * C_a_.at(point.tau));
     }
     scatter.attitude_ratio = std::sqrt(s_a2);
     scatter.position_ratio = std::sqrt(s_p2);
@@ -331,7 +336,7 @@ class ScatterEstimator {
   MatrixXd H_P_;
   VectorXd b_;
   double chi2_;
-  std::vector<Matrix3d> C_p_, C_a_;  // by tau
+  std::map<std::size_t, Matrix3d> C_p_, C_a_;  // by tau
   std::vector<GridPoint> grid_;
   std::vector<double> log_prior_;
 };
