@@ -45,9 +45,9 @@ struct SimulatedFlight {
 /// below the ground), InvalidInput for a bad trajectory to replay.
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options);
 
-/// Adds flight.yaml, IMU.txt, GPS.txt, lidar/<a>_<b>.txt, reference.out (SBET at the inertial rate),
-/// truth.yaml and, with the effect trajectory_attitude_offset, trajectory.out to `directory`; the
-/// caller commits.
+/// Adds flight.yaml, IMU.txt, GPS.txt, lidar/<a>_<b>.txt, reference.out (SBET at the inertial
+/// rate), truth.yaml and, with the effect trajectory_attitude_offset, trajectory.out to
+/// `directory`; the caller commits.
 void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory);
 
 }  // namespace dn
