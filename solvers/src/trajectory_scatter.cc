@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <string>
 
 #include "gauss_helmert_pair.h"
@@ -21,12 +20,20 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-// The last one, for ever, only where the stated sigma holds the constant part as well.
-constexpr double kTausS[] = {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0, 1e7};
-constexpr std::size_t kForEver = std::size(kTausS) - 1;
-// Gyros carry a smoothed attitude from one GNSS epoch over many to the next: what is left of its
-// error changes over tens of seconds at least.
-constexpr std::size_t kShortestOfSmoother = 2;
+/// Correlation in time of the errors that the grid holds.
+struct Correlation {
+  double tau_s;
+  bool across_strips;  ///< false: the turns between the strips break it
+};
+constexpr double kForEver_s = 1e7;
+constexpr double kLongestTau_s = 1000.0;  // that is reported
+constexpr Correlation kVaryingErrors[] = {{3.0, true},   {10.0, true},  {30.0, true},
+                                          {100.0, true}, {300.0, true}, {1000.0, true}};
+// Gyros carry a smoothed attitude over many GNSS epochs, so that the rest of its error changes over
+// tens of seconds at least; turns make it observable, and what follows them is another error.
+constexpr Correlation kErrorsOfSmoother[] = {
+    {30.0, true},   {100.0, true},   {300.0, true},       {1000.0, true},    {100.0, false},
+    {300.0, false}, {1000.0, false}, {kForEver_s, false}, {kForEver_s, true}};
 constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
 constexpr double kRatioPriorOctaves = 1.5;
 /// Log-normal prior of s_a, in octaves.
@@ -40,10 +47,12 @@ constexpr ScalePrior kWholeError{0.0, 0.4};
 constexpr int kFirstRhoOctave = -16;
 constexpr int kLastRhoOctave = 10;
 constexpr double kShortestBlockS = 1.0;
+constexpr double kStripGap_s = 5.0;  // without pairs, between two strips
 
 /// Blocks of time that hold the epochs of the pairs.
 struct TimeBlocks {
   std::vector<double> begin_s, mid_s, length_s;
+  std::vector<int> strip;
 
   int size() const { return static_cast<int>(mid_s.size()); }
   int At(double t_s) const {
@@ -64,6 +73,11 @@ TimeBlocks Cut(const std::vector<double>& t_s, double longest_s) {
   }
   for (std::size_t b = 0; b < blocks.begin_s.size(); ++b) {
     blocks.mid_s.push_back(blocks.begin_s[b] + 0.5 * blocks.length_s[b]);
+    const bool first = b == 0;
+    const double gap_s =
+        first ? 0.0 : blocks.begin_s[b] - blocks.begin_s[b - 1] - blocks.length_s[b - 1];
+    const bool turn = gap_s > std::max(kStripGap_s, longest_s);
+    blocks.strip.push_back(first ? 0 : blocks.strip.back() + (turn ? 1 : 0));
   }
   return blocks;
 }
@@ -166,7 +180,8 @@ BlockSums Accumulate(const GaussHelmertProblem& problem, const GaussHelmertResul
 }
 
 /// Covariance of the averages over the blocks of a Gauss-Markov process of unit variance.
-MatrixXd BlockKernel(const TimeBlocks& blocks, double tau_s) {
+MatrixXd BlockKernel(const TimeBlocks& blocks, const Correlation& correlation) {
+  const double tau_s = correlation.tau_s;
   const int T = blocks.size();
   VectorXd attenuation(T);  // of the covariance with anything outside the block
   MatrixXd K(T, T);
@@ -178,6 +193,12 @@ MatrixXd BlockKernel(const TimeBlocks& blocks, double tau_s) {
   }
   for (int n = 0; n < T; ++n) {
     for (int m = 0; m < n; ++m) {
+      const bool same_strip =
+          blocks.strip[static_cast<std::size_t>(n)] == blocks.strip[static_cast<std::size_t>(m)];
+      if (!same_strip && !correlation.across_strips) {
+        K(n, m) = K(m, n) = 0.0;
+        continue;
+      }
       const double apart_s = std::abs(blocks.mid_s[static_cast<std::size_t>(n)] -
                                       blocks.mid_s[static_cast<std::size_t>(m)]);
       K(n, m) = K(m, n) = attenuation[n] * attenuation[m] * std::exp(-apart_s / tau_s);
@@ -210,8 +231,16 @@ TridiagonalFigures Evaluate(const VectorXd& diagonal, const VectorXd& sub, const
 /// One point of the grid over (s_p, s_a, tau).
 struct GridPoint {
   double log_posterior = 0.0;
-  double s_p = 0.0, s_a = 0.0, tau_s = 0.0;
-  std::size_t tau = 0;
+  double s_p = 0.0, s_a = 0.0;
+  std::size_t effect = 0;
+};
+
+/// What errors of unit size and one correlation do to the boresight.
+struct ErrorEffect {
+  Correlation correlation;
+  Matrix3d position_rad2, attitude_rad2;
+
+  bool IsConstant() const { return correlation.tau_s == kForEver_s && correlation.across_strips; }
 };
 
 class ScatterEstimator {
@@ -227,9 +256,11 @@ class ScatterEstimator {
         chi2_(sums.chi2 - sums.g.dot(sums.N.llt().solve(sums.g))) {}
 
   TrajectoryScatter Run() {
-    const std::size_t first = whole_error_ ? kShortestOfSmoother : 0;
-    const std::size_t last = whole_error_ ? kForEver : kForEver - 1;
-    for (std::size_t tau = first; tau <= last; ++tau) AddTau(tau);
+    if (whole_error_) {
+      for (const Correlation& correlation : kErrorsOfSmoother) Add(correlation);
+    } else {
+      for (const Correlation& correlation : kVaryingErrors) Add(correlation);
+    }
     return Average();
   }
 
@@ -245,11 +276,10 @@ class ScatterEstimator {
     return C;
   }
 
-  void AddTau(std::size_t tau) {
+  void Add(const Correlation& correlation) {
     const int T = blocks_.size();
-    const MatrixXd K = BlockKernel(blocks_, kTausS[tau]);
-    C_p_[tau] = Effect(K, 0);
-    C_a_[tau] = Effect(K, 3);
+    const MatrixXd K = BlockKernel(blocks_, correlation);
+    effects_.push_back({correlation, Effect(K, 0), Effect(K, 3)});
     constexpr double kRounding = 1e-10;  // of the positive definiteness of K
     const MatrixXd L = Eigen::LLT<MatrixXd>(K + kRounding * MatrixXd::Identity(T, T)).matrixL();
     MatrixXd M(6 * T, 6 * T);
@@ -261,10 +291,14 @@ class ScatterEstimator {
       }
     }
     M.triangularView<Eigen::StrictlyUpper>() = M.transpose();
-    for (const double log2_ratio : kLog2Ratios) AddRatio(tau, log2_ratio, M, c);
+    if (whole_error_) {  // a smoother states both, position and attitude
+      AddRatio(0.0, M, c);
+      return;
+    }
+    for (const double log2_ratio : kLog2Ratios) AddRatio(log2_ratio, M, c);
   }
 
-  void AddRatio(std::size_t tau, double log2_ratio, MatrixXd M, VectorXd c) {
+  void AddRatio(double log2_ratio, MatrixXd M, VectorXd c) {
     const int T = blocks_.size();
     const double ratio = std::exp2(log2_ratio);
     M.topRows(3 * T) *= ratio;
@@ -282,8 +316,7 @@ class ScatterEstimator {
       // What the correlated errors explain cannot exceed all there is, but for rounding.
       const double s0_2 = std::max(chi2_ - figures.explained, 1e-6 * chi2_) / nu_;
       GridPoint point;
-      point.tau = tau;
-      point.tau_s = kTausS[tau];
+      point.effect = effects_.size() - 1;
       point.s_a = std::sqrt(rho * s0_2);
       point.s_p = ratio * point.s_a;
       const double log_likelihood = -0.5 * (nu_ * std::log(s0_2 * nu_ / chi2_) + figures.log_det);
@@ -312,14 +345,15 @@ class ScatterEstimator {
       const double weight = std::exp(point.log_posterior - evidence);
       s_a2 += weight * point.s_a * point.s_a;
       s_p2 += weight * point.s_p * point.s_p;
-      if (point.tau == kForEver) {
+      const ErrorEffect& effect = effects_[point.effect];
+      if (effect.IsConstant()) {
         scatter.constant_share += weight * point.s_a * point.s_a;
         continue;
       }
       varying += weight;
-      log_tau += weight * std::log(point.tau_s);
-      scatter.covariance_rad2 += weight * (point.s_p * point.s_p * C_p_.at(point.tau) +
-                                           point.s_a * point.s_a * C_a_.at(point.tau));
+      log_tau += weight * std::log(std::min(effect.correlation.tau_s, kLongestTau_s));
+      scatter.covariance_rad2 += weight * (point.s_p * point.s_p * effect.position_rad2 +
+                                           point.s_a * point.s_a * effect.attitude_rad2);
     }
     scatter.attitude_ratio = std::sqrt(s_a2);
     scatter.position_ratio = std::sqrt(s_p2);
@@ -336,7 +370,7 @@ class ScatterEstimator {
   MatrixXd H_P_;
   VectorXd b_;
   double chi2_;
-  std::map<std::size_t, Matrix3d> C_p_, C_a_;  // by tau
+  std::vector<ErrorEffect> effects_;
   std::vector<GridPoint> grid_;
   std::vector<double> log_prior_;
 };

@@ -68,9 +68,10 @@ struct TrajectoryScatter {
 ///
 /// An error that is the same all over the flight leaves no trace in w (the boresight absorbs it)
 /// and is not in the result: see ReliableCovariance. Where the stated sigmas are of the whole
-/// error, varying and constant part share them: s_a is 1 within a factor of 1.3, and an infinite
-/// tau is one more possibility. Strips that disagree by what is stated rule it out; strips that
-/// agree, or too few pairs to tell, leave it.
+/// error, varying and constant part share them: s_p = s_a is 1 within a factor of 1.3, tau is 30 s
+/// or more, the turns between the strips (5 s without pairs) may break the correlation, and a tau
+/// without end, unbroken, is the constant. Strips that disagree by what is stated rule it out;
+/// strips that agree, or too few pairs to tell, leave it.
 ///
 /// Cost: linear in the pairs, and 30 tridiagonalisations of order 6 x blocks (10 ms at 24).
 /// Throws InvalidConfig for bad options, InvalidInput when the result does not belong to the
