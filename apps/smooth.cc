@@ -1,4 +1,8 @@
+#include <dn/builder/trajectory_covariance.h>
 #include <fmt/format.h>
+
+#include <utility>
+#include <vector>
 
 #include "flight_run.h"
 
@@ -10,10 +14,28 @@ struct SmoothOptions {
   std::string flight;
 };
 
+// What `dn calibrate --method gh` needs to know how the errors of the trajectory correlate.
+void AddCovarianceFile(const FlightRun& flight_run, Run* run) {
+  const FlightNetwork& network = *flight_run.adjustment.network;
+  std::vector<StripInterval> strips = flight_run.flight.config.strips;
+  if (strips.empty()) {
+    std::vector<NavPoint> points;
+    for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+      points.push_back(ToNavPoint(network.NodePose(k), flight_run.flight.frame));
+    }
+    strips = FindStrips(Trajectory(std::move(points)));
+  }
+  const PoseCovariance covariance =
+      ExtractPoseCovariance(flight_run.adjustment, *flight_run.marginals, strips);
+  if (covariance.t_s.empty()) return;
+  run->AddFile("trajectory_covariance.txt", FormatPoseCovariance(covariance));
+}
+
 void Smooth(const SmoothOptions& options, Run& run) {
   const std::unique_ptr<FlightRun> flight_run = AdjustFlight(options.flight, false, &run);
   const TrajectoryResult& trajectory = flight_run->trajectory;
   AddTrajectoryFiles(*flight_run, &run);
+  AddCovarianceFile(*flight_run, &run);
   run.AddFile("smooth.json",
               FormatJson(SmoothJson(flight_run->flight.config.name, trajectory,
                                     ExtractUnknowns(flight_run->adjustment, *flight_run->marginals),

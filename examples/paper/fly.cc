@@ -1,6 +1,7 @@
 #include "fly.h"
 
 #include <dn/builder/result_files.h>
+#include <dn/builder/trajectory_covariance.h>
 #include <dn/geo/trajectory.h>
 #include <dn/rotation.h>
 
@@ -49,6 +50,8 @@ SmoothedFlight Fly(const dn::Scenario& scenario, std::uint64_t seed,
   files.Add("trajectory.out", dn::FormatSbet(points));
   files.Add("trajectory_sigma.txt",
             dn::FormatTrajectorySigma(dn::ExtractTrajectory(smoothed, marginals).sigma));
+  files.Add("trajectory_covariance.txt", dn::FormatPoseCovariance(dn::ExtractPoseCovariance(
+                                             smoothed, marginals, dn::FindStrips(out.sim.flight))));
   files.Commit();
   const dn::Json errors = dn::ReferenceErrorsJson(*smoothed.network);
   for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,4 @@
 #include <dn/error.h>
-#include <dn/rotation.h>
 #include <dn/solvers/trajectory_scatter.h>
 
 #include <Eigen/Cholesky>
@@ -9,8 +8,10 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "gauss_helmert_pair.h"
+#include "node_sums.h"
 
 namespace dn {
 namespace {
@@ -19,192 +20,46 @@ using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// Correlation in time of the errors that the grid holds.
-struct Correlation {
-  double tau_s;
-  bool across_strips;  ///< false: the turns between the strips break it
-};
-constexpr double kForEver_s = 1e7;
+using internal::ErrorModel;
+using internal::ErrorProcess;
+using internal::NodeSums;
+using internal::TimeNodes;
+
 constexpr double kLongestTau_s = 1000.0;  // that is reported
-constexpr Correlation kVaryingErrors[] = {{3.0, true},   {10.0, true},  {30.0, true},
-                                          {100.0, true}, {300.0, true}, {1000.0, true}};
-// Gyros carry a smoothed attitude over many GNSS epochs, so that the rest of its error changes over
-// tens of seconds at least; turns make it observable, and what follows them is another error.
-constexpr Correlation kErrorsOfSmoother[] = {
-    {30.0, true},   {100.0, true},   {300.0, true},       {1000.0, true},    {100.0, false},
-    {300.0, false}, {1000.0, false}, {kForEver_s, false}, {kForEver_s, true}};
+constexpr double kVaryingTaus_s[] = {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
+// What a smoother leaves. Positions: GNSS renews them within seconds to tens of seconds. Attitude:
+// gyros carry it over tens to hundreds of seconds, as a tilt that stays in the navigation frame
+// when the aircraft turns, unless the turn makes it observable; and what no turn shows is constant.
+constexpr double kPositionTaus_s[] = {5.0, 25.0};
+constexpr ErrorProcess kAttitudeErrors[] = {{ErrorProcess::Kind::kGaussMarkov, 30.0},
+                                            {ErrorProcess::Kind::kGaussMarkov, 100.0},
+                                            {ErrorProcess::Kind::kGaussMarkov, 300.0},
+                                            {ErrorProcess::Kind::kPerStrip}};
+constexpr double kConstantShares[] = {0.0, 0.5, 1.0};          // of the variance of the attitude
 constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
 constexpr double kRatioPriorOctaves = 1.5;
 /// Log-normal prior of s_a, in octaves.
 struct ScalePrior {
   double mean, sigma;
 };
-constexpr ScalePrior kVaryingPart{-1.0, 1.0};
-constexpr ScalePrior kWholeError{0.0, 0.4};
+constexpr ScalePrior kScaleOfVaryingPart{-1.0, 1.0};
+constexpr ScalePrior kScaleOfWholeError{0.0, 0.4};
 // Of (s_a / s0)^2, in octaves: from an error without any effect to one of 32 times the stated
 // sigma.
 constexpr int kFirstRhoOctave = -16;
 constexpr int kLastRhoOctave = 10;
-constexpr double kShortestBlockS = 1.0;
-constexpr double kStripGap_s = 5.0;  // without pairs, between two strips
+constexpr int kRhoStepsPerOctave = 4;
 
-/// Blocks of time that hold the epochs of the pairs.
-struct TimeBlocks {
-  std::vector<double> begin_s, mid_s, length_s;
-  std::vector<int> strip;
-
-  int size() const { return static_cast<int>(mid_s.size()); }
-  int At(double t_s) const {
-    return static_cast<int>(std::upper_bound(begin_s.begin(), begin_s.end(), t_s) -
-                            begin_s.begin()) -
-           1;
-  }
-};
-
-TimeBlocks Cut(const std::vector<double>& t_s, double longest_s) {
-  TimeBlocks blocks;
-  for (const double t : t_s) {
-    if (blocks.begin_s.empty() || t - blocks.begin_s.back() > longest_s) {
-      blocks.begin_s.push_back(t);
-      blocks.length_s.push_back(0.0);
-    }
-    blocks.length_s.back() = t - blocks.begin_s.back();
-  }
-  for (std::size_t b = 0; b < blocks.begin_s.size(); ++b) {
-    blocks.mid_s.push_back(blocks.begin_s[b] + 0.5 * blocks.length_s[b]);
-    const bool first = b == 0;
-    const double gap_s =
-        first ? 0.0 : blocks.begin_s[b] - blocks.begin_s[b - 1] - blocks.length_s[b - 1];
-    const bool turn = gap_s > std::max(kStripGap_s, longest_s);
-    blocks.strip.push_back(first ? 0 : blocks.strip.back() + (turn ? 1 : 0));
-  }
-  return blocks;
-}
-
-TimeBlocks MakeBlocks(const GaussHelmertProblem& problem, const std::vector<double>& weights,
-                      int max_blocks) {
+std::vector<double> Epochs(const GaussHelmertProblem& problem, const std::vector<double>& weights) {
   std::vector<double> t_s;
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
     if (weights[k] == 0.0) continue;
     t_s.push_back(problem.pairs[k].i.t_s);
     t_s.push_back(problem.pairs[k].j.t_s);
   }
-  std::sort(t_s.begin(), t_s.end());
-  TimeBlocks blocks = Cut(t_s, kShortestBlockS);
-  constexpr double kGrowth = 1.25;
-  for (double longest_s = kGrowth * kShortestBlockS; blocks.size() > max_blocks;
-       longest_s *= kGrowth) {
-    blocks = Cut(t_s, longest_s);
-  }
-  return blocks;
-}
-
-/// Sums over the pairs with the errors of a block in units of their stated sigmas. Unknown c of
-/// block n stands at c * blocks + n: position north, east, down, roll, pitch, heading.
-struct BlockSums {
-  MatrixXd H, N_e;
-  VectorXd b;
-  Matrix3d N = Matrix3d::Zero();
-  Vector3d g = Vector3d::Zero();  // A^T S w: zero, unless the estimate had other weights
-  double chi2 = 0.0;
-};
-
-using EndJacobian = Eigen::Matrix<double, 3, 6>;
-
-EndJacobian ScaledJacobian(const GaussHelmertEnd& end, const Matrix3d& J_phi,
-                           const TrajectoryScatterOptions& options) {
-  const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
-  EndJacobian J;
-  J << end.q_mn.toRotationMatrix() * options.sigma_ned_m.asDiagonal(),
-      J_phi * BodyFromEulerRates(down_b) * options.sigma_rph_rad.asDiagonal();
-  return J;
-}
-
-Matrix3d MisclosureWeight(const GaussHelmertPair& pair, const PairLinearisation& linear) {
-  Matrix3d M = pair.covariance_m2;
-  int column = 3;
-  for (const GaussHelmertEnd* end : {&pair.i, &pair.j}) {
-    const internal::EndNoise noise = internal::EvaluateNoise(*end);
-    const Matrix3d L = linear.B.middleCols<3>(column) * noise.attitude_factor;
-    M += noise.position + L * L.transpose();
-    column += 6;
-  }
-  return M.inverse();
-}
-
-BlockSums Accumulate(const GaussHelmertProblem& problem, const GaussHelmertResult& result,
-                     BoresightModel model, const TrajectoryScatterOptions& options,
-                     const TimeBlocks& blocks) {
-  const int T = blocks.size();
-  BlockSums sums;
-  sums.H.setZero(6 * T, 6 * T);
-  sums.N_e.setZero(6 * T, 3);
-  sums.b.setZero(6 * T);
-  if (problem.boresight_sigma_rad) {
-    sums.N = problem.boresight_sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
-  }
-  for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
-    if (result.weights[k] == 0.0) continue;
-    const GaussHelmertPair& pair = problem.pairs[k];
-    const PairCorrection& v = result.corrections[k];
-    const PairLinearisation linear =
-        LinearisePair(pair, problem.lever_arm_b_m, model, result.boresight_rad, v);
-    const Vector3d w = linear.w - linear.B * v;
-    const Matrix3d S = result.weights[k] * MisclosureWeight(pair, linear);
-    const Matrix3d AtS = linear.A.transpose() * S;
-    sums.N += AtS * linear.A;
-    sums.g += AtS * w;
-    sums.chi2 += w.dot(S * w);
-    const int at[] = {blocks.At(pair.i.t_s), blocks.At(pair.j.t_s)};
-    const EndJacobian J[] = {
-        ScaledJacobian(pair.i, linear.B.middleCols<3>(3), options),
-        EndJacobian(ScaledJacobian(pair.j, -linear.B.middleCols<3>(9), options) * -1.0)};
-    for (int e = 0; e < 2; ++e) {
-      const Eigen::Matrix<double, 6, 3> JtS = J[e].transpose() * S;
-      const Eigen::Matrix<double, 6, 3> N_e = JtS * linear.A;
-      const Eigen::Matrix<double, 6, 1> b = JtS * w;
-      for (int c = 0; c < 6; ++c) {
-        sums.N_e.row(c * T + at[e]) += N_e.row(c);
-        sums.b[c * T + at[e]] += b[c];
-      }
-      for (int f = 0; f < 2; ++f) {
-        const Eigen::Matrix<double, 6, 6> H = JtS * J[f];
-        for (int c = 0; c < 6; ++c) {
-          for (int d = 0; d < 6; ++d) sums.H(c * T + at[e], d * T + at[f]) += H(c, d);
-        }
-      }
-    }
-  }
-  return sums;
-}
-
-/// Covariance of the averages over the blocks of a Gauss-Markov process of unit variance.
-MatrixXd BlockKernel(const TimeBlocks& blocks, const Correlation& correlation) {
-  const double tau_s = correlation.tau_s;
-  const int T = blocks.size();
-  VectorXd attenuation(T);  // of the covariance with anything outside the block
-  MatrixXd K(T, T);
-  for (int n = 0; n < T; ++n) {
-    const double x = blocks.length_s[static_cast<std::size_t>(n)] / tau_s;
-    constexpr double kSeries = 1e-3;  // below it the series is exact to 1e-9
-    attenuation[n] = x < kSeries ? 1.0 + x * x / 24.0 : 2.0 / x * std::sinh(0.5 * x);
-    K(n, n) = x < kSeries ? 1.0 - x / 3.0 + x * x / 12.0 : 2.0 / (x * x) * (x + std::expm1(-x));
-  }
-  for (int n = 0; n < T; ++n) {
-    for (int m = 0; m < n; ++m) {
-      const bool same_strip =
-          blocks.strip[static_cast<std::size_t>(n)] == blocks.strip[static_cast<std::size_t>(m)];
-      if (!same_strip && !correlation.across_strips) {
-        K(n, m) = K(m, n) = 0.0;
-        continue;
-      }
-      const double apart_s = std::abs(blocks.mid_s[static_cast<std::size_t>(n)] -
-                                      blocks.mid_s[static_cast<std::size_t>(m)]);
-      K(n, m) = K(m, n) = attenuation[n] * attenuation[m] * std::exp(-apart_s / tau_s);
-    }
-  }
-  return K;
+  return t_s;
 }
 
 /// log det(I + rho T) and c^T (I/rho + T)^-1 c of a symmetric tridiagonal T >= 0.
@@ -235,62 +90,138 @@ struct GridPoint {
   std::size_t effect = 0;
 };
 
-/// What errors of unit size and one correlation do to the boresight.
-struct ErrorEffect {
-  Correlation correlation;
-  Matrix3d position_rad2, attitude_rad2;
+/// Of what varies in the attitude; 0 if nothing does.
+double TauOf(const ErrorModel& model) {
+  if (model.constant_share == 1.0) return 0.0;
+  return model.attitude.kind == ErrorProcess::Kind::kGaussMarkov ? model.attitude.tau_s
+                                                                 : kLongestTau_s;
+}
 
-  bool IsConstant() const { return correlation.tau_s == kForEver_s && correlation.across_strips; }
+/// What errors of unit size do to the boresight.
+struct ErrorEffect {
+  Matrix3d position_rad2, attitude_rad2;
+  double tau_s = 0.0;  ///< of the attitude errors
+  double constant_share = 0.0;
 };
+
+std::vector<ErrorModel> ModelsOfVaryingErrors() {
+  std::vector<ErrorModel> models;
+  for (const double tau_s : kVaryingTaus_s) {
+    const ErrorProcess process{ErrorProcess::Kind::kGaussMarkov, tau_s};
+    models.push_back({process, process});
+  }
+  return models;
+}
+
+std::vector<ErrorModel> ModelsOfWholeErrors() {
+  std::vector<ErrorModel> models;
+  for (const double tau_s : kPositionTaus_s) {
+    const ErrorProcess position{ErrorProcess::Kind::kGaussMarkov, tau_s};
+    for (const double constant_share : kConstantShares) {
+      for (const ErrorProcess& attitude : kAttitudeErrors) {
+        models.push_back({position, attitude, constant_share, true});
+        if (constant_share == 1.0) break;  // whatever the process
+      }
+    }
+  }
+  return models;
+}
 
 class ScatterEstimator {
  public:
-  ScatterEstimator(double redundancy, const TimeBlocks& blocks, const BlockSums& sums,
+  ScatterEstimator(double redundancy, const TimeNodes& nodes, const NodeSums& sums,
                    bool whole_error)
       : whole_error_(whole_error),
         nu_(redundancy),
-        blocks_(blocks),
+        nodes_(nodes),
+        heading_rad_(sums.heading_rad),
         effect_(sums.N_e * sums.N.inverse()),
         H_P_(sums.H - effect_ * sums.N_e.transpose()),
         b_(sums.b - effect_ * sums.g),
         chi2_(sums.chi2 - sums.g.dot(sums.N.llt().solve(sums.g))) {}
 
   TrajectoryScatter Run() {
-    if (whole_error_) {
-      for (const Correlation& correlation : kErrorsOfSmoother) Add(correlation);
-    } else {
-      for (const Correlation& correlation : kVaryingErrors) Add(correlation);
+    for (const ErrorModel& model : whole_error_ ? ModelsOfWholeErrors() : ModelsOfVaryingErrors()) {
+      Add(model);
     }
     return Average();
   }
 
+  /// With errors of the covariance C, or larger ones by a scale.
+  TrajectoryScatter Run(const MatrixXd& C) {
+    least_scale_ = 1.0;
+    effects_.push_back({Matrix3d::Zero(), effect_.transpose() * C * effect_});
+    const VectorXd sigma = C.diagonal().cwiseSqrt();
+    const MatrixXd R = sigma.cwiseInverse().asDiagonal() * C * sigma.cwiseInverse().asDiagonal();
+    const MatrixXd L = sigma.asDiagonal() * Root(R);
+    AddRatio(0.0, L.transpose() * (H_P_ * L), L.transpose() * b_);
+    return Average();
+  }
+
  private:
-  // The part of unit processes in the boresight: of the positions and of the attitudes.
-  Matrix3d Effect(const MatrixXd& K, int first) const {
-    const int T = blocks_.size();
-    Matrix3d C = Matrix3d::Zero();
-    for (int c = first; c < first + 3; ++c) {
-      const auto G = effect_.middleRows(c * T, T);
-      C += G.transpose() * K * G;
+  const MatrixXd& Unit(const ErrorProcess& process) {
+    for (const auto& [known, K] : covariances_) {
+      if (known == process) return K;
+    }
+    covariances_.emplace_back(process, nodes_.Covariance(process));
+    return covariances_.back().second;
+  }
+
+  // Of what varies in roll, pitch and heading at the nodes: a constant of the flight has no effect
+  // on the misclosures.
+  MatrixXd AttitudeCovariance(const ErrorModel& model) {
+    const int T = nodes_.size();
+    MatrixXd C = MatrixXd::Zero(3 * T, 3 * T);
+    if (model.constant_share == 1.0) return C;
+    const MatrixXd K = (1.0 - model.constant_share) * Unit(model.attitude);
+    for (int c = 0; c < 3; ++c) C.block(c * T, c * T, T, T) = K;
+    if (!model.tilt_in_nav) return C;
+    for (int n = 0; n < T; ++n) {
+      for (int m = 0; m < T; ++m) {
+        const double turn = heading_rad_[n] - heading_rad_[m];
+        C(n, m) = C(T + n, T + m) = std::cos(turn) * K(n, m);
+        C(n, T + m) = std::sin(turn) * K(n, m);
+        C(T + n, m) = -C(n, T + m);
+      }
     }
     return C;
   }
 
-  void Add(const Correlation& correlation) {
-    const int T = blocks_.size();
-    const MatrixXd K = BlockKernel(blocks_, correlation);
-    effects_.push_back({correlation, Effect(K, 0), Effect(K, 3)});
-    constexpr double kRounding = 1e-10;  // of the positive definiteness of K
-    const MatrixXd L = Eigen::LLT<MatrixXd>(K + kRounding * MatrixXd::Identity(T, T)).matrixL();
+  // Lower triangular L with L L^T = C.
+  static MatrixXd Root(const MatrixXd& C) {
+    constexpr double kRounding = 1e-7;  // of its positive definiteness
+    const MatrixXd I = MatrixXd::Identity(C.rows(), C.cols());
+    return Eigen::LLT<MatrixXd>(C + kRounding * I).matrixL();
+  }
+
+  void Add(const ErrorModel& model) {
+    const int T = nodes_.size();
+    const MatrixXd& K = Unit(model.position);
+    const MatrixXd C = AttitudeCovariance(model);
+    ErrorEffect effect{Matrix3d::Zero(), Matrix3d::Zero(), TauOf(model), model.constant_share};
+    for (int c = 0; c < 3; ++c) {
+      const auto G = effect_.middleRows(c * T, T);
+      effect.position_rad2 += G.transpose() * K * G;
+    }
+    const auto G = effect_.bottomRows(3 * T);
+    effect.attitude_rad2 = G.transpose() * C * G;
+    effects_.push_back(effect);
+
+    const MatrixXd L_p = Root(K), L_a = Root(C);
+    const auto position = [&](int c) { return Eigen::seqN(c * T, T); };
+    const auto attitude = Eigen::lastN(3 * T);
     MatrixXd M(6 * T, 6 * T);
     VectorXd c(6 * T);
-    for (int a = 0; a < 6; ++a) {
-      c.segment(a * T, T).noalias() = L.transpose() * b_.segment(a * T, T);
-      for (int d = 0; d <= a; ++d) {
-        M.block(a * T, d * T, T, T).noalias() = L.transpose() * H_P_.block(a * T, d * T, T, T) * L;
-      }
+    MatrixXd HL(6 * T, 6 * T);
+    for (int a = 0; a < 3; ++a)
+      HL(Eigen::all, position(a)).noalias() = H_P_(Eigen::all, position(a)) * L_p;
+    HL(Eigen::all, attitude).noalias() = H_P_(Eigen::all, attitude) * L_a;
+    for (int a = 0; a < 3; ++a) {
+      M(position(a), Eigen::all).noalias() = L_p.transpose() * HL(position(a), Eigen::all);
+      c(position(a)).noalias() = L_p.transpose() * b_(position(a));
     }
-    M.triangularView<Eigen::StrictlyUpper>() = M.transpose();
+    M(attitude, Eigen::all).noalias() = L_a.transpose() * HL(attitude, Eigen::all);
+    c(attitude).noalias() = L_a.transpose() * b_(attitude);
     if (whole_error_) {  // a smoother states both, position and attitude
       AddRatio(0.0, M, c);
       return;
@@ -299,7 +230,7 @@ class ScatterEstimator {
   }
 
   void AddRatio(double log2_ratio, MatrixXd M, VectorXd c) {
-    const int T = blocks_.size();
+    const int T = nodes_.size();
     const double ratio = std::exp2(log2_ratio);
     M.topRows(3 * T) *= ratio;
     M.leftCols(3 * T) *= ratio;
@@ -309,9 +240,10 @@ class ScatterEstimator {
     const VectorXd sub = tridiagonal.subDiagonal();
     const VectorXd turned = tridiagonal.matrixQ().adjoint() * c;
     const auto squared = [](double x) { return x * x; };
-    const ScalePrior& scale = whole_error_ ? kWholeError : kVaryingPart;
-    for (int octave = kFirstRhoOctave; octave <= kLastRhoOctave; ++octave) {
-      const double rho = std::exp2(octave);
+    const ScalePrior& scale = whole_error_ ? kScaleOfWholeError : kScaleOfVaryingPart;
+    for (int step = kRhoStepsPerOctave * kFirstRhoOctave;
+         step <= kRhoStepsPerOctave * kLastRhoOctave; ++step) {
+      const double rho = std::exp2(static_cast<double>(step) / kRhoStepsPerOctave);
       const TridiagonalFigures figures = Evaluate(diagonal, sub, turned, rho);
       // What the correlated errors explain cannot exceed all there is, but for rounding.
       const double s0_2 = std::max(chi2_ - figures.explained, 1e-6 * chi2_) / nu_;
@@ -339,52 +271,133 @@ class ScatterEstimator {
     const double evidence = log_sum(grid_, [](const GridPoint& p) { return p.log_posterior; });
     const double prior = log_sum(log_prior_, [](double p) { return p; });
     TrajectoryScatter scatter;
-    if (whole_error_) scatter.constant_share = 0.0;
+    scatter.constant_share = 0.0;
     double s_a2 = 0.0, s_p2 = 0.0, log_tau = 0.0, varying = 0.0;
     for (const GridPoint& point : grid_) {
       const double weight = std::exp(point.log_posterior - evidence);
       s_a2 += weight * point.s_a * point.s_a;
       s_p2 += weight * point.s_p * point.s_p;
       const ErrorEffect& effect = effects_[point.effect];
-      if (effect.IsConstant()) {
-        scatter.constant_share += weight * point.s_a * point.s_a;
-        continue;
+      scatter.constant_share += weight * effect.constant_share * point.s_a * point.s_a;
+      if (effect.tau_s > 0.0) {
+        varying += weight;
+        log_tau += weight * std::log(effect.tau_s);
       }
-      varying += weight;
-      log_tau += weight * std::log(std::min(effect.correlation.tau_s, kLongestTau_s));
-      scatter.covariance_rad2 += weight * (point.s_p * point.s_p * effect.position_rad2 +
-                                           point.s_a * point.s_a * effect.attitude_rad2);
+      const double s_p = std::max(point.s_p, least_scale_);
+      const double s_a = std::max(point.s_a, least_scale_);
+      scatter.covariance_rad2 +=
+          weight * (s_p * s_p * effect.position_rad2 + s_a * s_a * effect.attitude_rad2);
     }
     scatter.attitude_ratio = std::sqrt(s_a2);
     scatter.position_ratio = std::sqrt(s_p2);
-    scatter.tau_s = std::exp(log_tau / varying);
+    if (varying > 0.0) scatter.tau_s = std::exp(log_tau / varying);
     scatter.evidence_nats = evidence - prior;
-    scatter.blocks = blocks_.size();
+    if (!whole_error_) scatter.constant_share = 1.0;  // beside the varying part
+    scatter.nodes = nodes_.size();
     return scatter;
   }
 
   bool whole_error_;
+  double least_scale_ = 0.0;  // that is relied on
   double nu_;
-  const TimeBlocks& blocks_;
+  const TimeNodes& nodes_;
+  VectorXd heading_rad_;
   MatrixXd effect_;  // N_e N^-1
   MatrixXd H_P_;
   VectorXd b_;
   double chi2_;
+  std::vector<std::pair<ErrorProcess, MatrixXd>> covariances_;
   std::vector<ErrorEffect> effects_;
   std::vector<GridPoint> grid_;
   std::vector<double> log_prior_;
 };
 
+/// With an epoch in the middle of each two of a strip. What gyros leave of an attitude is a random
+/// walk over short times, which bends between two epochs by a quarter of the variance of its
+/// difference: e_m = (e_a + e_b) / 2 + n, n ~ N(0, D[e_b - e_a] / 4).
+PoseCovariance Refined(const PoseCovariance& stated) {
+  struct Row {
+    Eigen::Index a, b;
+  };
+  PoseCovariance out;
+  std::vector<Row> rows;
+  for (std::size_t k = 0; k < stated.t_s.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    if (k > 0 && stated.strip[k] == stated.strip[k - 1]) {
+      rows.push_back({at - 1, at});
+      out.t_s.push_back(0.5 * (stated.t_s[k - 1] + stated.t_s[k]));
+      out.strip.push_back(stated.strip[k]);
+    }
+    rows.push_back({at, at});
+    out.t_s.push_back(stated.t_s[k]);
+    out.strip.push_back(stated.strip[k]);
+  }
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  MatrixXd P = MatrixXd::Zero(6 * n, stated.covariance.rows());
+  MatrixXd bend = MatrixXd::Zero(6 * n, 6 * n);
+  const Matrix6d I = Matrix6d::Identity();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto [a, b] = rows[static_cast<std::size_t>(k)];
+    P.block<6, 6>(6 * k, 6 * a) += 0.5 * I;
+    P.block<6, 6>(6 * k, 6 * b) += 0.5 * I;
+    const auto C = [&](Eigen::Index i, Eigen::Index j) {
+      return stated.covariance.block<6, 6>(6 * i, 6 * j);
+    };
+    bend.block<6, 6>(6 * k, 6 * k) = 0.25 * (C(a, a) + C(b, b) - C(a, b) - C(b, a));
+  }
+  out.covariance = P * stated.covariance * P.transpose() + bend;
+  return out;
+}
+
+/// From six rows per node to the order of NodeSums.
+MatrixXd ByComponent(const MatrixXd& by_node) {
+  const Eigen::Index T = by_node.rows() / 6;
+  const auto from = [&](Eigen::Index row) { return 6 * (row % T) + row / T; };
+  return MatrixXd::NullaryExpr(6 * T, 6 * T, [&](Eigen::Index row, Eigen::Index column) {
+    return by_node(from(row), from(column));
+  });
+}
+
 }  // namespace
 
+void PoseCovariance::Validate() const {
+  const std::size_t T = t_s.size();
+  if (T == 0 || strip.size() != T || covariance.rows() != static_cast<Eigen::Index>(6 * T) ||
+      covariance.cols() != covariance.rows()) {
+    throw InvalidConfig("the covariance of the trajectory is for " + std::to_string(T) +
+                        " epochs, but has " + std::to_string(covariance.rows()) + " x " +
+                        std::to_string(covariance.cols()) + " elements, not six rows for each");
+  }
+  for (std::size_t k = 1; k < T; ++k) {
+    if (!(t_s[k] > t_s[k - 1]) || strip[k] < strip[k - 1]) {
+      throw InvalidConfig("the epochs of the covariance of the trajectory do not increase");
+    }
+  }
+  if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0.0)) {
+    throw InvalidConfig("a variance of the trajectory is not positive");
+  }
+  constexpr double kRounding = 1e-6;
+  const VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const MatrixXd R = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const auto order = static_cast<Eigen::Index>(6 * T);
+  if (Eigen::LLT<MatrixXd>(R + kRounding * MatrixXd::Identity(order, order)).info() !=
+      Eigen::Success) {
+    throw InvalidConfig("the covariance of the trajectory is not positive definite");
+  }
+}
+
 void TrajectoryScatterOptions::Validate() const {
+  if (covariance) {
+    covariance->Validate();
+    return;
+  }
   for (const Vector3d& sigma : {sigma_ned_m, sigma_rph_rad}) {
     if (!sigma.allFinite() || !(sigma.minCoeff() > 0.0)) {
       throw InvalidConfig("the sigmas of the trajectory must be positive and finite");
     }
   }
-  if (max_blocks < 2) {
-    throw InvalidConfig("max_blocks is " + std::to_string(max_blocks) + ", must be at least 2");
+  if (max_nodes < 2) {
+    throw InvalidConfig("max_nodes is " + std::to_string(max_nodes) + ", must be at least 2");
   }
 }
 
@@ -398,10 +411,17 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
                        " pairs, the problem " + std::to_string(problem.pairs.size()));
   }
   if (!(result.chi2 > 0.0)) return {};  // no misclosure at all
-  const TimeBlocks blocks = MakeBlocks(problem, result.weights, options.max_blocks);
-  const BlockSums sums = Accumulate(problem, result, model, options, blocks);
-  return ScatterEstimator(static_cast<double>(result.redundancy), blocks, sums,
-                          options.of_whole_error)
+  const auto estimator = [&](const TimeNodes& nodes) {
+    return ScatterEstimator(static_cast<double>(result.redundancy), nodes,
+                            internal::SumOverPairs(problem, result, model, options, nodes),
+                            options.of_whole_error || options.covariance);
+  };
+  if (options.covariance) {
+    const PoseCovariance stated = Refined(*options.covariance);
+    return estimator(TimeNodes(stated.t_s, stated.strip)).Run(ByComponent(stated.covariance));
+  }
+  return estimator(
+             TimeNodes(Epochs(problem, result.weights), options.strip_begin_s, options.max_nodes))
       .Run();
 }
 

@@ -72,8 +72,9 @@ TEST(CliGaussHelmert, ResultOnTheSmoothedTrajectory) {
   EXPECT_THAT(run.out, HasSubstr("by the Gauss-Helmert adjustment"));
   EXPECT_THAT(run.out, HasSubstr("times those of the normal matrix"));
   const Json report = JsonOf(flight.out() / "report.json");
-  EXPECT_EQ(report["gauss_helmert"]["trajectory_sigma"]["source"], "trajectory_sigma.txt");
-  EXPECT_GT(report["gauss_helmert"]["within_flight_scatter"]["blocks"], 1);
+  EXPECT_EQ(report["gauss_helmert"]["trajectory_sigma"]["source"], "trajectory_covariance.txt");
+  EXPECT_GT(report["gauss_helmert"]["within_flight_scatter"]["nodes"], 1);
+  EXPECT_NEAR(report["gauss_helmert"]["within_flight_scatter"]["attitude_ratio"], 1.0, 0.5);
 }
 
 TEST(CliGaussHelmert, AllMethodsAndTheirComparison) {
@@ -211,6 +212,19 @@ TEST(CliGaussHelmert, DamagedStandardDeviationsAreNamed) {
   ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "trajectory_sigma.txt:1");
   flight.Write("trajectory_sigma.txt", "381000, 1, 1, 1, 1, 1, 1, 1, 1, 1\n");
   ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "trajectory_sigma.txt");
+}
+
+TEST(CliGaussHelmert, ADamagedCovarianceIsNamed) {
+  const DamagedFlight flight;
+  const fs::path smoothed = fs::path(SmoothedTrajectory()).parent_path();
+  fs::copy_file(SmoothedTrajectory(), flight.path() / "trajectory.out");
+  fs::copy_file(smoothed / "trajectory_sigma.txt", flight.path() / "trajectory_sigma.txt");
+  flight.Write("trajectory_covariance.txt", "1, 2, 3\n");
+  ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "trajectory_covariance.txt:1");
+  const std::string covariance = ContentOf(smoothed / "trajectory_covariance.txt");
+  flight.Write("trajectory_covariance.txt",
+               covariance.substr(0, covariance.rfind('\n', covariance.size() - 2) + 1));
+  ExpectError(flight.Run("calibrate", {"--method", "gh"}), 1, "rows are missing");
 }
 
 TEST(CliGaussHelmert, TooFewPairsAndTheSamePairAgain) {

@@ -1,4 +1,5 @@
 #include <dn/builder/gauss_helmert_flight.h>
+#include <dn/builder/trajectory_covariance.h>
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
 #include <dn/report/json.h>
@@ -193,6 +194,100 @@ TEST(TrajectoryAccuracy, BadFilesAreNamed) {
   expect(SigmaText(380000, 382000, ", 0.01, 0.02, 0.03, 0.1, 0.1, 0.1, 0.004, 0, 0.006"),
          "not positive");
   expect("1, 2, 3\n", "column");
+}
+
+// ---- Covariance of the trajectory over time ----------------------------------------------------
+
+const std::string kGoodSigmas =
+    ", 0.01, 0.01, 0.02, 0.1, 0.1, 0.1, 0.004, 0.004, 0.006";  // m, m/s, deg
+
+// Constant in every strip, independent between them.
+PoseCovariance PerStrip(const std::vector<StripInterval>& strips) {
+  PoseCovariance covariance;
+  for (std::size_t s = 0; s < strips.size(); ++s) {
+    covariance.t_s.push_back(strips[s].t0_s);
+    covariance.t_s.push_back(strips[s].t1_s);
+    covariance.strip.insert(covariance.strip.end(), 2, static_cast<int>(s));
+  }
+  Eigen::Matrix<double, 6, 1> variance;
+  variance << 1e-4, 1e-4, 4e-4, Vector3d(5e-9, 5e-9, 1e-8);
+  const auto T = static_cast<Eigen::Index>(covariance.t_s.size());
+  covariance.covariance.setZero(6 * T, 6 * T);
+  for (Eigen::Index i = 0; i < T; ++i) {
+    covariance.covariance.block<6, 6>(6 * i, 6 * i).diagonal() = variance;
+    covariance.covariance.block<6, 6>(6 * i, 6 * (i ^ 1)).diagonal() = 0.999 * variance;
+  }
+  return covariance;
+}
+
+struct WithCovarianceFile : WithSigmaFile {
+  explicit WithCovarianceFile(const std::string& text)
+      : WithSigmaFile(SigmaText(380000, 382000, kGoodSigmas)) {
+    folder.Write("trajectory_covariance.txt", text);
+  }
+};
+
+TEST(PoseCovarianceFile, ReadsWhatItWrote) {
+  const PoseCovariance written = PerStrip(FindStrips(TruthFlight(false).flight));
+  TempFolder folder;
+  folder.Write("c.txt", FormatPoseCovariance(written));
+  const PoseCovariance read = ReadPoseCovariance(folder.path() / "c.txt");
+  EXPECT_EQ(read.t_s, written.t_s);
+  EXPECT_EQ(read.strip, written.strip);
+  EXPECT_LE((read.covariance - written.covariance).norm(), 1e-8 * written.covariance.norm());
+}
+
+TEST(PoseCovarianceFile, BadFilesAreNamed) {
+  const std::string good = FormatPoseCovariance(PerStrip({{"1", 10, 20}}));
+  const auto expect = [](const std::string& text, const std::string& what) {
+    TempFolder folder;
+    folder.Write("c.txt", text);
+    try {
+      ReadPoseCovariance(folder.path() / "c.txt");
+      ADD_FAILURE() << "no InvalidInput with: " << what;
+    } catch (const InvalidInput& e) {
+      EXPECT_THAT(e.what(), HasSubstr(what));
+      EXPECT_THAT(e.where().file, HasSubstr("c.txt"));
+    }
+  };
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  expect("", "no rows of numbers");
+  expect("1 2 3\n", "column");
+  expect(good.substr(0, good.rfind('\n', good.size() - 2) + 1), "rows are missing");
+  expect(replaced("20 0 10 0", "20 0 11 0"), "not those that the order of the rows asks for");
+  expect(replaced("10 0 10 0 0.0001", "10 0 10 0 0"), "not positive");
+  expect(replaced("20 0 10 0 9.99e-05", "20 0 10 0 9.99e-04"), "not positive definite");
+}
+
+TEST(TrajectoryAccuracy, ComesWithTheCovarianceThatCoversThePairs) {
+  const std::vector<StripInterval> strips = FindStrips(TruthFlight(false).flight);
+  ASSERT_GE(strips.size(), 2u);
+  const TrajectoryAccuracy accuracy =
+      WithCovarianceFile(FormatPoseCovariance(PerStrip(strips))).Read();
+  ASSERT_TRUE(accuracy.covariance);
+  EXPECT_EQ(accuracy.source, "trajectory_covariance.txt");
+  // That of another part of the flight is no use.
+  const TrajectoryAccuracy other =
+      WithCovarianceFile(FormatPoseCovariance(PerStrip({{"1", 380100, 380110}}))).Read();
+  EXPECT_FALSE(other.covariance);
+  EXPECT_EQ(other.source, "trajectory_sigma.txt");
+}
+
+// A constant of a strip, of the stated size, in each of a few strips: the boresight takes about
+// their mean. A trajectory without errors is no reason to believe less of them.
+TEST(GaussHelmertFlight, TheCovarianceOfTheTrajectoryIsThatOfTheAngles) {
+  const std::vector<StripInterval> strips = FindStrips(TruthFlight(false).flight);
+  WithCovarianceFile flight(FormatPoseCovariance(PerStrip(strips)));
+  const GaussHelmertCalibration gh = CalibrateGaussHelmert(flight.truth.flight);
+  EXPECT_EQ(gh.constant_rad2.norm(), 0.0);
+  const double stated_rad = std::sqrt(5e-9);
+  EXPECT_GT(gh.boresight.sigma_rad().x(), 0.3 * stated_rad);
+  EXPECT_LT(gh.boresight.sigma_rad().x(), 1.1 * stated_rad);
+  EXPECT_THAT(gh.boresight.reasons, Contains(HasSubstr("by trajectory_covariance.txt")));
 }
 
 // ---- Bad input

@@ -1,5 +1,6 @@
 #include "read_anything.h"
 
+#include <dn/builder/trajectory_covariance.h>
 #include <dn/error.h>
 #include <dn/flight/flight_config.h>
 #include <dn/geo/text_table.h>
@@ -110,6 +111,12 @@ void CheckPairs(const fs::path& folder) {
   }
 }
 
+void CheckPoseCovariance(const fs::path& file) {
+  const PoseCovariance read = ReadPoseCovariance(file);
+  Require(!read.t_s.empty(), "there are epochs");
+  Require(read.covariance.diagonal().minCoeff() > 0.0, "variances are positive");
+}
+
 void CheckScenario(const std::string& yaml) {
   const Scenario scenario = ParseScenario(yaml, "scenario.yaml");
   Require(!scenario.plan.lines.empty() || scenario.plan.replay, "there is a path to fly");
@@ -160,6 +167,8 @@ void Read(char reader, std::string_view content) {
       return CheckPairs(scratch.path());
     case 'C':
       return CheckScenario(std::string(content));
+    case 'V':
+      return CheckPoseCovariance(scratch.Write("trajectory_covariance.txt", content));
     default:
       scratch.Write("flight.yaml", content);
       return CheckConfig(scratch);

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 
 #include "testing/strip_pairs.h"
@@ -22,17 +23,14 @@ using testing::StripPairOptions;
 /// in body) on a grid fine against tau, plus a constant attitude error.
 class CorrelatedErrors {
  public:
-  CorrelatedErrors(const Vector3d& sigma_m, const Vector3d& sigma_rad, double tau_s,
-                   const Vector3d& constant_rad, std::mt19937& rng)
+  CorrelatedErrors(const Vector3d& sigma_m, double position_tau_s, const Vector3d& sigma_rad,
+                   double tau_s, const Vector3d& constant_rad, std::mt19937& rng)
       : constant_rad_(testing::NormalVector(rng, constant_rad)) {
-    const double decay = std::exp(-kStepS / tau_s);
-    const double drive = std::sqrt(1.0 - decay * decay);
     PoseError error{testing::NormalVector(rng, sigma_m), testing::NormalVector(rng, sigma_rad)};
     for (double t = kBeginS; t < kEndS; t += kStepS) {
       errors_.push_back(error);
-      error.position_m = decay * error.position_m + drive * testing::NormalVector(rng, sigma_m);
-      error.attitude_rad =
-          decay * error.attitude_rad + drive * testing::NormalVector(rng, sigma_rad);
+      error.position_m = Next(error.position_m, sigma_m, position_tau_s, rng);
+      error.attitude_rad = Next(error.attitude_rad, sigma_rad, tau_s, rng);
     }
   }
 
@@ -46,6 +44,11 @@ class CorrelatedErrors {
   }
 
  private:
+  static Vector3d Next(const Vector3d& x, const Vector3d& sigma, double tau_s, std::mt19937& rng) {
+    const double decay = std::exp(-kStepS / tau_s);
+    return decay * x + std::sqrt(1.0 - decay * decay) * testing::NormalVector(rng, sigma);
+  }
+
   static constexpr double kBeginS = 990.0, kEndS = 2500.0, kStepS = 0.5;
   Vector3d constant_rad_;
   std::vector<PoseError> errors_;
@@ -83,14 +86,16 @@ Consistency RunMonteCarlo(const Case& test, int runs) {
     GaussHelmertProblem problem = exact;
     testing::Disturb(
         &problem,
-        CorrelatedErrors(test.position * options.sigma_ned_m, test.attitude * options.sigma_rph_rad,
-                         test.tau_s, test.constant * options.sigma_rph_rad, rng),
+        CorrelatedErrors(test.position * options.sigma_ned_m, test.whole ? 10.0 : test.tau_s,
+                         test.attitude * options.sigma_rph_rad, test.tau_s,
+                         test.constant * options.sigma_rph_rad, rng),
         options.sigma_p_m, rng);
     const GaussHelmertResult gh = AdjustGaussHelmert(problem);
     TrajectoryScatterOptions scatter_options;
     scatter_options.sigma_ned_m = options.sigma_ned_m;
     scatter_options.sigma_rph_rad = options.sigma_rph_rad;
     scatter_options.of_whole_error = test.whole;
+    scatter_options.max_nodes = 32;
     const TrajectoryScatter scatter =
         EstimateTrajectoryScatter(problem, gh, BoresightModel::kExponential, scatter_options);
     const Matrix3d C = ReliableCovariance(
@@ -124,18 +129,20 @@ double NeesBound(int runs) { return 2.58 * std::sqrt(6.0 / runs); }
 
 constexpr double kWidest = 1.5;  // "not wider than needed by more than half"
 constexpr double kNarrowest = 0.75;
+// Three or four strips cannot tell errors of a minute from lasting ones: where the stated sigma is
+// of both, what is constant is taken for half, or half for constant.
+constexpr double kUndecided = 1.3;
 
 class Consistent : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Consistent, UnderGaussMarkovErrorsPlusAConstant) {
   constexpr int kRuns = 60;
   const Consistency result = RunMonteCarlo(GetParam(), kRuns);
-  EXPECT_LE(result.nees, 3.0 + NeesBound(kRuns));
-  // Three strips cannot tell errors of a minute from lasting ones: the sigma stays on the wide
-  // side.
-  EXPECT_GE(result.nees, GetParam().whole ? 1.5 : 3.0 - NeesBound(kRuns));
-  EXPECT_LE(result.width.maxCoeff(), kWidest) << result.width.transpose();
-  EXPECT_GE(result.width.minCoeff(), kNarrowest) << result.width.transpose();
+  const double undecided = GetParam().whole ? kUndecided : 1.0;
+  EXPECT_LE(result.nees, undecided * (3.0 + NeesBound(kRuns)));
+  EXPECT_GE(result.nees, (3.0 - NeesBound(kRuns)) / undecided);
+  EXPECT_LE(result.width.maxCoeff(), kWidest * undecided) << result.width.transpose();
+  EXPECT_GE(result.width.minCoeff(), kNarrowest / undecided) << result.width.transpose();
   EXPECT_GT(result.formal_nees, 60.0);  // what it is for: the formal sigma is too small by far
 }
 
@@ -150,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"varying_whole", testing::CrossingLines(), 0.0, 1.0, 1.0, 60.0, true},
                       Case{"half_whole", testing::CrossingLines(), 0.7, 0.7, 1.0, 100.0, true},
                       Case{"four_whole", FourLines(), 0.7, 0.7, 1.0, 100.0, true},
-                      Case{"constant_whole", FourLines(), 1.0, 0.01, 0.01, 100.0, true}),
+                      Case{"constant_whole", FourLines(), 1.0, 0.01, 1.0, 100.0, true}),
     [](const auto& test) { return std::string(test.param.name); });
 
 // Where the stated sigma is not said to be of the whole error, but is, the varying part is counted
@@ -180,10 +187,10 @@ struct OneRun {
     const StripPairOptions strips;
     problem = testing::MakeStripPairs(strips);
     std::mt19937 rng(4);
-    testing::Disturb(
-        &problem,
-        CorrelatedErrors(strips.sigma_ned_m, strips.sigma_rph_rad, 100.0, Vector3d::Zero(), rng),
-        strips.sigma_p_m, rng);
+    testing::Disturb(&problem,
+                     CorrelatedErrors(strips.sigma_ned_m, 100.0, strips.sigma_rph_rad, 100.0,
+                                      Vector3d::Zero(), rng),
+                     strips.sigma_p_m, rng);
     options.sigma_ned_m = strips.sigma_ned_m;
     options.sigma_rph_rad = strips.sigma_rph_rad;
     Adjust();
@@ -200,7 +207,7 @@ TEST(TrajectoryScatter, FindsTheErrorsThatAreThere) {
   EXPECT_LT(scatter.attitude_ratio, 3.0);
   EXPECT_GT(scatter.evidence_nats, 5.0);
   EXPECT_GT(scatter.tau_s, 10.0);
-  EXPECT_LE(scatter.blocks, 24);
+  EXPECT_LE(scatter.nodes, 64);
 }
 
 TEST(TrajectoryScatter, DoesNotDependOnTheOrderOfPairsOrEnds) {
@@ -244,6 +251,104 @@ TEST(TrajectoryScatter, TheReliableCovarianceIsTheSumOfItsParts) {
               1e-9 * run.result.covariance_apriori_rad2(0, 0));
 }
 
+/// Errors of six Gauss-Markov processes of 60 s, half of the variance constant over the flight, at
+/// epochs on the lines.
+PoseCovariance StatedCovariance(const StripPairOptions& strips) {
+  constexpr int kEpochsPerLine = 6;
+  PoseCovariance stated;
+  for (std::size_t line = 0; line < strips.lines.size(); ++line) {
+    for (int k = 0; k < kEpochsPerLine; ++k) {
+      stated.t_s.push_back(strips.lines[line].t0_s +
+                           strips.lines[line].duration_s() * k / (kEpochsPerLine - 1));
+      stated.strip.push_back(static_cast<int>(line));
+    }
+  }
+  Eigen::Matrix<double, 6, 1> sigma;
+  sigma << strips.sigma_ned_m, strips.sigma_rph_rad;
+  const auto T = static_cast<Eigen::Index>(stated.t_s.size());
+  stated.covariance.setZero(6 * T, 6 * T);
+  for (Eigen::Index i = 0; i < T; ++i) {
+    for (Eigen::Index j = 0; j < T; ++j) {
+      const double apart_s = std::abs(stated.t_s[static_cast<std::size_t>(i)] -
+                                      stated.t_s[static_cast<std::size_t>(j)]);
+      stated.covariance.block<6, 6>(6 * i, 6 * j).diagonal() =
+          (0.5 + 0.5 * std::exp(-apart_s / 60.0)) * sigma.cwiseAbs2();
+    }
+  }
+  return stated;
+}
+
+/// A sample of stated errors, linear in time between the epochs of a strip.
+class StatedErrors {
+ public:
+  StatedErrors(const PoseCovariance& stated, std::mt19937& rng) : stated_(stated) {
+    std::normal_distribution<double> normal;
+    const Eigen::MatrixXd L = stated.covariance.llt().matrixL();
+    errors_ = L * Eigen::VectorXd::NullaryExpr(L.rows(), [&] { return normal(rng); });
+  }
+
+  PoseError operator()(const GaussHelmertEnd& end) const {
+    const auto after = std::upper_bound(stated_.t_s.begin(), stated_.t_s.end() - 1, end.t_s);
+    const Eigen::Index b = after - stated_.t_s.begin();
+    const double x = (end.t_s - *(after - 1)) / (*after - *(after - 1));
+    const Eigen::Matrix<double, 6, 1> e =
+        (1.0 - x) * errors_.segment<6>(6 * (b - 1)) + x * errors_.segment<6>(6 * b);
+    return {e.head<3>(), e.tail<3>()};
+  }
+
+ private:
+  const PoseCovariance& stated_;
+  Eigen::VectorXd errors_;
+};
+
+TEST(TrajectoryScatter, AStatedCovarianceGivesThatOfTheBoresight) {
+  constexpr int kRuns = 200;
+  StripPairOptions strips;
+  strips.count = 600;
+  const GaussHelmertProblem exact = testing::MakeStripPairs(strips);
+  TrajectoryScatterOptions options;
+  options.covariance = StatedCovariance(strips);
+  double nees = 0.0, scale = 0.0;
+  Vector3d error2 = Vector3d::Zero(), stated2 = Vector3d::Zero();
+  for (int run = 0; run < kRuns; ++run) {
+    std::mt19937 rng(static_cast<unsigned>(run));
+    GaussHelmertProblem problem = exact;
+    testing::Disturb(&problem, StatedErrors(*options.covariance, rng), strips.sigma_p_m, rng);
+    const GaussHelmertResult gh = AdjustGaussHelmert(problem);
+    const TrajectoryScatter scatter =
+        EstimateTrajectoryScatter(problem, gh, BoresightModel::kExponential, options);
+    ASSERT_EQ(scatter.constant_share, 0.0);
+    const Matrix3d C = ReliableCovariance(gh, scatter, Matrix3d::Zero());
+    const Vector3d e = testing::BoresightError(gh.boresight_rad, strips.boresight_rad);
+    nees += e.dot(C.inverse() * e) / kRuns;
+    scale += scatter.attitude_ratio / kRuns;
+    error2 += e.cwiseAbs2() / kRuns;
+    stated2 += C.diagonal() / kRuns;
+  }
+  EXPECT_NEAR(nees, 3.0, 1.5 * NeesBound(kRuns));  // the scale is estimated, too
+  EXPECT_NEAR(scale, 1.0, 0.1);
+  const Vector3d width = stated2.cwiseQuotient(error2).cwiseSqrt();
+  EXPECT_LE(width.maxCoeff(), 1.2) << width.transpose();
+  EXPECT_GE(width.minCoeff(), 0.85) << width.transpose();
+}
+
+TEST(TrajectoryScatter, RejectsBadCovariances) {
+  const auto expect_bad = [](const auto& change) {
+    OneRun run;
+    run.options.covariance = StatedCovariance(StripPairOptions{});
+    change(&*run.options.covariance);
+    EXPECT_THROW(run.Estimate(), InvalidConfig);
+  };
+  expect_bad([](PoseCovariance* c) { *c = {}; });
+  expect_bad([](PoseCovariance* c) { c->strip.pop_back(); });
+  expect_bad([](PoseCovariance* c) { std::swap(c->t_s[1], c->t_s[2]); });
+  expect_bad([](PoseCovariance* c) { c->covariance(3, 3) = 0.0; });
+  expect_bad([](PoseCovariance* c) { c->covariance(3, 3) = std::nan(""); });
+  expect_bad([](PoseCovariance* c) {
+    c->covariance(3, 9) = c->covariance(9, 3) = 2.0 * c->covariance(3, 3);
+  });
+}
+
 TEST(TrajectoryScatter, RejectsBadInput) {
   const auto expect_bad_option = [](const auto& change) {
     OneRun run;
@@ -252,7 +357,7 @@ TEST(TrajectoryScatter, RejectsBadInput) {
   };
   expect_bad_option([](TrajectoryScatterOptions* o) { o->sigma_ned_m.x() = 0.0; });
   expect_bad_option([](TrajectoryScatterOptions* o) { o->sigma_rph_rad.z() = -1.0; });
-  expect_bad_option([](TrajectoryScatterOptions* o) { o->max_blocks = 1; });
+  expect_bad_option([](TrajectoryScatterOptions* o) { o->max_nodes = 1; });
   OneRun run;
   run.problem.pairs.pop_back();
   EXPECT_THROW(run.Estimate(), InvalidInput);

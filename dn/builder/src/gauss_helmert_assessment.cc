@@ -98,16 +98,23 @@ std::string WhyTheSigmasDiffer(const GaussHelmertCalibration& calibration) {
   if (ratio.maxCoeff() < kMuchWider) return {};
   std::string text = Format(
       "the reliable sigmas are %.1f, %.1f and %.1f times those of the normal matrix "
-      "(sigma_scaled_deg: %s), which take the errors of the trajectory as new at every epoch; "
-      "an attitude error that is constant over the flight, of %s in roll, pitch and yaw by %s, is "
+      "(sigma_scaled_deg: %s), which take the errors of the trajectory as new at every epoch",
+      ratio.x(), ratio.y(), ratio.z(), Triple(*boresight.sigma_scaled_rad).c_str());
+  const std::string scattered = Triple(scatter.covariance_rad2.diagonal().cwiseSqrt());
+  if (calibration.accuracy.covariance) {
+    return text + "; by " + calibration.accuracy.source + " they last, and scatter the angles by " +
+           scattered;
+  }
+  text += Format(
+      "; an attitude error that is constant over the flight, of %s in roll, pitch and yaw by %s, "
+      "is "
       "absorbed without a trace",
-      ratio.x(), ratio.y(), ratio.z(), Triple(*boresight.sigma_scaled_rad).c_str(),
       Triple(calibration.constant_rad2.diagonal().cwiseSqrt()).c_str(),
       calibration.accuracy.source.c_str());
   if (scatter.evidence_nats > kEvidentNats) {
     text += Format(
         ", and the pairs show errors that last for about %.0f s and scatter the angles by %s",
-        scatter.tau_s, Triple(scatter.covariance_rad2.diagonal().cwiseSqrt()).c_str());
+        scatter.tau_s, scattered.c_str());
   }
   return text;
 }

@@ -1,6 +1,7 @@
 #include <dn/builder/adjust.h>
 #include <dn/builder/gauss_helmert_flight.h>
 #include <dn/builder/pose_interpolator.h>
+#include <dn/builder/trajectory_covariance.h>
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
 
@@ -20,7 +21,7 @@ using Eigen::Vector3d;
 
 // On the chi-distributed norm of a pair's misclosure, exceeded by one good pair in ten.
 constexpr double kRobustWidth = 2.5;
-constexpr int kMostStripsInBlocks = 60;
+constexpr int kMostNodes = 60;
 
 double Since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -139,6 +140,43 @@ GaussHelmertOptions MakeOptions(const FlightConfig& config, int threads) {
   return options;
 }
 
+std::optional<fs::path> BesideTrajectory(const Flight& flight, const char* name) {
+  const fs::path file =
+      (flight.config.folder / flight.config.trajectory->file).replace_filename(name);
+  std::error_code none;
+  if (!fs::is_regular_file(file, none)) return std::nullopt;
+  return file;
+}
+
+// Every pair lies in a strip of the covariance, or as close to one as its epochs are to each other.
+bool Covers(const PoseCovariance& covariance, const GaussHelmertProblem& problem) {
+  double spacing_s = 0.0;
+  for (std::size_t k = 1; k < covariance.t_s.size(); ++k) {
+    if (covariance.strip[k] != covariance.strip[k - 1]) continue;
+    spacing_s = std::max(spacing_s, covariance.t_s[k] - covariance.t_s[k - 1]);
+  }
+  const auto covered = [&](double t_s) {
+    const auto after = std::upper_bound(covariance.t_s.begin(), covariance.t_s.end(), t_s);
+    const bool near_after = after != covariance.t_s.end() && *after - t_s <= spacing_s;
+    return near_after || (after != covariance.t_s.begin() && t_s - *(after - 1) <= spacing_s);
+  };
+  return std::all_of(problem.pairs.begin(), problem.pairs.end(), [&](const GaussHelmertPair& pair) {
+    return covered(pair.i.t_s) && covered(pair.j.t_s);
+  });
+}
+
+// From east, north, up at the places of the epochs to map axes.
+void InMap(const Flight& flight, PoseCovariance* covariance) {
+  const PoseInterpolator poses(flight.trajectory->InMap(flight.frame));
+  for (std::size_t k = 0; k < covariance->t_s.size(); ++k) {
+    const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(poses.At(covariance->t_s[k]).p_mb);
+    const auto at = static_cast<Eigen::Index>(6 * k);
+    covariance->covariance.middleRows<3>(at) = R_m_enu * covariance->covariance.middleRows<3>(at);
+    covariance->covariance.middleCols<3>(at) =
+        covariance->covariance.middleCols<3>(at) * R_m_enu.transpose();
+  }
+}
+
 void CheckEstimate(const FlightConfig& config) {
   const auto is_boresight = [](const EstimateEntry& entry) { return entry.unknown == "boresight"; };
   if (std::none_of(config.estimate.begin(), config.estimate.end(), is_boresight)) {
@@ -199,14 +237,20 @@ GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight,
 
 TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
                                           const GaussHelmertProblem& problem) {
-  const fs::path file = (flight.config.folder / flight.config.trajectory->file)
-                            .replace_filename("trajectory_sigma.txt");
   std::optional<SigmaFile> sigma_file;
-  std::error_code none;
-  if (fs::is_regular_file(file, none)) sigma_file.emplace(file);
+  if (const auto file = BesideTrajectory(flight, "trajectory_sigma.txt")) sigma_file.emplace(*file);
   TrajectoryAccuracy accuracy;
   accuracy.source = sigma_file ? "trajectory_sigma.txt" : "the section trajectory of flight.yaml";
   accuracy.of_whole_error = sigma_file.has_value();
+  if (const auto file = BesideTrajectory(flight, "trajectory_covariance.txt"); file && sigma_file) {
+    accuracy.covariance = ReadPoseCovariance(*file);
+    if (Covers(*accuracy.covariance, problem)) {
+      InMap(flight, &*accuracy.covariance);
+      accuracy.source = "trajectory_covariance.txt";
+    } else {
+      accuracy.covariance.reset();
+    }
+  }
   Vector3d position2 = Vector3d::Zero(), attitude2 = Vector3d::Zero();
   const auto add = [&](const GaussHelmertEnd& end) {
     Vector3d sigma_ned_m = end.sigma_ned_m, sigma_rph_rad = end.sigma_rph_rad;
@@ -254,11 +298,16 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   stage("covariance under time-correlated errors");
   internal::DescribeStrips(flight, &calibration);
   TrajectoryScatterOptions scatter;
+  scatter.covariance = calibration.accuracy.covariance;
   scatter.sigma_ned_m = calibration.accuracy.sigma_ned_m;
   scatter.sigma_rph_rad = calibration.accuracy.sigma_rph_rad;
   scatter.of_whole_error = calibration.accuracy.of_whole_error;
-  scatter.max_blocks =
-      std::max(scatter.max_blocks, std::min(kMostStripsInBlocks, calibration.diversity.strips));
+  for (const StripInterval& strip : FindStrips(flight)) {
+    scatter.strip_begin_s.push_back(strip.t0_s);
+  }
+  std::sort(scatter.strip_begin_s.begin(), scatter.strip_begin_s.end());
+  scatter.max_nodes =
+      std::max(scatter.max_nodes, std::min(kMostNodes, calibration.diversity.strips));
   calibration.scatter = EstimateTrajectoryScatter(calibration.problem, calibration.adjustment,
                                                   calibration.options.model, scatter);
   FillBoresight(&calibration);

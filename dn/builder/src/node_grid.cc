@@ -79,6 +79,13 @@ std::size_t NodeBefore(const std::vector<double>& node_t_s, double t_s) {
   return after == node_t_s.begin() ? 0 : static_cast<std::size_t>(after - node_t_s.begin()) - 1;
 }
 
+std::size_t NodeNear(const std::vector<double>& node_t_s, double t_s) {
+  const std::size_t before = NodeBefore(node_t_s, t_s);
+  const bool next =
+      before + 1 < node_t_s.size() && node_t_s[before + 1] - t_s < std::abs(t_s - node_t_s[before]);
+  return next ? before + 1 : before;
+}
+
 std::vector<TimeInterval> ClusterEpochs(std::vector<double> t_s, double join_s) {
   std::sort(t_s.begin(), t_s.end());
   std::vector<TimeInterval> clusters;

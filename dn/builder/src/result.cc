@@ -124,13 +124,6 @@ AdjustmentFigures Figures(const Adjustment& adjustment) {
   return figures;
 }
 
-std::size_t NodeNear(const std::vector<double>& node_t_s, double t_s) {
-  const std::size_t before = NodeBefore(node_t_s, t_s);
-  const bool next =
-      before + 1 < node_t_s.size() && node_t_s[before + 1] - t_s < std::abs(t_s - node_t_s[before]);
-  return next ? before + 1 : before;
-}
-
 BiasCorrelation CorrelateWithBias(const FlightNetwork& network,
                                   const std::vector<BiasChain>& chains,
                                   const Eigen::Vector3d& sigma_boresight, double barycentre_s,

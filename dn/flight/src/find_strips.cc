@@ -64,19 +64,19 @@ std::vector<double> StraightEpochs(const std::vector<NavPoint>& points) {
   return t_s;
 }
 
-std::vector<StripInterval> FromTrajectory(const Trajectory& trajectory) {
+}  // namespace
+
+std::vector<StripInterval> FindStrips(const Trajectory& trajectory) {
   std::vector<StripInterval> strips = Clusters(StraightEpochs(trajectory.points()));
   std::erase_if(strips, [](const StripInterval& s) { return s.t1_s - s.t0_s < kMinStripS; });
   return Named(strips);
 }
 
-}  // namespace
-
 std::vector<StripInterval> FindStrips(const Flight& flight) {
   if (!flight.config.strips.empty()) return flight.config.strips;
   if (!flight.pair_strips.empty()) return flight.pair_strips;
   if (flight.pairs && !flight.pairs->pairs.empty()) return FromPairs(flight.pairs->pairs);
-  if (flight.trajectory) return FromTrajectory(*flight.trajectory);
+  if (flight.trajectory) return FindStrips(*flight.trajectory);
   return {};
 }
 

@@ -3,10 +3,27 @@
 #include <dn/solvers/gauss_helmert.h>
 
 #include <Eigen/Core>
+#include <optional>
+#include <vector>
 
 namespace dn {
 
+/// Joint covariance of the errors of a trajectory at some epochs, between which they are linear in
+/// time.
+struct PoseCovariance {
+  std::vector<double> t_s;  ///< increasing
+  std::vector<int> strip;   ///< of each epoch, not decreasing; nothing is said between two strips
+  /// Six rows per epoch: position in map axes (m), attitude as a rotation vector in body axes (rad,
+  /// q_mb Exp(d)).
+  Eigen::MatrixXd covariance;
+
+  /// Throws InvalidConfig naming what does not fit.
+  void Validate() const;
+};
+
 struct TrajectoryScatterOptions {
+  /// Where a smoother states how its errors correlate: nothing else below is used.
+  std::optional<PoseCovariance> covariance = {};
   /// What the trajectory states about itself: sigma of position north, east, down and of roll,
   /// pitch, heading, whatever part of it is constant over the flight. Sets the scale of the prior.
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
@@ -14,7 +31,10 @@ struct TrajectoryScatterOptions {
   /// The stated sigmas are of the whole error at an epoch, as a smoother's posterior is: how much
   /// of it is constant over the flight is then estimated, too.
   bool of_whole_error = false;
-  int max_blocks = 24;  ///< of time; the cost grows with its cube
+  /// Begins of the strips, ascending: errors may end in the turns before them. If empty, a pause
+  /// of 5 s among the epochs of the pairs is a turn.
+  std::vector<double> strip_begin_s = {};
+  int max_nodes = 64;  ///< in time; the cost grows with its cube
 
   /// Throws InvalidConfig naming the option, its value and its bound.
   void Validate() const;
@@ -27,11 +47,12 @@ struct TrajectoryScatter {
   double attitude_ratio = 0.0;  ///< rms of the correlated attitude errors / the stated sigma
   double position_ratio = 0.0;  ///< the same of the positions
   /// Share of the stated attitude variance that is left for an error constant over the flight:
-  /// with of_whole_error the posterior mean of s_a^2 where tau is for ever, else 1.
+  /// 1 where the stated sigmas are of either part; the posterior mean of what is constant with
+  /// of_whole_error; 0 with a covariance, which holds it.
   double constant_share = 1.0;
-  double tau_s = 0.0;          ///< correlation time, geometric mean over what fits
+  double tau_s = 0.0;  ///< correlation time, geometric mean over what fits; 0: stated, or constant
   double evidence_nats = 0.0;  ///< log of (likelihood with / without correlated errors)
-  int blocks = 0;
+  int nodes = 0;
 };
 
 /// Estimates, from the misclosures of an adjustment, the covariance that errors of the trajectory
@@ -49,9 +70,10 @@ struct TrajectoryScatter {
 ///   e: six Gauss-Markov processes of correlation time tau, with sigma
 ///      s_p sigma_ned (position) and s_a sigma_rph (roll, pitch, heading)
 ///
-/// on blocks of time (averages of the processes over a block, exactly). With H, b, N_e the sums of
-/// J^T S J, J^T S w and J^T S A over the pairs, and dtheta eliminated, H_P = H - N_e N^-1 N_e^T,
-/// the restricted likelihood of (s_p, s_a, tau), with s0 at its maximum, is
+/// at nodes in time, linear between them; a process has the covariance there of its least-squares
+/// fit by such functions. With H, b, N_e the sums of J^T S J, J^T S w and J^T S A over the pairs,
+/// and dtheta eliminated, H_P = H - N_e N^-1 N_e^T, the restricted likelihood of (s_p, s_a, tau),
+/// with s0 at its maximum, is
 ///
 ///   -2 log L = nu log s0^2 + log det(I + Q^(1/2) H_P Q^(1/2))
 ///   nu s0^2  = chi2 - b^T (Q^-1 + H_P)^-1 b
@@ -68,12 +90,20 @@ struct TrajectoryScatter {
 ///
 /// An error that is the same all over the flight leaves no trace in w (the boresight absorbs it)
 /// and is not in the result: see ReliableCovariance. Where the stated sigmas are of the whole
-/// error, varying and constant part share them: s_p = s_a is 1 within a factor of 1.3, tau is 30 s
-/// or more, the turns between the strips (5 s without pairs) may break the correlation, and a tau
-/// without end, unbroken, is the constant. Strips that disagree by what is stated rule it out;
-/// strips that agree, or too few pairs to tell, leave it.
+/// error, varying and constant part share them: s_p = s_a is 1 within a factor of 1.3; positions
+/// correlate for 5 or 25 s; attitudes for 30, 100 or 300 s, with the tilt fixed to the navigation
+/// frame (roll and pitch errors change sign from a strip to the opposite one), or over a strip and
+/// not beyond its turns; none, half or all of the attitude's variance is constant. Strips that
+/// disagree by what is stated rule the last out; strips that agree, or too few pairs to tell, leave
+/// it.
 ///
-/// Cost: linear in the pairs, and 30 tridiagonalisations of order 6 x blocks (10 ms at 24).
+/// Where the covariance of the errors over time is stated, C is that of the stated errors, times
+/// their scale s^2 by the same likelihood (prior: 1 within a factor of 1.3) where s exceeds 1;
+/// nothing is guessed. Its epochs are refined once: between two of them an error bends like a
+/// random walk.
+///
+/// Cost: linear in the pairs, and 18 to 30 tridiagonalisations of order 6 x nodes (0.3 s at 64
+/// nodes).
 /// Throws InvalidConfig for bad options, InvalidInput when the result does not belong to the
 /// problem.
 TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
@@ -89,7 +119,7 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
 /// counts as ten observations of its own (mean of the inverse chi-square posterior).
 /// constant_rad2: C_attitude, covariance of the trajectory's attitude in body axes by its own
 /// account. Where that account is of the whole error at an epoch (a smoother's posterior), the
-/// varying part is in it already: give constant_share of it (of_whole_error).
+/// varying part is in it already: give constant_share of it (TrajectoryScatter).
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
                                    const TrajectoryScatter& scatter,
                                    const Eigen::Matrix3d& constant_rad2);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,14 @@ struct TrajectoryAccuracy {
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
   /// Mean covariance of the attitude in body axes, rad^2: that of an error constant in body.
   Eigen::Matrix3d attitude_covariance_rad2 = Eigen::Matrix3d::Zero();
-  std::string source;  ///< "trajectory_sigma.txt" or "the section trajectory of flight.yaml"
+  std::string source;  ///< "trajectory_covariance.txt", "trajectory_sigma.txt" or "the section
+                       ///< trajectory of flight.yaml"
   /// The sigmas are a smoother's own, of the whole error at an epoch, varying part and constant
   /// one; those of the section `trajectory` are taken as of either.
   bool of_whole_error = false;
+  /// From `trajectory_covariance.txt` where there is one, at the epochs of all pairs: how the
+  /// errors of the smoother correlate in time.
+  std::optional<PoseCovariance> covariance = {};
 };
 
 /// How the poses at the pairs' epochs came about.
@@ -78,7 +83,8 @@ GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight,
                                             PoseInterpolation* interpolation = nullptr);
 
 /// From `trajectory_sigma.txt` beside the trajectory's file where there is one (the columns that
-/// `dn smooth` writes), else from the section `trajectory`. Throws InvalidInput naming the epoch
+/// `dn smooth` writes), with `trajectory_covariance.txt` (where it covers the pairs), else from the
+/// section `trajectory`. Throws InvalidInput naming the epoch
 /// when the file does not cover the pairs, or a sigma is not positive.
 TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelmertProblem& problem);
 

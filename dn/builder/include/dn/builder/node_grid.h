@@ -32,6 +32,9 @@ std::vector<double> NodeTimes(const ImuData& imu, const TimeInterval& span,
 /// Index of the last node at or before t_s; 0 when t_s is before the first.
 std::size_t NodeBefore(const std::vector<double>& node_t_s, double t_s);
 
+/// Index of the node nearest to t_s.
+std::size_t NodeNear(const std::vector<double>& node_t_s, double t_s);
+
 /// Intervals that hold the epochs: joined where the hole between two neighbours is at most
 /// `join_s`.
 std::vector<TimeInterval> ClusterEpochs(std::vector<double> t_s, double join_s);

@@ -74,4 +74,7 @@ std::vector<LidarPair> SelectPairs(const std::vector<LidarPair>& pairs,
 /// of the trajectory of at least 10 s.
 std::vector<StripInterval> FindStrips(const Flight& flight);
 
+/// The straight legs of a trajectory of at least 10 s.
+std::vector<StripInterval> FindStrips(const Trajectory& trajectory);
+
 }  // namespace dn

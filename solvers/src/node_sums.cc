@@ -1,0 +1,147 @@
+#include "node_sums.h"
+
+#include <dn/rotation.h>
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "gauss_helmert_pair.h"
+
+namespace dn::internal {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+using EndJacobian = Eigen::Matrix<double, 3, 6>;
+
+EndJacobian ErrorJacobian(const GaussHelmertEnd& end, const Matrix3d& J_phi,
+                          const TrajectoryScatterOptions& options) {
+  EndJacobian J;
+  if (options.covariance) {
+    J << Matrix3d::Identity(), J_phi;
+    return J;
+  }
+  const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
+  J << end.q_mn.toRotationMatrix() * options.sigma_ned_m.asDiagonal(),
+      J_phi * BodyFromEulerRates(down_b) * options.sigma_rph_rad.asDiagonal();
+  return J;
+}
+
+Matrix3d MisclosureWeight(const GaussHelmertPair& pair, const PairLinearisation& linear) {
+  Matrix3d M = pair.covariance_m2;
+  int column = 3;
+  for (const GaussHelmertEnd* end : {&pair.i, &pair.j}) {
+    const EndNoise noise = EvaluateNoise(*end);
+    const Matrix3d L = linear.B.middleCols<3>(column) * noise.attitude_factor;
+    M += noise.position + L * L.transpose();
+    column += 6;
+  }
+  return M.inverse();
+}
+
+/// The same with unknown c of node n at 6 n + c, and the lower triangle of H only.
+class NodeAccumulator {
+ public:
+  explicit NodeAccumulator(const TimeNodes& nodes) : nodes_(nodes) {
+    sums_.H.setZero(6 * nodes.size(), 6 * nodes.size());
+    sums_.N_e.setZero(6 * nodes.size(), 3);
+    sums_.b.setZero(6 * nodes.size());
+    north_east_.setZero(nodes.size(), 2);
+  }
+
+  void Add(const GaussHelmertPair& pair, const PairLinearisation& linear, const EndJacobian& J_i,
+           const EndJacobian& J_j, const Matrix3d& S, const Vector3d& w) {
+    const Matrix3d AtS = linear.A.transpose() * S;
+    sums_.N += AtS * linear.A;
+    sums_.g += AtS * w;
+    sums_.chi2 += w.dot(S * w);
+    const Ends ends = Spread(nodes_.At(pair.i.t_s), J_i, nodes_.At(pair.j.t_s), J_j);
+    AddHeading(pair.i);
+    AddHeading(pair.j);
+    for (const End& end : ends) {
+      const Eigen::Matrix<double, 6, 3> JtS = end.weight * end.J->transpose() * S;
+      sums_.N_e.middleRows<6>(6 * end.node) += JtS * linear.A;
+      sums_.b.segment<6>(6 * end.node) += JtS * w;
+      for (const End& other : ends) {
+        if (other.node > end.node) continue;
+        sums_.H.block<6, 6>(6 * end.node, 6 * other.node) += JtS * (other.weight * *other.J);
+      }
+    }
+  }
+
+  /// In the order of NodeSums.
+  NodeSums Sums(const std::optional<Vector3d>& boresight_sigma_rad) const {
+    const Eigen::Index T = nodes_.size();
+    Eigen::PermutationMatrix<Eigen::Dynamic> order(6 * T);
+    for (Eigen::Index n = 0; n < T; ++n) {
+      for (Eigen::Index c = 0; c < 6; ++c) {
+        order.indices()[6 * n + c] = static_cast<int>(c * T + n);
+      }
+    }
+    NodeSums out = sums_;
+    out.H.triangularView<Eigen::StrictlyUpper>() = out.H.transpose();
+    out.H = order * out.H * order.transpose();
+    out.N_e = order * out.N_e;
+    out.b = order * out.b;
+    out.heading_rad = VectorXd::NullaryExpr(
+        T, [&](Eigen::Index n) { return std::atan2(north_east_(n, 1), north_east_(n, 0)); });
+    if (boresight_sigma_rad) {
+      out.N += boresight_sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
+    }
+    return out;
+  }
+
+ private:
+  struct End {
+    int node;
+    double weight;
+    const EndJacobian* J;
+  };
+  using Ends = std::array<End, 4>;
+
+  // With weight zero a next node need not exist.
+  static Ends Spread(const TimeNodes::Place& i, const EndJacobian& J_i, const TimeNodes::Place& j,
+                     const EndJacobian& J_j) {
+    return {{{i.node, 1.0 - i.next, &J_i},
+             {i.next > 0.0 ? i.node + 1 : i.node, i.next, &J_i},
+             {j.node, 1.0 - j.next, &J_j},
+             {j.next > 0.0 ? j.node + 1 : j.node, j.next, &J_j}}};
+  }
+
+  void AddHeading(const GaussHelmertEnd& end) {
+    const TimeNodes::Place place = nodes_.At(end.t_s);
+    const Vector3d forward_n = end.q_mn.conjugate() * (end.q_mb * Vector3d::UnitX());
+    north_east_.row(place.node) += (1.0 - place.next) * forward_n.head<2>();
+    if (place.next > 0.0) north_east_.row(place.node + 1) += place.next * forward_n.head<2>();
+  }
+
+  const TimeNodes& nodes_;
+  NodeSums sums_;
+  Eigen::MatrixX2d north_east_;  // sums of the forward axes
+};
+
+}  // namespace
+
+NodeSums SumOverPairs(const GaussHelmertProblem& problem, const GaussHelmertResult& result,
+                      BoresightModel model, const TrajectoryScatterOptions& options,
+                      const TimeNodes& nodes) {
+  NodeAccumulator sums(nodes);
+  for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
+    if (result.weights[k] == 0.0) continue;
+    const GaussHelmertPair& pair = problem.pairs[k];
+    const PairCorrection& v = result.corrections[k];
+    const PairLinearisation linear =
+        LinearisePair(pair, problem.lever_arm_b_m, model, result.boresight_rad, v);
+    const EndJacobian J_i = ErrorJacobian(pair.i, linear.B.middleCols<3>(3), options);
+    const EndJacobian J_j = -ErrorJacobian(pair.j, -linear.B.middleCols<3>(9), options);
+    sums.Add(pair, linear, J_i, J_j, result.weights[k] * MisclosureWeight(pair, linear),
+             linear.w - linear.B * v);
+  }
+  return sums.Sums(problem.boresight_sigma_rad);
+}
+
+}  // namespace dn::internal
