@@ -25,6 +25,7 @@ struct ErrorModel {
   /// The tilt keeps its direction in the navigation frame when the aircraft turns: roll and pitch
   /// errors of opposite strips are opposite. Else the aircraft takes them along.
   bool tilt_in_nav = false;
+  double prior_weight = 1.0;
 };
 
 }  // namespace dn::internal

@@ -37,7 +37,12 @@ constexpr ErrorProcess kAttitudeErrors[] = {{ErrorProcess::Kind::kGaussMarkov, 3
                                             {ErrorProcess::Kind::kGaussMarkov, 100.0},
                                             {ErrorProcess::Kind::kGaussMarkov, 300.0},
                                             {ErrorProcess::Kind::kPerStrip}};
-constexpr double kConstantShares[] = {0.0, 0.5, 1.0};          // of the variance of the attitude
+/// Of the variance of the attitude, with its prior weight: turns separate tilt from bias and leave
+/// little that is constant; without any, all of it may be.
+struct ConstantShare {
+  double share, weight;
+};
+constexpr ConstantShare kConstantShares[] = {{0.0, 3.0}, {0.5, 1.0}, {1.0, 2.0}};
 constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
 constexpr double kRatioPriorOctaves = 1.5;
 /// Log-normal prior of s_a, in octaves.
@@ -102,6 +107,7 @@ struct ErrorEffect {
   Matrix3d position_rad2, attitude_rad2;
   double tau_s = 0.0;  ///< of the attitude errors
   double constant_share = 0.0;
+  double log_weight = 0.0;  ///< prior
 };
 
 std::vector<ErrorModel> ModelsOfVaryingErrors() {
@@ -117,10 +123,10 @@ std::vector<ErrorModel> ModelsOfWholeErrors() {
   std::vector<ErrorModel> models;
   for (const double tau_s : kPositionTaus_s) {
     const ErrorProcess position{ErrorProcess::Kind::kGaussMarkov, tau_s};
-    for (const double constant_share : kConstantShares) {
+    for (const auto& [share, weight] : kConstantShares) {
       for (const ErrorProcess& attitude : kAttitudeErrors) {
-        models.push_back({position, attitude, constant_share, true});
-        if (constant_share == 1.0) break;  // whatever the process
+        models.push_back({position, attitude, share, true, weight});
+        if (share == 1.0) break;  // whatever the process
       }
     }
   }
@@ -198,7 +204,8 @@ class ScatterEstimator {
     const int T = nodes_.size();
     const MatrixXd& K = Unit(model.position);
     const MatrixXd C = AttitudeCovariance(model);
-    ErrorEffect effect{Matrix3d::Zero(), Matrix3d::Zero(), TauOf(model), model.constant_share};
+    ErrorEffect effect{Matrix3d::Zero(), Matrix3d::Zero(), TauOf(model), model.constant_share,
+                       std::log(model.prior_weight)};
     for (int c = 0; c < 3; ++c) {
       const auto G = effect_.middleRows(c * T, T);
       effect.position_rad2 += G.transpose() * K * G;
@@ -252,7 +259,8 @@ class ScatterEstimator {
       point.s_a = std::sqrt(rho * s0_2);
       point.s_p = ratio * point.s_a;
       const double log_likelihood = -0.5 * (nu_ * std::log(s0_2 * nu_ / chi2_) + figures.log_det);
-      const double log_prior = -0.5 * squared(log2_ratio / kRatioPriorOctaves) -
+      const double log_prior = effects_.back().log_weight -
+                               0.5 * squared(log2_ratio / kRatioPriorOctaves) -
                                0.5 * squared((std::log2(point.s_a) - scale.mean) / scale.sigma);
       point.log_posterior = log_likelihood + log_prior;
       grid_.push_back(point);

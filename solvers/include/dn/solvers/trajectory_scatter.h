@@ -93,9 +93,9 @@ struct TrajectoryScatter {
 /// error, varying and constant part share them: s_p = s_a is 1 within a factor of 1.3; positions
 /// correlate for 5 or 25 s; attitudes for 30, 100 or 300 s, with the tilt fixed to the navigation
 /// frame (roll and pitch errors change sign from a strip to the opposite one), or over a strip and
-/// not beyond its turns; none, half or all of the attitude's variance is constant. Strips that
-/// disagree by what is stated rule the last out; strips that agree, or too few pairs to tell, leave
-/// it.
+/// not beyond its turns; none, half or all of the attitude's variance is constant (3 : 1 : 2).
+/// Strips that disagree by what is stated rule the last out; strips that agree, or too few pairs to
+/// tell, leave it.
 ///
 /// Where the covariance of the errors over time is stated, C is that of the stated errors, times
 /// their scale s^2 by the same likelihood (prior: 1 within a factor of 1.3) where s exceeds 1;
