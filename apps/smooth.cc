@@ -25,10 +25,10 @@ void AddCovarianceFile(const FlightRun& flight_run, Run* run) {
     }
     strips = FindStrips(Trajectory(std::move(points)));
   }
-  const PoseCovariance covariance =
-      ExtractPoseCovariance(flight_run.adjustment, *flight_run.marginals, strips);
+  const TrajectoryCovariance covariance =
+      ExtractTrajectoryCovariance(flight_run.adjustment, *flight_run.marginals, strips);
   if (covariance.t_s.empty()) return;
-  run->AddFile("trajectory_covariance.txt", FormatPoseCovariance(covariance));
+  run->AddFile("trajectory_covariance.txt", FormatTrajectoryCovariance(covariance));
 }
 
 void Smooth(const SmoothOptions& options, Run& run) {

@@ -50,8 +50,9 @@ SmoothedFlight Fly(const dn::Scenario& scenario, std::uint64_t seed,
   files.Add("trajectory.out", dn::FormatSbet(points));
   files.Add("trajectory_sigma.txt",
             dn::FormatTrajectorySigma(dn::ExtractTrajectory(smoothed, marginals).sigma));
-  files.Add("trajectory_covariance.txt", dn::FormatPoseCovariance(dn::ExtractPoseCovariance(
-                                             smoothed, marginals, dn::FindStrips(out.sim.flight))));
+  files.Add("trajectory_covariance.txt",
+            dn::FormatTrajectoryCovariance(dn::ExtractTrajectoryCovariance(
+                smoothed, marginals, dn::FindStrips(out.sim.flight))));
   files.Commit();
   const dn::Json errors = dn::ReferenceErrorsJson(*smoothed.network);
   for (int i = 0; i < 3; ++i) {

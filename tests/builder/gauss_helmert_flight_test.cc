@@ -1,7 +1,7 @@
 #include <dn/builder/gauss_helmert_flight.h>
-#include <dn/builder/trajectory_covariance.h>
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
+#include <dn/geo/trajectory_covariance.h>
 #include <dn/report/json.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -202,8 +202,8 @@ const std::string kGoodSigmas =
     ", 0.01, 0.01, 0.02, 0.1, 0.1, 0.1, 0.004, 0.004, 0.006";  // m, m/s, deg
 
 // Constant in every strip, independent between them.
-PoseCovariance PerStrip(const std::vector<StripInterval>& strips) {
-  PoseCovariance covariance;
+TrajectoryCovariance PerStrip(const std::vector<StripInterval>& strips) {
+  TrajectoryCovariance covariance;
   for (std::size_t s = 0; s < strips.size(); ++s) {
     covariance.t_s.push_back(strips[s].t0_s);
     covariance.t_s.push_back(strips[s].t1_s);
@@ -227,23 +227,23 @@ struct WithCovarianceFile : WithSigmaFile {
   }
 };
 
-TEST(PoseCovarianceFile, ReadsWhatItWrote) {
-  const PoseCovariance written = PerStrip(FindStrips(TruthFlight(false).flight));
+TEST(TrajectoryCovarianceFile, ReadsWhatItWrote) {
+  const TrajectoryCovariance written = PerStrip(FindStrips(TruthFlight(false).flight));
   TempFolder folder;
-  folder.Write("c.txt", FormatPoseCovariance(written));
-  const PoseCovariance read = ReadPoseCovariance(folder.path() / "c.txt");
+  folder.Write("c.txt", FormatTrajectoryCovariance(written));
+  const TrajectoryCovariance read = ReadTrajectoryCovariance(folder.path() / "c.txt");
   EXPECT_EQ(read.t_s, written.t_s);
   EXPECT_EQ(read.strip, written.strip);
   EXPECT_LE((read.covariance - written.covariance).norm(), 1e-8 * written.covariance.norm());
 }
 
-TEST(PoseCovarianceFile, BadFilesAreNamed) {
-  const std::string good = FormatPoseCovariance(PerStrip({{"1", 10, 20}}));
+TEST(TrajectoryCovarianceFile, BadFilesAreNamed) {
+  const std::string good = FormatTrajectoryCovariance(PerStrip({{"1", 10, 20}}));
   const auto expect = [](const std::string& text, const std::string& what) {
     TempFolder folder;
     folder.Write("c.txt", text);
     try {
-      ReadPoseCovariance(folder.path() / "c.txt");
+      ReadTrajectoryCovariance(folder.path() / "c.txt");
       ADD_FAILURE() << "no InvalidInput with: " << what;
     } catch (const InvalidInput& e) {
       EXPECT_THAT(e.what(), HasSubstr(what));
@@ -260,28 +260,52 @@ TEST(PoseCovarianceFile, BadFilesAreNamed) {
   expect(good.substr(0, good.rfind('\n', good.size() - 2) + 1), "rows are missing");
   expect(replaced("20 0 10 0", "20 0 11 0"), "not those that the order of the rows asks for");
   expect(replaced("10 0 10 0 0.0001", "10 0 10 0 0"), "not positive");
-  expect(replaced("20 0 10 0 9.99e-05", "20 0 10 0 9.99e-04"), "not positive definite");
+  expect(replaced("10 0 10 0 0.0001", "10 -1 10 -1 0.0001"), "no whole number from 0");
 }
 
 TEST(TrajectoryAccuracy, ComesWithTheCovarianceThatCoversThePairs) {
   const std::vector<StripInterval> strips = FindStrips(TruthFlight(false).flight);
   ASSERT_GE(strips.size(), 2u);
   const TrajectoryAccuracy accuracy =
-      WithCovarianceFile(FormatPoseCovariance(PerStrip(strips))).Read();
+      WithCovarianceFile(FormatTrajectoryCovariance(PerStrip(strips))).Read();
   ASSERT_TRUE(accuracy.covariance);
   EXPECT_EQ(accuracy.source, "trajectory_covariance.txt");
   // That of another part of the flight is no use.
   const TrajectoryAccuracy other =
-      WithCovarianceFile(FormatPoseCovariance(PerStrip({{"1", 380100, 380110}}))).Read();
+      WithCovarianceFile(FormatTrajectoryCovariance(PerStrip({{"1", 380100, 380110}}))).Read();
   EXPECT_FALSE(other.covariance);
   EXPECT_EQ(other.source, "trajectory_sigma.txt");
+}
+
+TEST(TrajectoryAccuracy, ACovarianceThatCannotBeIsNamed) {
+  TrajectoryCovariance covariance = PerStrip(FindStrips(TruthFlight(false).flight));
+  covariance.covariance(0, 6) = covariance.covariance(6, 0) = 2e-4;
+  try {
+    WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read();
+    ADD_FAILURE() << "no InvalidInput";
+  } catch (const InvalidInput& e) {
+    EXPECT_THAT(e.what(), HasSubstr("not positive definite"));
+    EXPECT_THAT(e.where().file, HasSubstr("trajectory_covariance.txt"));
+  }
+}
+
+TEST(TrajectoryAccuracy, ACovarianceOfAnotherRunIsNamed) {
+  TrajectoryCovariance covariance = PerStrip(FindStrips(TruthFlight(false).flight));
+  covariance.covariance *= 1.1;
+  try {
+    WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read();
+    ADD_FAILURE() << "no InvalidInput";
+  } catch (const InvalidInput& e) {
+    EXPECT_THAT(e.what(), HasSubstr("of another run"));
+    EXPECT_THAT(e.where().file, HasSubstr("trajectory_covariance.txt"));
+  }
 }
 
 // A constant of a strip, of the stated size, in each of a few strips: the boresight takes about
 // their mean. A trajectory without errors is no reason to believe less of them.
 TEST(GaussHelmertFlight, TheCovarianceOfTheTrajectoryIsThatOfTheAngles) {
   const std::vector<StripInterval> strips = FindStrips(TruthFlight(false).flight);
-  WithCovarianceFile flight(FormatPoseCovariance(PerStrip(strips)));
+  WithCovarianceFile flight(FormatTrajectoryCovariance(PerStrip(strips)));
   const GaussHelmertCalibration gh = CalibrateGaussHelmert(flight.truth.flight);
   EXPECT_EQ(gh.constant_rad2.norm(), 0.0);
   const double stated_rad = std::sqrt(5e-9);

@@ -1,10 +1,10 @@
 #include "read_anything.h"
 
-#include <dn/builder/trajectory_covariance.h>
 #include <dn/error.h>
 #include <dn/flight/flight_config.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
+#include <dn/geo/trajectory_covariance.h>
 #include <dn/gnss/gnss_data.h>
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
@@ -111,8 +111,8 @@ void CheckPairs(const fs::path& folder) {
   }
 }
 
-void CheckPoseCovariance(const fs::path& file) {
-  const PoseCovariance read = ReadPoseCovariance(file);
+void CheckTrajectoryCovariance(const fs::path& file) {
+  const TrajectoryCovariance read = ReadTrajectoryCovariance(file);
   Require(!read.t_s.empty(), "there are epochs");
   Require(read.covariance.diagonal().minCoeff() > 0.0, "variances are positive");
 }
@@ -168,7 +168,7 @@ void Read(char reader, std::string_view content) {
     case 'C':
       return CheckScenario(std::string(content));
     case 'V':
-      return CheckPoseCovariance(scratch.Write("trajectory_covariance.txt", content));
+      return CheckTrajectoryCovariance(scratch.Write("trajectory_covariance.txt", content));
     default:
       scratch.Write("flight.yaml", content);
       return CheckConfig(scratch);

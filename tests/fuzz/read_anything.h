@@ -13,7 +13,7 @@ namespace dn::testing {
 ///   I ReadImu, ODyN                     J ReadImu, increments
 ///   G ReadGnss, ODyN                    R ReadGnss, RTKLIB          B ReadGnss, OB_GINS
 ///   P ReadPairs                         F ReadFlightConfig          C ParseScenario
-///   V ReadPoseCovariance
+///   V ReadTrajectoryCovariance
 inline constexpr std::string_view kReaders = "TSOIJGRBPFCV";
 
 /// Gives the bytes after the first to the reader that the first selects (any other letter: modulo

@@ -1,9 +1,9 @@
 #include <dn/builder/adjust.h>
 #include <dn/builder/gauss_helmert_flight.h>
 #include <dn/builder/pose_interpolator.h>
-#include <dn/builder/trajectory_covariance.h>
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
+#include <dn/geo/trajectory_covariance.h>
 
 #include <algorithm>
 #include <chrono>
@@ -149,7 +149,7 @@ std::optional<fs::path> BesideTrajectory(const Flight& flight, const char* name)
 }
 
 // Every pair lies in a strip of the covariance, or as close to one as its epochs are to each other.
-bool Covers(const PoseCovariance& covariance, const GaussHelmertProblem& problem) {
+bool Covers(const TrajectoryCovariance& covariance, const GaussHelmertProblem& problem) {
   double spacing_s = 0.0;
   for (std::size_t k = 1; k < covariance.t_s.size(); ++k) {
     if (covariance.strip[k] != covariance.strip[k - 1]) continue;
@@ -165,16 +165,42 @@ bool Covers(const PoseCovariance& covariance, const GaussHelmertProblem& problem
   });
 }
 
-// From east, north, up at the places of the epochs to map axes.
-void InMap(const Flight& flight, PoseCovariance* covariance) {
-  const PoseInterpolator poses(flight.trajectory->InMap(flight.frame));
-  for (std::size_t k = 0; k < covariance->t_s.size(); ++k) {
-    const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(poses.At(covariance->t_s[k]).p_mb);
+// The standard deviations and the covariance are the output of one run.
+void CheckOneRun(const TrajectoryCovariance& covariance, const SigmaFile& sigma_file,
+                 const fs::path& file) {
+  constexpr double kTolerance = 0.01;
+  for (std::size_t k = 0; k < covariance.t_s.size(); ++k) {
+    Vector3d sigma_ned_m, sigma_rph_rad;
+    sigma_file.At(covariance.t_s[k], &sigma_ned_m, &sigma_rph_rad);
     const auto at = static_cast<Eigen::Index>(6 * k);
-    covariance->covariance.middleRows<3>(at) = R_m_enu * covariance->covariance.middleRows<3>(at);
-    covariance->covariance.middleCols<3>(at) =
-        covariance->covariance.middleCols<3>(at) * R_m_enu.transpose();
+    const double sigma_up_m = std::sqrt(covariance.covariance(at + 2, at + 2));
+    if (std::abs(sigma_up_m - sigma_ned_m.z()) > kTolerance * sigma_ned_m.z()) {
+      throw InvalidInput("it is of another run than trajectory_sigma.txt: sigma up at " +
+                             FormatDouble(covariance.t_s[k]) + " s is " + FormatDouble(sigma_up_m) +
+                             " m here, " + FormatDouble(sigma_ned_m.z()) +
+                             " m there; remove it, or smooth the flight again",
+                         FileLocation{file.string(), 0, 0});
+    }
   }
+}
+
+PoseCovariance InMap(const Flight& flight, const TrajectoryCovariance& stated,
+                     const fs::path& file) {
+  PoseCovariance out{stated.t_s, stated.strip, stated.covariance};
+  const PoseInterpolator poses(flight.trajectory->InMap(flight.frame));
+  for (std::size_t k = 0; k < out.t_s.size(); ++k) {
+    const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(poses.At(out.t_s[k]).p_mb);
+    const auto at = static_cast<Eigen::Index>(6 * k);
+    out.covariance.middleRows<3>(at) = R_m_enu * out.covariance.middleRows<3>(at);
+    out.covariance.middleCols<3>(at) = out.covariance.middleCols<3>(at) * R_m_enu.transpose();
+  }
+  try {
+    out.Validate();
+  } catch (const InvalidConfig& error) {
+    throw InvalidInput(std::string(error.what()) + "; smooth the flight again, or remove the file",
+                       FileLocation{file.string(), 0, 0});
+  }
+  return out;
 }
 
 void CheckEstimate(const FlightConfig& config) {
@@ -243,12 +269,11 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
   accuracy.source = sigma_file ? "trajectory_sigma.txt" : "the section trajectory of flight.yaml";
   accuracy.of_whole_error = sigma_file.has_value();
   if (const auto file = BesideTrajectory(flight, "trajectory_covariance.txt"); file && sigma_file) {
-    accuracy.covariance = ReadPoseCovariance(*file);
-    if (Covers(*accuracy.covariance, problem)) {
-      InMap(flight, &*accuracy.covariance);
+    const TrajectoryCovariance stated = ReadTrajectoryCovariance(*file);
+    if (Covers(stated, problem)) {
+      CheckOneRun(stated, *sigma_file, *file);
+      accuracy.covariance = InMap(flight, stated, *file);
       accuracy.source = "trajectory_covariance.txt";
-    } else {
-      accuracy.covariance.reset();
     }
   }
   Vector3d position2 = Vector3d::Zero(), attitude2 = Vector3d::Zero();
