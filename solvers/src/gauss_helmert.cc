@@ -246,7 +246,7 @@ class Adjuster {
 
   void CheckRank(const Matrix3d& N) const {
     const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(N);
-    const Vector3d values = eigen.eigenvalues();
+    const Vector3d& values = eigen.eigenvalues();
     if (N.allFinite() && values[0] > kFreeDirection * values[2]) return;
     const Vector3d free = N.allFinite() ? Vector3d(eigen.eigenvectors().col(0)) : Vector3d::Zero();
     char text[200];
@@ -259,7 +259,7 @@ class Adjuster {
   Vector3d Step() {
     const Sums sums = Accumulate();
     CheckRank(sums.N);
-    const Vector3d d = -sums.N.llt().solve(sums.g);
+    Vector3d d = -sums.N.llt().solve(sums.g);
     // A first step may be of degrees: corrections for the misclosures before it would be worthless.
     const bool far = result_.iterations == 0 && d.norm() > kFarRad;
     if (!options_.libor_compat && !far) UpdateCorrections(d);
