@@ -14,19 +14,20 @@ struct SmoothOptions {
   std::string flight;
 };
 
+std::vector<StripInterval> Strips(const FlightRun& flight_run) {
+  if (!flight_run.flight.config.strips.empty()) return flight_run.flight.config.strips;
+  const FlightNetwork& network = *flight_run.adjustment.network;
+  std::vector<NavPoint> points;
+  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+    points.push_back(ToNavPoint(network.NodePose(k), flight_run.flight.frame));
+  }
+  return FindStrips(Trajectory(std::move(points)));
+}
+
 // What `dn calibrate --method gh` needs to know how the errors of the trajectory correlate.
 void AddCovarianceFile(const FlightRun& flight_run, Run* run) {
-  const FlightNetwork& network = *flight_run.adjustment.network;
-  std::vector<StripInterval> strips = flight_run.flight.config.strips;
-  if (strips.empty()) {
-    std::vector<NavPoint> points;
-    for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-      points.push_back(ToNavPoint(network.NodePose(k), flight_run.flight.frame));
-    }
-    strips = FindStrips(Trajectory(std::move(points)));
-  }
   const TrajectoryCovariance covariance =
-      ExtractTrajectoryCovariance(flight_run.adjustment, *flight_run.marginals, strips);
+      ExtractTrajectoryCovariance(flight_run.adjustment, *flight_run.marginals, Strips(flight_run));
   if (covariance.t_s.empty()) return;
   run->AddFile("trajectory_covariance.txt", FormatTrajectoryCovariance(covariance));
 }

@@ -103,20 +103,19 @@ class NodeAccumulator {
   };
   using Ends = std::array<End, 4>;
 
-  // With weight zero a next node need not exist.
   static Ends Spread(const TimeNodes::Place& i, const EndJacobian& J_i, const TimeNodes::Place& j,
                      const EndJacobian& J_j) {
     return {{{i.node, 1.0 - i.next, &J_i},
-             {i.next > 0.0 ? i.node + 1 : i.node, i.next, &J_i},
+             {i.next_node, i.next, &J_i},
              {j.node, 1.0 - j.next, &J_j},
-             {j.next > 0.0 ? j.node + 1 : j.node, j.next, &J_j}}};
+             {j.next_node, j.next, &J_j}}};
   }
 
   void AddHeading(const GaussHelmertEnd& end) {
     const TimeNodes::Place place = nodes_.At(end.t_s);
     const Vector3d forward_n = end.q_mn.conjugate() * (end.q_mb * Vector3d::UnitX());
     north_east_.row(place.node) += (1.0 - place.next) * forward_n.head<2>();
-    if (place.next > 0.0) north_east_.row(place.node + 1) += place.next * forward_n.head<2>();
+    north_east_.row(place.next_node) += place.next * forward_n.head<2>();
   }
 
   const TimeNodes& nodes_;

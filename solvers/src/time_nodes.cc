@@ -64,12 +64,12 @@ TimeNodes::Place TimeNodes::At(double t_s) const {
   const auto next = std::upper_bound(strips_.begin(), strips_.end(), t_s,
                                      [](double t, const Strip& s) { return t < s.begin_s; });
   const Strip& strip = next == strips_.begin() ? strips_.front() : *(next - 1);
-  if (strip.count == 1) return {strip.first, 0.0};
+  if (strip.count == 1) return {strip.first, strip.first, 0.0};
   const auto first = t_s_.begin() + strip.first;
   const auto after = std::upper_bound(first + 1, first + strip.count - 1, t_s);
   const double a_s = *(after - 1), b_s = *after;
-  return {static_cast<int>(after - t_s_.begin()) - 1,
-          std::clamp((t_s - a_s) / (b_s - a_s), 0.0, 1.0)};
+  const int next_node = static_cast<int>(after - t_s_.begin());
+  return {next_node - 1, next_node, std::clamp((t_s - a_s) / (b_s - a_s), 0.0, 1.0)};
 }
 
 void TimeNodes::Sample() {
@@ -84,8 +84,8 @@ void TimeNodes::Sample() {
   Eigen::MatrixXd F = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(sample_t_s_.size()), size());
   for (Eigen::Index k = 0; k < F.rows(); ++k) {
     const Place place = At(sample_t_s_[static_cast<std::size_t>(k)]);
-    F(k, place.node) = 1.0 - place.next;
-    if (place.next > 0.0) F(k, place.node + 1) = place.next;
+    F(k, place.node) += 1.0 - place.next;
+    F(k, place.next_node) += place.next;
   }
   from_samples_ = (F.transpose() * F).llt().solve(F.transpose());
 }

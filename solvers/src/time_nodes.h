@@ -21,8 +21,8 @@ class TimeNodes {
   TimeNodes(const std::vector<double>& t_s, const std::vector<int>& strip);
 
   struct Place {
-    int node;
-    double next;  ///< weight of node + 1; that of node is 1 - next
+    int node, next_node;  ///< the same in a strip with a single one
+    double next;          ///< weight of next_node; that of node is 1 - next
   };
   Place At(double t_s) const;
 

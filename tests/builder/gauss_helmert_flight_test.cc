@@ -67,7 +67,7 @@ TEST(GaussHelmertFlight, NoiseFreeReturnsTheBoresight) {
 TEST(GaussHelmertFlight, SigmaHoldsTheConstantThatIsAbsorbed) {
   TruthFlight truth(true);
   const Vector3d offset = Vector3d(0.05, -0.03, 0.10) * kRadPerDeg;
-  truth.Turn([&](double) { return offset; });
+  truth.Turn([&](double) -> const Vector3d& { return offset; });
   truth.flight.config.trajectory->sigma_rp_rad = 0.05 * kRadPerDeg;
   truth.flight.config.trajectory->sigma_y_rad = 0.10 * kRadPerDeg;
   const GaussHelmertCalibration result = CalibrateGaussHelmert(truth.flight);
@@ -136,6 +136,17 @@ TEST(GaussHelmertFlight, PValueOfADifference) {
   EXPECT_NEAR(difference.sigma_rad().x(), 1.0, 1e-12);
 }
 
+void ExpectInvalid(const std::function<void()>& read, const std::string& what,
+                   const std::string& file) {
+  try {
+    read();
+    ADD_FAILURE() << "no InvalidInput with: " << what;
+  } catch (const InvalidInput& e) {
+    EXPECT_THAT(e.what(), HasSubstr(what));
+    EXPECT_THAT(e.where().file, HasSubstr(file));
+  }
+}
+
 // ---- Standard deviations of the trajectory -----------------------------------------------------
 
 std::string SigmaText(double begin_s, double end_s, const std::string& rest) {
@@ -181,14 +192,7 @@ TEST(TrajectoryAccuracy, ComesFromTheSectionWithoutAFile) {
 TEST(TrajectoryAccuracy, BadFilesAreNamed) {
   const std::string good = ", 0.01, 0.02, 0.03, 0.1, 0.1, 0.1, 0.004, 0.005, 0.006";
   const auto expect = [](const std::string& text, const std::string& what) {
-    const WithSigmaFile flight(text);
-    try {
-      flight.Read();
-      ADD_FAILURE() << "no InvalidInput with: " << what;
-    } catch (const InvalidInput& e) {
-      EXPECT_THAT(e.what(), HasSubstr(what));
-      EXPECT_THAT(e.where().file, HasSubstr("trajectory_sigma.txt"));
-    }
+    ExpectInvalid([&] { WithSigmaFile(text).Read(); }, what, "trajectory_sigma.txt");
   };
   expect(SigmaText(380000, 380010, good), "lies outside the standard deviations");
   expect(SigmaText(380000, 382000, ", 0.01, 0.02, 0.03, 0.1, 0.1, 0.1, 0.004, 0, 0.006"),
@@ -242,13 +246,7 @@ TEST(TrajectoryCovarianceFile, BadFilesAreNamed) {
   const auto expect = [](const std::string& text, const std::string& what) {
     TempFolder folder;
     folder.Write("c.txt", text);
-    try {
-      ReadTrajectoryCovariance(folder.path() / "c.txt");
-      ADD_FAILURE() << "no InvalidInput with: " << what;
-    } catch (const InvalidInput& e) {
-      EXPECT_THAT(e.what(), HasSubstr(what));
-      EXPECT_THAT(e.where().file, HasSubstr("c.txt"));
-    }
+    ExpectInvalid([&] { ReadTrajectoryCovariance(folder.path() / "c.txt"); }, what, "c.txt");
   };
   const auto replaced = [&](const std::string& from, const std::string& to) {
     std::string text = good;
@@ -280,25 +278,15 @@ TEST(TrajectoryAccuracy, ComesWithTheCovarianceThatCoversThePairs) {
 TEST(TrajectoryAccuracy, ACovarianceThatCannotBeIsNamed) {
   TrajectoryCovariance covariance = PerStrip(FindStrips(TruthFlight(false).flight));
   covariance.covariance(0, 6) = covariance.covariance(6, 0) = 2e-4;
-  try {
-    WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read();
-    ADD_FAILURE() << "no InvalidInput";
-  } catch (const InvalidInput& e) {
-    EXPECT_THAT(e.what(), HasSubstr("not positive definite"));
-    EXPECT_THAT(e.where().file, HasSubstr("trajectory_covariance.txt"));
-  }
+  ExpectInvalid([&] { WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read(); },
+                "not positive definite", "trajectory_covariance.txt");
 }
 
 TEST(TrajectoryAccuracy, ACovarianceOfAnotherRunIsNamed) {
   TrajectoryCovariance covariance = PerStrip(FindStrips(TruthFlight(false).flight));
   covariance.covariance *= 1.1;
-  try {
-    WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read();
-    ADD_FAILURE() << "no InvalidInput";
-  } catch (const InvalidInput& e) {
-    EXPECT_THAT(e.what(), HasSubstr("of another run"));
-    EXPECT_THAT(e.where().file, HasSubstr("trajectory_covariance.txt"));
-  }
+  ExpectInvalid([&] { WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read(); },
+                "of another run", "trajectory_covariance.txt");
 }
 
 // A constant of a strip, of the stated size, in each of a few strips: the boresight takes about
@@ -314,8 +302,7 @@ TEST(GaussHelmertFlight, TheCovarianceOfTheTrajectoryIsThatOfTheAngles) {
   EXPECT_THAT(gh.boresight.reasons, Contains(HasSubstr("by trajectory_covariance.txt")));
 }
 
-// ---- Bad input
-// -----------------------------------------------------------------------------------
+// ---- Bad input ----------------------------------------------------------------------------------
 
 TEST(GaussHelmertFlight, AnEpochOutsideTheTrajectoryIsNamed) {
   TruthFlight truth(false);
@@ -348,8 +335,7 @@ TEST(GaussHelmertFlight, AnInterruptEndsIt) {
   EXPECT_THROW(CalibrateGaussHelmert(truth.flight, options), Interrupted);
 }
 
-// ---- Real and reference data
-// ---------------------------------------------------------------------
+// ---- Real and reference data --------------------------------------------------------------------
 
 fs::path SharedData(const std::string& name) {
   return fs::path(DN_SHARED_DATA_DIR) / "data" / name;

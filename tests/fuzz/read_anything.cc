@@ -38,7 +38,7 @@ class ScratchFolder {
   ScratchFolder& operator=(const ScratchFolder&) = delete;
 
   fs::path Write(const char* name, std::string_view content) const {
-    const fs::path file = path_ / name;
+    fs::path file = path_ / name;
     std::ofstream(file, std::ios::binary)
         .write(content.data(), static_cast<std::streamsize>(content.size()));
     return file;

@@ -78,6 +78,14 @@ TEST(Trajectory, KnowsItsSpan) {
   EXPECT_EQ(trajectory.InMap(kFrame).size(), 2u);
 }
 
+TEST(Trajectory, PointFromATimeIsTheNextOne) {
+  const Trajectory trajectory(TwoPoints());
+  EXPECT_EQ(trajectory.PointFrom(-1.0).t_s, 0.0);
+  EXPECT_EQ(trajectory.PointFrom(0.0).t_s, 0.0);
+  EXPECT_EQ(trajectory.PointFrom(0.1).t_s, 1.0);
+  EXPECT_EQ(trajectory.PointFrom(3.0).t_s, 1.0);
+}
+
 TEST(Trajectory, RejectsWhatIsNoTrajectory) {
   ExpectInvalid([] { Trajectory({NavPoint{}}); }, "has 1 points", 0);
   std::vector<NavPoint> points = TwoPoints();

@@ -74,12 +74,11 @@ TEST(Scale, TwentyThousandUnknowns) {
     if (i > 0) net.Add(Transition{}, x[x.size() - 2], x.back());
     if (i % 20 == 0) net.Add(Anchor{}, x.back());
   }
-  std::uniform_int_distribution<int> position(0, 198), strip(0, 8);
+  std::uniform_int_distribution<std::size_t> position(0, 198), strip(0, 8);
   for (int k = 0; k < kLoops; ++k) {
-    const int s = strip(rng), at = position(rng);
-    const auto i = static_cast<std::size_t>(200 * s + at);
-    const auto j = static_cast<std::size_t>(200 * (s + 1) + 199 - at);
-    net.Add(Loop(testing::RandomRotation(rng).toRotationMatrix()), x[i], x[j], b);
+    const std::size_t s = strip(rng), at = position(rng);
+    net.Add(Loop(testing::RandomRotation(rng).toRotationMatrix()), x[200 * s + at],
+            x[200 * (s + 1) + 199 - at], b);
   }
 
   const SolveReport report = Solve(net);

@@ -44,13 +44,11 @@ struct StripMotion {
 
 std::vector<StripMotion> Motions(const Flight& flight, const std::vector<StripInterval>& strips) {
   std::vector<StripMotion> motions;
-  const std::vector<NavPoint>& points = flight.trajectory->points();
   for (const StripInterval& strip : strips) {
     const double t_s = 0.5 * (strip.t0_s + strip.t1_s);
-    const auto at = std::lower_bound(points.begin(), points.end(), t_s,
-                                     [](const NavPoint& p, double t) { return p.t_s < t; });
-    if (at == points.end()) continue;
-    motions.push_back({std::atan2(at->v_ned_mps.y(), at->v_ned_mps.x()), at->position.h_m});
+    if (!flight.trajectory->Covers(t_s)) continue;
+    const NavPoint& point = flight.trajectory->PointFrom(t_s);
+    motions.push_back({std::atan2(point.v_ned_mps.y(), point.v_ned_mps.x()), point.position.h_m});
   }
   return motions;
 }
@@ -107,8 +105,7 @@ std::string WhyTheSigmasDiffer(const GaussHelmertCalibration& calibration) {
   }
   text += Format(
       "; an attitude error that is constant over the flight, of %s in roll, pitch and yaw by %s, "
-      "is "
-      "absorbed without a trace",
+      "is absorbed without a trace",
       Triple(calibration.constant_rad2.diagonal().cwiseSqrt()).c_str(),
       calibration.accuracy.source.c_str());
   if (scatter.evidence_nats > kEvidentNats) {
@@ -137,9 +134,9 @@ double ChiSquareTail3(double x) {
 
 namespace internal {
 
-void DescribeStrips(const Flight& flight, GaussHelmertCalibration* calibration) {
+void DescribeStrips(const Flight& flight, const std::vector<StripInterval>& strips,
+                    GaussHelmertCalibration* calibration) {
   calibration->mean_range_m = MeanRange(calibration->problem);
-  const std::vector<StripInterval> strips = FindStrips(flight);
   const std::vector<StripMotion> motions = Motions(flight, strips);
   StripDiversity& diversity = calibration->diversity;
   diversity.strips = static_cast<int>(strips.size());
@@ -167,8 +164,7 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   const double pair_m = PairSigma(calibration->problem);
   const std::string sizes = Format(
       "the attitude error of the trajectory (%s) changes the difference of a pair by %.3f m at "
-      "%.0f m, "
-      "whose own sigma is %.3f m",
+      "%.0f m, whose own sigma is %.3f m",
       Triple(attitude_rad).c_str(), attitude_m, calibration->mean_range_m, pair_m);
   const bool noise_level = attitude_m <= kNoiseLevel * pair_m;
   const Vector3d envelope_rad = kRadPerDeg * Eigen::Map<const Vector3d>(kEnvelopeDeg);

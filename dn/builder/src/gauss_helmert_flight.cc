@@ -21,7 +21,6 @@ using Eigen::Vector3d;
 
 // On the chi-distributed norm of a pair's misclosure, exceeded by one good pair in ten.
 constexpr double kRobustWidth = 2.5;
-constexpr int kMostNodes = 60;
 
 double Since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -187,9 +186,9 @@ void CheckOneRun(const TrajectoryCovariance& covariance, const SigmaFile& sigma_
 PoseCovariance InMap(const Flight& flight, const TrajectoryCovariance& stated,
                      const fs::path& file) {
   PoseCovariance out{stated.t_s, stated.strip, stated.covariance};
-  const PoseInterpolator poses(flight.trajectory->InMap(flight.frame));
   for (std::size_t k = 0; k < out.t_s.size(); ++k) {
-    const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(poses.At(out.t_s[k]).p_mb);
+    const NavPoint& point = flight.trajectory->PointFrom(out.t_s[k]);
+    const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(flight.frame.ToMap(point.position));
     const auto at = static_cast<Eigen::Index>(6 * k);
     out.covariance.middleRows<3>(at) = R_m_enu * out.covariance.middleRows<3>(at);
     out.covariance.middleCols<3>(at) = out.covariance.middleCols<3>(at) * R_m_enu.transpose();
@@ -209,6 +208,18 @@ void CheckEstimate(const FlightConfig& config) {
     throw InvalidConfig(
         "the Gauss-Helmert adjustment estimates the boresight, which `estimate` does not name");
   }
+}
+
+TrajectoryScatterOptions MakeScatterOptions(const TrajectoryAccuracy& accuracy,
+                                            const std::vector<StripInterval>& strips) {
+  TrajectoryScatterOptions options;
+  options.covariance = accuracy.covariance;
+  options.sigma_ned_m = accuracy.sigma_ned_m;
+  options.sigma_rph_rad = accuracy.sigma_rph_rad;
+  options.of_whole_error = accuracy.of_whole_error;
+  for (const StripInterval& strip : strips) options.strip_begin_s.push_back(strip.t0_s);
+  std::sort(options.strip_begin_s.begin(), options.strip_begin_s.end());
+  return options;
 }
 
 void FillBoresight(GaussHelmertCalibration* calibration) {
@@ -321,20 +332,11 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
 
   const auto covariance_start = Clock::now();
   stage("covariance under time-correlated errors");
-  internal::DescribeStrips(flight, &calibration);
-  TrajectoryScatterOptions scatter;
-  scatter.covariance = calibration.accuracy.covariance;
-  scatter.sigma_ned_m = calibration.accuracy.sigma_ned_m;
-  scatter.sigma_rph_rad = calibration.accuracy.sigma_rph_rad;
-  scatter.of_whole_error = calibration.accuracy.of_whole_error;
-  for (const StripInterval& strip : FindStrips(flight)) {
-    scatter.strip_begin_s.push_back(strip.t0_s);
-  }
-  std::sort(scatter.strip_begin_s.begin(), scatter.strip_begin_s.end());
-  scatter.max_nodes =
-      std::max(scatter.max_nodes, std::min(kMostNodes, calibration.diversity.strips));
+  const std::vector<StripInterval> strips = FindStrips(flight);
+  internal::DescribeStrips(flight, strips, &calibration);
   calibration.scatter = EstimateTrajectoryScatter(calibration.problem, calibration.adjustment,
-                                                  calibration.options.model, scatter);
+                                                  calibration.options.model,
+                                                  MakeScatterOptions(calibration.accuracy, strips));
   FillBoresight(&calibration);
   internal::Assess(flight, &calibration);
   calibration.covariance_time_s = Since(covariance_start);

@@ -7,8 +7,6 @@
 namespace dn {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 constexpr std::size_t kMostEpochs = 64;
 constexpr std::size_t kMostStrips = kMostEpochs / 2;
 
@@ -44,11 +42,17 @@ std::vector<StripNode> Choose(const std::vector<double>& node_t_s,
   return chosen;
 }
 
-// From the tangent coordinates of a node (map, body) to east, north, up and body.
-Matrix6d EnuFromNode(const FlightNetwork& network, std::size_t node) {
-  Matrix6d T = Matrix6d::Identity();
-  T.topLeftCorner<3, 3>() = network.flight().frame.R_m_enu(network.NodePose(node).p_mb).transpose();
-  return T;
+// Turns the positions of all epochs from map axes to east, north, up at each.
+void TurnToEnu(const FlightNetwork& network, const std::vector<StripNode>& chosen,
+               Eigen::MatrixXd* covariance) {
+  Eigen::Index at = 0;
+  for (const StripNode& epoch : chosen) {
+    const Eigen::Matrix3d R_enu_m =
+        network.flight().frame.R_m_enu(network.NodePose(epoch.node).p_mb).transpose();
+    covariance->middleRows<3>(at) = (R_enu_m * covariance->middleRows<3>(at)).eval();
+    covariance->middleCols<3>(at) = (covariance->middleCols<3>(at) * R_enu_m.transpose()).eval();
+    at += 6;
+  }
 }
 
 }  // namespace
@@ -68,14 +72,13 @@ TrajectoryCovariance ExtractTrajectoryCovariance(const Adjustment& adjustment,
     out.t_s.push_back(node.t_s);
     out.strip.push_back(at.strip);
     const Marginals::Columns columns = marginals.SolveColumns({node.p_mb.id, node.q_mb.id});
-    const Matrix6d T_j = EnuFromNode(network, at.node);
     for (Eigen::Index i = 0; i < T; ++i) {
-      const std::size_t other = chosen[static_cast<std::size_t>(i)].node;
-      Matrix6d C;
-      C << columns.Rows(network.nodes[other].p_mb.id), columns.Rows(network.nodes[other].q_mb.id);
-      out.covariance.block<6, 6>(6 * i, 6 * j) = EnuFromNode(network, other) * C * T_j.transpose();
+      const NodeBlocks& other = network.nodes[chosen[static_cast<std::size_t>(i)].node];
+      out.covariance.block<6, 6>(6 * i, 6 * j) << columns.Rows(other.p_mb.id),
+          columns.Rows(other.q_mb.id);
     }
   }
+  TurnToEnu(network, chosen, &out.covariance);
   out.covariance = (0.5 * (out.covariance + out.covariance.transpose())).eval();
   return out;
 }

@@ -39,6 +39,12 @@ Trajectory::Trajectory(std::vector<NavPoint> points, TrajectoryNotes notes)
   }
 }
 
+const NavPoint& Trajectory::PointFrom(double t_s) const {
+  const auto at = std::lower_bound(points_.begin(), points_.end() - 1, t_s,
+                                   [](const NavPoint& point, double t) { return point.t_s < t; });
+  return *at;
+}
+
 std::vector<MapPose> Trajectory::InMap(const LocalFrame& frame) const {
   std::vector<MapPose> poses;
   poses.reserve(points_.size());

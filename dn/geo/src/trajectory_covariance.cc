@@ -20,6 +20,51 @@ Matrix6d Units() {
   return units.asDiagonal();
 }
 
+std::size_t RowOf(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
+
+[[noreturn]] void Fail(const std::string& what, const TextTable& table, std::size_t row) {
+  throw InvalidInput(what + "; let dn smooth write the file again, or remove it",
+                     FileLocation{table.file.string(), table.lines[row], 0});
+}
+
+TrajectoryCovariance ReadEpochs(const TextTable& table) {
+  const auto T = static_cast<std::size_t>(
+      std::lround(0.5 * (std::sqrt(8.0 * static_cast<double>(table.rows()) + 1.0) - 1.0)));
+  if (RowOf(T, 0) != table.rows()) {
+    Fail("rows are missing: not one for each two epochs", table, table.rows() - 1);
+  }
+  TrajectoryCovariance out;
+  for (std::size_t i = 0; i < T; ++i) {
+    const std::size_t row = RowOf(i, i);
+    const double t_s = table.row(row)[0], strip = table.row(row)[1];
+    if (!(strip >= 0.0 && strip < kStripNumbers && strip == std::floor(strip))) {
+      Fail("the strip is no whole number from 0", table, row);
+    }
+    if (i > 0 && (t_s <= out.t_s.back() || strip < out.strip.back())) {
+      Fail("times and strips must increase", table, row);
+    }
+    out.t_s.push_back(t_s);
+    out.strip.push_back(static_cast<int>(strip));
+  }
+  return out;
+}
+
+void ReadBlock(const TextTable& table, std::size_t i, std::size_t j, TrajectoryCovariance* out) {
+  const std::size_t row = RowOf(i, j);
+  const double* values = table.row(row);
+  if (values[0] != out->t_s[i] || values[1] != out->strip[i] || values[2] != out->t_s[j] ||
+      values[3] != out->strip[j]) {
+    Fail("the epochs are not those that the order of the rows asks for", table, row);
+  }
+  const Matrix6d si = Units().inverse();
+  const Matrix6d C =
+      si * Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values + 4) * si;
+  if (i == j && !(C.diagonal().minCoeff() > 0.0)) Fail("a variance is not positive", table, row);
+  const auto at_i = static_cast<Eigen::Index>(6 * i), at_j = static_cast<Eigen::Index>(6 * j);
+  out->covariance.block<6, 6>(at_i, at_j) = C;
+  out->covariance.block<6, 6>(at_j, at_i) = C.transpose();
+}
+
 }  // namespace
 
 std::string FormatTrajectoryCovariance(const TrajectoryCovariance& covariance) {
@@ -51,52 +96,12 @@ std::string FormatTrajectoryCovariance(const TrajectoryCovariance& covariance) {
 
 TrajectoryCovariance ReadTrajectoryCovariance(const std::filesystem::path& file) {
   const TextTable table = ReadTextTable(file, {kColumns});
-  const auto fail = [&](const std::string& what, std::size_t row) {
-    throw InvalidInput(what + "; let dn smooth write the file again, or remove it",
-                       FileLocation{file.string(), table.lines[row], 0});
-  };
-  const auto T = static_cast<std::size_t>(
-      std::lround(0.5 * (std::sqrt(8.0 * static_cast<double>(table.rows()) + 1.0) - 1.0)));
-  if (T * (T + 1) / 2 != table.rows()) {
-    fail("rows are missing: not one for each two epochs", table.rows() - 1);
-  }
-  TrajectoryCovariance out;
+  TrajectoryCovariance out = ReadEpochs(table);
+  const std::size_t T = out.t_s.size();
   const auto order = static_cast<Eigen::Index>(6 * T);
   out.covariance.resize(order, order);
-  const Matrix6d si = Units().inverse();
-  std::size_t row = 0;
   for (std::size_t i = 0; i < T; ++i) {
-    const std::size_t diagonal = i * (i + 1) / 2 + i;
-    const double strip = table.row(diagonal)[1];
-    if (!(strip >= 0.0 && strip < kStripNumbers && strip == std::floor(strip))) {
-      fail("the strip is no whole number from 0", diagonal);
-    }
-    out.t_s.push_back(table.row(diagonal)[0]);
-    out.strip.push_back(static_cast<int>(strip));
-  }
-  for (std::size_t i = 0; i < T; ++i) {
-    for (std::size_t j = 0; j <= i; ++j, ++row) {
-      const double* values = table.row(row);
-      if (values[0] != out.t_s[i] || values[1] != out.strip[i] || values[2] != out.t_s[j] ||
-          values[3] != out.strip[j]) {
-        fail("the epochs are not those that the order of the rows asks for", row);
-      }
-      const Matrix6d C =
-          si * Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values + 4) * si;
-      const auto at_i = static_cast<Eigen::Index>(6 * i), at_j = static_cast<Eigen::Index>(6 * j);
-      out.covariance.block<6, 6>(at_i, at_j) = C;
-      out.covariance.block<6, 6>(at_j, at_i) = C.transpose();
-    }
-  }
-  for (std::size_t i = 0; i < T; ++i) {
-    const std::size_t diagonal = i * (i + 1) / 2 + i;
-    if (i > 0 && (out.t_s[i] <= out.t_s[i - 1] || out.strip[i] < out.strip[i - 1])) {
-      fail("times and strips must increase", diagonal);
-    }
-    const auto at = static_cast<Eigen::Index>(6 * i);
-    if (!(out.covariance.diagonal().segment<6>(at).minCoeff() > 0.0)) {
-      fail("a variance is not positive", diagonal);
-    }
+    for (std::size_t j = 0; j <= i; ++j) ReadBlock(table, i, j, &out);
   }
   return out;
 }

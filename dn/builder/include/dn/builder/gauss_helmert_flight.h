@@ -84,9 +84,8 @@ GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight,
 
 /// From `trajectory_sigma.txt` beside the trajectory's file where there is one (the columns that
 /// `dn smooth` writes), with `trajectory_covariance.txt` (where it covers the pairs), else from the
-/// section `trajectory`. Throws InvalidInput naming the epoch
-/// when the file does not cover the pairs, or a sigma is not positive; when the two
-/// files are of different runs.
+/// section `trajectory`. Throws InvalidInput naming the epoch when the file does not cover the
+/// pairs, or a sigma is not positive; when the two files are of different runs.
 TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelmertProblem& problem);
 
 /// Boresight of a flight with a trajectory and pairs by the Gauss-Helmert adjustment. lidar.robust:

@@ -53,6 +53,9 @@ class Trajectory {
   double t_end_s() const { return points_.back().t_s; }
   bool Covers(double t_s) const { return !empty() && t_s >= t_begin_s() && t_s <= t_end_s(); }
 
+  /// The first point at or after t_s, else the last.
+  const NavPoint& PointFrom(double t_s) const;
+
   /// All points in the mapping frame.
   std::vector<MapPose> InMap(const LocalFrame& frame) const;
 
