@@ -1,9 +1,6 @@
 #include "ceres_covariance.h"
 
-#include <ceres/cost_function.h>
 #include <ceres/covariance.h>
-#include <ceres/manifold.h>
-#include <ceres/problem.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,78 +12,15 @@
 #include <system_error>
 #include <utility>
 
+#include "ceres_problem.h"
+
 namespace dn::bench {
 namespace {
 
 double ProcessorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-class FactorCost final : public ceres::CostFunction {
- public:
-  explicit FactorCost(const FactorBase& factor) : factor_(factor) {
-    set_num_residuals(factor.residual_size());
-    for (const BlockKind& kind : factor.block_kinds()) {
-      mutable_parameter_block_sizes()->push_back(kind.stored_size);
-    }
-  }
-  bool Evaluate(double const* const* x, double* r, double** J) const override {
-    return factor_.Evaluate(x, r, J);
-  }
-
- private:
-  const FactorBase& factor_;
-};
-
-/// The tangent of dn (Ceres's own rotations have half the angle).
-class Tangent final : public ceres::Manifold {
- public:
-  explicit Tangent(const BlockKind& kind) : kind_(kind) {}
-
-  int AmbientSize() const override { return kind_.stored_size; }
-  int TangentSize() const override { return kind_.tangent_size; }
-
-  bool Plus(const double* x, const double* d, double* x_plus_d) const override {
-    dn::Plus(kind_, x, d, x_plus_d);
-    return true;
-  }
-
-  bool PlusJacobian(const double* x, double* J) const override {
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const RowMajor jacobian = dn::PlusJacobian(kind_, x);
-    std::copy(jacobian.data(), jacobian.data() + jacobian.size(), J);
-    return true;
-  }
-
-  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
-    dn::Minus(kind_, y, x, y_minus_x);
-    return true;
-  }
-
-  bool MinusJacobian(const double*, double*) const override { return false; }  // not used here
-
- private:
-  BlockKind kind_;
-};
-
-void Fill(Network& network, ceres::Problem* problem) {
-  for (FactorId id = 0; id < network.num_factors(); ++id) {
-    const FactorRecord& record = network.factor(id);
-    if (!record.active) continue;
-    std::vector<double*> values;
-    for (const BlockId b : record.blocks) {
-      BlockRecord& block = network.block(b);
-      double* value = block.value.get();
-      values.push_back(value);
-      if (problem->HasParameterBlock(value)) continue;
-      problem->AddParameterBlock(value, block.kind.stored_size, new Tangent(block.kind));
-      if (block.held) problem->SetParameterBlockConstant(value);
-    }
-    problem->AddResidualBlock(new FactorCost(*record.factor), nullptr, values);
-  }
-}
-
 CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks) {
-  ceres::Problem problem;
-  Fill(network, &problem);
+  internal::CeresProblem problem(network);
   std::vector<std::pair<const double*, const double*>> pairs;
   for (const BlockId b : blocks) {
     const double* value = network.block(b).value.get();
@@ -99,7 +33,7 @@ CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks
   ceres::Covariance covariance(options);
   CeresCovariance result;
   const double start_s = ProcessorSeconds();
-  const bool computed = covariance.Compute(pairs, &problem);
+  const bool computed = covariance.Compute(pairs, &problem.problem());
   result.time_s = ProcessorSeconds() - start_s;
   if (!computed) {
     result.error = "rank deficient";

@@ -1,7 +1,7 @@
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/imu_model.h>
-#include <dn/network.h>
+#include <dn/names.h>
 
 #include <cmath>
 #include <string>

@@ -1,11 +1,10 @@
 #include <dn/error.h>
-#include <dn/network.h>
+#include <dn/names.h>
 #include <dn/sim/scenario.h>
 
 #include <fstream>
 #include <iterator>
 
-#include "join_names.h"
 #include "shipped_scenarios.h"
 
 namespace dn {

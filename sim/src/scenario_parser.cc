@@ -1,6 +1,6 @@
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
-#include <dn/network.h>
+#include <dn/names.h>
 #include <dn/sim/scenario.h>
 
 #include <algorithm>
@@ -9,7 +9,6 @@
 #include <map>
 
 #include "effects.h"
-#include "join_names.h"
 #include "scenario_section.h"
 
 namespace dn {

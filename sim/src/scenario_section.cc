@@ -2,7 +2,7 @@
 
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
-#include <dn/network.h>
+#include <dn/names.h>
 
 #include <cmath>
 #include <utility>

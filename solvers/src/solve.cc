@@ -1,8 +1,4 @@
-#include <ceres/cost_function.h>
 #include <ceres/iteration_callback.h>
-#include <ceres/loss_function.h>
-#include <ceres/manifold.h>
-#include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <dn/solvers/robust_loss.h>
 #include <dn/solvers/solve.h>
@@ -11,64 +7,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ceres_problem.h"
 #include "factor_text.h"
 #include "parallel.h"
 #include "serial_blas.h"
 
 namespace dn {
 namespace {
-
-/// Lets Ceres evaluate a factor of the network.
-class FactorCost final : public ceres::CostFunction {
- public:
-  explicit FactorCost(const FactorBase& factor) : factor_(factor) {
-    set_num_residuals(factor.residual_size());
-    for (const BlockKind& kind : factor.block_kinds()) {
-      mutable_parameter_block_sizes()->push_back(kind.stored_size);
-    }
-  }
-
-  bool Evaluate(double const* const* x, double* r, double** J) const override {
-    return factor_.Evaluate(x, r, J);
-  }
-
- private:
-  const FactorBase& factor_;
-};
-
-/// A rotation block with the full-angle tangent of dn::Plus (Ceres's own has half the angle).
-class RotationManifold final : public ceres::Manifold {
- public:
-  explicit RotationManifold(const BlockKind& kind) : kind_(kind) {}
-
-  int AmbientSize() const override { return 4; }
-  int TangentSize() const override { return 3; }
-
-  bool Plus(const double* x, const double* d, double* x_plus_d) const override {
-    dn::Plus(kind_, x, d, x_plus_d);
-    return true;
-  }
-
-  bool PlusJacobian(const double* x, double* J) const override {
-    Eigen::Map<Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> out(J);
-    out = RotationPlusJacobian(kind_.parametrisation, x);
-    return true;
-  }
-
-  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
-    dn::Minus(kind_, y, x, y_minus_x);
-    return true;
-  }
-
-  bool MinusJacobian(const double* x, double* J) const override {
-    Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> out(J);
-    out = 4.0 * RotationPlusJacobian(kind_.parametrisation, x).transpose();
-    return true;
-  }
-
- private:
-  BlockKind kind_;
-};
 
 /// Passes the progress on, and the wish to stop back.
 class ProgressCallback final : public ceres::IterationCallback {
@@ -95,70 +40,6 @@ class QuietLog {
 
  private:
   int level_;
-};
-
-/// The network as a ceres::Problem on the network's own values.
-class CeresProblem {
- public:
-  explicit CeresProblem(Network& network) : problem_(Ownership()) {
-    for (FactorId id = 0; id < network.num_factors(); ++id) {
-      if (network.factor(id).active) AddFactor(network, network.factor(id));
-    }
-  }
-
-  ceres::Problem& problem() { return problem_; }
-
- private:
-  static ceres::Problem::Options Ownership() {
-    ceres::Problem::Options options;
-    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    return options;
-  }
-
-  static std::unique_ptr<ceres::LossFunction> MakeLoss(const Loss& loss) {
-    switch (loss.type) {
-      case Loss::Type::kHuber:
-        return std::make_unique<ceres::HuberLoss>(loss.width);
-      case Loss::Type::kCauchy:
-        return std::make_unique<ceres::CauchyLoss>(loss.width);
-      case Loss::Type::kNone:
-        break;
-    }
-    return nullptr;
-  }
-
-  void AddFactor(Network& network, const FactorRecord& record) {
-    std::vector<double*> values;
-    for (const BlockId b : record.blocks) {
-      AddBlock(network.block(b));
-      values.push_back(network.block(b).value.get());
-    }
-    auto cost = std::make_unique<FactorCost>(*record.factor);
-    problem_.AddResidualBlock(cost.release(), MakeLoss(record.loss).release(), values);
-  }
-
-  void AddBlock(BlockRecord& block) {
-    double* value = block.value.get();
-    if (problem_.HasParameterBlock(value)) return;
-    problem_.AddParameterBlock(value, block.kind.stored_size, ManifoldOf(block.kind));
-    if (block.held) problem_.SetParameterBlockConstant(value);
-  }
-
-  ceres::Manifold* ManifoldOf(const BlockKind& kind) {
-    switch (kind.parametrisation) {
-      case Parametrisation::kRotationRight:
-        return &right_;
-      case Parametrisation::kRotationLeft:
-        return &left_;
-      case Parametrisation::kVector:
-        break;
-    }
-    return nullptr;
-  }
-
-  RotationManifold right_{Rotation::kKind};
-  RotationManifold left_{LeftRotation::kKind};
-  ceres::Problem problem_;
 };
 
 ceres::Solver::Options CeresOptions(const SolveOptions& options) {
@@ -216,7 +97,7 @@ SolveReport Solve(Network& network, const SolveOptions& options) {
   options.Validate();
   const QuietLog quiet;
   const SerialBlas serial;
-  CeresProblem problem(network);
+  internal::CeresProblem problem(network);
   ceres::Solver::Options ceres_options = CeresOptions(options);
   ProgressCallback progress(options.on_iteration);
   if (options.on_iteration) ceres_options.callbacks.push_back(&progress);

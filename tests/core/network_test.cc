@@ -98,13 +98,6 @@ TEST(Network, FindsByNameOrNamesTheNearest) {
               ThrowsMessage<InvalidInput>(HasSubstr("nearest is 'lever arm'")));
 }
 
-TEST(NearestName, ByEditDistance) {
-  EXPECT_EQ(NearestName("gyro_bias", {"acc_bias", "gyro_biases", "gnss"}), "gyro_biases");
-  EXPECT_EQ(NearestName("kitten", {"mitten", "sitting"}), "mitten");
-  EXPECT_EQ(NearestName("", {"long", "abc"}), "abc");
-  EXPECT_EQ(NearestName("x", {}), "");
-}
-
 TEST(Network, RejectsBadFactors) {
   Network net;
   const auto a = net.AddVector<1>("a", Scalar(0.0));

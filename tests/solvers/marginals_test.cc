@@ -1,7 +1,4 @@
 #include <ceres/covariance.h>
-#include <ceres/loss_function.h>
-#include <ceres/manifold.h>
-#include <ceres/problem.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 #include <gtest/gtest.h>
@@ -9,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "ceres_problem.h"
 #include "solvers/pose_graph.h"
 
 namespace dn {
@@ -142,84 +140,16 @@ TEST(Marginals, HeldBlocksHaveZeroCovariance) {
   EXPECT_THROW(marginals.ReducedNormal(graph.q_mb[7].id), InvalidInput);
 }
 
-/// A factor of the network as Ceres wants it.
-class CeresCost final : public ceres::CostFunction {
- public:
-  explicit CeresCost(const FactorBase& factor) : factor_(factor) {
-    set_num_residuals(factor.residual_size());
-    for (const BlockKind& kind : factor.block_kinds())
-      mutable_parameter_block_sizes()->push_back(kind.stored_size);
-  }
-  bool Evaluate(double const* const* x, double* r, double** J) const override {
-    return factor_.Evaluate(x, r, J);
-  }
-
- private:
-  const FactorBase& factor_;
-};
-
-/// The tangent of a rotation block, for Ceres.
-class FullAngleManifold final : public ceres::Manifold {
- public:
-  explicit FullAngleManifold(const BlockKind& kind) : kind_(kind) {}
-  int AmbientSize() const override { return 4; }
-  int TangentSize() const override { return 3; }
-  bool Plus(const double* x, const double* d, double* x_plus_d) const override {
-    dn::Plus(kind_, x, d, x_plus_d);
-    return true;
-  }
-  bool PlusJacobian(const double* x, double* J) const override {
-    const Eigen::Matrix<double, 4, 3, Eigen::RowMajor> P = dn::PlusJacobian(kind_, x);
-    std::copy_n(P.data(), 12, J);
-    return true;
-  }
-  bool Minus(const double* y, const double* x, double* d) const override {
-    dn::Minus(kind_, y, x, d);
-    return true;
-  }
-  bool MinusJacobian(const double* x, double* J) const override {
-    const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> M =
-        4.0 * dn::PlusJacobian(kind_, x).transpose();
-    std::copy_n(M.data(), 12, J);
-    return true;
-  }
-
- private:
-  BlockKind kind_;
-};
-
-ceres::LossFunction* CeresLoss(const Loss& loss) {
-  if (loss.type == Loss::Type::kHuber) return new ceres::HuberLoss(loss.width);
-  if (loss.type == Loss::Type::kCauchy) return new ceres::CauchyLoss(loss.width);
-  return nullptr;
-}
-
-void BuildCeresProblem(Network& network, ceres::Problem* problem) {
-  for (FactorId id = 0; id < network.num_factors(); ++id) {
-    std::vector<double*> values;
-    for (const BlockId b : network.factor(id).blocks)
-      values.push_back(network.block(b).value.get());
-    problem->AddResidualBlock(new CeresCost(*network.factor(id).factor),
-                              CeresLoss(network.factor(id).loss), values);
-  }
-  for (BlockId b = 0; b < network.num_blocks(); ++b) {
-    const BlockRecord& block = network.block(b);
-    if (block.kind.parametrisation == Parametrisation::kVector) continue;
-    problem->SetManifold(block.value.get(), new FullAngleManifold(block.kind));
-  }
-}
-
 void ExpectAgreesWithCeresCovariance(PoseGraph& graph) {
   Network& network = graph.network;
-  ceres::Problem problem;
-  BuildCeresProblem(network, &problem);
+  internal::CeresProblem problem(network);
   std::vector<std::pair<const double*, const double*>> pairs;
   for (BlockId b = 0; b < network.num_blocks(); ++b)
     pairs.emplace_back(network.block(0).value.get(), network.block(b).value.get());
   ceres::Covariance::Options options;
   options.apply_loss_function = true;
   ceres::Covariance covariance(options);
-  ASSERT_TRUE(covariance.Compute(pairs, &problem));
+  ASSERT_TRUE(covariance.Compute(pairs, &problem.problem()));
 
   const DenseCovariance dense(network);
   const Marginals marginals(network);

@@ -1,37 +1,10 @@
+#include <dn/names.h>
 #include <dn/network.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace dn {
-
-namespace {
-
-std::size_t EditDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row.back();
-}
-
-}  // namespace
-
-std::string NearestName(const std::string& word, const std::vector<std::string>& candidates) {
-  const auto nearest = std::min_element(candidates.begin(), candidates.end(),
-                                        [&](const std::string& a, const std::string& b) {
-                                          return EditDistance(word, a) < EditDistance(word, b);
-                                        });
-  return nearest == candidates.end() ? std::string() : *nearest;
-}
 
 Block<Rotation> Network::AddRotation(const std::string& name, const Eigen::Quaterniond& q) {
   return {AddBlock(name, Rotation::kKind, q.coeffs().data())};

@@ -1,4 +1,4 @@
-#include <dn/network.h>
+#include <dn/names.h>
 
 #include <algorithm>
 
@@ -18,12 +18,12 @@ void CheckUnknown(const YamlValue& value, const std::string& name) {
   if (Contains(estimable, name)) return;
   if (Contains(EffectNames(), name)) {
     value.Fail("'" + name + "' is an effect, but not estimable by this version; estimable are " +
-               Join(estimable));
+               JoinNames(estimable));
   }
   std::vector<std::string> known = EffectNames();
   known.push_back("boresight");
   value.Fail("unknown name '" + name + "'; did you mean '" + NearestName(name, known) +
-             "'? Estimable are " + Join(estimable));
+             "'? Estimable are " + JoinNames(estimable));
 }
 
 EstimateEntry ReadEntry(const YamlValue& item) {

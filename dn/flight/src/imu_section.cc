@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/names.h>
 
 #include "config_sections.h"
 
@@ -47,7 +48,7 @@ void ReadSensor(const YamlValue& section, const ProcessKeys& keys, bool has_pres
   if (!has_preset && noise.white == 0.0) {
     const YamlValue white = section ? section[keys.white] : section;
     white.Fail(std::string("the white noise is missing: give ") + keys.white +
-               ", or name a preset with imu.grade (" + Join(ImuPresetNames()) + ")");
+               ", or name a preset with imu.grade (" + JoinNames(ImuPresetNames()) + ")");
   }
 }
 

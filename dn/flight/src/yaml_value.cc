@@ -1,6 +1,6 @@
 #include "yaml_value.h"
 
-#include <dn/network.h>
+#include <dn/names.h>
 
 #include <algorithm>
 #include <charconv>
@@ -21,12 +21,6 @@ bool ParseAll(std::string_view text, T& value) {
 long LineOf(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.line + 1; }
 
 }  // namespace
-
-std::string Join(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
 
 FileLocation YamlValue::where() const {
   const long line = node_.IsDefined() ? LineOf(node_.Mark()) : 0;
@@ -49,8 +43,8 @@ void YamlValue::FailType(const std::string& wanted) const {
 }
 
 void YamlValue::FailChoice(const std::string& word, const std::vector<std::string>& names) const {
-  Fail("'" + word + "' is none of " + Join(names) + "; did you mean '" + NearestName(word, names) +
-       "'?");
+  Fail("'" + word + "' is none of " + JoinNames(names) + "; did you mean '" +
+       NearestName(word, names) + "'?");
 }
 
 void YamlValue::ExpectMap(const std::vector<std::string>& known) const {

@@ -82,7 +82,4 @@ class YamlValue {
 /// empty.
 YamlValue ParseYaml(const std::string& text, const std::string& file);
 
-/// "a, b, c".
-std::string Join(const std::vector<std::string>& words);
-
 }  // namespace dn::internal

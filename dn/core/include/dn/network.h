@@ -167,7 +167,4 @@ class Network {
   std::vector<std::string> groups_{""};
 };
 
-/// The candidate nearest to `word` by edit distance; empty when there are no candidates.
-std::string NearestName(const std::string& word, const std::vector<std::string>& candidates);
-
 }  // namespace dn
