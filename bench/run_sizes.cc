@@ -96,8 +96,7 @@ Json Machine() {
 
 /// Simulates the flight unless its folder is there.
 fs::path Simulated(const Options& options, const FlightSize& size, const std::string& grade) {
-  const fs::path flight =
-      options.work / fmt::format("{}-{}-seed{}", grade, size.name, options.seed);
+  fs::path flight = options.work / fmt::format("{}-{}-seed{}", grade, size.name, options.seed);
   if (fs::exists(flight / "flight.yaml")) return flight;
   const fs::path scenario = options.work / fmt::format("{}-{}.yaml", grade, size.name);
   WriteText(scenario, ScenarioText(size, PresetOf(grade)));

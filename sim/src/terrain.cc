@@ -101,8 +101,8 @@ Terrain::Terrain(const TerrainScenario& scenario) : scenario_(scenario) {
     const int octaves = kind == TerrainKind::kMountain ? 5 : 3;
     double sum = 0.0;
     for (int i = 0; i < octaves * kWavesPerOctave; ++i) {
-      const double wavelength_m =
-          scenario_.wavelength_m * std::exp2(-(i / kWavesPerOctave + random.Uniform()));
+      const int octave = i / kWavesPerOctave;
+      const double wavelength_m = scenario_.wavelength_m * std::exp2(-(octave + random.Uniform()));
       const double azimuth = random.Uniform(0.0, 2.0 * kPi);
       const double amplitude = wavelength_m / scenario_.wavelength_m;
       waves_.push_back({2.0 * kPi / wavelength_m * Vector2d(std::cos(azimuth), std::sin(azimuth)),

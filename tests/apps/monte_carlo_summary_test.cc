@@ -13,9 +13,9 @@ namespace {
 std::vector<FlightRecord> Records(int flights, double scale) {
   Random random(5, "records");
   std::vector<FlightRecord> records;
-  for (int k = 0; k < flights; ++k) {
+  for (int k = 1; k <= flights; ++k) {
     FlightRecord record;
-    record.seed = static_cast<std::uint64_t>(k + 1);
+    record.seed = static_cast<std::uint64_t>(k);
     const Eigen::Vector3d sigma_rad(1e-5, 2e-5, 5e-5);
     record.boresight_covariance_rad2 = sigma_rad.cwiseAbs2().asDiagonal();
     record.boresight_error_rad = scale * sigma_rad.cwiseProduct(random.Normal3());

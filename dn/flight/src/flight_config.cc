@@ -74,7 +74,7 @@ std::vector<StripInterval> ReadStrips(const YamlValue& value) {
 
 std::string ReadCrs(const YamlValue& value) {
   static const std::regex utm("utm:([1-9]|[1-5][0-9]|60)[ns]");
-  const std::string crs = value.Text();
+  std::string crs = value.Text();
   if (crs != "map" && crs != "ecef" && crs != "none" && !std::regex_match(crs, utm)) {
     value.Fail("'" + crs + "' is none of map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef, none");
   }

@@ -139,7 +139,7 @@ Eigen::VectorXd YamlValue::Numbers(Eigen::Index size) const {
 }
 
 Eigen::Vector3d YamlValue::PositiveVector3() const {
-  const Eigen::Vector3d values = Vector3();
+  Eigen::Vector3d values = Vector3();
   if (!(values.minCoeff() > 0.0)) Fail("every element must be greater than 0");
   return values;
 }

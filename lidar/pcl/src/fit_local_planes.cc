@@ -38,7 +38,7 @@ LocalPlane FitPlane(const std::vector<Eigen::Vector3d>& points_m, const pcl::Ind
   LocalPlane plane;
   plane.neighbours = neighbours.size();
   const double n = static_cast<double>(neighbours.size());
-  const Eigen::Vector3d base_m = points_m[static_cast<std::size_t>(neighbours.front())];
+  const Eigen::Vector3d& base_m = points_m[static_cast<std::size_t>(neighbours.front())];
   Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
   for (const auto i : neighbours) mean_m += points_m[static_cast<std::size_t>(i)] - base_m;
   mean_m /= n;
