@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/parallel.h>
 #include <dn/rotation.h>
 #include <dn/solvers/gauss_helmert.h>
 #include <dn/solvers/robust_loss.h>
@@ -12,7 +13,6 @@
 #include <string>
 
 #include "gauss_helmert_pair.h"
-#include "parallel.h"
 
 namespace dn {
 namespace {
@@ -21,8 +21,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using internal::EndTerms;
 
-constexpr int kChunk = 2048;              // pairs summed at a time: fixed, so that sums do not
-                                          // depend on the number of threads
+constexpr std::size_t kChunk = 2048;      // pairs summed at a time
 constexpr double kFreeDirection = 1e-12;  // ratio of eigenvalues at which rounding takes over
 constexpr double kRoundingM = 1e-6;       // no difference below it is an outlier
 constexpr double kFarRad = 1e-4;
@@ -137,20 +136,10 @@ class Adjuster {
     Matrix3d L_i, L_j;  // d w / d attitude times the factor of the attitude's covariance
   };
 
-  int num_pairs() const { return static_cast<int>(problem_.pairs.size()); }
-
   // Calls work(chunk, first, past) for all chunks of pairs.
   template <class Work>
   void ForChunks(const Work& work) const {
-    const int chunks = (num_pairs() + kChunk - 1) / kChunk;
-    ParallelFor(chunks, options_.threads, [&](int c) {
-      work(static_cast<std::size_t>(c), static_cast<std::size_t>(c) * kChunk,
-           static_cast<std::size_t>(std::min(num_pairs(), (c + 1) * kChunk)));
-    });
-  }
-
-  std::size_t num_chunks() const {
-    return static_cast<std::size_t>((num_pairs() + kChunk - 1) / kChunk);
+    ParallelForChunks(problem_.pairs.size(), kChunk, options_.threads, work);
   }
 
   PairTerms Terms(std::size_t k) const {
@@ -191,7 +180,7 @@ class Adjuster {
   }
 
   Sums Accumulate() {
-    std::vector<Sums> partial(num_chunks());
+    std::vector<Sums> partial(NumChunks(problem_.pairs.size(), kChunk));
     ForChunks([&](std::size_t c, std::size_t first, std::size_t past) {
       for (std::size_t k = first; k < past; ++k) {
         if (result_.weights[k] == 0.0) continue;
@@ -275,11 +264,14 @@ class Adjuster {
   }
 
   // Ends when the step that would come next, by the rate of the last two, is below the tolerance.
+  // The rate hardly depends on the weights: that found before outliers were dropped serves after
+  // it.
   bool Iterate(int max_iterations, double tolerance_rad) {
     double previous = 0.0;
     for (int i = 0; i < max_iterations; ++i) {
       const double step = Step().norm();
-      if (step <= tolerance_rad || step * step <= tolerance_rad * previous) return true;
+      if (previous > 0.0) rate_ = step / previous;
+      if (step <= tolerance_rad || step * rate_ <= tolerance_rad) return true;
       previous = step;
     }
     return false;
@@ -303,16 +295,21 @@ class Adjuster {
     loss_ = {Loss::Type::kHuber, options_.loss.width};
     Iterate(options_.max_iterations, kRobustStartToleranceRad);
     loss_ = options_.loss;
+    rate_ = 1.0;
     result_.converged = Iterate(options_.max_iterations, options_.tolerance_rad);
   }
 
-  // |w| of every pair with the trajectory as given.
+  // With the trajectory as given.
+  Vector3d Point(const GaussHelmertEnd& end) const {
+    return end.p_mb + end.q_mb * Vector3d(internal::BodyVector(end, model_, theta_, q_theta_) +
+                                          problem_.lever_arm_b_m);
+  }
+
+  // Distance of every pair.
   void UpdateNorms() {
     ForChunks([&](std::size_t, std::size_t first, std::size_t past) {
       for (std::size_t k = first; k < past; ++k) {
-        norms_m_[k] = LinearisePair(problem_.pairs[k], problem_.lever_arm_b_m, model_, theta_,
-                                    PairCorrection::Zero())
-                          .w.norm();
+        norms_m_[k] = (Point(problem_.pairs[k].i) - Point(problem_.pairs[k].j)).norm();
       }
     });
   }
@@ -377,6 +374,7 @@ class Adjuster {
   Eigen::Quaterniond q_theta_ = Exp(theta_);
   Matrix3d R_me_;
   std::vector<double> norms_m_;
+  double rate_ = 1.0;  // of the last two steps
   GaussHelmertResult result_;
 };
 

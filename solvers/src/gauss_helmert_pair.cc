@@ -17,20 +17,25 @@ Eigen::Matrix3d TimesSkew(const Eigen::Matrix3d& R, const Eigen::Vector3d& u) {
 
 }  // namespace
 
+Eigen::Vector3d BodyVector(const GaussHelmertEnd& end, BoresightModel model,
+                           const Eigen::Vector3d& theta_rad,
+                           const Eigen::Quaterniond& q_boresight) {
+  if (model == BoresightModel::kExponential) return q_boresight * end.u_b;
+  return end.u_b + theta_rad.cross(end.u_b);
+}
+
 EndTerms EvaluateEnd(const GaussHelmertEnd& end, const Eigen::Vector3d& lever_arm_b_m,
                      BoresightModel model, const Eigen::Vector3d& theta_rad,
                      const Eigen::Quaterniond& q_boresight, const Eigen::Vector3d& v_p,
                      const Eigen::Vector3d& v_phi) {
-  const bool exponential = model == BoresightModel::kExponential;
-  const Eigen::Vector3d u = exponential ? Eigen::Vector3d(q_boresight * end.u_b)
-                                        : Eigen::Vector3d(end.u_b + theta_rad.cross(end.u_b));
+  const Eigen::Vector3d u = BodyVector(end, model, theta_rad, q_boresight);
   const Eigen::Vector3d s = u + lever_arm_b_m;
   const bool corrected = !v_phi.isZero(0.0);
   const Eigen::Matrix3d R =
       (corrected ? Eigen::Quaterniond(end.q_mb * Exp(v_phi)) : end.q_mb).toRotationMatrix();
   EndTerms terms;
   terms.x = end.p_mb + v_p + R * s;
-  terms.J_theta = -TimesSkew(R, exponential ? u : end.u_b);
+  terms.J_theta = -TimesSkew(R, model == BoresightModel::kExponential ? u : end.u_b);
   terms.J_phi = -TimesSkew(R, s);
   if (corrected) terms.J_phi = terms.J_phi * RightJacobian(v_phi);
   return terms;

@@ -13,8 +13,12 @@ struct EndTerms {
   Eigen::Matrix3d J_phi;    ///< d x / d attitude correction; d x / d position correction is I
 };
 
-/// v_p, v_phi: corrections of the end's position and attitude. q_boresight is Exp(theta) and used
-/// by the exponential model only.
+/// The laser vector in body: by Exp(theta) = q_boresight in the exponential model, I + [theta]x
+/// else.
+Eigen::Vector3d BodyVector(const GaussHelmertEnd& end, BoresightModel model,
+                           const Eigen::Vector3d& theta_rad, const Eigen::Quaterniond& q_boresight);
+
+/// v_p, v_phi: corrections of the end's position and attitude.
 EndTerms EvaluateEnd(const GaussHelmertEnd& end, const Eigen::Vector3d& lever_arm_b_m,
                      BoresightModel model, const Eigen::Vector3d& theta_rad,
                      const Eigen::Quaterniond& q_boresight, const Eigen::Vector3d& v_p,

@@ -1,5 +1,6 @@
 #include "normal_equations.h"
 
+#include <dn/parallel.h>
 #include <dn/solvers/robust_loss.h>
 
 #include <Eigen/QR>
@@ -9,7 +10,6 @@
 #include <limits>
 
 #include "factor_text.h"
-#include "parallel.h"
 
 namespace dn {
 namespace {

@@ -1,5 +1,6 @@
 #include <ceres/iteration_callback.h>
 #include <ceres/solver.h>
+#include <dn/parallel.h>
 #include <dn/solvers/robust_loss.h>
 #include <dn/solvers/solve.h>
 #include <glog/logging.h>
@@ -9,7 +10,6 @@
 
 #include "ceres_problem.h"
 #include "factor_text.h"
-#include "parallel.h"
 #include "serial_blas.h"
 
 namespace dn {

@@ -4,6 +4,7 @@
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory_covariance.h>
+#include <dn/parallel.h>
 
 #include <algorithm>
 #include <chrono>
@@ -21,6 +22,7 @@ using Eigen::Vector3d;
 
 // On the chi-distributed norm of a pair's misclosure, exceeded by one good pair in ten.
 constexpr double kRobustWidth = 2.5;
+constexpr std::size_t kChunk = 2048;  // pairs of a task
 
 double Since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -65,53 +67,70 @@ class SigmaFile {
   std::vector<std::size_t> keep_;
 };
 
-// Interpolates and keeps the figures of what it did.
+// How far cubic and linear interpolation of the attitude are apart.
+struct Deviation {
+  double max_rad = 0.0, sum2_rad2 = 0.0, n = 0.0;
+
+  void Add(double angle_rad) {
+    max_rad = std::max(max_rad, angle_rad);
+    sum2_rad2 += angle_rad * angle_rad;
+    n += 1.0;
+  }
+  void operator+=(const Deviation& other) {
+    max_rad = std::max(max_rad, other.max_rad);
+    sum2_rad2 += other.sum2_rad2;
+    n += other.n;
+  }
+};
+
 class PairPoses {
  public:
   explicit PairPoses(const Flight& flight)
       : linear_only_(flight.config.gh.libor_compat),
-        poses_(flight.trajectory->InMap(flight.frame)) {
-    const std::vector<NavPoint>& points = flight.trajectory->points();
-    std::vector<double> steps_s;
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      steps_s.push_back(points[i].t_s - points[i - 1].t_s);
-    }
-    const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-    std::nth_element(steps_s.begin(), middle, steps_s.end());
-    figures_.median_step_s = *middle;
-    figures_.method = linear_only_ ? "linear" : "cubic (attitude: rotation vectors, position: ";
-    if (!linear_only_) {
-      figures_.method += flight.trajectory->notes().velocity_from_file
-                             ? "with the file's velocities)"
-                             : "with differentiated positions)";
-    }
-  }
+        poses_(flight.trajectory->InMap(flight.frame)) {}
 
-  MapPose At(double t_s) {
+  MapPose At(double t_s, Deviation* deviation) const {
     const MapPose linear = poses_.At(t_s, PoseInterpolator::Method::kLinear);
     const MapPose cubic = poses_.At(t_s, PoseInterpolator::Method::kCubic);
-    const double angle = linear.q_mb.angularDistance(cubic.q_mb);
-    sum2_ += angle * angle;
-    n_ += 1.0;
-    figures_.cubic_minus_linear_max_rad = std::max(figures_.cubic_minus_linear_max_rad, angle);
+    deviation->Add(linear.q_mb.angularDistance(cubic.q_mb));
     return linear_only_ ? linear : cubic;
-  }
-
-  PoseInterpolation Figures() const {
-    PoseInterpolation figures = figures_;
-    if (n_ > 0.0) figures.cubic_minus_linear_rms_rad = std::sqrt(sum2_ / n_);
-    return figures;
   }
 
  private:
   bool linear_only_;
   PoseInterpolator poses_;
-  PoseInterpolation figures_;
-  double sum2_ = 0.0, n_ = 0.0;
 };
 
-GaussHelmertEnd MakeEnd(const Flight& flight, double t_s, const Vector3d& u_s, PairPoses* poses) {
-  const MapPose pose = poses->At(t_s);
+double MedianStep(const std::vector<NavPoint>& points) {
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    steps_s.push_back(points[i].t_s - points[i - 1].t_s);
+  }
+  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
+  std::nth_element(steps_s.begin(), middle, steps_s.end());
+  return *middle;
+}
+
+PoseInterpolation Describe(const Flight& flight, const Deviation& deviation) {
+  PoseInterpolation figures;
+  figures.median_step_s = MedianStep(flight.trajectory->points());
+  if (flight.config.gh.libor_compat) {
+    figures.method = "linear";
+  } else {
+    figures.method = "cubic (attitude: rotation vectors, position: ";
+    figures.method += flight.trajectory->notes().velocity_from_file
+                          ? "with the file's velocities)"
+                          : "with differentiated positions)";
+  }
+  figures.cubic_minus_linear_max_rad = deviation.max_rad;
+  if (deviation.n > 0.0) {
+    figures.cubic_minus_linear_rms_rad = std::sqrt(deviation.sum2_rad2 / deviation.n);
+  }
+  return figures;
+}
+
+GaussHelmertEnd MakeEnd(const Flight& flight, double t_s, const Vector3d& u_s,
+                        const MapPose& pose) {
   const TrajectoryConfig& trajectory = *flight.config.trajectory;
   GaussHelmertEnd end;
   end.t_s = t_s;
@@ -123,6 +142,17 @@ GaussHelmertEnd MakeEnd(const Flight& flight, double t_s, const Vector3d& u_s, P
       Vector3d(trajectory.sigma_rp_rad, trajectory.sigma_rp_rad, trajectory.sigma_y_rad);
   end.u_b = flight.config.lidar->mounting.R_bs_nominal * u_s;
   return end;
+}
+
+GaussHelmertPair MakePair(const Flight& flight, const LidarPair& pair, const PairPoses& poses,
+                          Deviation* deviation) {
+  const double sigma_p_m = flight.config.lidar->sigma_p_m;
+  GaussHelmertPair condition;
+  condition.i = MakeEnd(flight, pair.t_i_s, pair.u_i_s, poses.At(pair.t_i_s, deviation));
+  condition.j = MakeEnd(flight, pair.t_j_s, pair.u_j_s, poses.At(pair.t_j_s, deviation));
+  condition.covariance_m2 =
+      pair.covariance_m2.value_or(sigma_p_m * sigma_p_m * Eigen::Matrix3d::Identity());
+  return condition;
 }
 
 GaussHelmertOptions MakeOptions(const FlightConfig& config, int threads) {
@@ -247,7 +277,7 @@ void FillBoresight(GaussHelmertCalibration* calibration) {
 
 }  // namespace
 
-GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight,
+GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight, int threads,
                                             PoseInterpolation* interpolation) {
   if (!flight.trajectory || !flight.pairs || !flight.config.lidar || !flight.config.trajectory) {
     throw InvalidInput("the Gauss-Helmert adjustment needs a trajectory and point pairs");
@@ -258,17 +288,21 @@ GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight,
   problem.boresight_rad = lidar.mounting.boresight_rad;
   problem.boresight_sigma_rad = lidar.boresight_sigma_rad;
   problem.q_me = Eigen::Quaterniond(flight.frame.R_me()).normalized();
-  PairPoses poses(flight);
-  problem.pairs.reserve(flight.pairs->pairs.size());
-  for (const LidarPair& pair : flight.pairs->pairs) {
-    GaussHelmertPair condition;
-    condition.i = MakeEnd(flight, pair.t_i_s, pair.u_i_s, &poses);
-    condition.j = MakeEnd(flight, pair.t_j_s, pair.u_j_s, &poses);
-    condition.covariance_m2 = pair.covariance_m2.value_or(lidar.sigma_p_m * lidar.sigma_p_m *
-                                                          Eigen::Matrix3d::Identity());
-    problem.pairs.push_back(condition);
+  const std::vector<LidarPair>& pairs = flight.pairs->pairs;
+  problem.pairs.resize(pairs.size());
+  const PairPoses poses(flight);
+  std::vector<Deviation> deviations(NumChunks(pairs.size(), kChunk));
+  ParallelForChunks(pairs.size(), kChunk, threads,
+                    [&](std::size_t chunk, std::size_t first, std::size_t past) {
+                      for (std::size_t k = first; k < past; ++k) {
+                        problem.pairs[k] = MakePair(flight, pairs[k], poses, &deviations[chunk]);
+                      }
+                    });
+  if (interpolation != nullptr) {
+    Deviation deviation;
+    for (const Deviation& part : deviations) deviation += part;
+    *interpolation = Describe(flight, deviation);
   }
-  if (interpolation != nullptr) *interpolation = poses.Figures();
   return problem;
 }
 
@@ -318,7 +352,8 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   const auto start = Clock::now();
   GaussHelmertCalibration calibration;
   stage("poses of the pairs");
-  calibration.problem = MakeGaussHelmertProblem(flight, &calibration.interpolation);
+  calibration.problem =
+      MakeGaussHelmertProblem(flight, options.threads, &calibration.interpolation);
   calibration.accuracy = ReadTrajectoryAccuracy(flight, calibration.problem);
   stage("Gauss-Helmert adjustment");
   calibration.options = MakeOptions(flight.config, options.threads);

@@ -79,7 +79,7 @@ struct GaussHelmertFlightOptions {
 /// gh.libor_compat linearly, as libor does), P from the section `trajectory`, W from the pairs'
 /// covariances or lidar.sigma_p_m, the prior of lidar.boresight_sigma_deg.
 /// Throws InvalidInput naming the times when a pair's epoch lies outside the trajectory.
-GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight,
+GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight, int threads = 1,
                                             PoseInterpolation* interpolation = nullptr);
 
 /// From `trajectory_sigma.txt` beside the trajectory's file where there is one (the columns that

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <exception>
 #include <thread>
 #include <vector>
@@ -32,6 +34,18 @@ void ParallelFor(int n, int threads, const Work& work) {
   for (const std::exception_ptr& error : errors) {
     if (error) std::rethrow_exception(error);
   }
+}
+
+inline std::size_t NumChunks(std::size_t n, std::size_t size) { return (n + size - 1) / size; }
+
+/// Calls work(chunk, first, past) for the chunks of `size` elements of [0, n), the last one
+/// shorter. What is summed by chunk does not depend on the number of threads.
+template <class Work>
+void ParallelForChunks(std::size_t n, std::size_t size, int threads, const Work& work) {
+  ParallelFor(static_cast<int>(NumChunks(n, size)), threads, [&](int c) {
+    const auto chunk = static_cast<std::size_t>(c);
+    work(chunk, chunk * size, std::min(n, (chunk + 1) * size));
+  });
 }
 
 }  // namespace dn
