@@ -38,5 +38,6 @@ function(dn_add_test name)
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/slow)
   endif()
-  gtest_discover_tests(${name} PROPERTIES LABELS "${A_LABEL}" DISCOVERY_TIMEOUT 120 TIMEOUT 600)
+  gtest_discover_tests(${name} NO_PRETTY_VALUES
+    PROPERTIES LABELS "${A_LABEL}" DISCOVERY_TIMEOUT 120 TIMEOUT 600)
 endfunction()

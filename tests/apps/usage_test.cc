@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
@@ -11,7 +13,20 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-class EverySubcommand : public ::testing::TestWithParam<const char*> {};
+constexpr const char* kSubcommands[] = {"check",     "simulate", "smooth",
+                                        "calibrate", "allan",    "monte-carlo"};
+
+class EverySubcommand : public ::testing::TestWithParam<const char*> {
+ protected:
+  // With what the subcommand requires.
+  static std::vector<std::string> Complete(const std::vector<std::string>& options) {
+    const std::string name = GetParam();
+    std::vector<std::string> arguments{name, "x", "--out", "y"};
+    if (name == "allan") arguments.insert(arguments.end(), {"--rate", "200"});
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return arguments;
+  }
+};
 
 TEST_P(EverySubcommand, HelpGoesToStdoutAndShowsAnExample) {
   const ProgramRun run = RunProgram({GetParam(), "--help"});
@@ -36,27 +51,30 @@ TEST_P(EverySubcommand, WithoutItsArgumentIsWrongUsage) {
 }
 
 TEST_P(EverySubcommand, RefusesAnUnknownOption) {
-  const ProgramRun run = RunProgram({GetParam(), "x", "--out", "y", "--no-such-option"});
+  const ProgramRun run = RunProgram(Complete({"--no-such-option"}));
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, HasSubstr("--no-such-option"));
 }
 
 TEST_P(EverySubcommand, RefusesNoThreads) {
   for (const char* threads : {"0", "-1", "many"}) {
-    const ProgramRun run = RunProgram({GetParam(), "x", "--out", "y", "--threads", threads});
+    const ProgramRun run = RunProgram(Complete({"--threads", threads}));
     EXPECT_EQ(run.exit_code, 2) << threads;
     EXPECT_THAT(run.err, HasSubstr("--threads")) << threads;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Cli, EverySubcommand,
-                         ::testing::Values("check", "simulate", "smooth", "calibrate"),
-                         [](const auto& test) { return std::string(test.param); });
+INSTANTIATE_TEST_SUITE_P(Cli, EverySubcommand, ::testing::ValuesIn(kSubcommands),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST(CliUsage, HelpNamesEverySubcommand) {
   const ProgramRun run = RunProgram({"--help"});
   EXPECT_EQ(run.exit_code, 0);
-  for (const char* name : {"check", "simulate", "smooth", "calibrate"}) {
+  for (const char* name : kSubcommands) {
     EXPECT_THAT(run.out, HasSubstr(name));
   }
 }

@@ -102,7 +102,13 @@ INSTANTIATE_TEST_SUITE_P(
                       // 16 leap seconds before July 2015, 17 before 2017.
                       TimeCase{"UTC", "2015/06/30 23:59:59.000", 2 * 86400 + 86399 + 16.0},
                       TimeCase{"UTC", "2015/07/01 00:00:00.000", 3 * 86400 + 17.0},
-                      TimeCase{"UTC", "2016/12/31 00:00:00.000", 6 * 86400 + 17.0}));
+                      TimeCase{"UTC", "2016/12/31 00:00:00.000", 6 * 86400 + 17.0}),
+    [](const auto& tested) {
+      std::string name = std::string(tested.param.label) + "_" + tested.param.time;
+      std::replace_if(
+          name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+      return name;
+    });
 
 TEST(RtklibPos, ReadsDegreesMinutesSeconds) {
   const std::string header =
