@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "builder/short_flights.h"
+#include "testing/expect_invalid.h"
 #include "testing/strip_pairs.h"
 #include "testing/temp_folder.h"
 
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 using Eigen::Vector3d;
 using testing::BoresightError;
 using ::testing::Contains;
+using testing::ExpectInvalidIn;
 using ::testing::HasSubstr;
 using testing::TempFolder;
 
@@ -136,17 +138,6 @@ TEST(GaussHelmertFlight, PValueOfADifference) {
   EXPECT_NEAR(difference.sigma_rad().x(), 1.0, 1e-12);
 }
 
-void ExpectInvalid(const std::function<void()>& read, const std::string& what,
-                   const std::string& file) {
-  try {
-    read();
-    ADD_FAILURE() << "no InvalidInput with: " << what;
-  } catch (const InvalidInput& e) {
-    EXPECT_THAT(e.what(), HasSubstr(what));
-    EXPECT_THAT(e.where().file, HasSubstr(file));
-  }
-}
-
 // ---- Standard deviations of the trajectory -----------------------------------------------------
 
 std::string SigmaText(double begin_s, double end_s, const std::string& rest) {
@@ -192,7 +183,7 @@ TEST(TrajectoryAccuracy, ComesFromTheSectionWithoutAFile) {
 TEST(TrajectoryAccuracy, BadFilesAreNamed) {
   const std::string good = ", 0.01, 0.02, 0.03, 0.1, 0.1, 0.1, 0.004, 0.005, 0.006";
   const auto expect = [](const std::string& text, const std::string& what) {
-    ExpectInvalid([&] { WithSigmaFile(text).Read(); }, what, "trajectory_sigma.txt");
+    ExpectInvalidIn([&] { WithSigmaFile(text).Read(); }, what, "trajectory_sigma.txt");
   };
   expect(SigmaText(380000, 380010, good), "lies outside the standard deviations");
   expect(SigmaText(380000, 382000, ", 0.01, 0.02, 0.03, 0.1, 0.1, 0.1, 0.004, 0, 0.006"),
@@ -246,7 +237,7 @@ TEST(TrajectoryCovarianceFile, BadFilesAreNamed) {
   const auto expect = [](const std::string& text, const std::string& what) {
     TempFolder folder;
     folder.Write("c.txt", text);
-    ExpectInvalid([&] { ReadTrajectoryCovariance(folder.path() / "c.txt"); }, what, "c.txt");
+    ExpectInvalidIn([&] { ReadTrajectoryCovariance(folder.path() / "c.txt"); }, what, "c.txt");
   };
   const auto replaced = [&](const std::string& from, const std::string& to) {
     std::string text = good;
@@ -278,15 +269,15 @@ TEST(TrajectoryAccuracy, ComesWithTheCovarianceThatCoversThePairs) {
 TEST(TrajectoryAccuracy, ACovarianceThatCannotBeIsNamed) {
   TrajectoryCovariance covariance = PerStrip(FindStrips(TruthFlight(false).flight));
   covariance.covariance(0, 6) = covariance.covariance(6, 0) = 2e-4;
-  ExpectInvalid([&] { WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read(); },
-                "not positive definite", "trajectory_covariance.txt");
+  ExpectInvalidIn([&] { WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read(); },
+                  "not positive definite", "trajectory_covariance.txt");
 }
 
 TEST(TrajectoryAccuracy, ACovarianceOfAnotherRunIsNamed) {
   TrajectoryCovariance covariance = PerStrip(FindStrips(TruthFlight(false).flight));
   covariance.covariance *= 1.1;
-  ExpectInvalid([&] { WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read(); },
-                "of another run", "trajectory_covariance.txt");
+  ExpectInvalidIn([&] { WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read(); },
+                  "of another run", "trajectory_covariance.txt");
 }
 
 // A constant of a strip, of the stated size, in each of a few strips: the boresight takes about

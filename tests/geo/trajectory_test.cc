@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/geo/median_step.h>
 #include <dn/geo/trajectory.h>
 #include <dn/rotation.h>
 #include <gtest/gtest.h>
@@ -84,6 +85,13 @@ TEST(Trajectory, PointFromATimeIsTheNextOne) {
   EXPECT_EQ(trajectory.PointFrom(0.0).t_s, 0.0);
   EXPECT_EQ(trajectory.PointFrom(0.1).t_s, 1.0);
   EXPECT_EQ(trajectory.PointFrom(3.0).t_s, 1.0);
+}
+
+TEST(MedianStep, IsNotThatOfAGap) {
+  std::vector<NavPoint> points(4);
+  const double t_s[] = {0.0, 0.5, 1.0, 61.0};
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].t_s = t_s[i];
+  EXPECT_EQ(MedianStep(points), 0.5);
 }
 
 TEST(Trajectory, RejectsWhatIsNoTrajectory) {

@@ -8,17 +8,29 @@
 
 namespace dn::testing {
 
-/// Runs `action` and expects InvalidInput whose message contains `what`, found on `line` (0: no
-/// line is named).
+/// Runs `action`, expects InvalidInput whose message contains `what`, and returns its place.
 template <class Action>
-void ExpectInvalid(const Action& action, const std::string& what, long line) {
+FileLocation PlaceOfInvalid(const Action& action, const std::string& what) {
   try {
     action();
-    ADD_FAILURE() << "no InvalidInput, expected one with: " << what;
   } catch (const InvalidInput& e) {
     EXPECT_THAT(e.what(), ::testing::HasSubstr(what));
-    EXPECT_EQ(e.where().line, line) << e.what();
+    return e.where();
   }
+  ADD_FAILURE() << "no InvalidInput, expected one with: " << what;
+  return {};
+}
+
+/// Found on `line` (0: no line is named).
+template <class Action>
+void ExpectInvalid(const Action& action, const std::string& what, long line) {
+  EXPECT_EQ(PlaceOfInvalid(action, what).line, line) << what;
+}
+
+/// Found in a file whose path contains `file`.
+template <class Action>
+void ExpectInvalidIn(const Action& action, const std::string& what, const std::string& file) {
+  EXPECT_THAT(PlaceOfInvalid(action, what).file, ::testing::HasSubstr(file)) << what;
 }
 
 }  // namespace dn::testing

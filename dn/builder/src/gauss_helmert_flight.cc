@@ -2,6 +2,7 @@
 #include <dn/builder/gauss_helmert_flight.h>
 #include <dn/builder/pose_interpolator.h>
 #include <dn/error.h>
+#include <dn/geo/median_step.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory_covariance.h>
 #include <dn/parallel.h>
@@ -12,6 +13,7 @@
 #include <filesystem>
 
 #include "gauss_helmert_assessment.h"
+#include "turn_position.h"
 
 namespace dn {
 namespace {
@@ -100,16 +102,6 @@ class PairPoses {
   bool linear_only_;
   PoseInterpolator poses_;
 };
-
-double MedianStep(const std::vector<NavPoint>& points) {
-  std::vector<double> steps_s;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    steps_s.push_back(points[i].t_s - points[i - 1].t_s);
-  }
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
-  return *middle;
-}
 
 PoseInterpolation Describe(const Flight& flight, const Deviation& deviation) {
   PoseInterpolation figures;
@@ -218,10 +210,8 @@ PoseCovariance InMap(const Flight& flight, const TrajectoryCovariance& stated,
   PoseCovariance out{stated.t_s, stated.strip, stated.covariance};
   for (std::size_t k = 0; k < out.t_s.size(); ++k) {
     const NavPoint& point = flight.trajectory->PointFrom(out.t_s[k]);
-    const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(flight.frame.ToMap(point.position));
-    const auto at = static_cast<Eigen::Index>(6 * k);
-    out.covariance.middleRows<3>(at) = R_m_enu * out.covariance.middleRows<3>(at);
-    out.covariance.middleCols<3>(at) = out.covariance.middleCols<3>(at) * R_m_enu.transpose();
+    internal::TurnPosition(flight.frame.R_m_enu(flight.frame.ToMap(point.position)), k,
+                           &out.covariance);
   }
   try {
     out.Validate();

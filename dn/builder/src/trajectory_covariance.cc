@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "turn_position.h"
+
 namespace dn {
 namespace {
 
@@ -42,19 +44,6 @@ std::vector<StripNode> Choose(const std::vector<double>& node_t_s,
   return chosen;
 }
 
-// Turns the positions of all epochs from map axes to east, north, up at each.
-void TurnToEnu(const FlightNetwork& network, const std::vector<StripNode>& chosen,
-               Eigen::MatrixXd* covariance) {
-  Eigen::Index at = 0;
-  for (const StripNode& epoch : chosen) {
-    const Eigen::Matrix3d R_enu_m =
-        network.flight().frame.R_m_enu(network.NodePose(epoch.node).p_mb).transpose();
-    covariance->middleRows<3>(at) = (R_enu_m * covariance->middleRows<3>(at)).eval();
-    covariance->middleCols<3>(at) = (covariance->middleCols<3>(at) * R_enu_m.transpose()).eval();
-    at += 6;
-  }
-}
-
 }  // namespace
 
 TrajectoryCovariance ExtractTrajectoryCovariance(const Adjustment& adjustment,
@@ -78,7 +67,10 @@ TrajectoryCovariance ExtractTrajectoryCovariance(const Adjustment& adjustment,
           columns.Rows(other.q_mb.id);
     }
   }
-  TurnToEnu(network, chosen, &out.covariance);
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    const Eigen::Vector3d p_mb = network.NodePose(chosen[k].node).p_mb;
+    internal::TurnPosition(network.flight().frame.R_m_enu(p_mb).transpose(), k, &out.covariance);
+  }
   out.covariance = (0.5 * (out.covariance + out.covariance.transpose())).eval();
   return out;
 }

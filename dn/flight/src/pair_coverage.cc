@@ -1,6 +1,7 @@
 #include "pair_coverage.h"
 
 #include <dn/error.h>
+#include <dn/geo/median_step.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,16 +18,6 @@ std::string Seconds(double t_s) {
   char text[48];
   std::snprintf(text, sizeof(text), "%.6f", t_s);
   return text;
-}
-
-double MedianStep(const std::vector<NavPoint>& points) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    steps.push_back(points[i].t_s - points[i - 1].t_s);
-  }
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
 }
 
 [[noreturn]] void FailUncovered(double t_s, const char* epoch, const LidarPair& pair,

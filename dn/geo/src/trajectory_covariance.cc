@@ -14,9 +14,9 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 constexpr std::size_t kColumns = 4 + 36;
 constexpr double kStripNumbers = 1e6;
 
-Matrix6d Units() {
+Matrix6d Units(double attitude) {
   Eigen::Matrix<double, 6, 1> units;
-  units << 1.0, 1.0, 1.0, Eigen::Vector3d::Constant(kDegPerRad);
+  units << 1.0, 1.0, 1.0, Eigen::Vector3d::Constant(attitude);
   return units.asDiagonal();
 }
 
@@ -56,7 +56,7 @@ void ReadBlock(const TextTable& table, std::size_t i, std::size_t j, TrajectoryC
       values[3] != out->strip[j]) {
     Fail("the epochs are not those that the order of the rows asks for", table, row);
   }
-  const Matrix6d si = Units().inverse();
+  const Matrix6d si = Units(kRadPerDeg);
   const Matrix6d C =
       si * Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(values + 4) * si;
   if (i == j && !(C.diagonal().minCoeff() > 0.0)) Fail("a variance is not positive", table, row);
@@ -72,7 +72,7 @@ std::string FormatTrajectoryCovariance(const TrajectoryCovariance& covariance) {
       "# covariance between two epochs of the trajectory: t_i, strip_i, t_j, strip_j, then row by "
       "row\n# that of pose i with pose j: position E, N, U [m], attitude about body x, y, z "
       "[deg]\n";
-  const Matrix6d units = Units();
+  const Matrix6d units = Units(kDegPerRad);
   for (std::size_t i = 0; i < covariance.t_s.size(); ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
       text += FormatDouble(covariance.t_s[i]) + ' ' + std::to_string(covariance.strip[i]) + ' ' +

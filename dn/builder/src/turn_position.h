@@ -1,0 +1,15 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace dn::internal {
+
+/// Turns the position of one epoch by R in a joint covariance of poses, six rows each, position
+/// first.
+inline void TurnPosition(const Eigen::Matrix3d& R, std::size_t epoch, Eigen::MatrixXd* covariance) {
+  const auto at = static_cast<Eigen::Index>(6 * epoch);
+  covariance->middleRows<3>(at) = R * covariance->middleRows<3>(at);
+  covariance->middleCols<3>(at) = covariance->middleCols<3>(at) * R.transpose();
+}
+
+}  // namespace dn::internal
