@@ -214,8 +214,14 @@ void FillReport(const Flight& flight, const GaussHelmertRun& gauss_helmert, Run*
                          {"covariance", gauss_helmert.timings.covariance_s}};
 }
 
-void FailUnlessObservable(const std::vector<const BoresightResult*>& results) {
+void FailUnlessReliable(const std::vector<const BoresightResult*>& results) {
   for (const BoresightResult* boresight : results) {
+    if (boresight->verdict == "contradicted") {
+      throw FailedWithResults(
+          "contradicted", fmt::format("the data contradict the assumed model; {} (result.json has "
+                                      "all findings)",
+                                      boresight->reasons.front()));
+    }
     if (boresight->verdict != "not_observable") continue;
     throw FailedWithResults("not_observable", fmt::format("the boresight is not observable: {}",
                                                           fmt::join(boresight->reasons, "; ")));
@@ -233,6 +239,7 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
   NetworkRun out;
   out.flight_run = std::move(flight_run);
   out.boresight = ExtractBoresight(out.flight_run->adjustment, *out.flight_run->marginals);
+  Assess(out.flight_run->model_check, &out.boresight);
   out.unknowns = ExtractUnknowns(out.flight_run->adjustment, *out.flight_run->marginals);
   return out;
 }
@@ -240,10 +247,11 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
 void AddNetworkFiles(const NetworkRun& network, const std::string& result_name, Run* run) {
   const FlightRun& flight_run = *network.flight_run;
   AddTrajectoryFiles(flight_run, run);
-  run->AddFile(result_name,
-               FormatJson(CalibrationJson(flight_run.flight.config.name, flight_run.adjustment,
-                                          flight_run.trajectory, network.boresight,
-                                          network.unknowns, flight_run.timings)));
+  Json result =
+      CalibrationJson(flight_run.flight.config.name, flight_run.adjustment, flight_run.trajectory,
+                      network.boresight, network.unknowns, flight_run.timings);
+  result["model_check"] = ModelCheckJson(flight_run.model_check);
+  run->AddFile(result_name, FormatJson(result));
   FillReport(flight_run, run);
 }
 
@@ -251,7 +259,7 @@ void RunNetwork(const CalibrateOptions& options, Run& run) {
   const NetworkRun network = CalibrateByNetwork(AdjustFlight(options.flight, true, &run));
   AddNetworkFiles(network, "result.json", &run);
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
-  FailUnlessObservable({&network.boresight});
+  FailUnlessReliable({&network.boresight});
 }
 
 Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double* read_s,
@@ -274,7 +282,7 @@ void RunGaussHelmert(const FlightConfig& config, Run& run) {
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
   FillReport(flight, gh, &run);
   PrintResult(flight.config, gh.calibration, gh.timings);
-  FailUnlessObservable({&gh.calibration.boresight});
+  FailUnlessReliable({&gh.calibration.boresight});
 }
 
 void PrintDifference(const BoresightResult& gh, const BoresightResult& network) {
@@ -305,7 +313,7 @@ void RunAll(const FlightConfig& config, Run& run) {
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   PrintResult(config, gh.calibration, gh.timings);
   PrintDifference(gh.calibration.boresight, network.boresight);
-  FailUnlessObservable({&network.boresight, &gh.calibration.boresight});
+  FailUnlessReliable({&network.boresight, &gh.calibration.boresight});
 }
 
 void Calibrate(const CalibrateOptions& options, Run& run) {

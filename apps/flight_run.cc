@@ -124,6 +124,9 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
       std::make_unique<Marginals>(result->adjustment.network->net, marginals_options);
   result->marginals->ComputeSelectedInverse();
   result->trajectory = ExtractTrajectory(result->adjustment, *result->marginals);
+  run->progress.Stage("model check");
+  result->model_check = CheckModel(result->adjustment, *result->marginals, result->trajectory,
+                                   run->options().threads);
   result->timings.covariance_s = Since(covariance_start);
   for (const std::string& warning : Warnings(*result)) run->progress.Warn(warning);
   result->timings.total_s = read_s + Since(solve_start);

@@ -14,6 +14,7 @@ struct FlightRun {
   Adjustment adjustment;
   std::unique_ptr<Marginals> marginals;
   TrajectoryResult trajectory;
+  ModelCheck model_check;
   RunTimings timings;
 };
 

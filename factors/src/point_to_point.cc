@@ -133,4 +133,13 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> PointToPoint::Points(double const* c
           Point<double>(j_, x[3], x[4], x[5], q_boresight, a_b, ddt)};
 }
 
+std::pair<PointToPoint::EndDerivatives, PointToPoint::EndDerivatives>
+PointToPoint::DerivativesOfEnds(double const* const* x) const {
+  const Eigen::Quaterniond q_boresight(x[6]);
+  const EndJacobians i = JacobiansOf(i_, x, x);
+  const EndJacobians j = JacobiansOf(j_, x + 3, x);
+  return {{W_ * i.a_b, -W_ * i.rate, q_boresight * i_.u_b},
+          {-W_ * j.a_b, W_ * j.rate, q_boresight * j_.u_b}};
+}
+
 }  // namespace dn

@@ -265,6 +265,14 @@ Marginals::Columns Marginals::Solve(const BlockColumns& rhs) const {
   return columns;
 }
 
+Eigen::MatrixXd Marginals::Solve(const Eigen::MatrixXd& rhs) const {
+  if (rhs.rows() != num_parameters()) {
+    throw InvalidInput("marginals: right-hand sides of " + std::to_string(rhs.rows()) +
+                       " rows for " + std::to_string(num_parameters()) + " unknowns");
+  }
+  return impl_->SolveScaled(impl_->scale.asDiagonal() * rhs);
+}
+
 void Marginals::ComputeSelectedInverse() {
   if (impl_->selected || impl_->layout.size() == 0) return;
   const auto start = std::chrono::steady_clock::now();

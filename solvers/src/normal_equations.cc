@@ -144,16 +144,19 @@ Linearization::Linearization(const Network& network, const UnknownLayout& layout
     : layout_(layout) {
   Reserve(network);
   ParallelFor(static_cast<int>(edges_.size()), threads,
-              [&](int e) { EvaluateEdge(network, factor_of_edge_[Index(e)], edges_[Index(e)]); });
+              [&](int e) { EvaluateEdge(network, edges_[Index(e)]); });
 }
 
 void Linearization::Reserve(const Network& network) {
   std::size_t size = 0;
+  int rows = 0;
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     const FactorRecord& record = network.factor(id);
     if (!record.active) continue;
     Edge edge;
+    edge.factor = id;
     edge.rows = record.factor->residual_size();
+    edge.first_row = rows;
     edge.data = size;
     edge.first_block = positions_.size();
     for (const BlockId b : record.blocks) {
@@ -165,14 +168,15 @@ void Linearization::Reserve(const Network& network) {
     }
     if (edge.num_blocks == 0) continue;
     size += Index(edge.rows) * Index(edge.cols);
+    rows += edge.rows;
     edges_.push_back(edge);
-    factor_of_edge_.push_back(id);
   }
   values_.resize(size);
+  residual_.resize(rows);
 }
 
-void Linearization::EvaluateEdge(const Network& network, FactorId id, const Edge& edge) {
-  const FactorRecord& record = network.factor(id);
+void Linearization::EvaluateEdge(const Network& network, const Edge& edge) {
+  const FactorRecord& record = network.factor(edge.factor);
   const std::size_t n = record.blocks.size();
   std::vector<const double*> x(n);
   std::vector<RowMajor> stored(n);
@@ -201,10 +205,14 @@ void Linearization::EvaluateEdge(const Network& network, FactorId id, const Edge
     column += kind.tangent_size;
   }
   if (!defined || !r.allFinite() || !out.allFinite()) {
-    throw InvalidInput("marginals: " + UndefinedFactorMessage(network, id));
+    throw InvalidInput("marginals: " + UndefinedFactorMessage(network, edge.factor));
   }
   const double weight = EvaluateLoss(record.loss, r.squaredNorm()).rho_prime;
-  if (weight != 1.0) out *= std::sqrt(weight);
+  if (weight != 1.0) {
+    out *= std::sqrt(weight);
+    r *= std::sqrt(weight);
+  }
+  residual_.segment(edge.first_row, edge.rows) = r;
 }
 
 Eigen::MatrixXd Linearization::TriangularFactorOfProduct(const Eigen::MatrixXd& X) const {

@@ -32,6 +32,8 @@ class Linearization {
     int rows = 0;
     int cols = 0;
     std::size_t data = 0;         ///< into the store of Jacobians
+    int first_row = 0;            ///< into the residual
+    FactorId factor = -1;
     std::size_t first_block = 0;  ///< into the list of positions
     int num_blocks = 0;
   };
@@ -40,6 +42,8 @@ class Linearization {
   Linearization(const Network& network, const UnknownLayout& layout, int threads);
 
   const std::vector<Edge>& edges() const { return edges_; }
+  /// Whitened residuals, with the same weights.
+  const Eigen::VectorXd& residual() const { return residual_; }
   const int* positions(const Edge& edge) const { return positions_.data() + edge.first_block; }
   Eigen::Map<const Eigen::MatrixXd> jacobian(const Edge& edge) const {
     return {values_.data() + edge.data, edge.rows, edge.cols};
@@ -50,13 +54,13 @@ class Linearization {
 
  private:
   void Reserve(const Network& network);
-  void EvaluateEdge(const Network& network, FactorId id, const Edge& edge);
+  void EvaluateEdge(const Network& network, const Edge& edge);
 
   const UnknownLayout& layout_;
   std::vector<Edge> edges_;
-  std::vector<FactorId> factor_of_edge_;
   std::vector<int> positions_;
   std::vector<double> values_;
+  Eigen::VectorXd residual_;
 };
 
 /// A symmetric matrix, its lower triangle by compressed columns with ascending rows.

@@ -4,7 +4,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <map>
 #include <string>
+#include <utility>
 
 namespace dn {
 namespace {
@@ -13,6 +15,8 @@ namespace {
 constexpr Eigen::Index kBatchColumns = 48;
 // Share of an effect's signature that the unknowns leave, below which nothing is left of it.
 constexpr double kAbsorbed = 1e-9;
+// The same where effects are conditioned on one another, which costs digits.
+constexpr double kAbsorbedJointly = 1e-7;
 
 /// The sums of one effect over its factors.
 struct Sums {
@@ -52,23 +56,24 @@ Sums Sum(const Network& network, const EffectModel& effect) {
   return sums;
 }
 
-ScoreTest Conclude(const Sums& sums, const Eigen::MatrixXd& A) {
+ScoreTest Conclude(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
+                   const Eigen::VectorXd& signature2, double absorbed) {
   ScoreTest test;
-  const Eigen::Index q = sums.s.size();
+  const Eigen::Index q = s.size();
   const Eigen::VectorXd scale =
-      sums.LL.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();  // to a unit signature
+      signature2.cwiseMax(1e-300).cwiseSqrt().cwiseInverse();  // to a unit signature
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
       Eigen::MatrixXd(scale.asDiagonal() * A * scale.asDiagonal()));
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(q);
   for (Eigen::Index i = 0; i < q; ++i) {
-    if (eigen.eigenvalues()[i] < kAbsorbed) continue;
+    if (eigen.eigenvalues()[i] < absorbed) continue;
     inverse[i] = 1.0 / eigen.eigenvalues()[i];
     ++test.dof;
   }
   test.covariance = scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
                     eigen.eigenvectors().transpose() * scale.asDiagonal();
-  test.estimate = -test.covariance * sums.s;
-  test.statistic = sums.s.dot(test.covariance * sums.s);
+  test.estimate = -test.covariance * s;
+  test.statistic = s.dot(test.covariance * s);
   return test;
 }
 
@@ -92,8 +97,29 @@ void TestBatch(const Marginals& marginals, const std::vector<Sums>& batch, Eigen
       A -= g.transpose() * Z.Rows(block).middleCols(c, g.cols());
     }
     c += sums.s.size();
-    tests->push_back(Conclude(sums, 0.5 * (A + A.transpose())));
+    tests->push_back(Conclude(sums.s, 0.5 * (A + A.transpose()), sums.LL.diagonal(), kAbsorbed));
   }
+}
+
+// The columns of all effects on one factor, side by side; rows of zeros where an effect has none.
+std::map<FactorId, std::vector<std::pair<Eigen::Index, const Eigen::MatrixXd*>>> ByFactor(
+    const Network& network, const std::vector<EffectModel>& effects,
+    const std::vector<Eigen::Index>& first) {
+  std::map<FactorId, std::vector<std::pair<Eigen::Index, const Eigen::MatrixXd*>>> by_factor;
+  for (std::size_t k = 0; k < effects.size(); ++k) {
+    for (const EffectPart& part : effects[k]) {
+      CheckPart(network, part, first[k + 1] - first[k]);
+      if (network.factor(part.factor).active) {
+        by_factor[part.factor].emplace_back(first[k], &part.L);
+      }
+    }
+  }
+  return by_factor;
+}
+
+Eigen::MatrixXd Submatrix(const Eigen::MatrixXd& A, const std::vector<Eigen::Index>& rows,
+                          const std::vector<Eigen::Index>& columns) {
+  return A(rows, columns);
 }
 
 }  // namespace
@@ -116,6 +142,69 @@ std::vector<ScoreTest> TestEffects(const Network& network, const Marginals& marg
   }
   flush();
   return tests;
+}
+
+std::vector<Eigen::Index> JointScore::Components(std::size_t effect) const {
+  std::vector<Eigen::Index> components;
+  for (Eigen::Index c = first[effect]; c < first[effect + 1]; ++c) components.push_back(c);
+  return components;
+}
+
+JointScore ScoreEffects(const Network& network, const Marginals& marginals,
+                        const std::vector<EffectModel>& effects,
+                        const std::vector<BlockId>& watched) {
+  JointScore score;
+  score.first.push_back(0);
+  for (const EffectModel& effect : effects) {
+    score.first.push_back(score.first.back() + (effect.empty() ? 0 : effect.front().L.cols()));
+  }
+  const Eigen::Index q = score.first.back();
+  score.s = Eigen::VectorXd::Zero(q);
+  score.A = Eigen::MatrixXd::Zero(q, q);
+  BlockColumns G;  // J^T L
+  for (const auto& [id, parts] : ByFactor(network, effects, score.first)) {
+    const FactorRecord& record = network.factor(id);
+    Eigen::VectorXd r;
+    std::vector<Eigen::MatrixXd> J;
+    if (!network.EvaluateFactor(id, &r, &J)) continue;
+    Eigen::MatrixXd L = Eigen::MatrixXd::Zero(r.size(), q);
+    for (const auto& [column, part] : parts) L.middleCols(column, part->cols()) = *part;
+    const double weight = EvaluateLoss(record.loss, r.squaredNorm()).rho_prime;
+    score.s += weight * L.transpose() * r;
+    score.A += weight * L.transpose() * L;
+    for (std::size_t b = 0; b < J.size(); ++b) {
+      if (network.block(record.blocks[b]).held) continue;
+      Eigen::MatrixXd& g = G[record.blocks[b]];
+      if (g.size() == 0) g = Eigen::MatrixXd::Zero(J[b].cols(), q);
+      g.noalias() += weight * J[b].transpose() * L;
+    }
+  }
+  score.signature2 = score.A.diagonal();
+  const Marginals::Columns Z = marginals.Solve(G);
+  for (const auto& [block, g] : G) score.A.noalias() -= g.transpose() * Z.Rows(block);
+  score.A = 0.5 * (score.A + Eigen::MatrixXd(score.A.transpose()));
+  for (const BlockId block : watched) {
+    const Eigen::MatrixXd rows = Z.Rows(block);
+    score.shift.conservativeResize(score.shift.rows() + rows.rows(), q);
+    score.shift.bottomRows(rows.rows()) = rows;
+  }
+  return score;
+}
+
+ScoreTest TestTogether(const JointScore& score, const std::vector<Eigen::Index>& components) {
+  return Conclude(score.s(components), Submatrix(score.A, components, components),
+                  score.signature2(components), kAbsorbedJointly);
+}
+
+JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Index>& components) {
+  const ScoreTest test = TestTogether(score, components);
+  const Eigen::MatrixXd A_jk = score.A(Eigen::all, components);
+  const Eigen::MatrixXd gain = test.covariance * A_jk.transpose();  // A_kk^+ A_kj
+  JointScore given = score;
+  given.s += A_jk * test.estimate;
+  given.A -= A_jk * gain;
+  if (score.shift.size() > 0) given.shift -= score.shift(Eigen::all, components) * gain;
+  return given;
 }
 
 }  // namespace dn

@@ -26,48 +26,56 @@ const std::vector<AxisNames>& SensorAxes() {
   return axes;
 }
 
-// Active factors of each group, by time.
-std::map<std::string, std::vector<FactorId>> FactorsByGroup(const Network& net) {
-  std::map<std::string, std::vector<FactorId>> by_group;
-  for (FactorId id = 0; id < net.num_factors(); ++id) {
-    const FactorRecord& record = net.factor(id);
-    if (record.active) by_group[net.groups()[static_cast<std::size_t>(record.group)]].push_back(id);
+using Fits = std::vector<const FactorFit*>;
+
+// Factors of each group, by time.
+std::map<std::string, Fits> FitsByGroup(const Network& net, const std::vector<FactorFit>& fits) {
+  std::map<std::string, Fits> by_group;
+  for (const FactorFit& fit : fits) {
+    const FactorRecord& record = net.factor(fit.factor);
+    by_group[net.groups()[static_cast<std::size_t>(record.group)]].push_back(&fit);
   }
-  for (auto& [name, ids] : by_group) {
-    std::stable_sort(ids.begin(), ids.end(),
-                     [&](FactorId a, FactorId b) { return net.factor(a).t_s < net.factor(b).t_s; });
+  for (auto& [name, group] : by_group) {
+    std::stable_sort(group.begin(), group.end(), [&](const FactorFit* a, const FactorFit* b) {
+      return net.factor(a->factor).t_s < net.factor(b->factor).t_s;
+    });
   }
   return by_group;
 }
 
-void DescribeSensor(const Network& net, const Marginals& marginals, const AxisNames& sensor,
-                    const std::vector<FactorId>& ids, std::vector<SeriesStatistics>* statistics) {
+void DescribeSensor(const Network& net, const AxisNames& sensor, const Fits& fits,
+                    std::vector<SeriesStatistics>* statistics) {
   std::vector<double> t_s;
-  std::vector<std::vector<double>> values(sensor.axes.size()), variances(sensor.axes.size());
-  for (const FactorId id : ids) {
-    Eigen::VectorXd r;
-    if (!net.EvaluateFactor(id, &r)) continue;
-    const Eigen::VectorXd redundancy = RedundancyNumbers(net, id, marginals);
-    t_s.push_back(net.factor(id).t_s);
-    for (std::size_t a = 0; a < values.size(); ++a) {
-      values[a].push_back(r[static_cast<Eigen::Index>(a)]);
-      variances[a].push_back(redundancy[static_cast<Eigen::Index>(a)]);
+  for (const FactorFit* fit : fits) t_s.push_back(net.factor(fit->factor).t_s);
+  for (std::size_t a = 0; a < sensor.axes.size(); ++a) {
+    std::vector<double> values, variances;
+    for (const FactorFit* fit : fits) {
+      values.push_back(fit->residual[static_cast<Eigen::Index>(a)]);
+      variances.push_back(fit->redundancy[static_cast<Eigen::Index>(a)]);
     }
-  }
-  for (std::size_t a = 0; a < values.size(); ++a) {
-    statistics->push_back(
-        DescribeSeries(sensor.group, sensor.axes[a], t_s, values[a], variances[a]));
+    statistics->push_back(DescribeSeries(sensor.group, sensor.axes[a], t_s, values, variances));
   }
 }
 
 }  // namespace
 
-std::vector<SeriesStatistics> ResidualStatistics(const Network& net, const Marginals& marginals) {
-  const auto by_group = FactorsByGroup(net);
+std::vector<FactorFit> FitOfFactors(const Network& net, const Marginals& marginals) {
+  std::vector<FactorFit> fits;
+  for (FactorId id = 0; id < net.num_factors(); ++id) {
+    Eigen::VectorXd r;
+    if (!net.factor(id).active || !net.EvaluateFactor(id, &r)) continue;
+    fits.push_back({id, r, RedundancyNumbers(net, id, marginals)});
+  }
+  return fits;
+}
+
+std::vector<SeriesStatistics> ResidualStatistics(const Network& net,
+                                                 const std::vector<FactorFit>& fits) {
+  const auto by_group = FitsByGroup(net, fits);
   std::vector<SeriesStatistics> statistics;
   for (const AxisNames& sensor : SensorAxes()) {
-    const auto ids = by_group.find(sensor.group);
-    if (ids != by_group.end()) DescribeSensor(net, marginals, sensor, ids->second, &statistics);
+    const auto group = by_group.find(sensor.group);
+    if (group != by_group.end()) DescribeSensor(net, sensor, group->second, &statistics);
   }
   return statistics;
 }

@@ -243,7 +243,8 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
     result.biases.push_back(bias);
   }
   result.figures = Figures(adjustment);
-  result.residuals = ResidualStatistics(network.net, marginals);
+  result.fits = FitOfFactors(network.net, marginals);
+  result.residuals = ResidualStatistics(network.net, result.fits);
   AddInnovations(adjustment, &result);
   WarnOfInnovations(&result);
   return result;

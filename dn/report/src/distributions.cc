@@ -37,6 +37,13 @@ double ChiSquareCdf(double x, double dof) {
   return 0.5 * std::erfc(-(std::cbrt(x / dof) - 1.0 + variance) / std::sqrt(2.0 * variance));
 }
 
+double ChiSquareTail(double x, double dof) {
+  if (x <= 0.0) return 1.0;
+  if (dof < kLargeDof) return Eigen::numext::igammac(0.5 * dof, 0.5 * x);
+  const double variance = 2.0 / (9.0 * dof);
+  return 0.5 * std::erfc((std::cbrt(x / dof) - 1.0 + variance) / std::sqrt(2.0 * variance));
+}
+
 double ChiSquareQuantile(double p, double dof) {
   double high = dof + 10.0;
   while (ChiSquareCdf(high, dof) < p) high *= 2.0;

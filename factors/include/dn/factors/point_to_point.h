@@ -83,6 +83,15 @@ class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<
   /// The two georeferenced points in map, m, at the given blocks (first x_i, then x_j).
   std::pair<Eigen::Vector3d, Eigen::Vector3d> Points(double const* const* x) const;
 
+  /// How the residual depends on what one end alone measures: the way in for effects that are no
+  /// blocks of this factor.
+  struct EndDerivatives {
+    Eigen::Matrix3d J_r_u;  ///< with respect to the laser vector in body axes, 1/m
+    Eigen::Vector3d J_r_t;  ///< to a late tag of this end (tag = t + dt), 1/s
+    Eigen::Vector3d u_b;    ///< laser vector in body, R_boresight T_bs u_s, m
+  };
+  std::pair<EndDerivatives, EndDerivatives> DerivativesOfEnds(double const* const* x) const;
+
  private:
   struct End {
     AffineStep step;

@@ -102,6 +102,10 @@ class Marginals {
   /// blocks must not be given. Throws InvalidInput where a size does not fit.
   Columns Solve(const BlockColumns& rhs) const;
 
+  /// The same for right-hand sides over all unknowns: the blocks that are free and have an active
+  /// factor, in the order of the network. Throws InvalidInput where the size does not fit.
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& rhs) const;
+
   /// Computes every block of the covariance within the pattern of L.
   void ComputeSelectedInverse();
 

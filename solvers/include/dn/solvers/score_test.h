@@ -40,4 +40,31 @@ struct ScoreTest {
 std::vector<ScoreTest> TestEffects(const Network& network, const Marginals& marginals,
                                    const std::vector<EffectModel>& effects);
 
+/// What the residuals say about several effects at once: every test of one of them, of some
+/// together, or of one beside others follows from it without another solution.
+struct JointScore {
+  std::vector<Eigen::Index> first;  ///< component of each effect's first, and their total at last
+  Eigen::VectorXd s;                ///< L^T r
+  Eigen::MatrixXd A;                ///< L^T M L, M as in LinearizedNetwork::Project
+  Eigen::VectorXd signature2;       ///< diagonal of L^T L
+  /// N^-1 J^T L of the watched blocks, one below the other: how far one unit of a component, in the
+  /// data and not in the network, moves them.
+  Eigen::MatrixXd shift;
+
+  std::vector<Eigen::Index> Components(std::size_t effect) const;
+};
+
+/// The effects' components side by side, in the order given. Throws as TestEffects.
+JointScore ScoreEffects(const Network& network, const Marginals& marginals,
+                        const std::vector<EffectModel>& effects,
+                        const std::vector<BlockId>& watched);
+
+/// The score test of some components together, all others being absent.
+ScoreTest TestTogether(const JointScore& score, const std::vector<Eigen::Index>& components);
+
+/// The scores of all components once some are among the unknowns: with index k for those,
+///
+///   s_j - A_jk A_kk^+ s_k,   A_ij - A_ik A_kk^+ A_kj,   shift_j - shift_k A_kk^+ A_kj.
+JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Index>& components);
+
 }  // namespace dn

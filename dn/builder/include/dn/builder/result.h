@@ -60,11 +60,19 @@ struct AdjustmentFigures {
   long outliers = 0;
 };
 
+/// What the fit left of one factor.
+struct FactorFit {
+  FactorId factor = -1;
+  Eigen::VectorXd residual;    ///< whitened
+  Eigen::VectorXd redundancy;  ///< variance that it should have (RedundancyNumbers)
+};
+
 /// The trajectory part of an adjusted flight with its posterior covariance.
 struct TrajectoryResult {
   std::vector<TrajectorySigma> sigma;  ///< at the nodes
   std::vector<BiasEstimate> biases;    ///< at the nodes
   AdjustmentFigures figures;
+  std::vector<FactorFit> fits;                ///< of the active factors, by id
   std::vector<SeriesStatistics> residuals;    ///< whitened, after the fit, per sensor and axis
   std::vector<SeriesStatistics> innovations;  ///< of the forward filter, per sensor and axis
   double nis_position = 0.0;                  ///< mean normalised innovation squared / 3
@@ -86,7 +94,7 @@ struct BoresightResult {
   /// the same times sigma0.
   std::optional<Eigen::Vector3d> sigma_apriori_rad;
   std::optional<Eigen::Vector3d> sigma_scaled_rad;
-  std::string verdict;  ///< calibrated | absorbed | not_observable
+  std::string verdict;  ///< calibrated | absorbed | not_observable | contradicted
   std::vector<std::string> reasons;
 
   Eigen::Vector3d sigma_rad() const { return covariance_rad2.diagonal().cwiseSqrt(); }

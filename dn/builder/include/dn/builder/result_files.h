@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/builder/gauss_helmert_flight.h>
+#include <dn/builder/model_check.h>
 #include <dn/builder/result.h>
 #include <dn/report/json.h>
 
@@ -22,6 +23,9 @@ struct RunTimings {
 Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
                      const TrajectoryResult& trajectory, const BoresightResult& boresight,
                      const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings);
+
+/// `model_check` of result.json and smooth.json.
+Json ModelCheckJson(const ModelCheck& check);
 
 /// result.json of `dn calibrate --method gh`.
 Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,

@@ -12,6 +12,9 @@ struct Interval {
 /// Probability that a chi-square variable with dof > 0 degrees of freedom stays below x.
 double ChiSquareCdf(double x, double dof);
 
+/// Probability that it exceeds x, to full relative accuracy also where that is tiny.
+double ChiSquareTail(double x, double dof);
+
 /// Inverse of ChiSquareCdf for 0 < p < 1.
 double ChiSquareQuantile(double p, double dof);
 

@@ -1,0 +1,65 @@
+#include <dn/builder/result_files.h>
+
+#include <cmath>
+
+namespace dn {
+namespace {
+
+Json GroupJson(const GroupCheck& group) {
+  return {{"name", group.name},
+          {"observations", group.observations},
+          {"redundancy", group.redundancy},
+          {"variance_ratio", group.variance_ratio},
+          {"p_value", group.p_value},
+          {"worst", {{"t_s", group.worst_t_s}, {"standardised", group.worst_standardised}}}};
+}
+
+Json CommonErrorJson(const CommonErrorCheck& common) {
+  return {{"name", common.name},   {"ratio", common.ratio},   {"p_value", common.p_value},
+          {"sigma", common.sigma}, {"damage", common.damage}, {"explained", common.explained}};
+}
+
+Json EffectJson(const EffectCheck& effect, bool has_boresight) {
+  return {{"effect", effect.name},
+          {"p_value", effect.p_value},
+          {"estimate", ToJson(effect.estimate)},
+          {"sigma", ToJson(effect.sigma)},
+          {"unit", effect.unit},
+          {"boresight_damage_mdeg",
+           has_boresight ? ToJson(effect.boresight_rad * kDegPerRad * 1e3) : Json(nullptr)},
+          {"damage_sigmas", effect.damage},
+          {"log_evidence", effect.log_evidence},
+          {"inseparable_from", effect.inseparable_from}};
+}
+
+template <class T, class Convert>
+Json List(const std::vector<T>& values, const Convert& convert) {
+  Json list = Json::array();
+  for (const T& value : values) list.push_back(convert(value));
+  return list;
+}
+
+}  // namespace
+
+Json ModelCheckJson(const ModelCheck& check) {
+  return {
+      {"groups", List(check.groups, GroupJson)},
+      {"common_errors", List(check.common_errors, CommonErrorJson)},
+      {"effects",
+       List(check.effects,
+            [&](const EffectCheck& effect) { return EffectJson(effect, check.of_boresight); })},
+      {"priors", List(check.priors,
+                      [](const PriorCheck& prior) {
+                        return Json{{"unknown", prior.unknown},
+                                    {"statistic", prior.statistic},
+                                    {"dof", prior.dof},
+                                    {"p_value", prior.p_value}};
+                      })},
+      {"findings", List(check.findings,
+                        [](const Finding& finding) {
+                          return Json{{"contradicts", finding.contradicts}, {"text", finding.text}};
+                        })},
+      {"p_value", check.p_value}};
+}
+
+}  // namespace dn
