@@ -48,7 +48,10 @@ void PrintAngles(const FlightConfig& config, const BoresightResult& boresight,
 
 void PrintAssessment(const BoresightResult& boresight) {
   fmt::print("assessment: {}", boresight.verdict);
-  for (const std::string& reason : boresight.reasons) fmt::print("; {}", reason);
+  const bool contradicted = boresight.verdict == "contradicted";
+  for (const std::string& reason : boresight.reasons) {
+    fmt::print("{}{}", contradicted ? "\n  " : "; ", reason);
+  }
 }
 
 void PrintTimes(const RunTimings& timings) {
@@ -217,10 +220,7 @@ void FillReport(const Flight& flight, const GaussHelmertRun& gauss_helmert, Run*
 void FailUnlessReliable(const std::vector<const BoresightResult*>& results) {
   for (const BoresightResult* boresight : results) {
     if (boresight->verdict == "contradicted") {
-      throw FailedWithResults(
-          "contradicted", fmt::format("the data contradict the assumed model; {} (result.json has "
-                                      "all findings)",
-                                      boresight->reasons.front()));
+      ThrowContradicted(boresight->reasons.front(), "the result file");
     }
     if (boresight->verdict != "not_observable") continue;
     throw FailedWithResults("not_observable", fmt::format("the boresight is not observable: {}",
@@ -247,11 +247,10 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
 void AddNetworkFiles(const NetworkRun& network, const std::string& result_name, Run* run) {
   const FlightRun& flight_run = *network.flight_run;
   AddTrajectoryFiles(flight_run, run);
-  Json result =
-      CalibrationJson(flight_run.flight.config.name, flight_run.adjustment, flight_run.trajectory,
-                      network.boresight, network.unknowns, flight_run.timings);
-  result["model_check"] = ModelCheckJson(flight_run.model_check);
-  run->AddFile(result_name, FormatJson(result));
+  run->AddFile(result_name, FormatJson(CalibrationJson(flight_run.flight.config.name,
+                                                       flight_run.adjustment, flight_run.trajectory,
+                                                       flight_run.model_check, network.boresight,
+                                                       network.unknowns, flight_run.timings)));
   FillReport(flight_run, run);
 }
 

@@ -173,6 +173,17 @@ void FillReport(const FlightRun& flight_run, Run* run) {
                          {"covariance", flight_run.timings.covariance_s}};
 }
 
+void PrintFindings(const ModelCheck& check) {
+  fmt::print("assessment: {}\n", check.contradicted() ? "contradicted" : "consistent");
+  for (const std::string& text : TextsOf(check)) fmt::print("  {}\n", text);
+}
+
+void ThrowContradicted(const std::string& first_finding, const std::string& file) {
+  throw FailedWithResults(
+      "contradicted", fmt::format("the data contradict the assumed model: {}; {} has all findings",
+                                  first_finding, file));
+}
+
 void PrintStatistics(const std::string& title, const std::vector<SeriesStatistics>& statistics) {
   if (statistics.empty()) return;
   fmt::print("{}\n  {:<15} {:<12} {:>8} {:>8} {:>9} {:>9} {:>7} {:>8} {:>12}\n", title, "sensor",

@@ -31,6 +31,13 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run);
 /// Fills report.json's counts, statistics, stages and timings.
 void FillReport(const FlightRun& flight_run, Run* run);
 
+/// Prints what the model check found, a line each.
+void PrintFindings(const ModelCheck& check);
+
+/// Ends the work with its results and the error that the data contradict the assumed model, by its
+/// first finding; `file` has all of them.
+[[noreturn]] void ThrowContradicted(const std::string& first_finding, const std::string& file);
+
 /// Prints a table of the statistics of innovations and residuals.
 void PrintStatistics(const std::string& title, const std::vector<SeriesStatistics>& statistics);
 

@@ -37,10 +37,11 @@ void Smooth(const SmoothOptions& options, Run& run) {
   const TrajectoryResult& trajectory = flight_run->trajectory;
   AddTrajectoryFiles(*flight_run, &run);
   AddCovarianceFile(*flight_run, &run);
-  run.AddFile("smooth.json",
-              FormatJson(SmoothJson(flight_run->flight.config.name, trajectory,
-                                    ExtractUnknowns(flight_run->adjustment, *flight_run->marginals),
-                                    flight_run->timings)));
+  run.AddFile(
+      "smooth.json",
+      FormatJson(SmoothJson(flight_run->flight.config.name, trajectory, flight_run->model_check,
+                            ExtractUnknowns(flight_run->adjustment, *flight_run->marginals),
+                            flight_run->timings)));
   FillReport(*flight_run, &run);
   const AdjustmentFigures& figures = trajectory.figures;
   fmt::print("flight {}: {} nodes, {} inertial and {} GNSS epochs, alignment {}\n",
@@ -53,6 +54,9 @@ void Smooth(const SmoothOptions& options, Run& run) {
   PrintStatistics("residuals after the adjustment", trajectory.residuals);
   const Json& errors = run.report["reference_errors"];
   if (!errors.is_null()) fmt::print("differences from the reference: {}\n", errors.dump());
+  PrintFindings(flight_run->model_check);
+  const ModelCheck& check = flight_run->model_check;
+  if (check.contradicted()) ThrowContradicted(check.findings.front().text, "smooth.json");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "monte_carlo/flight_record.h"
 
 #include <dn/builder/adjust.h>
+#include <dn/builder/model_check.h>
 #include <dn/error.h>
 #include <dn/rotation.h>
 #include <dn/solvers/marginals.h>
@@ -137,6 +138,9 @@ FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
     record.chi2 = trajectory.figures.chi2;
     record.redundancy = trajectory.figures.redundancy;
     record.outliers = adjustment.outliers;
+    const ModelCheck check = CheckModel(adjustment, marginals, trajectory);
+    record.contradicted = check.contradicted();
+    record.check_p_value = check.p_value;
     record.residuals = trajectory.residuals;
     record.innovations = trajectory.innovations;
     AddErrors(simulated, adjustment, marginals, options.epoch_spacing_s, &record);

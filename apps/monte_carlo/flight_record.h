@@ -35,6 +35,8 @@ struct FlightRecord {
   double chi2 = 0.0;
   long redundancy = 0;
   long outliers = 0;
+  bool contradicted = false;  ///< by the model check, although the model is the flight's own
+  double check_p_value = 1.0;
   std::vector<EpochErrors> epochs;
   Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();    ///< east, north, up, all nodes
   Eigen::Vector3d velocity_rms_mps = Eigen::Vector3d::Zero();  ///< east, north, up

@@ -91,6 +91,8 @@ Json ToJson(const FlightRecord& record) {
           {"chi2", record.chi2},
           {"redundancy", record.redundancy},
           {"outliers", record.outliers},
+          {"contradicted", record.contradicted},
+          {"check_p_value", record.check_p_value},
           {"position_rms_m", dn::ToJson(record.position_rms_m)},
           {"velocity_rms_mps", dn::ToJson(record.velocity_rms_mps)},
           {"attitude_rms_rad", dn::ToJson(record.attitude_rms_rad)},
@@ -110,6 +112,8 @@ FlightRecord FlightRecordFromJson(const Json& json) {
   record.chi2 = json.at("chi2").get<double>();
   record.redundancy = json.at("redundancy").get<long>();
   record.outliers = json.at("outliers").get<long>();
+  record.contradicted = json.at("contradicted").get<bool>();
+  record.check_p_value = json.at("check_p_value").get<double>();
   record.position_rms_m = Vector3FromJson(json.at("position_rms_m"));
   record.velocity_rms_mps = Vector3FromJson(json.at("velocity_rms_mps"));
   record.attitude_rms_rad = Vector3FromJson(json.at("attitude_rms_rad"));

@@ -132,6 +132,16 @@ void AddCost(const std::vector<FlightRecord>& records, MonteCarloSummary* summar
                                 BinomialInterval(kProbability, n, kProbability)};
 }
 
+void AddModelChecks(const std::vector<FlightRecord>& records, MonteCarloSummary* summary) {
+  constexpr double kFalseAlarms = 0.001;  // the level of the model check, for a flight
+  const auto n = static_cast<long>(records.size());
+  const auto contradicted =
+      std::count_if(records.begin(), records.end(),
+                    [](const FlightRecord& record) { return record.contradicted; });
+  summary->share_contradicted = {static_cast<double>(contradicted) / static_cast<double>(n),
+                                 {0.0, BinomialInterval(kProbability, n, kFalseAlarms).high}};
+}
+
 void AddRms(const std::vector<FlightRecord>& records, MonteCarloSummary* summary) {
   const auto n = static_cast<double>(records.size());
   Eigen::Vector3d p2 = Eigen::Vector3d::Zero(), v2 = p2, rph2 = p2;
@@ -150,7 +160,8 @@ void AddRms(const std::vector<FlightRecord>& records, MonteCarloSummary* summary
 
 bool MonteCarloSummary::consistent() const {
   const auto ok = [](const JudgedFigure& figure) { return figure.ok(); };
-  bool all = failures == 0 && chi2_per_dof.ok() && share_chi2_inside.ok();
+  bool all =
+      failures == 0 && chi2_per_dof.ok() && share_chi2_inside.ok() && share_contradicted.ok();
   if (with_pairs) {
     all = all && boresight.nees_per_dof.ok() &&
           std::all_of(boresight.coverage.begin(), boresight.coverage.end(), ok);
@@ -181,6 +192,7 @@ MonteCarloSummary Summarise(const std::vector<FlightRecord>& records) {
     summary.trajectory.push_back(JudgeTrajectory(good, q));
   }
   AddCost(good, &summary);
+  AddModelChecks(good, &summary);
   AddRms(good, &summary);
   summary.residuals = JudgeSensors(good, &FlightRecord::residuals);
   summary.innovations = JudgeSensors(good, &FlightRecord::innovations);

@@ -58,6 +58,8 @@ struct MonteCarloSummary {
   std::vector<TrajectoryConsistency> trajectory;  ///< in the order of kQuantities
   JudgedFigure chi2_per_dof;                      ///< sum of 2 x cost / sum of redundancies
   JudgedFigure share_chi2_inside;  ///< flights whose chi2 is inside its own 99 % band
+  /// Flights that the model check calls contradicted, although the model is their own.
+  JudgedFigure share_contradicted;
   std::vector<SensorConsistency> residuals;
   std::vector<SensorConsistency> innovations;
   Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();

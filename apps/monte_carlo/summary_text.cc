@@ -71,6 +71,7 @@ Json ToJson(const MonteCarloSummary& s) {
                {"boresight", s.with_pairs ? ToJson(s.boresight) : Json()},
                {"chi2_per_dof", ToJson(s.chi2_per_dof)},
                {"share_of_flights_with_chi2_inside", ToJson(s.share_chi2_inside)},
+               {"share_of_flights_contradicted", ToJson(s.share_contradicted)},
                {"trajectory", Json::array()},
                {"position_rms_m", dn::ToJson(s.position_rms_m)},
                {"velocity_rms_mps", dn::ToJson(s.velocity_rms_mps)},
@@ -95,6 +96,7 @@ std::string FormatTable(const MonteCarloSummary& s, const std::string& scenario)
   }
   text += Line("2 x cost / redundancy", s.chi2_per_dof);
   text += Line("flights with 2 x cost in its band", s.share_chi2_inside);
+  text += Line("flights called contradicted", s.share_contradicted);
   if (s.with_pairs) {
     const auto& b = s.boresight;
     text += fmt::format(

@@ -140,6 +140,62 @@ TEST(ScoreTest, DropsWhatTheUnknownsAbsorb) {
   EXPECT_EQ(test.statistic, 0.0);
 }
 
+/// The offset parted: its first component, the two others, and a slope over the same positions.
+std::vector<EffectModel> Parts(const Chain& chain) {
+  std::vector<EffectModel> parts(3);
+  double k = 0.0;
+  for (const EffectPart& part : chain.Offset()) {
+    parts[0].push_back({part.factor, part.L.leftCols(1)});
+    parts[1].push_back({part.factor, part.L.rightCols(2)});
+    parts[2].push_back({part.factor, (k - 4.5) * part.L.leftCols(1)});
+    k += 1.0;
+  }
+  return parts;
+}
+
+TEST(JointScore, TogetherIsTheEffectAsAWhole) {
+  Chain chain(3, {0.5, 0.1, -0.3});
+  chain.SolveCost();
+  const JointScore score = ScoreEffects(chain.net, Marginals(chain.net), Parts(chain), {});
+  const ScoreTest whole = chain.Test();
+  const ScoreTest together = TestTogether(score, {0, 1, 2});
+  EXPECT_NEAR(together.statistic, whole.statistic, 1e-9);
+  EXPECT_LT((together.estimate - whole.estimate).norm(), 1e-9);
+  EXPECT_EQ(score.Components(1), (std::vector<Eigen::Index>{1, 2}));
+}
+
+// Conditioning on an effect is the same as having it among the unknowns.
+TEST(JointScore, GivenAnEffectIsTheTestBesideIt) {
+  Chain chain(4, {0.5, 0.1, -0.3});
+  chain.SolveCost();
+  const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
+  const JointScore score = ScoreEffects(chain.net, Marginals(chain.net), Parts(chain), {x25.id});
+  const JointScore given = GivenComponents(score, {0, 1, 2});
+  chain.net.Hold(chain.offset, false);
+  chain.SolveCost();
+  const JointScore beside = ScoreEffects(chain.net, Marginals(chain.net), Parts(chain), {x25.id});
+  const ScoreTest a = TestTogether(given, {3}), b = TestTogether(beside, {3});
+  EXPECT_NEAR(a.statistic, b.statistic, 1e-6);
+  EXPECT_NEAR(a.estimate[0], b.estimate[0], 1e-7);
+  EXPECT_LT((given.shift.col(3) - beside.shift.col(3)).norm(), 1e-9);
+  EXPECT_EQ(TestTogether(given, {0}).dof, 0) << "it is among the unknowns already";
+}
+
+// The shift foretells how far the unknowns move once the effect is estimated.
+TEST(JointScore, ShiftIsWhatTheEffectDidToTheUnknowns) {
+  Chain chain(5, {0.7, -0.2, 0.4});
+  chain.SolveCost();
+  const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
+  const JointScore score =
+      ScoreEffects(chain.net, Marginals(chain.net), {chain.Offset()}, {x25.id});
+  const ScoreTest test = TestTogether(score, {0, 1, 2});
+  const Eigen::Vector3d without = chain.net.Value(x25);
+  chain.net.Hold(chain.offset, false);
+  chain.SolveCost();
+  const Eigen::Vector3d moved = without - chain.net.Value(x25);
+  EXPECT_LT((score.shift * test.estimate - moved).norm(), 1e-7);
+}
+
 TEST(ScoreTest, SizesThatDoNotFitAreNamed) {
   Chain chain(1, Eigen::Vector3d::Zero());
   const Marginals marginals(chain.net);

@@ -16,9 +16,8 @@ using Eigen::Vector3d;
 
 constexpr double kCrossingRad = 20.0 * kRadPerDeg;
 constexpr double kHeightPerRange = 0.05;
-constexpr long kFewPairs = 30;         // "tens, not hundreds or thousands" are required
-constexpr double kManyOutliers = 0.3;  // share
-constexpr double kEvidentNats = 3.0;   // odds of 20 to 1
+constexpr long kFewPairs = 30;        // "tens, not hundreds or thousands" are required
+constexpr double kEvidentNats = 3.0;  // odds of 20 to 1
 // An error of half the pairs' sigma makes the misclosures 12 % larger: below it, it is noise.
 constexpr double kNoiseLevel = 0.5;
 // Twice the attitude accuracy of the paper's tactical-grade flights, the lowest within its
@@ -181,11 +180,6 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   add(AboutStrips(calibration->diversity));
   if (adjustment.pairs_kept < kFewPairs) {
     add(Format("only %ld pairs", adjustment.pairs_kept));
-  }
-  const double share =
-      static_cast<double>(adjustment.outliers) / static_cast<double>(adjustment.weights.size());
-  if (share > kManyOutliers) {
-    add(Format("%.0f %% of the pairs are outliers: look at the matching", 100.0 * share));
   }
   add(WhyTheSigmasDiffer(*calibration));
   for (const EstimateEntry& entry : flight.config.estimate) {

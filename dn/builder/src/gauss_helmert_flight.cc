@@ -13,6 +13,7 @@
 #include <filesystem>
 
 #include "gauss_helmert_assessment.h"
+#include "gauss_helmert_check.h"
 #include "turn_position.h"
 
 namespace dn {
@@ -364,6 +365,8 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
                                                   MakeScatterOptions(calibration.accuracy, strips));
   FillBoresight(&calibration);
   internal::Assess(flight, &calibration);
+  calibration.model_check = internal::CheckGaussHelmert(calibration);
+  Assess(calibration.model_check, &calibration.boresight);
   calibration.covariance_time_s = Since(covariance_start);
   return calibration;
 }

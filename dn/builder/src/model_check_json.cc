@@ -1,6 +1,6 @@
-#include <dn/builder/result_files.h>
+#include "model_check_json.h"
 
-#include <cmath>
+#include <dn/rotation.h>
 
 namespace dn {
 namespace {

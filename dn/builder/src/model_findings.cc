@@ -88,32 +88,8 @@ std::string LastingErrors(const CommonErrorCheck& common) {
 
 class Findings {
  public:
-  Findings(const Adjustment& adjustment, const TrajectoryResult& trajectory, ModelCheck* check)
-      : adjustment_(adjustment),
-        network_(*adjustment.network),
-        trajectory_(trajectory),
-        check_(*check) {}
+  explicit Findings(ModelCheck* check) : check_(*check) {}
 
-  void Collect() {
-    JudgePriors();
-    JudgeMounting();
-    JudgeAttitude();
-    JudgeEffects();
-    JudgeCommonErrors();
-    JudgeSigma0();
-    JudgeLeftOut();
-    JudgeGroups();
-    for (const std::string& warning : adjustment_.warnings) {
-      Add(Kind::kTrajectory, true, 0.0, warning);
-    }
-    std::stable_sort(check_.findings.begin(), check_.findings.end(),
-                     [](const Finding& a, const Finding& b) {
-                       if (a.contradicts != b.contradicts) return a.contradicts;
-                       return a.evidence > b.evidence;
-                     });
-  }
-
- private:
   void Add(Kind kind, bool contradicts, double evidence, std::string text) {
     check_.findings.push_back({kind, contradicts, evidence, std::move(text)});
   }
@@ -131,8 +107,11 @@ class Findings {
       const bool contradicts = group.ratio_beside_effects > kLargestVarianceRatio;
       Add(Kind::kVariance, contradicts, 0.0,
           fmt::format("the residuals of {} have {:.2f} times the variance that their stated noise "
-                      "allows ({}), the worst at t = {:.3f} s: {}, or something is not modelled",
-                      group.name, group.variance_ratio, P(group.p_value), group.worst_t_s,
+                      "allows ({}){}: {}, or something is not modelled",
+                      group.name, group.variance_ratio, P(group.p_value),
+                      group.worst_standardised != 0.0
+                          ? fmt::format(", the worst at t = {:.3f} s", group.worst_t_s)
+                          : std::string(),
                       LargerNoise(group.name)));
     }
   }
@@ -163,9 +142,8 @@ class Findings {
     }
   }
 
-  void JudgeMounting() {
-    if (!check_.of_boresight) return;
-    const Eigen::Vector3d deg = Log(network_.net.Value(network_.boresight)) * kDegPerRad;
+  void JudgeMounting(const Eigen::Vector3d& angles_rad) {
+    const Eigen::Vector3d deg = angles_rad * kDegPerRad;
     if (deg.cwiseAbs().maxCoeff() <= kLargestBoresightDeg) return;
     Add(Kind::kMounting, true, kCertain,
         fmt::format("the boresight came out as {:.1f}, {:.1f}, {:.1f} deg, which no mounting has: "
@@ -173,22 +151,20 @@ class Findings {
                     deg.x(), deg.y(), deg.z()));
   }
 
-  void JudgeAttitude() {
+  void JudgeAttitude(const FlightNetwork& network) {
     double upside_down = 0.0;
-    for (std::size_t k = 0; k < network_.nodes.size(); ++k) {
-      const Eigen::Quaterniond q_nb =
-          ToNavPoint(network_.NodePose(k), network_.flight().frame).q_nb;
+    for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+      const Eigen::Quaterniond q_nb = ToNavPoint(network.NodePose(k), network.flight().frame).q_nb;
       if (std::abs(RollPitchHeading(q_nb).x()) > 0.5 * std::numbers::pi) upside_down += 1.0;
     }
-    if (upside_down < kUpsideDownShare * static_cast<double>(network_.nodes.size())) return;
+    if (upside_down < kUpsideDownShare * static_cast<double>(network.nodes.size())) return;
     Add(Kind::kAttitude, check_.of_boresight, kCertain,
         "the body is upside down for the whole flight: are its axes forward-left-up (body: FLU), "
         "or "
         "does imu.R_imu_to_body miss a turn?");
   }
 
-  void JudgeSigma0() {
-    const double sigma0 = trajectory_.figures.sigma0;
+  void JudgeSigma0(double sigma0) {
     if (sigma0 <= kLargestSigma0) return;
     // Effects that leave most of the misfit are not its cause.
     const bool unexplained = check_.sigma0_beside_effects > 0.5 * sigma0;
@@ -198,30 +174,34 @@ class Findings {
                     sigma0));
   }
 
-  void JudgeLeftOut() {
-    const auto share = [](long part, long all) {
-      return static_cast<double>(part) / std::max(1.0, static_cast<double>(all));
-    };
-    const double pairs = share(adjustment_.outliers, static_cast<long>(network_.pair_edges.size()));
-    if (pairs > kPairsLeftOut) {
-      Add(Kind::kPairsLeftOut, true, 0.0,
-          fmt::format("{:.0f} % of the pairs contradict the others and were left out: check the "
-                      "matching, and that lidar.p2p belongs to this flight",
-                      100.0 * pairs));
-    }
-    const double gnss = share(static_cast<long>(adjustment_.gnss_rejected.size()),
-                              static_cast<long>(network_.gnss_edges.size()));
-    if (gnss > kGnssLeftOut) {
-      Add(Kind::kGnssLeftOut, true, 0.0,
-          fmt::format("{:.0f} % of the GNSS epochs contradict all other data and were left out: "
-                      "check gnss.file, its time tags, sigmas and the lever arm",
-                      100.0 * gnss));
-    }
+  void JudgePairsLeftOut(long left_out, long pairs) {
+    const double share = static_cast<double>(left_out) / std::max(1.0, static_cast<double>(pairs));
+    if (share <= kPairsLeftOut) return;
+    Add(Kind::kPairsLeftOut, true, 0.0,
+        fmt::format("{:.0f} % of the pairs contradict the others and were left out: check the "
+                    "matching, and that lidar.p2p belongs to this flight",
+                    100.0 * share));
   }
 
-  const Adjustment& adjustment_;
-  const FlightNetwork& network_;
-  const TrajectoryResult& trajectory_;
+  void JudgeGnssLeftOut(long left_out, long epochs) {
+    const double share = static_cast<double>(left_out) / std::max(1.0, static_cast<double>(epochs));
+    if (share <= kGnssLeftOut) return;
+    Add(Kind::kGnssLeftOut, true, 0.0,
+        fmt::format(
+            "{:.0f} % of the GNSS epochs contradict all other data and were left out: check "
+            "gnss.file, its time tags, sigmas and the lever arm",
+            100.0 * share));
+  }
+
+  void Sort() {
+    std::stable_sort(check_.findings.begin(), check_.findings.end(),
+                     [](const Finding& a, const Finding& b) {
+                       if (a.contradicts != b.contradicts) return a.contradicts;
+                       return a.evidence > b.evidence;
+                     });
+  }
+
+ private:
   ModelCheck& check_;
 };
 
@@ -229,15 +209,47 @@ class Findings {
 
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
                  ModelCheck* check) {
-  Findings(adjustment, trajectory, check).Collect();
+  const FlightNetwork& network = *adjustment.network;
+  Findings findings(check);
+  findings.JudgePriors();
+  if (check->of_boresight) findings.JudgeMounting(Log(network.net.Value(network.boresight)));
+  findings.JudgeAttitude(network);
+  findings.JudgeEffects();
+  findings.JudgeCommonErrors();
+  findings.JudgeSigma0(trajectory.figures.sigma0);
+  findings.JudgePairsLeftOut(adjustment.outliers, static_cast<long>(network.pair_edges.size()));
+  findings.JudgeGnssLeftOut(static_cast<long>(adjustment.gnss_rejected.size()),
+                            static_cast<long>(network.gnss_edges.size()));
+  findings.JudgeGroups();
+  for (const std::string& warning : adjustment.warnings) {
+    findings.Add(Kind::kTrajectory, true, 0.0, warning);
+  }
+  findings.Sort();
+}
+
+void AddFindings(const GaussHelmertCalibration& calibration, ModelCheck* check) {
+  Findings findings(check);
+  findings.JudgePriors();
+  findings.JudgeMounting(calibration.boresight.angles_rad);
+  findings.JudgeEffects();
+  findings.JudgeSigma0(calibration.figures.sigma0);
+  findings.JudgePairsLeftOut(calibration.adjustment.outliers,
+                             static_cast<long>(calibration.adjustment.weights.size()));
+  findings.JudgeGroups();
+  findings.Sort();
 }
 
 }  // namespace internal
 
+std::vector<std::string> TextsOf(const ModelCheck& check) {
+  std::vector<std::string> texts;
+  for (const Finding& finding : check.findings) texts.push_back(finding.text);
+  return texts;
+}
+
 void Assess(const ModelCheck& check, BoresightResult* boresight) {
   if (check.contradicted()) boresight->verdict = "contradicted";
-  std::vector<std::string> reasons;
-  for (const Finding& finding : check.findings) reasons.push_back(finding.text);
+  std::vector<std::string> reasons = TextsOf(check);
   if (reasons.empty()) return;
   for (const std::string& reason : boresight->reasons) {
     if (std::find(reasons.begin(), reasons.end(), reason) == reasons.end()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/builder/gauss_helmert_flight.h>
 #include <dn/builder/model_check.h>
 
 namespace dn::internal {
@@ -10,5 +11,6 @@ inline constexpr double kFamilyLevel = 1e-3;
 /// Judges what was tested and adds the findings, in words, those that contradict first.
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
                  ModelCheck* check);
+void AddFindings(const GaussHelmertCalibration& calibration, ModelCheck* check);
 
 }  // namespace dn::internal

@@ -202,6 +202,8 @@ void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
   // All pairs together, no better than this many times a single one: nothing was determined.
   constexpr double kPairResolutions = 10.0;
   constexpr double kAttitudeSigmas = 3.0;
+  // Beyond it an angle is known no better than the mount shows to the eye.
+  constexpr double kLargestSigmaDeg = 0.5;
   const double pairs_rad = kPairResolutions * PairResolution(flight);
   const Eigen::Matrix3d correlation = result->correlation();
   const char* names[] = {"roll", "pitch", "yaw"};
@@ -212,6 +214,11 @@ void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
       result->reasons.push_back(std::string("the standard deviation of ") + names[i] +
                                 " exceeds ten times the resolution of a single pair: more "
                                 "overlapping strips are needed");
+    } else if (sigma_rad[i] > kLargestSigmaDeg * kRadPerDeg) {
+      result->verdict = "not_observable";
+      result->reasons.push_back(std::string("the standard deviation of ") + names[i] +
+                                " exceeds 0.5 deg: more pairs, more overlapping strips, or a "
+                                "better attitude are needed");
     }
     for (int j = 0; j < i; ++j) {
       if (std::abs(correlation(i, j)) > kInseparable) {

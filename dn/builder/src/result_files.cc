@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "model_check_json.h"
+
 namespace dn {
 namespace {
 
@@ -72,8 +74,9 @@ Json AdjustmentJson(const AdjustmentFigures& figures) {
 }
 
 Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
-                     const TrajectoryResult& trajectory, const BoresightResult& boresight,
-                     const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings) {
+                     const TrajectoryResult& trajectory, const ModelCheck& check,
+                     const BoresightResult& boresight, const std::vector<UnknownEstimate>& unknowns,
+                     const RunTimings& timings) {
   Json json;
   json["schema"] = "dn.result/1";
   json["flight"] = flight;
@@ -88,6 +91,7 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
   figures["residual_initial_m"] = adjustment.residual_initial_m;
   figures["residual_final_m"] = adjustment.residual_final_m;
   json["adjustment"] = figures;
+  json["model_check"] = ModelCheckJson(check);
   json["timing_s"] = TimingJson(timings);
   return json;
 }
@@ -109,6 +113,7 @@ Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& c
   figures["residual_final_m"] = calibration.adjustment.residual_final_m;
   for (const char* key : {"nodes", "imu_epochs", "gnss_epochs"}) figures[key] = nullptr;
   json["adjustment"] = figures;
+  json["model_check"] = ModelCheckJson(calibration.model_check);
   json["timing_s"] = TimingJson(timings);
   return json;
 }
@@ -188,10 +193,13 @@ Json ComparisonJson(const std::string& flight,
 }
 
 Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
-                const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings) {
+                const ModelCheck& check, const std::vector<UnknownEstimate>& unknowns,
+                const RunTimings& timings) {
   Json json;
   json["schema"] = "dn.smooth/1";
   json["flight"] = flight;
+  json["assessment"] = {{"verdict", check.contradicted() ? "contradicted" : "consistent"},
+                        {"reasons", TextsOf(check)}};
   json["adjustment"] = AdjustmentJson(trajectory.figures);
   json["innovations"] = StatisticsToJson(trajectory.innovations);
   if (!trajectory.innovations.empty()) {
@@ -201,6 +209,7 @@ Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
     }
   }
   json["residuals"] = StatisticsToJson(trajectory.residuals);
+  json["model_check"] = ModelCheckJson(check);
   json["estimates"] = UnknownsJson(unknowns);
   json["timing_s"] = TimingJson(timings);
   return json;

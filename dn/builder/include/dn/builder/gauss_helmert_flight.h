@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/builder/model_check.h>
 #include <dn/builder/result.h>
 #include <dn/flight/flight.h>
 #include <dn/solvers/gauss_helmert.h>
@@ -64,6 +65,7 @@ struct GaussHelmertCalibration {
   double mean_range_m = 0.0;
   /// With the reliable covariance; sigma_apriori_rad and sigma_scaled_rad beside it.
   BoresightResult boresight;
+  ModelCheck model_check;
   AdjustmentFigures figures;
   double solve_time_s = 0.0;
   double covariance_time_s = 0.0;
@@ -97,6 +99,9 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelme
 ///                   shown by the pairs where that is more) change its difference by more than
 ///                   half its own sigma, and exceed 0.01 deg in roll or pitch or 0.02 deg in
 ///                   heading: the angles make the cloud consistent, but hold that error,
+///   contradicted    the misclosures have more than twice their stated variance, more than 30 % of
+///                   the pairs are outliers, the stated prior contradicts the pairs, or an angle
+///                   exceeds 15 deg (model_check); wins over the others,
 ///   calibrated      else,
 /// with the reasons in words. Throws InvalidConfig when `estimate` does not name the boresight;
 /// InvalidInput, RankDeficient, NotConverged, Interrupted.

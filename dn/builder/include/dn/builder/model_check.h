@@ -117,6 +117,9 @@ struct ModelCheck {
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
                       const TrajectoryResult& trajectory, int threads = 1);
 
+/// The findings in words, those that contradict first.
+std::vector<std::string> TextsOf(const ModelCheck& check);
+
 /// Sets the verdict `contradicted` where the check says so, and puts what it found before the other
 /// reasons.
 void Assess(const ModelCheck& check, BoresightResult* boresight);

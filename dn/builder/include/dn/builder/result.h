@@ -105,8 +105,8 @@ struct BoresightResult {
 double PairResolution(const Flight& flight);
 
 /// Sets the verdict not_observable, with the reasons, when two angles correlate by more than 0.999,
-/// or a standard deviation that the geometry leaves exceeds ten times PairResolution, beyond three
-/// times the attitude sigma that no geometry helps against. Else calibrated.
+/// a standard deviation that the geometry leaves exceeds ten times PairResolution, beyond three
+/// times the attitude sigma that no geometry helps against, or exceeds 0.5 deg. Else calibrated.
 void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
                          const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result);
 

@@ -21,11 +21,9 @@ struct RunTimings {
 
 /// result.json of `dn calibrate --method dn` (schema dn.result/1).
 Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
-                     const TrajectoryResult& trajectory, const BoresightResult& boresight,
-                     const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings);
-
-/// `model_check` of result.json and smooth.json.
-Json ModelCheckJson(const ModelCheck& check);
+                     const TrajectoryResult& trajectory, const ModelCheck& check,
+                     const BoresightResult& boresight, const std::vector<UnknownEstimate>& unknowns,
+                     const RunTimings& timings);
 
 /// result.json of `dn calibrate --method gh`.
 Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
@@ -41,9 +39,10 @@ Json ComparisonJson(const std::string& flight,
                     const std::vector<std::pair<std::string, const BoresightResult*>>& methods,
                     const std::vector<std::string>& absent);
 
-/// smooth.json of `dn smooth`.
+/// smooth.json of `dn smooth`, with the verdict `consistent` or `contradicted`.
 Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
-                const std::vector<UnknownEstimate>& unknowns, const RunTimings& timings);
+                const ModelCheck& check, const std::vector<UnknownEstimate>& unknowns,
+                const RunTimings& timings);
 
 /// The adjustment's figures as result.json and smooth.json hold them.
 Json AdjustmentJson(const AdjustmentFigures& figures);

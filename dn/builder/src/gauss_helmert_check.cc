@@ -1,0 +1,68 @@
+#include "gauss_helmert_check.h"
+
+#include <dn/report/distributions.h>
+#include <dn/rotation.h>
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "model_findings.h"
+
+namespace dn::internal {
+namespace {
+
+GroupCheck MisclosuresOf(const GaussHelmertCalibration& calibration) {
+  const AdjustmentFigures& figures = calibration.figures;
+  const auto redundancy = static_cast<double>(figures.redundancy);
+  GroupCheck group;
+  group.name = "lidar p2p";
+  group.observations = 3 * figures.correspondences;
+  group.redundancy = redundancy;
+  group.variance_ratio = group.ratio_beside_effects = figures.chi2 / std::max(1.0, redundancy);
+  const double above = ChiSquareTail(figures.chi2, std::max(1.0, redundancy));
+  group.p_value = std::min(1.0, 2.0 * std::min(above, 1.0 - above));
+  return group;
+}
+
+/// The stated prior against the pairs alone: what the angles would be without it, with the reliable
+/// covariance of both.
+std::optional<PriorCheck> PriorOf(const GaussHelmertCalibration& calibration) {
+  const auto& sigma_rad = calibration.problem.boresight_sigma_rad;
+  if (!sigma_rad) return std::nullopt;
+  const Eigen::Matrix3d P = sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
+  const Eigen::Matrix3d of_pairs = calibration.adjustment.normal - P;
+  const Eigen::FullPivLU<Eigen::Matrix3d> lu(of_pairs);
+  if (!lu.isInvertible()) return std::nullopt;
+  const Eigen::Vector3d away_rad = Log(Eigen::Quaterniond(
+      Exp(calibration.boresight.angles_rad) * Exp(calibration.problem.boresight_rad).conjugate()));
+  const Eigen::Vector3d predicted_rad = lu.solve(calibration.adjustment.normal * away_rad);
+  const Eigen::Matrix3d covariance = Eigen::Matrix3d(P.inverse()) + Eigen::Matrix3d(lu.inverse()) +
+                                     calibration.boresight.covariance_rad2;
+  PriorCheck prior;
+  prior.unknown = "boresight";
+  prior.dof = 3;
+  prior.statistic = predicted_rad.dot(covariance.llt().solve(predicted_rad));
+  prior.p_value = ChiSquareTail(prior.statistic, prior.dof);
+  return prior;
+}
+
+}  // namespace
+
+ModelCheck CheckGaussHelmert(const GaussHelmertCalibration& calibration) {
+  ModelCheck check;
+  check.of_boresight = true;
+  check.groups.push_back(MisclosuresOf(calibration));
+  if (const auto prior = PriorOf(calibration)) check.priors.push_back(*prior);
+  check.sigma0_beside_effects = calibration.figures.sigma0;
+  check.p_value = check.groups.front().p_value;
+  for (const PriorCheck& prior : check.priors) {
+    check.p_value = std::min(check.p_value, prior.p_value);
+  }
+  AddFindings(calibration, &check);
+  return check;
+}
+
+}  // namespace dn::internal
