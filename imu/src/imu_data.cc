@@ -15,9 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Longest interval that is no gap; time tags of week seconds are rounded by 1e-10 s and more.
-double LongestInterval(double nominal_dt_s) { return 1.5 * nominal_dt_s + 1e-6; }
-
 /// Mean |f| of anything that does not fall is near 9.8 m/s^2, whatever it does meanwhile.
 constexpr double kLowestMeanForce = 3.0;
 constexpr double kHighestMeanForce = 50.0;
@@ -57,45 +54,36 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   return rows;
 }
 
-/// Mean of the intervals that are no longer than two medians: tags rounded to a coarse clock have a
-/// median off the mean.
+/// Mean of the intervals without a lost row, those of up to 1.75 medians: tags rounded to a coarse
+/// clock have a median off the mean.
 double NominalInterval(const std::vector<Row>& rows) {
   std::vector<double> dt(rows.size() - 1);
   for (std::size_t i = 0; i < dt.size(); ++i) dt[i] = rows[i + 1].t_s - rows[i].t_s;
   const auto middle = dt.begin() + static_cast<std::ptrdiff_t>(dt.size() / 2);
   std::nth_element(dt.begin(), middle, dt.end());
   const auto end = std::partition(dt.begin(), dt.end(),
-                                  [longest = 2.0 * *middle](double x) { return x <= longest; });
+                                  [longest = 1.75 * *middle](double x) { return x <= longest; });
   return std::accumulate(dt.begin(), end, 0.0) / static_cast<double>(end - dt.begin());
 }
 
-/// The sample that ends at row i, or at the first row (i = 0) or after a gap the one interval
-/// before it.
+/// The sample that ends at row i, over its own interval: the step from the row before, or after a
+/// hole and at the first row (i = 0) the usual one.
 ImuSample Sample(const std::vector<Row>& rows, std::size_t i, double nominal_dt_s,
                  const ImuReadOptions& options) {
   const Row& row = rows[i];
   const double since_last_s = i == 0 ? 0.0 : row.t_s - rows[i - 1].t_s;
-  const bool adjoins = i > 0 && since_last_s <= LongestInterval(nominal_dt_s);
+  const bool adjoins = i > 0 && since_last_s <= LongestImuInterval(nominal_dt_s);
   const double dt_s = adjoins ? since_last_s : nominal_dt_s;
   if (options.format == ImuFormat::kIncrements) {
     return {row.t_s, dt_s, row.w / dt_s, row.f / dt_s};
   }
-  if (options.sampling == ImuSampling::kInstantaneous && adjoins) {
-    return {row.t_s, dt_s, 0.5 * (rows[i - 1].w + row.w), 0.5 * (rows[i - 1].f + row.f)};
+  const bool joined = i > 0 && since_last_s <= LongestImuBridge(options.max_gap_s, nominal_dt_s);
+  if (options.sampling == ImuSampling::kInstantaneous && joined) {
+    const double back = 0.5 * dt_s / since_last_s;  // the middle of the interval
+    return {row.t_s, dt_s, row.w + back * (rows[i - 1].w - row.w),
+            row.f + back * (rows[i - 1].f - row.f)};
   }
   return {row.t_s, dt_s, row.w, row.f};
-}
-
-void NoteSpacing(ImuData* imu) {
-  for (std::size_t i = 1; i < imu->samples.size(); ++i) {
-    const double end_before_s = imu->samples[i - 1].t_s;
-    const double since_last_s = imu->samples[i].t_s - end_before_s;
-    if (since_last_s > LongestInterval(imu->nominal_dt_s)) {
-      imu->gaps.push_back({end_before_s, imu->samples[i].t_s - imu->nominal_dt_s});
-    } else {
-      imu->max_jitter_s = std::max(imu->max_jitter_s, std::abs(since_last_s - imu->nominal_dt_s));
-    }
-  }
 }
 
 std::string Rounded(double value) {
@@ -159,7 +147,7 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
                            std::to_string(rows.back().t_s) + " s",
                        {file.string()});
   }
-  NoteSpacing(&imu);
+  CloseShortHoles(options.max_gap_s, &imu);
   CheckUnits(imu, file);
   return imu;
 }
