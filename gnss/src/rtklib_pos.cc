@@ -307,13 +307,9 @@ GnssEpoch EpochOfRow(const Row& row, const FileLocation& where) {
 }  // namespace
 
 GnssData ReadRtklibPos(const std::filesystem::path& file) {
-  const std::string content = ReadWholeFile(file);
   PosParser parser(file);
-  for (std::string_view rest = content; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    parser.ParseLine(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
+  LineReader lines(file);
+  for (std::string_view line; lines.Next(&line);) parser.ParseLine(line);
   TextTable& table = parser.table();
   if (table.rows() == 0) throw InvalidInput("file has no solutions", {file.string(), 0, 0});
 
