@@ -297,6 +297,7 @@ GnssEpoch EpochOfRow(const Row& row, const FileLocation& where) {
     const bool estimated = !row.Triple(velocity.sigma).isZero(0.0);
     if (estimated) {
       epoch.velocity_enu_mps = R_enu_axes * row.Triple(velocity.value);
+      CheckVelocity(*epoch.velocity_enu_mps, where);
       epoch.velocity_covariance_enu =
           R_enu_axes * Covariance(row, velocity, "velocity", where) * R_enu_axes.transpose();
     }

@@ -22,6 +22,10 @@ constexpr double kLowestMeanForceInG = 0.2;
 /// 115 deg/s rms over a whole file: no surveying platform turns like that, and most flights read
 /// in deg/s come out above it.
 constexpr double kHighestRmsRate = 2.0;
+/// No sensor delivers rates [rad/s], forces [m/s^2] or increments of this size.
+constexpr double kHighestValue = 1e6;
+/// No inertial sensor is as slow.
+constexpr double kLongestUsualInterval_s = 1.0;
 
 struct Row {
   double t_s;
@@ -30,6 +34,12 @@ struct Row {
 
 Vector3d ToFrd(const Vector3d& v, bool is_flu) {
   return is_flu ? Vector3d(v.x(), -v.y(), -v.z()) : v;
+}
+
+[[noreturn]] void FailSize(double value, const FileLocation& where) {
+  throw InvalidInput("IMU data: " + FormatDouble(value) +
+                         " is no angular rate in rad/s and no specific force in m/s^2",
+                     where);
 }
 
 std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOptions& options,
@@ -43,6 +53,9 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   rows.reserve(keep.size());
   for (const std::size_t i : keep) {
     const double* x = table.row(i);
+    for (int c = 1; c < 7; ++c) {
+      if (!(std::abs(x[c]) <= kHighestValue)) FailSize(x[c], {file.string(), table.lines[i]});
+    }
     rows.push_back({x[0], ToFrd({x[1], x[2], x[3]}, options.body_is_flu),
                     ToFrd({x[4], x[5], x[6]}, options.body_is_flu)});
   }
@@ -64,6 +77,15 @@ double NominalInterval(const std::vector<Row>& rows) {
   const auto end = std::partition(dt.begin(), dt.end(),
                                   [longest = 1.75 * *middle](double x) { return x <= longest; });
   return std::accumulate(dt.begin(), end, 0.0) / static_cast<double>(end - dt.begin());
+}
+
+void CheckInterval(double nominal_dt_s, const FileLocation& where) {
+  if (nominal_dt_s <= kLongestUsualInterval_s) return;
+  throw InvalidInput("IMU data: the usual interval between the rows is " +
+                         FormatDouble(nominal_dt_s) +
+                         " in the unit that should be seconds: is the time in milliseconds? Divide "
+                         "it by 1000 (by 1e6 if in microseconds)",
+                     where);
 }
 
 /// The sample that ends at row i, over its own interval: the step from the row before, or after a
@@ -130,6 +152,7 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
   ImuData imu;
   const std::vector<Row> rows = ReadRows(file, options, &imu.repeated_rows_dropped);
   imu.nominal_dt_s = NominalInterval(rows);
+  CheckInterval(imu.nominal_dt_s, {file.string()});
   // A point sample is the mean of nothing before it: the first row only begins the first interval.
   const bool first_is_a_sample =
       options.format == ImuFormat::kIncrements || options.sampling == ImuSampling::kMean;
@@ -141,10 +164,10 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
     }
   }
   if (imu.samples.empty()) {
-    throw InvalidInput("IMU data: no row between " + std::to_string(options.t_begin_s) + " and " +
-                           std::to_string(options.t_end_s) + " s; the file covers " +
-                           std::to_string(rows.front().t_s) + " to " +
-                           std::to_string(rows.back().t_s) + " s",
+    throw InvalidInput("IMU data: no row between " + FormatDouble(options.t_begin_s) + " and " +
+                           FormatDouble(options.t_end_s) + " s; the file covers " +
+                           FormatDouble(rows.front().t_s) + " to " + FormatDouble(rows.back().t_s) +
+                           " s",
                        {file.string()});
   }
   CloseShortHoles(options.max_gap_s, &imu);

@@ -109,12 +109,16 @@ void ApplyImuTagEffects(const Scenario& scenario, SimulatedImu* imu) {
   KeepOnly(keep, &data.samples);
   KeepOnly(keep, &imu->gyro_bias_radps);
   KeepOnly(keep, &imu->accel_bias_mps2);
-  if (data.samples.empty()) throw InvalidConfig("imu_gap: no inertial sample is left");
+  if (data.samples.empty()) {
+    throw InvalidConfig("imu_gap: no inertial sample is left", gaps.front()->where);
+  }
   for (std::size_t k = 1; k < data.samples.size(); ++k) {
     ImuSample& sample = data.samples[k];
     const double before_s = data.samples[k - 1].t_s;
     sample.dt_s = sample.t_s - before_s;
-    if (sample.dt_s <= 0.0) throw InvalidConfig("imu_clock_step: the tags would step back");
+    if (sample.dt_s <= 0.0) {
+      throw InvalidConfig("imu_clock_step: the tags would step back", steps.front()->where);
+    }
     if (sample.dt_s > LongestImuInterval(data.nominal_dt_s)) sample.dt_s = data.nominal_dt_s;
   }
   CloseShortHoles(std::nullopt, &data);

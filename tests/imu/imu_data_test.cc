@@ -225,6 +225,18 @@ TEST(ReadImu, RejectsOtherUnits) {
   EXPECT_NO_THROW(Read(row(0.0, -20.0)));
 }
 
+TEST(ReadImu, RejectsTimesThatAreNoSeconds) {
+  ExpectInvalid([] { Read("0,0,0,0,0,0,-9.8\n10,0,0,0,0,0,-9.8\n20,0,0,0,0,0,-9.8\n"); },
+                "is the time in milliseconds? Divide it by 1000", 0);
+  ExpectInvalid([] { Read("381000000,0,0,0,0,0,-9.8\n381000010,0,0,0,0,0,-9.8\n"); },
+                "milliseconds? Divide it by 1000", 1);
+}
+
+TEST(ReadImu, RejectsValuesOfNoSensorByLine) {
+  ExpectInvalid([] { Read("0,0,0,0,0,0,-9.8\n0.01,0,0,0,0,1e308,-9.8\n"); },
+                "1e+308 is no angular rate", 2);
+}
+
 TEST(SampleRange, CoversTheInterval) {
   const ImuData imu = Read(kFour);
   using Range = std::pair<std::size_t, std::size_t>;

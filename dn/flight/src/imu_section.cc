@@ -107,7 +107,7 @@ ImuConfig ReadImuSection(const YamlValue& section) {
   if (section["format"]) imu.read.format = section["format"].Choice(ImuFormatWords());
   if (section["sampling"]) imu.read.sampling = section["sampling"].Choice(ImuSamplingWords());
   if (section["max_gap_s"]) imu.read.max_gap_s = section["max_gap_s"].Positive();
-  if (section["grade"]) imu.grade = section["grade"].Text();
+  if (section["grade"]) imu.grade = section["grade"].Name();
   imu.model = ReadModel(section, imu.grade);
   return imu;
 }

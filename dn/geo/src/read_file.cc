@@ -59,7 +59,7 @@ void ExpectRegularFile(const fs::path& file, std::uintmax_t most_bytes) {
     throw InvalidInput("file cannot be reached: " + error.message(), where);
   }
   if (status.type() != fs::file_type::regular) {
-    throw InvalidInput(std::string("is ") + KindName(status.type()) + ", not a regular file",
+    throw InvalidInput(std::string("this is ") + KindName(status.type()) + ", not a regular file",
                        where);
   }
   const std::uintmax_t bytes = fs::file_size(file, error);

@@ -68,7 +68,8 @@ struct ImuData {
 
 /// Reads IMU.txt (contract: t, w xyz [rad/s], f xyz [m/s^2]; or increments t, dtheta [rad], dv
 /// [m/s]). Throws InvalidInput naming file:line for bad rows, and for values that cannot be in
-/// these units (mean |f| near 1: specific force in g; rates whose rms cannot be rad/s: deg/s).
+/// these units (mean |f| near 1: specific force in g; rates whose rms cannot be rad/s: deg/s; a
+/// usual interval above 1 s: milliseconds).
 ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options);
 
 /// Finds the steps between samples that are longer than 1.5 nominal_dt_s: one of up to max_gap_s
