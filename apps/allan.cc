@@ -294,6 +294,17 @@ void AddPlot(const Sensor& sensor, Run* run) {
   }
 }
 
+/// Gaps and bridged holes, by time.
+std::vector<ImuGap> Holes(const ImuData& imu) {
+  std::vector<ImuGap> holes = imu.gaps;
+  for (const ImuBridge& bridge : imu.bridges) {
+    holes.push_back({bridge.t_begin_s, bridge.row.t_s - bridge.row.dt_s});
+  }
+  std::sort(holes.begin(), holes.end(),
+            [](const ImuGap& a, const ImuGap& b) { return a.t_begin_s < b.t_begin_s; });
+  return holes;
+}
+
 void CheckRecord(const Options& options, const ImuData& imu) {
   const double found_hz = 1.0 / imu.nominal_dt_s;
   if (std::abs(found_hz / options.rate_hz - 1.0) > kRateTolerance) {
@@ -301,11 +312,12 @@ void CheckRecord(const Options& options, const ImuData& imu) {
         "--rate {} Hz, but the time tags of {} say {:.6g} Hz; give the rate of the file",
         options.rate_hz, options.file.string(), found_hz));
   }
-  if (!imu.gaps.empty()) {
+  const std::vector<ImuGap> holes = Holes(imu);
+  if (!holes.empty()) {
     throw InvalidInput(fmt::format("{} gaps in the record, the first from {:.3f} to {:.3f} s; the "
                                    "Allan variance needs an even record: cut out the longest part "
                                    "without a gap",
-                                   imu.gaps.size(), imu.gaps[0].t_begin_s, imu.gaps[0].t_end_s),
+                                   holes.size(), holes[0].t_begin_s, holes[0].t_end_s),
                        {options.file.string()});
   }
 }

@@ -152,7 +152,10 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["counts"] = flight_run.flight.counts;
   report["counts"]["pairs rejected as outliers"] = flight_run.adjustment.outliers;
   report["counts"]["pairs within one node"] = flight_run.adjustment.network->pairs_within_one_node;
-  report["counts"]["pairs in IMU gaps"] = flight_run.adjustment.network->pairs_in_imu_gaps;
+  const auto read_in_gaps = flight_run.flight.counts.find("pairs in IMU gaps");
+  report["counts"]["pairs in IMU gaps"] =
+      flight_run.adjustment.network->pairs_in_imu_gaps +
+      (read_in_gaps == flight_run.flight.counts.end() ? 0 : read_in_gaps->second);
   report["counts"]["gnss epochs rejected"] = flight_run.adjustment.gnss_rejected.size();
   report["gnss_rejected"] = RejectedGnssJson(flight_run);
   report["warnings"] = Warnings(flight_run);

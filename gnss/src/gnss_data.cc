@@ -1,3 +1,4 @@
+#include <dn/geo/text_table.h>
 #include <dn/gnss/gnss_data.h>
 
 #include <Eigen/Eigenvalues>
@@ -7,20 +8,33 @@
 
 namespace dn {
 namespace internal {
+namespace {
+
+/// Standard deviations in m or m/s beyond these are other quantities.
+constexpr double kLeastSigma = 1e-9, kMostSigma = 1e9;
+
+}  // namespace
 
 void CheckSigmas(const Eigen::Vector3d& sigma, const std::string& what, const std::string& axes,
                  const FileLocation& where) {
   for (int i = 0; i < 3; ++i) {
     const double value = sigma[i];
-    const char* fault = value == 0.0            ? "zero"
-                        : value < 0.0           ? "negative"
-                        : !std::isfinite(value) ? "not finite"
-                                                : nullptr;
-    if (fault == nullptr) continue;
-    throw InvalidInput(what + " sigma " + axes[static_cast<std::size_t>(i)] + " is " + fault +
-                           ", must be positive; leave the sigma columns out where it is unknown",
+    if (value >= kLeastSigma && value <= kMostSigma) continue;
+    const std::string found = value == 0.0  ? "zero"
+                              : value < 0.0 ? "negative"
+                                            : FormatDouble(value);
+    throw InvalidInput(what + " sigma " + axes[static_cast<std::size_t>(i)] + " is " + found +
+                           ", must lie within 1e-9 and 1e9; leave the sigma columns out where it "
+                           "is unknown",
                        where);
   }
+}
+
+void CheckVelocity(const Eigen::Vector3d& velocity_mps, const FileLocation& where) {
+  constexpr double kMostMps = 1e5;
+  const double largest = velocity_mps.cwiseAbs().maxCoeff();
+  if (largest <= kMostMps) return;
+  throw InvalidInput("velocity is " + FormatDouble(largest) + " m/s, must be below 1e5", where);
 }
 
 Eigen::Matrix3d CovarianceOfSigmasEnu(const Eigen::Vector3d& sigma_enu, const std::string& what,

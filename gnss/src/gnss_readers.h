@@ -14,8 +14,11 @@ GnssData ReadOdynGnss(const std::filesystem::path& file);
 GnssData ReadRtklibPos(const std::filesystem::path& file);
 GnssData ReadObGinsGnss(const std::filesystem::path& file);
 
-/// Checks that standard deviations are positive and finite; `what` ("position", "velocity") and
-/// `axes` ("ENU") name them in the message.
+/// Throws InvalidInput for a velocity that nothing flies at.
+void CheckVelocity(const Eigen::Vector3d& velocity_mps, const FileLocation& where);
+
+/// Checks that standard deviations lie within 1e-9 and 1e9 (m or m/s); `what` ("position",
+/// "velocity") and `axes` ("ENU") name them in the message.
 void CheckSigmas(const Eigen::Vector3d& sigma, const std::string& what, const std::string& axes,
                  const FileLocation& where);
 

@@ -33,6 +33,7 @@ GnssData ReadObGinsGnss(const std::filesystem::path& file) {
         CovarianceOfSigmasNed(row + (has_velocity ? 7 : 4), "position", where);
     if (has_velocity) {
       epoch.velocity_enu_mps = Eigen::Vector3d(row[5], row[4], -row[6]);
+      CheckVelocity(*epoch.velocity_enu_mps, where);
       epoch.velocity_covariance_enu = CovarianceOfSigmasNed(row + 10, "velocity", where);
     }
     data.epochs.push_back(epoch);

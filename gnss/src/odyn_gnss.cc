@@ -46,6 +46,7 @@ GnssData ReadOdynGnss(const std::filesystem::path& file) {
     }
     if (layout.velocity > 0) {
       epoch.velocity_enu_mps = triple(layout.velocity);
+      CheckVelocity(*epoch.velocity_enu_mps, where);
       epoch.velocity_covariance_enu =
           CovarianceOfSigmasEnu(triple(layout.velocity_sigma), "velocity", where);
     }

@@ -297,6 +297,7 @@ GnssEpoch EpochOfRow(const Row& row, const FileLocation& where) {
     const bool estimated = !row.Triple(velocity.sigma).isZero(0.0);
     if (estimated) {
       epoch.velocity_enu_mps = R_enu_axes * row.Triple(velocity.value);
+      CheckVelocity(*epoch.velocity_enu_mps, where);
       epoch.velocity_covariance_enu =
           R_enu_axes * Covariance(row, velocity, "velocity", where) * R_enu_axes.transpose();
     }
@@ -307,13 +308,9 @@ GnssEpoch EpochOfRow(const Row& row, const FileLocation& where) {
 }  // namespace
 
 GnssData ReadRtklibPos(const std::filesystem::path& file) {
-  const std::string content = ReadWholeFile(file);
   PosParser parser(file);
-  for (std::string_view rest = content; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    parser.ParseLine(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
+  LineReader lines(file);
+  for (std::string_view line; lines.Next(&line);) parser.ParseLine(line);
   TextTable& table = parser.table();
   if (table.rows() == 0) throw InvalidInput("file has no solutions", {file.string(), 0, 0});
 

@@ -15,9 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Longest interval that is no gap; time tags of week seconds are rounded by 1e-10 s and more.
-double LongestInterval(double nominal_dt_s) { return 1.5 * nominal_dt_s + 1e-6; }
-
 /// Mean |f| of anything that does not fall is near 9.8 m/s^2, whatever it does meanwhile.
 constexpr double kLowestMeanForce = 3.0;
 constexpr double kHighestMeanForce = 50.0;
@@ -25,6 +22,10 @@ constexpr double kLowestMeanForceInG = 0.2;
 /// 115 deg/s rms over a whole file: no surveying platform turns like that, and most flights read
 /// in deg/s come out above it.
 constexpr double kHighestRmsRate = 2.0;
+/// No sensor delivers rates [rad/s], forces [m/s^2] or increments of this size.
+constexpr double kHighestValue = 1e6;
+/// No inertial sensor is as slow.
+constexpr double kLongestUsualInterval_s = 1.0;
 
 struct Row {
   double t_s;
@@ -33,6 +34,12 @@ struct Row {
 
 Vector3d ToFrd(const Vector3d& v, bool is_flu) {
   return is_flu ? Vector3d(v.x(), -v.y(), -v.z()) : v;
+}
+
+[[noreturn]] void FailSize(double value, const FileLocation& where) {
+  throw InvalidInput("IMU data: " + FormatDouble(value) +
+                         " is no angular rate in rad/s and no specific force in m/s^2",
+                     where);
 }
 
 std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOptions& options,
@@ -46,6 +53,9 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   rows.reserve(keep.size());
   for (const std::size_t i : keep) {
     const double* x = table.row(i);
+    for (int c = 1; c < 7; ++c) {
+      if (!(std::abs(x[c]) <= kHighestValue)) FailSize(x[c], {file.string(), table.lines[i]});
+    }
     rows.push_back({x[0], ToFrd({x[1], x[2], x[3]}, options.body_is_flu),
                     ToFrd({x[4], x[5], x[6]}, options.body_is_flu)});
   }
@@ -57,45 +67,45 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   return rows;
 }
 
-/// Mean of the intervals that are no longer than two medians: tags rounded to a coarse clock have a
-/// median off the mean.
+/// Mean of the intervals without a lost row, those of up to 1.75 medians: tags rounded to a coarse
+/// clock have a median off the mean.
 double NominalInterval(const std::vector<Row>& rows) {
   std::vector<double> dt(rows.size() - 1);
   for (std::size_t i = 0; i < dt.size(); ++i) dt[i] = rows[i + 1].t_s - rows[i].t_s;
   const auto middle = dt.begin() + static_cast<std::ptrdiff_t>(dt.size() / 2);
   std::nth_element(dt.begin(), middle, dt.end());
   const auto end = std::partition(dt.begin(), dt.end(),
-                                  [longest = 2.0 * *middle](double x) { return x <= longest; });
+                                  [longest = 1.75 * *middle](double x) { return x <= longest; });
   return std::accumulate(dt.begin(), end, 0.0) / static_cast<double>(end - dt.begin());
 }
 
-/// The sample that ends at row i, or at the first row (i = 0) or after a gap the one interval
-/// before it.
+void CheckInterval(double nominal_dt_s, const FileLocation& where) {
+  if (nominal_dt_s <= kLongestUsualInterval_s) return;
+  throw InvalidInput("IMU data: the usual interval between the rows is " +
+                         FormatDouble(nominal_dt_s) +
+                         " in the unit that should be seconds: is the time in milliseconds? Divide "
+                         "it by 1000 (by 1e6 if in microseconds)",
+                     where);
+}
+
+/// The sample that ends at row i, over its own interval: the step from the row before, or after a
+/// hole and at the first row (i = 0) the usual one.
 ImuSample Sample(const std::vector<Row>& rows, std::size_t i, double nominal_dt_s,
                  const ImuReadOptions& options) {
   const Row& row = rows[i];
   const double since_last_s = i == 0 ? 0.0 : row.t_s - rows[i - 1].t_s;
-  const bool adjoins = i > 0 && since_last_s <= LongestInterval(nominal_dt_s);
+  const bool adjoins = i > 0 && since_last_s <= LongestImuInterval(nominal_dt_s);
   const double dt_s = adjoins ? since_last_s : nominal_dt_s;
   if (options.format == ImuFormat::kIncrements) {
     return {row.t_s, dt_s, row.w / dt_s, row.f / dt_s};
   }
-  if (options.sampling == ImuSampling::kInstantaneous && adjoins) {
-    return {row.t_s, dt_s, 0.5 * (rows[i - 1].w + row.w), 0.5 * (rows[i - 1].f + row.f)};
+  const bool joined = i > 0 && since_last_s <= LongestImuBridge(options.max_gap_s, nominal_dt_s);
+  if (options.sampling == ImuSampling::kInstantaneous && joined) {
+    const double back = 0.5 * dt_s / since_last_s;  // the middle of the interval
+    return {row.t_s, dt_s, row.w + back * (rows[i - 1].w - row.w),
+            row.f + back * (rows[i - 1].f - row.f)};
   }
   return {row.t_s, dt_s, row.w, row.f};
-}
-
-void NoteSpacing(ImuData* imu) {
-  for (std::size_t i = 1; i < imu->samples.size(); ++i) {
-    const double end_before_s = imu->samples[i - 1].t_s;
-    const double since_last_s = imu->samples[i].t_s - end_before_s;
-    if (since_last_s > LongestInterval(imu->nominal_dt_s)) {
-      imu->gaps.push_back({end_before_s, imu->samples[i].t_s - imu->nominal_dt_s});
-    } else {
-      imu->max_jitter_s = std::max(imu->max_jitter_s, std::abs(since_last_s - imu->nominal_dt_s));
-    }
-  }
 }
 
 std::string Rounded(double value) {
@@ -142,6 +152,7 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
   ImuData imu;
   const std::vector<Row> rows = ReadRows(file, options, &imu.repeated_rows_dropped);
   imu.nominal_dt_s = NominalInterval(rows);
+  CheckInterval(imu.nominal_dt_s, {file.string()});
   // A point sample is the mean of nothing before it: the first row only begins the first interval.
   const bool first_is_a_sample =
       options.format == ImuFormat::kIncrements || options.sampling == ImuSampling::kMean;
@@ -153,13 +164,13 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
     }
   }
   if (imu.samples.empty()) {
-    throw InvalidInput("IMU data: no row between " + std::to_string(options.t_begin_s) + " and " +
-                           std::to_string(options.t_end_s) + " s; the file covers " +
-                           std::to_string(rows.front().t_s) + " to " +
-                           std::to_string(rows.back().t_s) + " s",
+    throw InvalidInput("IMU data: no row between " + FormatDouble(options.t_begin_s) + " and " +
+                           FormatDouble(options.t_end_s) + " s; the file covers " +
+                           FormatDouble(rows.front().t_s) + " to " + FormatDouble(rows.back().t_s) +
+                           " s",
                        {file.string()});
   }
-  NoteSpacing(&imu);
+  CloseShortHoles(options.max_gap_s, &imu);
   CheckUnits(imu, file);
   return imu;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <vector>
 
 namespace dn {
 namespace {
@@ -20,6 +21,31 @@ constexpr double kTimeTolerance_s = 1e-7;
 struct Piece {
   double dt_s;
   Vector3d w, w_slope, f, f_slope;
+};
+
+/// Densities of white noise, rad^2/s and m^2/s^3.
+struct Densities {
+  double gyro = 0.0, accel = 0.0;
+};
+
+/// What bridged holes add to the white noise of samples that are visited in the order of time.
+class BridgeNoise {
+ public:
+  BridgeNoise(const ImuData& imu, double t_begin_s)
+      : next_(std::upper_bound(imu.bridges.begin(), imu.bridges.end(), t_begin_s,
+                               [](double t, const ImuBridge& b) { return t < b.row.t_s; })),
+        end_(imu.bridges.end()) {}
+
+  /// The error of the hole, spread over all of the sample that bridges it.
+  Densities Of(const ImuSample& sample) {
+    while (next_ != end_ && next_->row.t_s < sample.t_s) ++next_;
+    if (next_ == end_ || next_->row.t_s > sample.t_s) return {};
+    return {next_->gyro_sigma_rad * next_->gyro_sigma_rad / sample.dt_s,
+            next_->accel_sigma_mps * next_->accel_sigma_mps / sample.dt_s};
+  }
+
+ private:
+  std::vector<ImuBridge>::const_iterator next_, end_;
 };
 
 std::string Seconds(double t_s) {
@@ -130,7 +156,7 @@ Matrix3d SkewProduct(const Vector3d& a, const Vector3d& b) {
 /// the begin (psi: true dR = Exp(psi) dR). White gyro noise then makes psi isotropic, its
 /// correlations with velocity and position are skew, and the 9 x 9 recursion P <- F P F^T + Q
 /// comes down to vectors and rank-two terms:
-///   E[psi psi^T] = q t I,  E[dv psi^T] = -[a]x,  E[dp psi^T] = -[b]x.
+///   E[psi psi^T] = P_qq I,  E[dv psi^T] = -[a]x,  E[dp psi^T] = -[b]x.
 class Integrator {
  public:
   Integrator(const PreintegrationNoise& noise, const Vector3d& inverse_scale)
@@ -138,7 +164,8 @@ class Integrator {
         gyro_psd_(noise.gyro_white_rad_per_sqrt_s * noise.gyro_white_rad_per_sqrt_s),
         accel_psd_(noise.accel_white_mps_per_sqrt_s * noise.accel_white_mps_per_sqrt_s) {}
 
-  void Add(const Piece& piece) {
+  /// `added`: noise of this piece beyond the white noise of the sensor.
+  void Add(const Piece& piece, const Densities& added) {
     const double d = piece.dt_s;
     const double d3 = d * d * d / 12.0;
     const Matrix3d dR = dq_.toRotationMatrix();
@@ -157,7 +184,7 @@ class Integrator {
     const Vector3d position = d * (0.5 * u + g.b * phi_x_u + g.c * phi_x_phi_x_u) -
                               d3 * (dR * piece.f_slope - 0.5 * d * f_x_slope);
 
-    AddCovariance(d, u, velocity, position);
+    AddCovariance(d, {gyro_psd_ + added.gyro, accel_psd_ + added.accel}, u, velocity, position);
     AddBiasJacobians(d, dR, phi, u, velocity, position, g);
     AddScaleJacobians(d, dR * piece.w.asDiagonal(), phi, u, velocity, position, g);
 
@@ -166,7 +193,6 @@ class Integrator {
     dq_ = dq_ * Eigen::Quaterniond(g.cos_half, g.half_sinc * phi_b.x(), g.half_sinc * phi_b.y(),
                                    g.half_sinc * phi_b.z());
     dq_.coeffs() *= 1.5 - 0.5 * dq_.squaredNorm();  // stays normalised to rounding
-    t_ += d;
   }
 
   void Write(Preintegrated* out) const {
@@ -179,8 +205,8 @@ class Integrator {
     // psi in body axes at the begin -> rotation vector at the end.
     const Matrix3d P_vq = -Skew(a_) * dR;
     const Matrix3d P_pq = -Skew(b_) * dR;
-    out->covariance << gyro_psd_ * t_ * Matrix3d::Identity(), P_vq.transpose(), P_pq.transpose(),
-        P_vq, P_vv_, P_pv_.transpose(), P_pq, P_pv_, P_pp_;
+    out->covariance << P_qq_ * Matrix3d::Identity(), P_vq.transpose(), P_pq.transpose(), P_vq,
+        P_vv_, P_pv_.transpose(), P_pq, P_pv_, P_pp_;
     const auto D = inverse_scale_.asDiagonal();
     out->J_q_bg = dR_inverse * bias_.q * D;
     out->J_v_bg = bias_.v * D;
@@ -199,9 +225,9 @@ class Integrator {
 
   // The noise within the piece is continuous and white; its moments are exact for a constant
   // specific force, hence the covariance is positive semidefinite and independent of the sampling.
-  void AddCovariance(double d, const Vector3d& u, const Vector3d& velocity,
+  void AddCovariance(double d, const Densities& psd, const Vector3d& u, const Vector3d& velocity,
                      const Vector3d& position) {
-    const double psi_psd = gyro_psd_ * t_, q = gyro_psd_ * d;
+    const double psi_psd = P_qq_, q = psd.gyro * d;
     const Vector3d c = b_ + d * a_;
     const Matrix3d uu = SkewProduct(u, u);
     const Matrix3d a_velocity = SkewProduct(a_, velocity);
@@ -210,15 +236,16 @@ class Integrator {
 
     P_pp_ += d * (P_pv_moved + P_pv_.transpose()) - c_position - c_position.transpose() -
              psi_psd * SkewProduct(position, position) - q * d * d / 20.0 * uu;
-    P_pp_.diagonal().array() += accel_psd_ * d * d * d / 3.0;
+    P_pp_.diagonal().array() += psd.accel * d * d * d / 3.0;
     P_pv_ = P_pv_moved - SkewProduct(position, a_) - SkewProduct(c, velocity) -
             psi_psd * SkewProduct(position, velocity) - q * d / 8.0 * uu;
-    P_pv_.diagonal().array() += accel_psd_ * d * d / 2.0;
+    P_pv_.diagonal().array() += psd.accel * d * d / 2.0;
     P_vv_ += -a_velocity - a_velocity.transpose() - psi_psd * SkewProduct(velocity, velocity) -
              q / 3.0 * uu;
-    P_vv_.diagonal().array() += accel_psd_ * d;
+    P_vv_.diagonal().array() += psd.accel * d;
     b_ = c + psi_psd * position + q * d / 6.0 * u;
     a_ += psi_psd * velocity + 0.5 * q * u;
+    P_qq_ += q;
   }
 
   void AddBiasJacobians(double d, const Matrix3d& dR, const Vector3d& phi, const Vector3d& u,
@@ -253,7 +280,7 @@ class Integrator {
 
   Vector3d inverse_scale_;
   double gyro_psd_, accel_psd_;
-  double t_ = 0.0;
+  double P_qq_ = 0.0;  // of each component of psi
   Eigen::Quaterniond dq_ = Eigen::Quaterniond::Identity();
   Vector3d dv_ = Vector3d::Zero(), dp_ = Vector3d::Zero();
   Vector3d a_ = Vector3d::Zero(), b_ = Vector3d::Zero();
@@ -330,6 +357,7 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
   const Vector3d inverse_scale = InverseScale(gyro_scale);
   Preintegrated out = Frame(t_begin_s, t_end_s, bias, gyro_scale);
   Integrator integrator(noise, inverse_scale);
+  BridgeNoise bridge_noise(imu, t_begin_s);
 
   std::size_t k = SampleRange(imu, t_begin_s, t_end_s).first;
   k = std::min(k, imu.samples.size() - 1);
@@ -339,7 +367,7 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
     const bool last = sample.t_s >= t_end_s || k + 1 == imu.samples.size();
     const double stop_s = last ? t_end_s : sample.t_s;
     const LinearSample linear(imu, k, bias, inverse_scale);
-    integrator.Add(linear.Part(t_s, stop_s));
+    integrator.Add(linear.Part(t_s, stop_s), bridge_noise.Of(sample));
     if (last) WriteEnd(linear, &out);
     t_s = stop_s;
   }

@@ -43,10 +43,12 @@ std::vector<fs::path> Glob(const fs::path& folder, const std::string& pattern) {
     }
     found = std::move(next);
   }
-  std::erase_if(found, [](const fs::path& file) {
-    std::error_code none;
-    return !fs::is_regular_file(file, none);
-  });
+  if (IsWild(pattern)) {
+    std::erase_if(found, [](const fs::path& file) {
+      std::error_code none;
+      return fs::is_directory(file, none);
+    });
+  }
   std::sort(found.begin(), found.end());
   return found;
 }

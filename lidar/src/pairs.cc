@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "glob.h"
 
@@ -12,6 +14,10 @@ namespace {
 
 constexpr std::size_t kPlainColumns = 8;
 constexpr std::size_t kColumnsWithCovariance = 14;
+constexpr double kShortestRangeM = 1e-3;
+constexpr double kLongestRangeM = 50e3;
+constexpr double kLeastVarianceM2 = 1e-12;
+constexpr double kMostVarianceM2 = 1e12;
 
 /// Symmetric matrix from its upper triangle xx, xy, xz, yy, yz, zz.
 Eigen::Matrix3d FromUpperTriangle(const double* c) {
@@ -20,9 +26,36 @@ Eigen::Matrix3d FromUpperTriangle(const double* c) {
   return M;
 }
 
-bool IsPositiveDefinite(const Eigen::Matrix3d& M) {
-  const Eigen::LLT<Eigen::Matrix3d> llt(M);
-  return llt.info() == Eigen::Success;
+const Eigen::Matrix3d& CheckedCovariance(const Eigen::Matrix3d& M_m2, const FileLocation& where) {
+  const Eigen::LLT<Eigen::Matrix3d> llt(M_m2);
+  if (llt.info() != Eigen::Success) {
+    throw InvalidInput(
+        "covariance of the pair (upper triangle xx, xy, xz, yy, yz, zz in m^2) is not positive "
+        "definite",
+        where);
+  }
+  const Eigen::Vector3d variances_m2 = M_m2.diagonal();
+  if (variances_m2.minCoeff() < kLeastVarianceM2 || variances_m2.maxCoeff() > kMostVarianceM2) {
+    throw InvalidInput(
+        "covariance of the pair: every variance must lie within 1e-12 and 1e12 m^2; is it in m^2?",
+        where);
+  }
+  return M_m2;
+}
+
+void CheckTime(double t_s, const FileLocation& where) {
+  if (!IsSecondsOfWeek(t_s)) CheckSecondsOfWeek(t_s, where);
+}
+
+void CheckRange(const Eigen::Vector3d& u_m, const FileLocation& where) {
+  const double range_m = u_m.stableNorm();
+  if (range_m >= kShortestRangeM && range_m <= kLongestRangeM) return;
+  if (range_m == 0.0) throw InvalidInput("laser vector of zero length; remove the pair", where);
+  throw InvalidInput("laser vector of length " + FormatDouble(range_m) +
+                         " in the unit that should be metres, must lie within 0.001 and 50000: " +
+                         (range_m > kLongestRangeM ? "is it in millimetres? Divide it by 1000"
+                                                   : "is it in kilometres? Multiply it by 1000"),
+                     where);
 }
 
 LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLocation& where) {
@@ -33,18 +66,12 @@ LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLoc
   pair.u_j_s = Eigen::Vector3d(row[5], row[6], row[7]);
   pair.file = file;
   pair.line = where.line;
-  if (!(pair.u_i_s.squaredNorm() > 0.0) || !(pair.u_j_s.squaredNorm() > 0.0)) {
-    throw InvalidInput("laser vector of zero length; remove the pair", where);
-  }
+  CheckTime(pair.t_i_s, where);
+  CheckTime(pair.t_j_s, where);
+  CheckRange(pair.u_i_s, where);
+  CheckRange(pair.u_j_s, where);
   if (columns == kColumnsWithCovariance) {
-    const Eigen::Matrix3d covariance = FromUpperTriangle(row + kPlainColumns);
-    if (!IsPositiveDefinite(covariance)) {
-      throw InvalidInput(
-          "covariance of the pair (upper triangle xx, xy, xz, yy, yz, zz in m^2) is not positive "
-          "definite",
-          where);
-    }
-    pair.covariance_m2 = covariance;
+    pair.covariance_m2 = CheckedCovariance(FromUpperTriangle(row + kPlainColumns), where);
   }
   return pair;
 }
@@ -59,6 +86,37 @@ void AppendFile(const std::filesystem::path& path, PairData& data) {
     where.line = table.lines[i];
     data.pairs.push_back(ToPair(table.row(i), table.columns, file, where));
   }
+}
+
+/// Epochs and vectors of a pair, the earlier end first.
+using PairKey = std::array<double, 8>;
+
+PairKey KeyOf(const LidarPair& pair) {
+  const PairKey key{pair.t_i_s, pair.u_i_s.x(), pair.u_i_s.y(), pair.u_i_s.z(),
+                    pair.t_j_s, pair.u_j_s.x(), pair.u_j_s.y(), pair.u_j_s.z()};
+  PairKey swapped = key;
+  std::rotate(swapped.begin(), swapped.begin() + 4, swapped.end());
+  return std::min(key, swapped);
+}
+
+/// Keeps the first of the pairs that are equal, also with i and j exchanged; returns the number of
+/// the others.
+long DropRepeats(std::vector<LidarPair>& pairs) {
+  std::vector<std::pair<PairKey, std::size_t>> order;
+  order.reserve(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) order.emplace_back(KeyOf(pairs[i]), i);
+  std::sort(order.begin(), order.end());
+  std::vector<bool> repeated(pairs.size(), false);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    repeated[order[i].second] = order[i].first == order[i - 1].first;
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!repeated[i]) pairs[kept++] = pairs[i];
+  }
+  const auto dropped = static_cast<long>(pairs.size() - kept);
+  pairs.resize(kept);
+  return dropped;
 }
 
 void AppendNumbers(const double* values, Eigen::Index count, std::string& line) {
@@ -91,6 +149,7 @@ PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::s
   if (data.pairs.empty()) {
     throw InvalidInput("no lidar pair in " + folder.string() + ": no pattern is given");
   }
+  data.repeated_pairs_dropped = DropRepeats(data.pairs);
   return data;
 }
 

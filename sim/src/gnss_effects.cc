@@ -44,12 +44,13 @@ void AddOutliers(const Effect& effect, const LocalFrame& frame, Random& random, 
   }
 }
 
-void CheckOrder(const GnssData& data) {
+void CheckOrder(const Scenario& scenario, const GnssData& data) {
   const auto back =
       std::adjacent_find(data.epochs.begin(), data.epochs.end(),
                          [](const GnssEpoch& a, const GnssEpoch& b) { return b.t_s <= a.t_s; });
   if (back != data.epochs.end()) {
-    throw InvalidConfig("gnss_clock_step: the tags would step back over an epoch");
+    throw InvalidConfig("gnss_clock_step: the tags would step back over an epoch",
+                        EffectsNamed(scenario, "gnss_clock_step").front()->where);
   }
 }
 
@@ -71,10 +72,13 @@ void ApplyGnssEffects(const Scenario& scenario, const LocalFrame& frame, std::ui
       }
     }
   }
-  for (const Effect* outage : EffectsNamed(scenario, "gnss_outage")) {
+  const auto outages = EffectsNamed(scenario, "gnss_outage");
+  for (const Effect* outage : outages) {
     std::erase_if(data->epochs, [&](const GnssEpoch& epoch) { return outage->During(epoch.t_s); });
   }
-  if (data->epochs.empty()) throw InvalidConfig("gnss_outage: no GNSS epoch is left");
+  if (!outages.empty() && data->epochs.empty()) {
+    throw InvalidConfig("gnss_outage: no GNSS epoch is left", outages.front()->where);
+  }
   for (GnssEpoch& epoch : data->epochs) {
     const double t_s = epoch.t_s;
     epoch.t_s += ScalarEffect(scenario, "gnss_time_offset");
@@ -82,7 +86,7 @@ void ApplyGnssEffects(const Scenario& scenario, const LocalFrame& frame, std::ui
       if (t_s >= *step->t0_s) epoch.t_s += step->value[0];
     }
   }
-  CheckOrder(*data);
+  CheckOrder(scenario, *data);
   for (std::size_t k = 0; k < data->epochs.size(); ++k) {
     data->epochs[k].line = static_cast<long>(k) + 1;
   }

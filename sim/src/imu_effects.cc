@@ -18,8 +18,6 @@ constexpr double kRadPerArcsec = std::numbers::pi / 180.0 / 3600.0;
 constexpr double kRadpsPerDegph = std::numbers::pi / 180.0 / 3600.0;
 constexpr double kMps2PerMg = 1e-3 * kStandardGravityMps2;
 constexpr double kMps2PerMgal = 1e-5;
-// A longer interval is a gap, as for the reader.
-constexpr double kGapIntervals = 1.5;
 
 Eigen::Matrix3d TurnOfTriad(const Scenario& scenario, const std::string& name) {
   return Exp(Vector3d(-1e-3 * VectorEffect(scenario, name))).toRotationMatrix();
@@ -111,19 +109,19 @@ void ApplyImuTagEffects(const Scenario& scenario, SimulatedImu* imu) {
   KeepOnly(keep, &data.samples);
   KeepOnly(keep, &imu->gyro_bias_radps);
   KeepOnly(keep, &imu->accel_bias_mps2);
-  if (data.samples.empty()) throw InvalidConfig("imu_gap: no inertial sample is left");
-  data.max_jitter_s = 0.0;
+  if (data.samples.empty()) {
+    throw InvalidConfig("imu_gap: no inertial sample is left", gaps.front()->where);
+  }
   for (std::size_t k = 1; k < data.samples.size(); ++k) {
     ImuSample& sample = data.samples[k];
     const double before_s = data.samples[k - 1].t_s;
     sample.dt_s = sample.t_s - before_s;
-    if (sample.dt_s <= 0.0) throw InvalidConfig("imu_clock_step: the tags would step back");
-    if (sample.dt_s > kGapIntervals * data.nominal_dt_s) {
-      sample.dt_s = data.nominal_dt_s;
-      data.gaps.push_back({before_s, sample.t_s - sample.dt_s});
+    if (sample.dt_s <= 0.0) {
+      throw InvalidConfig("imu_clock_step: the tags would step back", steps.front()->where);
     }
-    data.max_jitter_s = std::max(data.max_jitter_s, std::abs(sample.dt_s - data.nominal_dt_s));
+    if (sample.dt_s > LongestImuInterval(data.nominal_dt_s)) sample.dt_s = data.nominal_dt_s;
   }
+  CloseShortHoles(std::nullopt, &data);
 }
 
 }  // namespace dn

@@ -175,8 +175,10 @@ PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval
   const std::vector<Strip> strips = Footprints(scenario, intervals, *truth, *terrain);
   std::vector<Overlap> overlaps = FindOverlaps(strips, sampler, options.seed);
   if (overlaps.empty()) {
-    throw InvalidConfig("no two strips of scenario '" + scenario.name +
-                        "' see the same ground: bring its lines closer, or set pairs: {count: 0}");
+    throw InvalidConfig(
+        "no two strips of scenario '" + scenario.name +
+            "' see the same ground: bring its lines closer, or set pairs: {count: 0}",
+        scenario.pairs.where);
   }
   Allocate(overlaps, scenario.pairs.count);
   std::sort(overlaps.begin(), overlaps.end(),

@@ -1,9 +1,9 @@
 #include <dn/error.h>
+#include <dn/geo/read_file.h>
 #include <dn/names.h>
 #include <dn/sim/scenario.h>
 
-#include <fstream>
-#include <iterator>
+#include <filesystem>
 
 #include "shipped_scenarios.h"
 
@@ -11,10 +11,11 @@ namespace dn {
 namespace {
 
 std::string ReadText(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in) throw InvalidConfig("the scenario file cannot be read", {file.string()});
-  return text;
+  try {
+    return ReadWholeFile(file, kMostYamlBytes);
+  } catch (const InvalidInput& e) {
+    throw InvalidConfig(e.what(), e.where());
+  }
 }
 
 }  // namespace
@@ -29,7 +30,10 @@ std::string ScenarioText(const std::string& name_or_path) {
   for (const ShippedScenario& scenario : ShippedScenarios()) {
     if (scenario.name == name_or_path) return scenario.yaml;
   }
-  if (std::filesystem::is_regular_file(name_or_path)) return ReadText(name_or_path);
+  std::error_code none;
+  if (std::filesystem::status(name_or_path, none).type() != std::filesystem::file_type::not_found) {
+    return ReadText(name_or_path);
+  }
   const std::string shipped = JoinNames(ScenarioNames());
   throw InvalidConfig("'" + name_or_path +
                       "' is neither a scenario file nor a shipped scenario; the nearest one is '" +

@@ -21,6 +21,12 @@ Geodetic ReadOrigin(const ScenarioSection& root) {
   if (std::abs(origin.x()) >= 90.0) {
     root.Fail("origin_deg_m", "the latitude must lie between -90 and 90 deg");
   }
+  if (std::abs(origin.y()) > 360.0) {
+    root.Fail("origin_deg_m", "the longitude must lie between -360 and 360 deg");
+  }
+  if (std::abs(origin.z()) > 1e6) {
+    root.Fail("origin_deg_m", "the height must lie between -1e6 and 1e6 m");
+  }
   return {origin.x() * kRadPerDeg, origin.y() * kRadPerDeg, origin.z()};
 }
 
@@ -65,6 +71,7 @@ PlanScenario ReadPlan(const ScenarioSection& root, const std::string& file) {
                                               "crab_deg", "stabilised_mount", "replay"});
   PlanScenario plan;
   plan.warm_up_s = s.NotNegative("warm_up_s", 0.0);
+  plan.where = s.PlaceOf("lines");
   for (const auto& row : s.Rows("lines", 6)) plan.lines.push_back(ReadLine(s, row));
   const double bank_deg = s.Positive("bank_deg", 25.0);
   if (bank_deg > 60.0) s.Fail("bank_deg", "must be at most 60");
@@ -254,6 +261,7 @@ LidarScenario ReadLidar(const ScenarioSection& root) {
 PairScenario ReadPairScenario(const ScenarioSection& root, double gsd_m) {
   const ScenarioSection s = root.Sub("pairs", {"count", "sigma_p_m"});
   PairScenario pairs;
+  pairs.where = s.where();
   pairs.count = s.Count("count", 3000);
   pairs.sigma_p_m = s.Positive("sigma_p_m", gsd_m / 2.0 / std::sqrt(3.0));
   return pairs;
@@ -298,6 +306,7 @@ Effect ReadEffect(const ScenarioSection& s) {
   for (const EffectDescription& known : KnownEffects()) names.push_back(known.name);
   Effect effect;
   effect.name = s.Text("effect");
+  effect.where = s.where();
   const auto known = std::find(names.begin(), names.end(), effect.name);
   if (known == names.end()) {
     s.Fail("effect", "unknown effect '" + effect.name + "'; did you mean '" +
@@ -335,7 +344,7 @@ YAML::Node Load(const std::string& yaml_text, const std::string& file) {
 }  // namespace
 
 Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
-  const ScenarioSection root(Load(yaml_text, where), "", where,
+  const ScenarioSection root(Load(yaml_text, where), "", {where, 1, 1},
                              {"name", "origin_deg_m", "start_s", "plan", "terrain", "imu", "gnss",
                               "lidar", "pairs", "strips", "effects"});
   Scenario scenario;

@@ -4,28 +4,37 @@
 #include <dn/geo/text_table.h>
 #include <dn/names.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace dn {
 namespace {
 
-FileLocation Where(const std::string& file, const YAML::Node& node) {
-  const YAML::Mark mark = node.Mark();
-  if (mark.is_null()) return {file};
-  return {file, mark.line + 1, mark.column + 1};
+/// No quantity of a scenario, in the units of its keys, is beyond these; squares and inverses of
+/// what lies within stay numbers.
+constexpr double kLargest = 1e12;
+constexpr double kSmallestPositive = 1e-12;
+
+constexpr std::size_t kLongestText = 1000;
+
+bool IsControl(char c) { return static_cast<unsigned char>(c) < ' '; }
+
+/// Where a node stands; that of its parent for one that is not there.
+FileLocation Where(const YAML::Node& node, const FileLocation& parent) {
+  if (!node.IsDefined() || node.Mark().is_null()) return parent;
+  return {parent.file, node.Mark().line + 1, node.Mark().column + 1};
 }
 
 }  // namespace
 
-ScenarioSection::ScenarioSection(const YAML::Node& node, std::string path, std::string file,
-                                 const std::vector<std::string>& known)
-    : node_(node), path_(std::move(path)), file_(std::move(file)) {
+ScenarioSection::ScenarioSection(const YAML::Node& node, std::string path,
+                                 const FileLocation& parent, const std::vector<std::string>& known)
+    : node_(node), path_(std::move(path)), where_(Where(node, parent)) {
   if (!node_ || node_.IsNull()) return;
   if (!node_.IsMap()) {
     throw InvalidConfig(
-        (path_.empty() ? "a scenario" : path_) + " must be a map of keys and values",
-        Where(file_, node_));
+        (path_.empty() ? "a scenario" : path_) + " must be a map of keys and values", where_);
   }
   for (const auto& entry : node_) {
     const std::string key = entry.first.as<std::string>("");
@@ -34,7 +43,7 @@ ScenarioSection::ScenarioSection(const YAML::Node& node, std::string path, std::
     if (!found) {
       throw InvalidConfig("unknown key '" + PathTo(key) + "'; the nearest known one is '" +
                               PathTo(NearestName(key, known)) + "'",
-                          Where(file_, entry.first));
+                          Where(entry.first, where_));
     }
   }
 }
@@ -55,20 +64,16 @@ bool ScenarioSection::Has(const std::string& key) const {
 }
 
 void ScenarioSection::Fail(const std::string& key, const std::string& what) const {
-  const YAML::Node node = At(key);
-  const bool at_key = node.IsDefined();
-  FileLocation where{file_};
-  if (at_key) {
-    where = Where(file_, node);
-  } else if (node_.IsDefined() && !node_.IsNull()) {
-    where = Where(file_, node_);
-  }
-  throw InvalidConfig(PathTo(key) + ": " + what, where);
+  throw InvalidConfig(PathTo(key) + ": " + what, PlaceOf(key));
+}
+
+FileLocation ScenarioSection::PlaceOf(const std::string& key) const {
+  return Where(At(key), where_);
 }
 
 ScenarioSection ScenarioSection::Sub(const std::string& key,
                                      const std::vector<std::string>& known) const {
-  return {At(key), PathTo(key), file_, known};
+  return {At(key), PathTo(key), where_, known};
 }
 
 std::vector<ScenarioSection> ScenarioSection::List(const std::string& key,
@@ -78,7 +83,8 @@ std::vector<ScenarioSection> ScenarioSection::List(const std::string& key,
   const YAML::Node list = At(key);
   if (!list.IsSequence()) Fail(key, "must be a list");
   for (std::size_t i = 0; i < list.size(); ++i) {
-    sections.push_back({list[i], PathTo(key) + "[" + std::to_string(i) + "]", file_, known});
+    sections.push_back(
+        {list[i], PathTo(key) + "[" + std::to_string(i) + "]", Where(list, where_), known});
   }
   return sections;
 }
@@ -87,6 +93,9 @@ double ScenarioSection::ToNumber(const YAML::Node& node, const std::string& key)
   double value = 0.0;
   if (!node.IsScalar() || !YAML::convert<double>::decode(node, value) || !std::isfinite(value)) {
     Fail(key, "must be a finite number");
+  }
+  if (std::abs(value) > kLargest) {
+    Fail(key, "must be within -1e12 and 1e12, got " + FormatDouble(value));
   }
   return value;
 }
@@ -103,6 +112,7 @@ double ScenarioSection::Number(const std::string& key, double fallback) const {
 double ScenarioSection::Positive(const std::string& key) const {
   const double value = Number(key);
   if (!(value > 0.0)) Fail(key, "must be positive, got " + FormatDouble(value));
+  if (value < kSmallestPositive) Fail(key, "must be at least 1e-12, got " + FormatDouble(value));
   return value;
 }
 
@@ -140,7 +150,11 @@ std::string ScenarioSection::Text(const std::string& key) const {
   if (!Has(key)) Fail(key, "is required");
   const YAML::Node node = At(key);
   if (!node.IsScalar() || node.Scalar().empty()) Fail(key, "must be a text");
-  return node.Scalar();
+  const std::string& text = node.Scalar();
+  if (text.size() > kLongestText || std::any_of(text.begin(), text.end(), IsControl)) {
+    Fail(key, "must be one line of up to 1000 characters");
+  }
+  return text;
 }
 
 std::vector<double> ScenarioSection::Numbers(const std::string& key) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/error.h>
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Core>
@@ -13,9 +14,9 @@ namespace dn {
 /// and where it stands.
 class ScenarioSection {
  public:
-  /// `path` is the key as the user sees it ("plan.turbulence"), `file` the file. Throws when node
-  /// is no map or holds a key that is not among `known`.
-  ScenarioSection(const YAML::Node& node, std::string path, std::string file,
+  /// `path` is the key as the user sees it ("plan.turbulence"), `parent` where the map or list that
+  /// should hold it stands. Throws when node is no map or holds a key that is not among `known`.
+  ScenarioSection(const YAML::Node& node, std::string path, const FileLocation& parent,
                   const std::vector<std::string>& known);
 
   /// Present and not null.
@@ -41,7 +42,13 @@ class ScenarioSection {
   /// A list of lists of `columns` numbers.
   std::vector<std::vector<double>> Rows(const std::string& key, std::size_t columns) const;
 
-  /// An InvalidConfig about a key: "<path>.<key>: <what>", at its line.
+  /// Where a key's value stands, or this map where the key is missing.
+  FileLocation PlaceOf(const std::string& key) const;
+  /// Where this map stands, or its parent where it is missing.
+  const FileLocation& where() const { return where_; }
+
+  /// An InvalidConfig about a key: "<path>.<key>: <what>", at its place, or that of the map where
+  /// it is missing.
   [[noreturn]] void Fail(const std::string& key, const std::string& what) const;
 
  private:
@@ -51,7 +58,7 @@ class ScenarioSection {
 
   YAML::Node node_;
   std::string path_;
-  std::string file_;
+  FileLocation where_;
 };
 
 }  // namespace dn

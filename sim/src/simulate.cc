@@ -67,9 +67,10 @@ void CheckClearance(const Scenario& scenario, const std::vector<StripInterval>& 
       const double above_m = p_m.z() - terrain.Surface(p_m.head<2>());
       if (above_m < kLowestFlight_m) {
         throw InvalidConfig("line " + strip.name + " of scenario '" + scenario.name + "' passes " +
-                            FormatDouble(std::round(above_m)) +
-                            " m above the terrain; raise it to at least 10 m, or lower "
-                            "terrain.base_m");
+                                FormatDouble(std::round(above_m)) +
+                                " m above the terrain; raise it to at least 10 m, or lower "
+                                "terrain.base_m",
+                            scenario.plan.where);
       }
     }
   }

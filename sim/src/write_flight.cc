@@ -41,10 +41,13 @@ std::string ImuText(const ImuData& imu) {
   constexpr std::size_t kBytesPerRow = 150;
   TableText table;
   table.Reserve(kBytesPerRow * imu.samples.size());
+  auto bridge = imu.bridges.begin();
   for (const ImuSample& sample : imu.samples) {
-    table.Add(sample.t_s);
-    table.Add(sample.w_ib_b_radps);
-    table.Add(sample.f_b_mps2);
+    const bool bridges = bridge != imu.bridges.end() && bridge->row.t_s == sample.t_s;
+    const ImuSample& row = bridges ? (bridge++)->row : sample;
+    table.Add(row.t_s);
+    table.Add(row.w_ib_b_radps);
+    table.Add(row.f_b_mps2);
     table.EndRow();
   }
   return table.text();

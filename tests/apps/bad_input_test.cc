@@ -1,9 +1,11 @@
 #include <dn/report/json.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <sstream>
 
 #include "damaged_flight.h"
@@ -206,6 +208,102 @@ std::string WithColumns(const std::string& table, std::size_t first, std::size_t
     out += "\n";
   }
   return out;
+}
+
+/// A table without some of its lines, counted from 1.
+std::string WithoutLines(const std::string& table, const std::function<bool(int)>& lost) {
+  std::istringstream in(table);
+  std::string out;
+  int line = 0;
+  for (std::string row; std::getline(in, row);) {
+    if (!lost(++line)) out += row + "\n";
+  }
+  return out;
+}
+
+/// Line of IMU.txt whose interval holds the first epoch of the first pair.
+int LineOfAPair(const DamagedFlight& flight) {
+  const std::string pairs = flight.Read("lidar/" + NamesIn(flight.path() / "lidar").front());
+  const double pair_s = std::stod(pairs);
+  std::istringstream in(flight.Read("IMU.txt"));
+  int line = 1;
+  for (std::string row; std::getline(in, row); ++line) {
+    if (std::stod(row) >= pair_s) return line;
+  }
+  return line;
+}
+
+TEST(CliBadInput, ALostImuRowAtAPairIsBridged) {
+  const DamagedFlight flight;
+  const int lost = LineOfAPair(flight);
+  flight.Write("IMU.txt", WithoutLines(flight.Read("IMU.txt"), [&](int k) { return k == lost; }));
+  const ProgramRun run = flight.Run("calibrate");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json counts = Json::parse(ContentOf(flight.out() / "report.json"))["counts"];
+  EXPECT_EQ(counts["imu holes bridged"], 1);
+  EXPECT_EQ(counts["pairs in IMU gaps"], 0);
+}
+
+TEST(CliBadInput, PairsInAHoleOfTheImuDataAreLeftOutAndCounted) {
+  const DamagedFlight flight;
+  const int lost = LineOfAPair(flight);
+  flight.Write("IMU.txt", WithoutLines(flight.Read("IMU.txt"),
+                                       [&](int k) { return k > lost - 10 && k < lost + 10; }));
+  const ProgramRun run = flight.Run("calibrate");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const Json counts = Json::parse(ContentOf(flight.out() / "report.json"))["counts"];
+  EXPECT_EQ(counts["imu gaps"], 1);
+  EXPECT_GE(counts["pairs in IMU gaps"], 1);
+}
+
+TEST(CliBadInput, PairsListedManyTimesDoNotShrinkTheSigma) {
+  const auto sigma_deg = [](const DamagedFlight& flight) {
+    const ProgramRun run = flight.Run("calibrate");
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return Json::parse(ContentOf(flight.out() / "result.json"))["boresight"]["sigma_deg"];
+  };
+  const DamagedFlight once, often;
+  for (const std::string& name : NamesIn(often.path() / "lidar")) {
+    const std::string rows = often.Read("lidar/" + name);
+    for (int i = 0; i < 5; ++i) often.Write("lidar/again" + std::to_string(i) + name, rows);
+  }
+  std::string yaml = often.Read("flight.yaml");
+  const std::size_t at = yaml.find("p2p:");
+  yaml.replace(at, yaml.find('\n', at) - at, "p2p: [lidar/*.txt, ./lidar/*.txt]");
+  often.Write("flight.yaml", yaml);
+  EXPECT_EQ(sigma_deg(often), sigma_deg(once));
+  const Json counts = Json::parse(ContentOf(often.out() / "report.json"))["counts"];
+  EXPECT_EQ(counts["repeated pairs"], 11 * counts["pairs"].get<long>());
+}
+
+TEST(CliBadInput, ANamedPipeForAFile) {
+  for (const char* name : {"IMU.txt", "GPS.txt", "reference.out"}) {
+    const DamagedFlight flight;
+    fs::remove(flight.path() / name);
+    ASSERT_EQ(mkfifo((flight.path() / name).c_str(), 0600), 0);
+    ExpectFailure(flight.Run("calibrate"), flight, 1, "input", "this is a named pipe");
+  }
+  const DamagedFlight flight;
+  fs::remove(flight.path() / "flight.yaml");
+  ASSERT_EQ(mkfifo((flight.path() / "flight.yaml").c_str(), 0600), 0);
+  ExpectFailure(flight.Run("calibrate"), flight, 2, "configuration", "this is a named pipe");
+}
+
+TEST(CliBadInput, AScenarioThatIsADevice) {
+  const DamagedFlight flight;
+  const ProgramRun run = RunProgram({"simulate", "/dev/zero", "--out", flight.out().string()});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("this is a device, not a regular file"));
+}
+
+TEST(CliBadInput, AFileInMillisecondsIsNamed) {
+  for (const char* name : {"IMU.txt", "GPS.txt"}) {
+    const DamagedFlight flight;
+    flight.Write(name, WithColumns(flight.Read(name), 0, 0, 1000.0));
+    const ProgramRun run = flight.Run("calibrate");
+    ExpectFailure(run, flight, 1, "input", name);
+    EXPECT_THAT(run.err, HasSubstr("is it in milliseconds? Divide it by 1000"));
+  }
 }
 
 TEST(CliBadInput, SpecificForceInG) {

@@ -150,6 +150,37 @@ TEST_P(Faults, AHoleInTheInertialDataIsSurvived) {
   ExpectHonest(c);
 }
 
+// Of every strip a single row and, a second later, four in a row: bridged, no pair is lost.
+TEST_P(Faults, LostRowsOfTheInertialDataAreBridged) {
+  ImuData& imu = *sim_.flight.imu;
+  for (const StripInterval& strip : sim_.strips) {
+    const double middle_s = 0.5 * (strip.t0_s + strip.t1_s);
+    std::erase_if(imu.samples, [&](const ImuSample& s) {
+      const double since_s = s.t_s - middle_s;
+      return (since_s > 0.0 && since_s <= imu.nominal_dt_s) ||
+             (since_s > 1.0 && since_s <= 1.0 + 4.0 * imu.nominal_dt_s);
+    });
+  }
+  CloseShortHoles(std::nullopt, &imu);
+  ASSERT_TRUE(imu.gaps.empty());
+  ASSERT_EQ(imu.bridges.size(), 2 * sim_.strips.size());
+  const Calibration c(sim_.flight);
+  EXPECT_EQ(c.adjustment.network->pairs_in_imu_gaps, 0);
+  EXPECT_TRUE(c.adjustment.warnings.empty());
+  ExpectHonest(c);
+}
+
+TEST_P(Faults, ALostRowThatIsAGapSplitsTheChain) {
+  ImuData& imu = *sim_.flight.imu;
+  const double lost_s = 0.5 * (sim_.strips[1].t0_s + sim_.strips[1].t1_s);
+  std::erase_if(imu.samples, [&](const ImuSample& s) {
+    return s.t_s > lost_s && s.t_s <= lost_s + imu.nominal_dt_s;
+  });
+  CloseShortHoles(1.5 * imu.nominal_dt_s, &imu);
+  ASSERT_EQ(imu.gaps.size(), 1U);
+  ExpectHonest(Calibration(sim_.flight));
+}
+
 TEST_P(Faults, LateSensorsShortenTheTrajectory) {
   const SimulatedFlight clean = sim_;
   RemoveGnss(0.0, t0_s_ + 40.0);

@@ -1,9 +1,13 @@
 // One test per way in which flight.yaml can be wrong: the message and the line.
 #include <dn/flight/flight_config.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <random>
 
 #include "testing/expect_invalid.h"
+#include "testing/hostile_yaml.h"
 #include "testing/temp_folder.h"
 
 namespace dn {
@@ -180,6 +184,42 @@ TEST(FlightConfigErrors, DamagedTextIsReadOrRefusedButNothingElse) {
     EXPECT_NO_THROW(refused += Parses(text) ? 0 : 1) << text;
   }
   EXPECT_GT(refused, 1000);  // most places matter
+}
+
+TEST(FlightConfigErrors, HostileValuesOfEveryKeyAreReadOrRefusedWithTheirPlace) {
+  const TempFolder folder;
+  std::ifstream model(std::filesystem::path(DN_DOCS_DIR) / "flight.yaml");
+  const std::string text{std::istreambuf_iterator<char>(model), {}};
+  ASSERT_FALSE(text.empty());
+  const auto parse = [](const std::string& document) { ParseFlightConfig(document, "/f"); };
+  ASSERT_NO_THROW(parse(text));
+  const std::string more =
+      "frame: {origin_deg_m: [46, 6, 400]}\ntime_span_s: [1, 2]\nstrips: [{name: a, t0: 1, t1: "
+      "2}]\n"
+      "imu: {max_gap_s: 0.1, grade: ln200}\nlidar: {sigma_p_m: 0.1, boresight_sigma_deg: [1, 1, 1],"
+      " pairs: {strategy: freq, count: 3, freq_hz: 1, window_s: 2}}\n"
+      "estimate: [boresight, {unknown: gnss_lever_arm, sigma: 0.1}]\nnetwork: {node_rate_hz: 10}\n";
+  ASSERT_NO_THROW(parse(more));
+  EXPECT_GT(testing::CountRefused(text, parse), 1000);
+  EXPECT_GT(testing::CountRefused(more, parse), 500);
+}
+
+TEST(FlightConfigErrors, AliasesAreNotExpanded) {
+  std::string bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 30; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before;
+    for (int k = 0; k < 9; ++k) bomb.append(", ").append(before);
+    bomb += "]\n";
+  }
+  EXPECT_FALSE(Parses(bomb));
+  EXPECT_FALSE(Parses("lidar: {gsd_m: 1, p2p: [" + std::string("[[[[a]]]]") + "]}\n"));
+}
+
+TEST(FlightConfigErrors, AFileOfAbsurdSizeIsRefused) {
+  const TempFolder folder;
+  folder.Write("flight.yaml", std::string(2000000, '#'));
+  ExpectInvalid([&] { ReadFlightConfig(folder.path()); }, "at most 1048576 are read", 0);
 }
 
 }  // namespace

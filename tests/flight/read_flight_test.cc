@@ -1,5 +1,9 @@
 #include <dn/flight/flight.h>
 #include <dn/geo/text_table.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
 
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
@@ -8,6 +12,7 @@ namespace dn {
 namespace {
 
 using testing::ExpectInvalid;
+using testing::ExpectInvalidIn;
 using ::testing::HasSubstr;
 using testing::TempFolder;
 
@@ -256,14 +261,122 @@ TEST(ReadFlightErrors, PairOutsideTheTrajectory) {
                 "t_i = 99.000000 s lies outside the trajectory (100.000000 .. 140.000000 s)", 1);
 }
 
-TEST(ReadFlightErrors, PairInAHole) {
+TEST(ReadFlight, LeavesOutAndCountsPairsAndGnssInHoles) {
   const TempFolder folder;
   WriteFlight(folder);
+  folder.Write("LiDAR_p2p.txt", Pair(105, 125) + Pair(110, 130) + Pair(111, 131));
   folder.Write("IMU.txt", StillImu(100.0, 120.0) + StillImu(128.0, 140.0));
-  ExpectInvalid([&] { ReadFlight(folder.path(), kDn); }, "in a hole of the IMU data", 1);
+  folder.Write("trajectory.txt", StillTrajectory(100.0, 120.0) + StillTrajectory(128.0, 140.0));
+  const Flight dn = ReadFlight(folder.path(), kDn);
+  EXPECT_EQ(dn.counts.at("pairs in IMU gaps"), 1);
+  EXPECT_EQ(dn.counts.at("gnss rows in IMU gaps"), 7);
+  ASSERT_EQ(dn.pairs->pairs.size(), 2u);
+  EXPECT_EQ(dn.pairs->pairs[0].t_j_s, 130.0);
+  const Flight gh = ReadFlight(folder.path(), kGh);
+  EXPECT_EQ(gh.counts.at("pairs in trajectory gaps"), 1);
+  EXPECT_EQ(gh.pairs->pairs.size(), 2u);
+  const Flight check = ReadFlight(folder.path(), kEverythingThere);
+  EXPECT_EQ(check.counts.at("pairs in IMU gaps"), 1);
+  EXPECT_EQ(check.pairs->pairs.size(), 3u);
+}
+
+TEST(ReadFlight, BridgesALostRowWithAllItsPairs) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("IMU.txt", StillImu(100.0, 109.985) + StillImu(110.02, 140.0));
+  folder.Write("LiDAR_p2p.txt", Pair(109.99, 125) + Pair(110.019, 130));
+  const Flight flight = ReadFlight(folder.path(), kDn);
+  EXPECT_EQ(flight.counts.at("imu holes bridged"), 1);
+  EXPECT_EQ(flight.counts.count("imu gaps"), 0u);
+  EXPECT_EQ(flight.pairs->pairs.size(), 2u);
+  std::string yaml = kYaml;
+  yaml.replace(yaml.find("airins"), 6, "airins, max_gap_s: 0.03");
+  folder.Write("flight.yaml", yaml);
+  folder.Write("LiDAR_p2p.txt", Pair(109.99, 125) + Pair(111, 130));
+  const Flight split = ReadFlight(folder.path(), kDn);
+  EXPECT_EQ(split.counts.at("imu gaps"), 1);
+  EXPECT_EQ(split.counts.at("pairs in IMU gaps"), 1);
+  yaml.replace(yaml.find("0.03"), 4, "0.01");
+  folder.Write("flight.yaml", yaml);
+  ExpectInvalidIn([&] { ReadFlight(folder.path(), kDn); }, "imu.max_gap_s is 0.01 s, shorter",
+                  "flight.yaml");
+}
+
+// From a microsecond inside to a microsecond outside; the IMU data begin one interval before the
+// first tag.
+TEST(ReadFlight, KeepsTheGnssEpochsThatTheImuDataCoverToTheLastBit) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("IMU.txt", StillImu(100.02, 140.0));
+  const ImuData imu = *ReadFlight(folder.path(), {.imu = true}).imu;
+  const double inside[] = {imu.t_begin_s(), imu.t_begin_s() + 1e-6, imu.t_end_s() - 1e-6,
+                           imu.t_end_s()};
+  const double outside[] = {imu.t_begin_s() - 1e-6, imu.t_end_s() + 1e-6, imu.t_end_s() + 1e-9};
+  const auto kept = [&](double t_s) {
+    std::vector<double> t{t_s, 110.0, 120.0};
+    std::sort(t.begin(), t.end());
+    std::string gnss;
+    for (const double x : t) gnss += Row({x, 46.5, 6.5, 400.0});
+    folder.Write("GPS.txt", gnss);
+    return ReadFlight(folder.path(), kDn).gnss->epochs.size() == 3;
+  };
+  for (const double t_s : inside) EXPECT_TRUE(kept(t_s)) << FormatDouble(t_s);
+  for (const double t_s : outside) EXPECT_FALSE(kept(t_s)) << FormatDouble(t_s);
+}
+
+TEST(ReadFlight, CountsRepeatedPairsOnce) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("LiDAR_p2p.txt", Pair(105, 125) + Pair(110, 130) + Pair(105, 125));
+  const Flight flight = ReadFlight(folder.path(), kDn);
+  EXPECT_EQ(flight.counts.at("repeated pairs"), 1);
+  EXPECT_EQ(flight.counts.at("pairs"), 2);
+}
+
+TEST(ReadFlightErrors, MostPairsInHoles) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("LiDAR_p2p.txt", Pair(105, 115) + Pair(105, 125) + Pair(106, 126));
+  folder.Write("IMU.txt", StillImu(100.0, 120.0) + StillImu(128.0, 140.0));
+  ExpectInvalid([&] { ReadFlight(folder.path(), kDn); },
+                "2 of 3 pairs have an epoch in a hole of the IMU data", 2);
   folder.Write("trajectory.txt", StillTrajectory(100.0, 120.0) + StillTrajectory(128.0, 140.0));
   ExpectInvalid([&] { ReadFlight(folder.path(), kGh); },
-                "in a hole of the trajectory (120.000000 .. 128.000000 s)", 1);
+                "in a hole of the trajectory, the first in 120.000000 .. 128.000000 s", 2);
+}
+
+TEST(ReadFlightErrors, AFileInMillisecondsIsNamed) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("LiDAR_p2p.txt", Pair(105000, 125000));
+  ExpectInvalidIn([&] { ReadFlight(folder.path(), kDn); },
+                  "outside the IMU data (99.980000 .. 140.000000 s); is the time in milliseconds? "
+                  "Divide it by 1000",
+                  "LiDAR_p2p.txt");
+  WriteFlight(folder);
+  std::string gnss = Row({0, 46.5, 6.5, 400.0});
+  for (int i = 95; i < 145; ++i) gnss += Row({1000.0 * i, 46.5, 6.5, 400.0});
+  folder.Write("GPS.txt", gnss);
+  ExpectInvalidIn([&] { ReadFlight(folder.path(), kDn); }, "is the time in milliseconds?",
+                  "GPS.txt");
+}
+
+TEST(ReadFlightErrors, WhatIsNoRegularFileIsNamed) {
+  for (const char* name : {"IMU.txt", "GPS.txt", "LiDAR_p2p.txt", "reference.out", "flight.yaml"}) {
+    const TempFolder folder;
+    WriteFlight(folder);
+    const std::filesystem::path path = folder.path() / name;
+    std::filesystem::remove(path);
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+    const auto read = [&] { ReadFlight(folder.path(), kDn); };
+    ExpectInvalidIn(read, "this is a named pipe, not a regular file", name);
+    std::filesystem::remove(path);
+    std::filesystem::create_directory(path);
+    ExpectInvalidIn(read, "this is a folder, not a regular file", name);
+    std::filesystem::remove(path);
+    std::filesystem::create_symlink("/dev/zero", path);
+    ExpectInvalidIn(read, "this is a device, not a regular file", name);
+  }
 }
 
 TEST(ReadFlightErrors, BadDataNamesFileAndLine) {

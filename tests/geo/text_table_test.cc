@@ -1,7 +1,9 @@
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <filesystem>
 #include <limits>
 #include <random>
 #include <string>
@@ -59,10 +61,18 @@ TEST(TextTable, RejectsWhatIsNoFiniteNumber) {
   ExpectInvalid([] { Read("1e999\n"); }, "'1e999' is out of the range", 1);
   ExpectInvalid([] { Read("t, lat\n1, 2\n"); }, "'t' is not a number", 1);
   ExpectInvalid([] { Read("+-1\n"); }, "'+-1' is not a number", 1);
-  ExpectInvalid([] { Read("1;2\n"); }, "'1;2' is not a number", 1);
   ExpectInvalid([] { Read("0x10\n"); }, "is not a number", 1);
   ExpectInvalid([] { Read(std::string("1\0002", 3)); }, "'1?2' is not a number", 1);
   ExpectInvalid([] { Read(std::string(1000, 'x')); }, std::string(40, 'x') + "...' is not", 1);
+}
+
+TEST(TextTable, NamesSemicolonsAndDecimalCommas) {
+  ExpectInvalid([] { Read("1;2\n"); }, "not by semicolons", 1);
+  ExpectInvalid([] { Read("381000,5;46,57;6,52\n"); }, "decimal commas by points", 1);
+  ExpectInvalid([] { Read("381000,5 46,57\t6,52\n"); }, "decimal commas; write decimal points", 1);
+  ExpectInvalid([] { Read("381000 46 6 500\n381001 46,57 6 500\n"); }, "decimal commas", 2);
+  EXPECT_EQ(Read("381000.5,46 6\n").columns, 3u);
+  EXPECT_EQ(Read("381000,46, 6\n").columns, 3u);
 }
 
 TEST(TextTable, RejectsMissingValues) {
@@ -84,7 +94,33 @@ TEST(TextTable, RejectsWhatIsNoFileOfNumbers) {
   ExpectInvalid([] { Read(""); }, "no rows of numbers", 0);
   ExpectInvalid([] { Read("# only\n\n"); }, "no rows of numbers", 0);
   ExpectInvalid([] { ReadTextTable("/no/such/file.txt", {}); }, "does not exist", 0);
-  ExpectInvalid([] { ReadTextTable(::testing::TempDir(), {}); }, "is a folder", 0);
+  ExpectInvalid([] { ReadTextTable(::testing::TempDir(), {}); }, "is a folder, not a regular", 0);
+  ExpectInvalid([] { ReadTextTable("/dev/zero", {}); }, "is a device, not a regular file", 0);
+}
+
+TEST(TextTable, RejectsANamedPipeAtOnce) {
+  const TempFile place("pipe.txt", "");
+  std::filesystem::remove(place.path());
+  ASSERT_EQ(mkfifo(place.path().c_str(), 0600), 0);
+  ExpectInvalid([&] { ReadTextTable(place.path(), {}); }, "is a named pipe, not a regular file", 0);
+}
+
+TEST(TextTable, RejectsLinesAndFilesOfAbsurdLength) {
+  const std::string digits(3000000, '1');
+  ExpectInvalid([&] { Read("1 2\n" + digits); }, "line is longer than 65536 bytes", 2);
+  ExpectInvalid([&] { Read(std::string(3000000, '\0')); }, "this is no text file", 1);
+  const TempFile file("table.txt", "1 2\n");
+  std::filesystem::resize_file(file.path(), std::uintmax_t{1} << 40);
+  ExpectInvalid([&] { ReadTextTable(file.path(), {}); }, "file has 1099511627776 bytes", 0);
+}
+
+TEST(TextTable, ReadsLinesAcrossChunks) {
+  std::string text;
+  for (int i = 0; i < 300000; ++i) text += std::to_string(i) + ", 0.5\n";
+  const TextTable t = Read(text + "300000, 0.5");
+  ASSERT_EQ(t.rows(), 300001u);
+  for (int i = 0; i <= 300000; ++i) ASSERT_EQ(t.row(static_cast<std::size_t>(i))[0], i);
+  EXPECT_EQ(t.lines.back(), 300001);
 }
 
 TEST(ContinueAndCheckTimes, DropsIdenticalRepeats) {
@@ -112,8 +148,38 @@ TEST(ContinueAndCheckTimes, RejectsOtherStepsBackAndRepeats) {
   ExpectInvalid([&] { ContinueAndCheckTimes(back, keep); }, "time 10.5 s does not increase", 3);
   TextTable half_week = Read("300000 1\n100 2\n");
   ExpectInvalid([&] { ContinueAndCheckTimes(half_week, keep); }, "does not increase", 2);
+  TextTable nearly_a_week = Read("604799 1\n3700 2\n");  // a pause of more than an hour
+  ExpectInvalid([&] { ContinueAndCheckTimes(nearly_a_week, keep); }, "does not increase", 2);
+  TextTable most_of_a_week = Read("381000 1\n381001 2\n100 3\n");
+  ExpectInvalid([&] { ContinueAndCheckTimes(most_of_a_week, keep); }, "does not increase", 3);
   TextTable whole_week = Read("604800 1\n0 2\n");
   ExpectInvalid([&] { ContinueAndCheckTimes(whole_week, keep); }, "does not increase", 2);
+}
+
+TEST(ContinueAndCheckTimes, RejectsWhatIsNoSecondOfWeek) {
+  const auto expect = [](const std::string& time, const std::string& what) {
+    std::vector<std::size_t> keep;
+    TextTable t = Read("# t\n" + time + " 1\n");
+    ExpectInvalid([&] { ContinueAndCheckTimes(t, keep); }, what, 2);
+  };
+  expect("381000250", "milliseconds? Divide it by 1000");
+  expect("381000250000", "microseconds? Divide it by 1e6");
+  expect("381000250000000", "nanoseconds? Divide it by 1e9");
+  expect("1400000000.5", "GPS time since 1980? Subtract 604800 times the GPS week");
+  expect("1763700000", "Unix time? Subtract 315964800");
+  expect("1763700000123", "milliseconds since 1980 or 1970");
+  expect("1763700000123456", "microseconds since 1980 or 1970");
+  expect("1763700000123456789", "nanoseconds since 1980 or 1970");
+  expect("1e300", "is this column the time?");
+  expect("-4000", "is this column the time?");
+}
+
+TEST(TimeUnitHint, NamesTheUnitThatFits) {
+  EXPECT_EQ(TimeUnitHint(105.0, 100.0, 140.0), "");
+  EXPECT_EQ(TimeUnitHint(150.0, 100.0, 140.0), "");
+  EXPECT_EQ(TimeUnitHint(105000.0, 100.0, 140.0),
+            "; is the time in milliseconds? Divide it by 1000");
+  EXPECT_EQ(TimeUnitHint(1.05e11, 100.0, 140.0), "; is the time in nanoseconds? Divide it by 1e9");
 }
 
 TEST(FormatDouble, ReadsBackToTheSameBits) {

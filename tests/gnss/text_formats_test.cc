@@ -78,6 +78,13 @@ TEST(OdynGnss, DropsRepeatsAndContinuesOverTheWeek) {
 TEST(OdynGnss, RejectsBadFilesEachByItsOwnMessage) {
   const std::string ok = "10 46 6 500 0.1 0.1 0.1\n";
   ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 0.1 0 0.1\n"); }, "position sigma N is zero", 2);
+  ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 0.1 1e-200 1\n"); },
+                "position sigma N is 1e-200, must lie within 1e-9 and 1e9", 2);
+  ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 1e308 0.1 0.1 1\n"); },
+                "height is 1e+308 m, must be within -1e6 and 1e6 m", 2);
+  ExpectInvalid([] { ReadOdyn("11 46 6 500 0 1e300 0 1 1 1\n"); },
+                "velocity is 1e+300 m/s, must be below 1e5", 1);
+  ExpectInvalid([] { ReadObGins("11 46 6 500 1 1e300 0 1 1 1 1 1 1\n"); }, "velocity is", 1);
   ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 0.1 0.1 -1\n"); }, "position sigma U is negative",
                 2);
   ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 inf 0.1 1\n"); }, "'inf' is not a finite", 2);

@@ -4,6 +4,7 @@
 #include <dn/imu/preintegration.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -75,16 +76,100 @@ TEST(ReadImu, SpanIsCutAndCounted) {
 }
 
 TEST(ReadImu, GapStaysVisible) {
-  const std::string text = std::string(kFour) + "100.08, 0, 0, 0, 0, 0, -9.8\n";
+  const std::string text = std::string(kFour) + "100.10, 0, 0, 0, 0, 0, -9.8\n";
   for (const ImuSampling sampling : {ImuSampling::kMean, ImuSampling::kInstantaneous}) {
     const ImuData imu = Read(text, {.sampling = sampling});
     ASSERT_EQ(imu.gaps.size(), 1u);
+    EXPECT_TRUE(imu.bridges.empty());
     EXPECT_NEAR(imu.gaps[0].t_begin_s, 100.03, 1e-12);
-    EXPECT_NEAR(imu.gaps[0].t_end_s, 100.07, 1e-12);
+    EXPECT_NEAR(imu.gaps[0].t_end_s, 100.09, 1e-12);
     EXPECT_NEAR(imu.samples.back().dt_s, 0.01, 1e-12);
     EXPECT_EQ(imu.samples.back().f_b_mps2, Vector3d(0, 0, -9.8));  // not bridged
     EXPECT_LE(imu.max_jitter_s, 1e-12);
   }
+}
+
+/// 100 Hz rows of rates that are linear in time, seen as `sampling` has them, without rows
+/// [first, last).
+std::string RampWithout(int first, int last, ImuSampling sampling) {
+  std::string text;
+  for (int i = 0; i < 60; ++i) {
+    if (i >= first && i < last) continue;
+    const double seen_s = 0.01 * i - (sampling == ImuSampling::kMean ? 0.005 : 0.0);
+    text += FormatDouble(100.0 + 0.01 * i) + ", " + FormatDouble(2.0 * seen_s) + ", 0, 0, 0, " +
+            FormatDouble(seen_s) + ", -9.8\n";
+  }
+  return text;
+}
+
+TEST(ReadImu, AHoleOfUpToFourRowsIsBridged) {
+  for (const ImuSampling sampling : {ImuSampling::kMean, ImuSampling::kInstantaneous}) {
+    const ImuData whole = Read(RampWithout(0, 0, sampling), {.sampling = sampling});
+    for (const int lost : {1, 4}) {
+      SCOPED_TRACE(lost);
+      const ImuData imu = Read(RampWithout(20, 20 + lost, sampling), {.sampling = sampling});
+      EXPECT_TRUE(imu.gaps.empty());
+      EXPECT_FALSE(HasGap(imu, imu.t_begin_s(), imu.t_end_s()));
+      ASSERT_EQ(imu.bridges.size(), 1u);
+      EXPECT_NEAR(imu.bridges[0].t_begin_s, 100.19, 1e-12);
+      EXPECT_NEAR(imu.bridges[0].row.t_s, 100.20 + 0.01 * lost, 1e-12);
+      EXPECT_NEAR(imu.bridges[0].row.dt_s, 0.01, 1e-12);
+      EXPECT_LE(imu.max_jitter_s, 1e-12);
+      // Nothing is lost of rates that the interpolation meets.
+      const PreintegrationNoise noise{1e-4, 1e-3, 0.0};
+      const auto increment = [&](const ImuData& x) {
+        return Preintegrate(x, 100.1, 100.4, {}, noise);
+      };
+      EXPECT_LT(increment(imu).delta_q.angularDistance(increment(whole).delta_q), 1e-7);
+      // The slope within a sample takes its neighbours as equally long.
+      EXPECT_LT((increment(imu).delta_v - increment(whole).delta_v).norm(), 5e-6);
+      EXPECT_LT((increment(imu).covariance - increment(whole).covariance).norm(), 1e-10);
+    }
+    EXPECT_EQ(Read(RampWithout(20, 25, sampling), {.sampling = sampling}).gaps.size(), 1u);
+  }
+}
+
+TEST(ReadImu, TheLongestBridgeIsConfigured) {
+  const std::string text = RampWithout(20, 30, ImuSampling::kMean);
+  EXPECT_EQ(Read(text).gaps.size(), 1u);
+  EXPECT_TRUE(Read(text, {.max_gap_s = 0.2}).gaps.empty());
+  EXPECT_EQ(Read(RampWithout(20, 21, ImuSampling::kMean), {.max_gap_s = 0.011}).gaps.size(), 1u);
+  EXPECT_THROW(Read(text, {.max_gap_s = 0.005}), InvalidConfig);
+}
+
+// Rates that jump at every row: the error of a bridge is that of the same interpolation elsewhere.
+TEST(ReadImu, ABridgeKnowsItsError) {
+  std::string text;
+  for (int i = 0; i < 80; ++i) {
+    if (i == 41) continue;
+    text += FormatDouble(100.0 + 0.01 * i) + (i % 2 == 0 ? ", 0.2, 0, 0" : ", 0, 0, 0") +
+            (i % 2 == 0 ? ", 0, 0, -9\n" : ", 0, 0, -10\n");
+  }
+  const ImuData imu = Read(text);
+  ASSERT_EQ(imu.bridges.size(), 1u);
+  EXPECT_NEAR(imu.bridges[0].gyro_sigma_rad, 0.2 * 0.01, 1e-12);
+  EXPECT_NEAR(imu.bridges[0].accel_sigma_mps, 1.0 * 0.01, 1e-12);
+  const PreintegrationNoise noise{1e-5, 1e-4, 0.0};
+  const auto variance = [&](double t0_s, double t1_s) {
+    return Preintegrate(imu, t0_s, t1_s, {}, noise).covariance(0, 0);
+  };
+  EXPECT_NEAR(variance(100.3, 100.5) - variance(100.1, 100.3), std::pow(0.2 * 0.01, 2), 1e-14);
+  EXPECT_NEAR(variance(100.41, 100.5), variance(100.21, 100.3) + 0.5 * std::pow(0.2 * 0.01, 2),
+              1e-14);
+}
+
+TEST(ReadImu, HolesNextToEachOtherAreBridgedOneByOne) {
+  std::string text;
+  for (int i = 0; i < 40; ++i) {
+    if (i == 20 || i == 22) continue;
+    text += FormatDouble(100.0 + 0.01 * i) + ", " + FormatDouble(0.01 * i) + ", 0, 0, 0, 0, -9.8\n";
+  }
+  const ImuData imu = Read(text);
+  ASSERT_EQ(imu.bridges.size(), 2u);
+  EXPECT_NEAR(imu.samples[20].w_ib_b_radps.x(), 0.205, 1e-12);
+  EXPECT_NEAR(imu.samples[20].dt_s, 0.02, 1e-12);
+  EXPECT_NEAR(imu.samples[21].dt_s, 0.02, 1e-12);
+  EXPECT_NEAR(imu.samples[21].w_ib_b_radps.x(), 0.225, 1e-12);
 }
 
 // Tags of a coarse clock: the median, 0.006, is not the rate.
@@ -138,6 +223,18 @@ TEST(ReadImu, RejectsOtherUnits) {
   ExpectInvalid([&] { Read(row(30.0, -9.8)); }, "deg/s", 0);
   EXPECT_NO_THROW(Read(row(1.0, -9.8)));
   EXPECT_NO_THROW(Read(row(0.0, -20.0)));
+}
+
+TEST(ReadImu, RejectsTimesThatAreNoSeconds) {
+  ExpectInvalid([] { Read("0,0,0,0,0,0,-9.8\n10,0,0,0,0,0,-9.8\n20,0,0,0,0,0,-9.8\n"); },
+                "is the time in milliseconds? Divide it by 1000", 0);
+  ExpectInvalid([] { Read("381000000,0,0,0,0,0,-9.8\n381000010,0,0,0,0,0,-9.8\n"); },
+                "milliseconds? Divide it by 1000", 1);
+}
+
+TEST(ReadImu, RejectsValuesOfNoSensorByLine) {
+  ExpectInvalid([] { Read("0,0,0,0,0,0,-9.8\n0.01,0,0,0,0,1e308,-9.8\n"); },
+                "1e+308 is no angular rate", 2);
 }
 
 TEST(SampleRange, CoversTheInterval) {

@@ -1,4 +1,7 @@
 #include <dn/lidar/pairs.h>
+#include <sys/stat.h>
+
+#include <filesystem>
 
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
@@ -39,8 +42,9 @@ TEST(ReadPairs, ReadsTheCovarianceByItsUpperTriangle) {
 
 TEST(ReadPairs, TakesFilesOfAPatternInSortedOrderEachOnce) {
   const TempFolder folder;
+  int row = 0;
   for (const char* name : {"lidar/2_3.txt", "lidar/1_2.txt", "lidar/1_3.txt"}) {
-    folder.Write(name, kPlain);
+    folder.Write(name, std::to_string(++row) + ", 200.25, 1, 2, 3, 4, 5, 6\n");
   }
   folder.Write("lidar/notes.md", "not a pair file");
   const PairData data = ReadPairs(folder.path(), {"lidar/*.txt", "lidar/1_?.txt"});
@@ -64,6 +68,35 @@ TEST(ReadPairs, NeedsNoOrderOfTimes) {
   EXPECT_EQ(ReadPairs(folder.path(), {"a.txt"}).pairs[0].t_i_s, 300.0);
 }
 
+TEST(ReadPairs, CountsEqualPairsOnceWhereverTheyStand) {
+  const TempFolder folder;
+  const std::string a = "100.5, 200.25, 1, 2, 3, 4, 5, 6\n";
+  const std::string b = "100.5, 200.25, 1, 2, 3, 4, 5, 7\n";
+  const std::string a_swapped = "200.25, 100.5, 4, 5, 6, 1, 2, 3\n";
+  folder.Write("p.txt", b + a + a_swapped + a);
+  folder.Write("q.txt", "# the same rows\n" + a + b);
+  std::filesystem::create_symlink("p.txt", folder.path() / "link.txt");
+  std::filesystem::create_hard_link(folder.path() / "p.txt", folder.path() / "hard.txt");
+  const PairData one = ReadPairs(folder.path(), {"p.txt"});
+  ASSERT_EQ(one.pairs.size(), 2u);
+  EXPECT_EQ(one.pairs[0].u_j_s.z(), 7.0);  // the first of equals, in the order of the file
+  EXPECT_EQ(one.pairs[1].line, 2);
+  EXPECT_EQ(one.repeated_pairs_dropped, 2);
+  const PairData all = ReadPairs(folder.path(), {"*.txt", "./p.txt"});
+  EXPECT_EQ(all.pairs.size(), 2u);
+  EXPECT_EQ(all.repeated_pairs_dropped, 4 * 4 + 2 - 2);
+  const PairData listed = ReadPairs(folder.path(), std::vector<std::string>(25, "q.txt"));
+  EXPECT_EQ(listed.pairs.size(), 2u);
+}
+
+TEST(ReadPairs, NamesWhatIsNoRegularFile) {
+  const TempFolder folder;
+  folder.Write("lidar/a.txt", kPlain);
+  ASSERT_EQ(mkfifo((folder.path() / "lidar/pipe.txt").c_str(), 0600), 0);
+  ExpectInvalid([&] { ReadPairs(folder.path(), {"lidar/*.txt"}); }, "a named pipe", 0);
+  ExpectInvalid([&] { ReadPairs(folder.path(), {"lidar"}); }, "a folder, not a regular file", 0);
+}
+
 TEST(ReadPairs, NamesThePatternThatMatchesNothing) {
   const TempFolder folder;
   folder.Write("a.txt", kPlain);
@@ -80,6 +113,13 @@ TEST(ReadPairs, NamesTheLineOfBadData) {
   };
   expect("1, 2, 0, 0, 0, 1, 2, 3\n", "zero length");
   expect("1, 2, 1, 2, 3, 0, 0, 0\n", "zero length");
+  expect("1, 2, 300000, 400000, 0, 1, 2, 3\n", "5e+05 in the unit that should be metres");
+  expect("1, 2, 300000, 400000, 0, 1, 2, 3\n", "in millimetres? Divide it by 1000");
+  expect("1, 2, 1e-5, 0, 0, 1, 2, 3\n", "in kilometres? Multiply it by 1000");
+  expect("1, 2, 1e200, 1e200, 0, 1, 2, 3\n", "e+200 in the unit");
+  expect("381000250, 2, 1, 2, 3, 1, 2, 3\n", "milliseconds? Divide it by 1000");
+  expect("1, 381000250, 1, 2, 3, 1, 2, 3\n", "milliseconds? Divide it by 1000");
+  expect("1, 2, 1, 2, 3, 4, 5, 6, 1e-200, 0, 0, 1e-200, 0, 1e-200\n", "is it in m^2?");
   expect("1, 2, 1, 2, 3, 4, 5\n", "8");
   expect("1, 2, 1, 2, 3, 4, 5, x\n", "x");
   expect("1, 2, 1, 2, 3, 4, 5, nan\n", "nan");
@@ -99,9 +139,11 @@ TEST(FormatPairs, RoundTripsEveryBit) {
   pair.t_i_s = 381263.24940880001;
   pair.t_j_s = 0.1 + 0.2;
   pair.u_i_s = Eigen::Vector3d(1.0 / 3.0, -1e-17, 216.55663);
-  pair.u_j_s = Eigen::Vector3d(2.0 / 7.0, 1e5, -123.527340000000001);
+  pair.u_j_s = Eigen::Vector3d(2.0 / 7.0, 1e4, -123.527340000000001);
   pair.covariance_m2 = Eigen::Matrix3d(Eigen::Vector3d(1.0 / 3.0, 0.1, 0.7).asDiagonal());
-  folder.Write("a.txt", FormatPairs({pair, pair}));
+  LidarPair other = pair;
+  other.t_i_s = 1.0;
+  folder.Write("a.txt", FormatPairs({other, pair}));
   const PairData data = ReadPairs(folder.path(), {"a.txt"});
   ASSERT_EQ(data.pairs.size(), 2u);
   EXPECT_EQ(data.pairs[1].t_i_s, pair.t_i_s);

@@ -178,6 +178,36 @@ TEST(WriteFlight, ReadsBackAsTheFlightInMemory) {
   }
 }
 
+TEST(WriteFlight, HolesAreBridgedOrGapsAsTheReaderFindsThem) {
+  const SimulatedFlight simulated = Simulate(
+      testing::SmallScenario("effects: [{effect: imu_gap, window_s: [381100.04, 381100.06]}, "
+                             "{effect: imu_gap, window_s: [381120.04, 381120.21]}, "
+                             "{effect: imu_gap, window_s: [381140.04, 381140.31]}]\n"),
+      {.seed = 12});
+  const testing::TempFolder folder;
+  Write(simulated, folder.path() / "flight");
+  const ImuData read = *ReadFlight(folder.path() / "flight", {.imu = true}).imu;
+  const ImuData& memory = *simulated.flight.imu;
+  ASSERT_EQ(memory.bridges.size(), 2u);
+  ASSERT_EQ(memory.gaps.size(), 1u);
+  ASSERT_EQ(read.bridges.size(), 2u);
+  ASSERT_EQ(read.gaps.size(), 1u);
+  EXPECT_NEAR(read.gaps[0].t_begin_s, memory.gaps[0].t_begin_s, 1e-9);
+  EXPECT_NEAR(read.gaps[0].t_end_s, memory.gaps[0].t_end_s, 1e-9);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(read.bridges[i].row.w_ib_b_radps, memory.bridges[i].row.w_ib_b_radps);
+    EXPECT_NEAR(read.bridges[i].gyro_sigma_rad, memory.bridges[i].gyro_sigma_rad, 1e-12);
+  }
+  for (std::size_t i = 0; i < read.samples.size(); ++i) {
+    const ImuSample& a = read.samples[i];
+    const ImuSample& b = memory.samples[i];
+    ASSERT_TRUE(a.t_s == b.t_s && std::abs(a.dt_s - b.dt_s) < 1e-9 &&
+                (a.w_ib_b_radps - b.w_ib_b_radps).norm() < 1e-9 &&
+                (a.f_b_mps2 - b.f_b_mps2).norm() < 1e-9)
+        << i;
+  }
+}
+
 TEST(WriteFlight, TruthStandsInTruthYamlOnly) {
   const Scenario scenario = testing::SmallScenario(kEffects);
   const SimulatedFlight simulated = Simulate(scenario, {.seed = 12});

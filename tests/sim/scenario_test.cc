@@ -2,12 +2,14 @@
 #include <dn/sim/scenario.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include "sim/small_scenario.h"
+#include "testing/hostile_yaml.h"
 #include "testing/temp_folder.h"
 
 namespace dn {
@@ -129,6 +131,63 @@ TEST(ParseScenario, ChecksEffects) {
   EXPECT_THAT(Fault(with("{effect: lidar_time_offset, value: 1, t0_s: 3}")), HasSubstr("t0_s"));
   EXPECT_THAT(SimulatedEffects(), ::testing::IsSupersetOf({"gnss_lever_arm", "p2p_outliers"}));
   EXPECT_THAT(SimulatedEffects(), ::testing::Not(::testing::Contains("lidar_scan_cone")));
+}
+
+const std::string kEveryKey = R"(name: x
+origin_deg_m: [46, 7, 500]
+start_s: 100
+plan:
+  warm_up_s: 10
+  lines: [[0, 0, 1000, 0, 200, 40]]
+  bank_deg: 25
+  turbulence: {roll_deg: 1, pitch_deg: 1, heading_deg: 1, speed_m_s: 1, height_m: 1}
+  crab_deg: 3
+  stabilised_mount: false
+terrain: {kind: mixed, relief_m: 6, wavelength_m: 900, base_m: 0, buildings_per_km2: 3,
+          trees_per_km2: 0, seed: 1}
+imu: {rate_hz: 100, preset: airins, gyro: {white_deg_sqrt_h: 0.1, processes: [{type: gauss_markov,
+      sigma_deg_h: 1, tau_s: 3}]}, accel: {white_m_s_sqrt_h: 0.1, processes: []}}
+gnss: {rate_hz: 1, sigma_enu_m: [0.1, 0.1, 0.1], lever_arm_m: [1, 0, 0], velocity: false}
+lidar: {R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], scan_axis: [1, 0, 0],
+        nadir_axis: [0, 0, 1], lever_arm_m: [0, 0, 0], boresight_deg: [0, 0, 0], fov_deg: 60,
+        pulse_rate_hz: 1000, gsd_m: 0.3, beam_divergence_mrad: 0.3}
+pairs: {count: 30, sigma_p_m: 0.1}
+strips: false
+effects: [{effect: imu_vibration, value: [1, 1], window_s: [110, 120]},
+          {effect: gnss_clock_step, value: 1, t0_s: 110}]
+)";
+
+TEST(ParseScenario, HostileValuesOfEveryKeyAreReadOrRefusedWithTheirPlace) {
+  const auto parse = [](const std::string& document) { ParseScenario(document, "file.yaml"); };
+  ASSERT_NO_THROW(parse(kEveryKey));
+  EXPECT_GT(testing::CountRefused(kEveryKey, parse), 1500);
+}
+
+TEST(ParseScenario, AMissingSectionHasThePlaceOfItsMap) {
+  long line = 0;
+  Fault(Replace(kGood, "imu: {preset: airins}\n", ""), &line);
+  EXPECT_EQ(line, 1);
+}
+
+TEST(ReadScenario, NamesWhatIsNoRegularFile) {
+  const testing::TempFolder folder;
+  const std::string pipe = (folder.path() / "pipe.yaml").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const auto message = [](const std::string& name) -> std::string {
+    try {
+      ReadScenario(name);
+    } catch (const InvalidConfig& error) {
+      EXPECT_EQ(error.where().file, name);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(message(pipe), ::testing::HasSubstr("a named pipe, not a regular file"));
+  EXPECT_THAT(message(folder.path().string()), ::testing::HasSubstr("a folder, not a regular"));
+  EXPECT_THAT(message("/dev/zero"), ::testing::HasSubstr("a device, not a regular file"));
+  folder.Write("large.yaml", std::string(2000000, '#'));
+  EXPECT_THAT(message((folder.path() / "large.yaml").string()),
+              ::testing::HasSubstr("at most 1048576 are read"));
 }
 
 TEST(ReadScenario, FindsShippedOnesFilesAndSaysWhatIsThere) {

@@ -29,12 +29,12 @@ void CheckUnknown(const YamlValue& value, const std::string& name) {
 EstimateEntry ReadEntry(const YamlValue& item) {
   EstimateEntry entry;
   if (!item.IsMap()) {
-    entry.unknown = item.Text();
+    entry.unknown = item.Name();
     CheckUnknown(item, entry.unknown);
     return entry;
   }
   item.ExpectMap({"unknown", "sigma"});
-  entry.unknown = item["unknown"].Text();
+  entry.unknown = item["unknown"].Name();
   CheckUnknown(item["unknown"], entry.unknown);
   if (!item["sigma"]) return entry;
   if (entry.unknown == "boresight") {

@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/flight/flight.h>
+#include <dn/geo/week_seconds.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +16,11 @@ namespace fs = std::filesystem;
 bool IsFile(const fs::path& path) {
   std::error_code none;
   return fs::is_regular_file(path, none);
+}
+
+bool IsThere(const fs::path& path) {
+  std::error_code none;
+  return fs::status(path, none).type() != fs::file_type::not_found;
 }
 
 /// Reads the parts of one folder into one Flight.
@@ -48,9 +54,10 @@ class FolderReader {
     return present;
   }
 
-  /// True when the file of a section is there; likewise.
+  /// True when something is there under the name of a section's file; likewise. Its reader says so
+  /// when it is no regular file.
   bool HasFile(const fs::path& path, const char* key) const {
-    const bool present = IsFile(path);
+    const bool present = IsThere(path);
     if (!present && !needs_.optional) {
       throw InvalidInput("the data file " + path.string() + " does not exist; the key " + key +
                          " of flight.yaml names it");
@@ -67,7 +74,11 @@ class FolderReader {
     const ImuConfig& imu = *flight_.config.imu;
     const fs::path file = InFolder(imu.file);
     if (!HasFile(file, "imu.file")) return;
-    flight_.imu = ReadImu(file, imu.read);
+    try {
+      flight_.imu = ReadImu(file, imu.read);
+    } catch (const InvalidConfig& e) {
+      throw InvalidConfig(e.what(), {InFolder("flight.yaml").string()});
+    }
     if (flight_.imu->samples.empty()) {
       throw InvalidInput("no IMU sample lies inside time_span_s",
                          FileLocation{file.string(), 0, 0});
@@ -76,6 +87,7 @@ class FolderReader {
     Count("imu repeated rows", flight_.imu->repeated_rows_dropped);
     Count("imu rows outside time span", flight_.imu->rows_outside_span);
     Count("imu gaps", static_cast<long>(flight_.imu->gaps.size()));
+    Count("imu holes bridged", static_cast<long>(flight_.imu->bridges.size()));
   }
 
   void ReadGnssPart() {
@@ -99,9 +111,15 @@ class FolderReader {
       KeepGnssInside(covered, "gnss rows outside time span", file, gnss);
     }
     if (flight_.imu) {
-      CoveredTime covered = internal::Cover(*flight_.imu);
-      covered.holes.clear();
+      const CoveredTime covered = internal::Cover(*flight_.imu);
       KeepGnssInside(covered, "gnss rows outside imu data", file, gnss);
+      Count("gnss rows in " + covered.gaps,
+            static_cast<long>(std::erase_if(gnss.epochs, [&](const GnssEpoch& epoch) {
+              return covered.HoleAt(epoch.t_s) != nullptr;
+            })));
+      if (gnss.epochs.empty()) {
+        throw InvalidInput("every GNSS epoch lies in a hole of the IMU data", {file.string()});
+      }
     }
   }
 
@@ -110,15 +128,21 @@ class FolderReader {
     for (GnssEpoch& epoch : gnss.epochs) epoch.t_s = internal::AlignWeek(epoch.t_s, covered);
     const double t_begin_s = gnss.epochs.front().t_s;
     const double t_end_s = gnss.epochs.back().t_s;
+    const std::size_t all = gnss.epochs.size();
+    const double middle_s = gnss.epochs[all / 2].t_s;
     Count(reason, static_cast<long>(std::erase_if(gnss.epochs, [&](const GnssEpoch& epoch) {
-            return !covered.Contains(epoch.t_s);
+            return !covered.InSpan(epoch.t_s);
           })));
-    if (gnss.epochs.empty()) {
-      throw InvalidInput("no GNSS epoch lies inside " + covered.what + ": GNSS covers " +
-                             internal::SpanText(t_begin_s, t_end_s) + ", " + covered.what + " " +
-                             internal::SpanText(covered.t_begin_s, covered.t_end_s) +
-                             "; both must be in GPS seconds of week",
-                         FileLocation{file.string(), 0, 0});
+    const std::string unit = 2 * gnss.epochs.size() < all
+                                 ? TimeUnitHint(middle_s, covered.t_begin_s, covered.t_end_s)
+                                 : std::string();
+    if (gnss.epochs.empty() || !unit.empty()) {
+      throw InvalidInput(
+          (gnss.epochs.empty() ? "no GNSS epoch lies inside " : "most GNSS epochs lie outside ") +
+              covered.what + ": GNSS covers " + internal::SpanText(t_begin_s, t_end_s) + ", " +
+              covered.what + " " + internal::SpanText(covered.t_begin_s, covered.t_end_s) +
+              (unit.empty() ? "; both must be in GPS seconds of week" : unit),
+          FileLocation{file.string(), 0, 0});
     }
   }
 
@@ -127,7 +151,7 @@ class FolderReader {
     std::optional<TrajectoryConfig>& section = flight_.config.trajectory;
     const std::string usual = TrajectoryConfig().file;
     for (const std::string& name : {usual, std::string("trajectory.txt")}) {
-      if (!IsFile(InFolder(name))) continue;
+      if (!IsThere(InFolder(name))) continue;
       if (!section) section = TrajectoryConfig();
       if (section->file == usual) section->file = name;
       return;
@@ -148,7 +172,7 @@ class FolderReader {
   bool HasPairFiles() {
     std::vector<std::string>& patterns = flight_.config.lidar->p2p;
     const std::vector<std::string> usual = LidarConfig().p2p;
-    if (patterns == usual && !IsFile(InFolder(usual.front())) &&
+    if (patterns == usual && !IsThere(InFolder(usual.front())) &&
         fs::is_directory(InFolder("lidar"))) {
       patterns = {"lidar/*.txt"};
     }
@@ -165,6 +189,7 @@ class FolderReader {
     if (!HasSection(flight_.config.lidar.has_value(), "lidar")) return;
     if (!HasPairFiles()) return;
     flight_.pairs = ReadPairs(flight_.config.folder, flight_.config.lidar->p2p);
+    Count("repeated pairs", flight_.pairs->repeated_pairs_dropped);
     KeepPairsInsideSpan();
     CheckPairsCovered();
     flight_.pair_strips = FindStrips(flight_);
@@ -192,28 +217,34 @@ class FolderReader {
     }
   }
 
-  /// Pairs must lie inside what was read; with optional reading inside one of the two, the other
-  /// is counted.
+  /// Pairs must lie inside what was read, those in its holes are left out; with optional reading
+  /// they must lie inside one of the two, and both are only counted.
   void CheckPairsCovered() {
     std::vector<CoveredTime> coverages;
     if (flight_.imu) coverages.push_back(internal::Cover(*flight_.imu));
     if (flight_.trajectory) coverages.push_back(internal::Cover(*flight_.trajectory));
     if (coverages.empty()) return;
-    internal::AlignWeek(coverages.front(), flight_.pairs->pairs);
+    PairData& pairs = *flight_.pairs;
+    internal::AlignWeek(coverages.front(), pairs.pairs);
     std::size_t complete = 0;
     for (const CoveredTime& covered : coverages) {
-      if (!needs_.optional) internal::ExpectCovered(*flight_.pairs, covered);
-      const long outside = internal::CountUncovered(*flight_.pairs, covered);
+      if (!needs_.optional) {
+        internal::ExpectInSpan(pairs, covered);
+        Count("pairs in " + covered.gaps, internal::DropInHoles(covered, pairs));
+        continue;
+      }
+      const long outside = internal::CountOutside(pairs, covered);
       Count("pairs outside " + covered.what, outside);
+      Count("pairs in " + covered.gaps, internal::CountInHoles(pairs, covered));
       if (outside == 0) ++complete;
     }
-    if (complete == 0) internal::ExpectCovered(*flight_.pairs, coverages.front());
+    if (needs_.optional && complete == 0) internal::ExpectInSpan(pairs, coverages.front());
   }
 
   std::optional<Trajectory> ReadIfPresent(const std::string& stem) {
     for (const char* extension : {".out", ".txt"}) {
       const fs::path file = InFolder(stem + extension);
-      if (IsFile(file)) return ReadTrajectory(file, flight_.config.body_is_flu);
+      if (IsThere(file)) return ReadTrajectory(file, flight_.config.body_is_flu);
     }
     return std::nullopt;
   }

@@ -1,10 +1,9 @@
 #include <dn/error.h>
 #include <dn/flight/flight_config.h>
+#include <dn/geo/read_file.h>
 
 #include <algorithm>
-#include <fstream>
 #include <regex>
-#include <sstream>
 
 #include "config_sections.h"
 
@@ -19,21 +18,23 @@ std::string ReadText(const fs::path& folder) {
     throw InvalidConfig("there is no flight folder '" + folder.string() + "'");
   }
   const fs::path file = folder / "flight.yaml";
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || fs::is_directory(file)) {
-    throw InvalidConfig(
-        "the flight folder has no readable flight.yaml; docs/flight.yaml is a model",
-        FileLocation{file.string(), 0, 0});
+  std::error_code none;
+  if (fs::status(file, none).type() == fs::file_type::not_found) {
+    throw InvalidConfig("the flight folder has no flight.yaml; docs/flight.yaml is a model",
+                        FileLocation{file.string(), 0, 0});
   }
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
+  try {
+    return ReadWholeFile(file, kMostYamlBytes);
+  } catch (const InvalidInput& e) {
+    throw InvalidConfig(e.what(), e.where());
+  }
 }
 
 Geodetic ReadOrigin(const YamlValue& value) {
   const Eigen::Vector3d v = value.Vector3();
   if (std::abs(v.x()) > 90.0) value.Fail("latitude must lie in -90..90 deg");
   if (std::abs(v.y()) > 360.0) value.Fail("longitude must lie in -360..360 deg");
+  if (std::abs(v.z()) > 1e6) value.Fail("height must lie in -1e6..1e6 m");
   return {internal::RadFromDeg(v.x()), internal::RadFromDeg(v.y()), v.z()};
 }
 
@@ -53,7 +54,7 @@ std::optional<Eigen::Vector2d> ReadSpan(const YamlValue& value) {
 
 StripInterval ReadStrip(const YamlValue& item) {
   item.ExpectMap({"name", "t0", "t1"});
-  StripInterval strip{item["name"].Text(), item["t0"].Number(), item["t1"].Number()};
+  StripInterval strip{item["name"].Name(), item["t0"].Number(), item["t1"].Number()};
   if (!(strip.t0_s < strip.t1_s)) item["t1"].Fail("must be later than t0");
   return strip;
 }
@@ -74,7 +75,7 @@ std::vector<StripInterval> ReadStrips(const YamlValue& value) {
 
 std::string ReadCrs(const YamlValue& value) {
   static const std::regex utm("utm:([1-9]|[1-5][0-9]|60)[ns]");
-  std::string crs = value.Text();
+  std::string crs = value.Name();
   if (crs != "map" && crs != "ecef" && crs != "none" && !std::regex_match(crs, utm)) {
     value.Fail("'" + crs + "' is none of map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef, none");
   }

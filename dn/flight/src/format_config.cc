@@ -99,6 +99,7 @@ void WriteImu(const ImuConfig& imu, Writer& out) {
   out.Key(1, "file", Quote(imu.file));
   out.Key(1, "format", WordOf(imu.read.format, internal::ImuFormatWords()));
   out.Key(1, "sampling", WordOf(imu.read.sampling, internal::ImuSamplingWords()));
+  out.Key(1, "max_gap_s", Number(imu.read.max_gap_s));
   out.Key(1, "grade", imu.grade ? Quote(*imu.grade) : "~");
   WriteSensor("gyro", imu.model.gyro, internal::GyroKeys(), out);
   WriteSensor("accel", imu.model.accel, internal::AccelKeys(), out);

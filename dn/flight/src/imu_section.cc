@@ -101,12 +101,13 @@ const ProcessKeys& AccelKeys() {
 }
 
 ImuConfig ReadImuSection(const YamlValue& section) {
-  section.ExpectMap({"file", "format", "sampling", "grade", "gyro", "accel"});
+  section.ExpectMap({"file", "format", "sampling", "max_gap_s", "grade", "gyro", "accel"});
   ImuConfig imu;
   if (section["file"]) imu.file = section["file"].Text();
   if (section["format"]) imu.read.format = section["format"].Choice(ImuFormatWords());
   if (section["sampling"]) imu.read.sampling = section["sampling"].Choice(ImuSamplingWords());
-  if (section["grade"]) imu.grade = section["grade"].Text();
+  if (section["max_gap_s"]) imu.read.max_gap_s = section["max_gap_s"].Positive();
+  if (section["grade"]) imu.grade = section["grade"].Name();
   imu.model = ReadModel(section, imu.grade);
   return imu;
 }

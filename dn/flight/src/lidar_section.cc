@@ -9,6 +9,7 @@
 namespace dn::internal {
 namespace {
 
+constexpr double kLeastSigmaM = 1e-12;   // what sigma_p_m accepts
 constexpr double kUnitTolerance = 1e-3;  // axes typed with three digits
 constexpr double kRoundOff = 4e-16;
 constexpr double kMaxCosineOfAxes = 1e-2;  // half a degree from a right angle
@@ -88,6 +89,7 @@ void ReadPairNoise(const YamlValue& section, LidarConfig& lidar) {
     lidar.sigma_p_m = section["sigma_p_m"].Positive();
   } else if (lidar.gsd_m) {
     lidar.sigma_p_m = *lidar.gsd_m / 2.0 / std::sqrt(3.0);
+    if (lidar.sigma_p_m < kLeastSigmaM) section["gsd_m"].Fail("must be at least 4e-12");
   } else {
     section["sigma_p_m"].Fail(
         "one of lidar.gsd_m (ground sampling distance) and lidar.sigma_p_m (per coordinate of a "

@@ -2,6 +2,7 @@
 
 #include <dn/error.h>
 #include <dn/geo/median_step.h>
+#include <dn/geo/week_seconds.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@
 namespace dn::internal {
 namespace {
 
-constexpr double kWeekS = 604800.0;
 constexpr double kHoleS = 1.0;
 constexpr double kHoleSteps = 5.0;
 
@@ -20,19 +20,36 @@ std::string Seconds(double t_s) {
   return text;
 }
 
-[[noreturn]] void FailUncovered(double t_s, const char* epoch, const LidarPair& pair,
-                                const PairData& data, const CoveredTime& covered) {
-  std::string text = std::string("pair epoch ") + epoch + " = " + Seconds(t_s);
-  if (const ImuGap* hole = covered.HoleAt(t_s)) {
-    text += " s lies in a hole of " + covered.what + " (" +
-            SpanText(hole->t_begin_s, hole->t_end_s) + ")";
-  } else {
-    text += " s lies outside " + covered.what + " (" +
-            SpanText(covered.t_begin_s, covered.t_end_s) + ")";
-  }
-  text += "; check the time system of the pair file, or remove such pairs";
-  const auto file = static_cast<std::size_t>(pair.file);
-  throw InvalidInput(text, FileLocation{data.files[file].string(), pair.line, 0});
+FileLocation PlaceOf(const LidarPair& pair, const PairData& data) {
+  return {data.files[static_cast<std::size_t>(pair.file)].string(), pair.line, 0};
+}
+
+[[noreturn]] void FailOutside(double t_s, const char* epoch, const LidarPair& pair,
+                              const PairData& data, const CoveredTime& covered) {
+  const std::string unit = TimeUnitHint(t_s, covered.t_begin_s, covered.t_end_s);
+  throw InvalidInput(
+      std::string("pair epoch ") + epoch + " = " + Seconds(t_s) + " s lies outside " +
+          covered.what + " (" + SpanText(covered.t_begin_s, covered.t_end_s) + ")" +
+          (unit.empty() ? "; check the time system of the pair file, or remove such pairs" : unit),
+      PlaceOf(pair, data));
+}
+
+/// The hole that an epoch of the pair lies in, null when there is none.
+const ImuGap* HoleOf(const LidarPair& pair, const CoveredTime& covered) {
+  const ImuGap* hole = covered.HoleAt(pair.t_i_s);
+  return hole != nullptr ? hole : covered.HoleAt(pair.t_j_s);
+}
+
+[[noreturn]] void FailInHoles(long count, const PairData& data, const CoveredTime& covered) {
+  const auto first = std::find_if(data.pairs.begin(), data.pairs.end(), [&](const LidarPair& pair) {
+    return HoleOf(pair, covered) != nullptr;
+  });
+  const ImuGap& hole = *HoleOf(*first, covered);
+  throw InvalidInput(std::to_string(count) + " of " + std::to_string(data.pairs.size()) +
+                         " pairs have an epoch in a hole of " + covered.what + ", the first in " +
+                         SpanText(hole.t_begin_s, hole.t_end_s) +
+                         "; check the time system of the pair file, and what is missing",
+                     PlaceOf(*first, data));
 }
 
 }  // namespace
@@ -48,16 +65,13 @@ const ImuGap* CoveredTime::HoleAt(double t_s) const {
   return after != holes.end() && t_s > after->t_begin_s ? &*after : nullptr;
 }
 
-bool CoveredTime::Contains(double t_s) const {
-  return t_s >= t_begin_s && t_s <= t_end_s && HoleAt(t_s) == nullptr;
-}
-
 CoveredTime Cover(const ImuData& imu) {
-  return {"the IMU data", imu.t_begin_s(), imu.t_end_s(), imu.gaps};
+  return {"the IMU data", imu.t_begin_s(), imu.t_end_s(), imu.gaps, "IMU gaps"};
 }
 
 CoveredTime Cover(const Trajectory& trajectory) {
-  CoveredTime covered{"the trajectory", trajectory.t_begin_s(), trajectory.t_end_s(), {}};
+  CoveredTime covered{
+      "the trajectory", trajectory.t_begin_s(), trajectory.t_end_s(), {}, "trajectory gaps"};
   const std::vector<NavPoint>& points = trajectory.points();
   const double longest_s = std::max(kHoleS, kHoleSteps * MedianStep(points));
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -81,17 +95,31 @@ void AlignWeek(const CoveredTime& covered, std::vector<LidarPair>& pairs) {
   }
 }
 
-long CountUncovered(const PairData& data, const CoveredTime& covered) {
+long CountOutside(const PairData& data, const CoveredTime& covered) {
   return std::count_if(data.pairs.begin(), data.pairs.end(), [&](const LidarPair& pair) {
-    return !covered.Contains(pair.t_i_s) || !covered.Contains(pair.t_j_s);
+    return !covered.InSpan(pair.t_i_s) || !covered.InSpan(pair.t_j_s);
   });
 }
 
-void ExpectCovered(const PairData& data, const CoveredTime& covered) {
+long CountInHoles(const PairData& data, const CoveredTime& covered) {
+  return std::count_if(data.pairs.begin(), data.pairs.end(), [&](const LidarPair& pair) {
+    return covered.InSpan(pair.t_i_s) && covered.InSpan(pair.t_j_s) &&
+           HoleOf(pair, covered) != nullptr;
+  });
+}
+
+void ExpectInSpan(const PairData& data, const CoveredTime& covered) {
   for (const LidarPair& pair : data.pairs) {
-    if (!covered.Contains(pair.t_i_s)) FailUncovered(pair.t_i_s, "t_i", pair, data, covered);
-    if (!covered.Contains(pair.t_j_s)) FailUncovered(pair.t_j_s, "t_j", pair, data, covered);
+    if (!covered.InSpan(pair.t_i_s)) FailOutside(pair.t_i_s, "t_i", pair, data, covered);
+    if (!covered.InSpan(pair.t_j_s)) FailOutside(pair.t_j_s, "t_j", pair, data, covered);
   }
+}
+
+long DropInHoles(const CoveredTime& covered, PairData& data) {
+  const long in_holes = CountInHoles(data, covered);
+  if (2 * in_holes > static_cast<long>(data.pairs.size())) FailInHoles(in_holes, data, covered);
+  return static_cast<long>(std::erase_if(
+      data.pairs, [&](const LidarPair& pair) { return HoleOf(pair, covered) != nullptr; }));
 }
 
 }  // namespace dn::internal

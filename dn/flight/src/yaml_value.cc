@@ -9,6 +9,11 @@
 namespace dn::internal {
 namespace {
 
+/// No quantity of a flight, in the units of its keys, is beyond these; squares and inverses of what
+/// lies within stay numbers.
+constexpr double kLargest = 1e12;
+constexpr double kSmallestPositive = 1e-12;
+
 /// Parses all of `text` as a number of type T; a leading '+' is accepted.
 template <class T>
 bool ParseAll(std::string_view text, T& value) {
@@ -19,12 +24,24 @@ bool ParseAll(std::string_view text, T& value) {
 }
 
 long LineOf(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.line + 1; }
+long ColumnOf(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.column + 1; }
+
+/// The text as a message shows it: its beginning, without control characters.
+std::string Shown(const std::string& text) {
+  constexpr std::size_t kMostShown = 40;
+  std::string shown = text.substr(0, kMostShown);
+  for (char& c : shown) {
+    if (static_cast<unsigned char>(c) < ' ') c = '?';
+  }
+  return shown + (text.size() > kMostShown ? "..." : "");
+}
 
 }  // namespace
 
 FileLocation YamlValue::where() const {
-  const long line = node_.IsDefined() ? LineOf(node_.Mark()) : 0;
-  return {file_, line > 0 ? line : parent_line_, 0};
+  const YAML::Mark mark = node_.IsDefined() ? node_.Mark() : YAML::Mark::null_mark();
+  if (mark.is_null()) return {file_, parent_.line, parent_.column};
+  return {file_, LineOf(mark), ColumnOf(mark)};
 }
 
 void YamlValue::Fail(const std::string& message) const {
@@ -35,7 +52,7 @@ std::string YamlValue::Found() const {
   if (absent()) return "nothing";
   if (node_.IsMap()) return "a map";
   if (node_.IsSequence()) return "a list of " + std::to_string(node_.size());
-  return "'" + node_.Scalar() + "'";
+  return "'" + Shown(node_.Scalar()) + "'";
 }
 
 void YamlValue::FailType(const std::string& wanted) const {
@@ -43,7 +60,7 @@ void YamlValue::FailType(const std::string& wanted) const {
 }
 
 void YamlValue::FailChoice(const std::string& word, const std::vector<std::string>& names) const {
-  Fail("'" + word + "' is none of " + JoinNames(names) + "; did you mean '" +
+  Fail("'" + Shown(word) + "' is none of " + JoinNames(names) + "; did you mean '" +
        NearestName(word, names) + "'?");
 }
 
@@ -51,11 +68,12 @@ void YamlValue::ExpectMap(const std::vector<std::string>& known) const {
   if (!node_.IsMap()) FailType("a map of keys");
   std::vector<std::string> seen;
   for (const auto& entry : node_) {
-    const YamlValue key(entry.first, path_, file_, where().line);
+    const YamlValue key(entry.first, path_, file_, where());
     if (!entry.first.IsScalar()) key.Fail("a key must be a word");
     const std::string& name = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      key.Fail("unknown key '" + name + "'; did you mean '" + NearestName(name, known) + "'?");
+      key.Fail("unknown key '" + Shown(name) + "'; did you mean '" + NearestName(name, known) +
+               "'?");
     }
     if (std::find(seen.begin(), seen.end(), name) != seen.end()) {
       key.Fail("key '" + name + "' is given twice");
@@ -67,15 +85,15 @@ void YamlValue::ExpectMap(const std::vector<std::string>& known) const {
 YamlValue YamlValue::operator[](const std::string& key) const {
   const YAML::Node child = node_[key];
   const std::string path = path_.empty() ? key : path_ + "." + key;
-  if (!child.IsDefined()) return {YAML::Node(), path, file_, where().line};
-  return {child, path, file_, where().line};
+  if (!child.IsDefined()) return {YAML::Node(), path, file_, where()};
+  return {child, path, file_, where()};
 }
 
 std::vector<YamlValue> YamlValue::List() const {
   if (!node_.IsSequence()) FailType("a list");
   std::vector<YamlValue> items;
   for (std::size_t i = 0; i < node_.size(); ++i) {
-    items.emplace_back(node_[i], path_ + "[" + std::to_string(i) + "]", file_, where().line);
+    items.emplace_back(node_[i], path_ + "[" + std::to_string(i) + "]", file_, where());
   }
   return items;
 }
@@ -90,6 +108,16 @@ std::string YamlValue::Text() const {
   return node_.Scalar();
 }
 
+std::string YamlValue::Name() const {
+  constexpr std::size_t kLongestName = 100;
+  std::string name = Text();
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' '; };
+  if (name.size() > kLongestName || std::any_of(name.begin(), name.end(), is_control)) {
+    Fail("must be one line of up to 100 characters");
+  }
+  return name;
+}
+
 bool YamlValue::Bool() const {
   if (!absent() && node_.IsScalar()) {
     if (node_.Scalar() == "true") return true;
@@ -101,19 +129,21 @@ bool YamlValue::Bool() const {
 double YamlValue::Number() const {
   double value = 0.0;
   if (absent() || !node_.IsScalar() || !ParseAll(node_.Scalar(), value)) FailType("a number");
-  if (!std::isfinite(value)) Fail("must be finite, is " + node_.Scalar());
+  if (!std::isfinite(value)) Fail("must be finite, is " + Shown(node_.Scalar()));
+  if (std::abs(value) > kLargest) Fail("must be within -1e12 and 1e12, is " + Found());
   return value;
 }
 
 double YamlValue::Positive() const {
   const double value = Number();
-  if (!(value > 0.0)) Fail("must be greater than 0, is " + node_.Scalar());
+  if (!(value > 0.0)) Fail("must be greater than 0, is " + Shown(node_.Scalar()));
+  if (value < kSmallestPositive) Fail("must be at least 1e-12, is " + Found());
   return value;
 }
 
 double YamlValue::NotNegative() const {
   const double value = Number();
-  if (value < 0.0) Fail("must not be negative, is " + node_.Scalar());
+  if (value < 0.0) Fail("must not be negative, is " + Shown(node_.Scalar()));
   return value;
 }
 
@@ -123,7 +153,7 @@ long long YamlValue::Integer(long long lowest) const {
     FailType("a whole number");
   }
   if (value < lowest) {
-    Fail("must be at least " + std::to_string(lowest) + ", is " + node_.Scalar());
+    Fail("must be at least " + std::to_string(lowest) + ", is " + Shown(node_.Scalar()));
   }
   return value;
 }
@@ -141,6 +171,7 @@ Eigen::VectorXd YamlValue::Numbers(Eigen::Index size) const {
 Eigen::Vector3d YamlValue::PositiveVector3() const {
   Eigen::Vector3d values = Vector3();
   if (!(values.minCoeff() > 0.0)) Fail("every element must be greater than 0");
+  if (values.minCoeff() < kSmallestPositive) Fail("every element must be at least 1e-12");
   return values;
 }
 
@@ -158,7 +189,7 @@ YamlValue ParseYaml(const std::string& text, const std::string& file) {
     if (!root.IsDefined() || root.IsNull()) {
       throw InvalidConfig("the configuration is empty", FileLocation{file, 1, 0});
     }
-    return YamlValue(root, "", file, 1);
+    return YamlValue(root, "", file, {file, 1, 1});
   } catch (const YAML::Exception& e) {
     throw InvalidConfig("not valid YAML: " + e.msg,
                         FileLocation{file, LineOf(e.mark), e.mark.column + 1});

@@ -11,21 +11,21 @@
 namespace dn::internal {
 
 /// A value of a YAML file that knows its path of keys ("imu.gyro.white_deg_sqrt_h") and its file,
-/// so that every complaint names both and the line. A key that is missing and one that is `~` are
-/// both absent.
+/// so that every complaint names both, line and column. A key that is missing and one that is `~`
+/// are both absent.
 class YamlValue {
  public:
-  YamlValue(YAML::Node node, std::string path, std::string file, long parent_line = 0)
+  YamlValue(YAML::Node node, std::string path, std::string file, FileLocation parent = {})
       : node_(std::move(node)),
         path_(std::move(path)),
         file_(std::move(file)),
-        parent_line_(parent_line) {}
+        parent_(std::move(parent)) {}
 
   bool absent() const { return !node_.IsDefined() || node_.IsNull(); }
   explicit operator bool() const { return !absent(); }
   const std::string& path() const { return path_; }
 
-  /// Throws InvalidConfig "<path>: <message>" at this value's line.
+  /// Throws InvalidConfig "<path>: <message>" at this value's place.
   [[noreturn]] void Fail(const std::string& message) const;
   FileLocation where() const;
 
@@ -44,9 +44,10 @@ class YamlValue {
 
   /// Conversions; each throws naming the wanted type or range and what was found.
   std::string Text() const;
+  std::string Name() const;  ///< a text that messages can show
   bool Bool() const;
-  double Number() const;
-  double Positive() const;
+  double Number() const;    ///< within -1e12 and 1e12
+  double Positive() const;  ///< from 1e-12 on
   double NotNegative() const;
   long long Integer(long long lowest) const;
   Eigen::VectorXd Numbers(Eigen::Index size) const;
@@ -75,7 +76,7 @@ class YamlValue {
   YAML::Node node_;
   std::string path_;
   std::string file_;
-  long parent_line_;
+  FileLocation parent_;  ///< where the map or list that should hold this stands
 };
 
 /// The top level of a YAML text. Throws InvalidConfig at the line of a syntax error, or when it is

@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
+#include <dn/geo/text_table.h>
 
 #include <GeographicLib/Geocentric.hpp>
 #include <GeographicLib/LocalCartesian.hpp>
@@ -46,19 +47,21 @@ void CheckGeodetic(const Geodetic& point, const FileLocation& where) {
   constexpr double kPi = std::numbers::pi;
   // Degrees converted to radians may pass the bound by rounding.
   constexpr double kRounding = 1e-12;
+  constexpr double kMostHeightM = 1e6;
   if (!(std::abs(point.lat_rad) <= kPi / 2 + kRounding)) {
-    throw InvalidInput("latitude is " + std::to_string(point.lat_rad * kDegPerRad) +
+    throw InvalidInput("latitude is " + FormatDouble(point.lat_rad * kDegPerRad) +
                            " deg, must be within -90 and 90 deg",
                        where);
   }
   if (!(point.lon_rad >= -kPi - kRounding && point.lon_rad <= 2 * kPi + kRounding)) {
-    throw InvalidInput("longitude is " + std::to_string(point.lon_rad * kDegPerRad) +
+    throw InvalidInput("longitude is " + FormatDouble(point.lon_rad * kDegPerRad) +
                            " deg, must be within -180 and 360 deg",
                        where);
   }
-  if (!std::isfinite(point.h_m)) {
-    throw InvalidInput("ellipsoidal height is " + std::to_string(point.h_m) + ", must be finite",
-                       where);
+  if (!(std::abs(point.h_m) <= kMostHeightM)) {
+    throw InvalidInput(
+        "ellipsoidal height is " + FormatDouble(point.h_m) + " m, must be within -1e6 and 1e6 m",
+        where);
   }
 }
 

@@ -73,6 +73,11 @@ long SettleTimes(std::vector<Record>& records, const FileLocation& where) {
   std::size_t n = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
     kept[n] = records[i];
+    try {
+      CheckSecondsOfWeek(records[i][0], where);
+    } catch (const InvalidInput& e) {
+      throw InvalidInput("SBET " + NameOfRecord(i) + ": " + e.what(), where);
+    }
     const Verdict verdict = times.Next(kept[n].data(), kColumns);
     if (verdict == Verdict::kNotIncreasing) {
       throw InvalidInput("time " + FormatDouble(records[i][0]) + " s of SBET " + NameOfRecord(i) +
@@ -152,7 +157,7 @@ void SettleVelocities(const std::vector<Record>& records, std::vector<NavPoint>&
     }
   }
   notes.velocity_from_file = best_misfit_mps <= kVelocityAgreementMps;
-  const std::string misfit = std::to_string(best_misfit_mps) + " m/s";
+  const std::string misfit = FormatDouble(best_misfit_mps) + " m/s";
   if (notes.velocity_from_file) {
     notes.text = std::string("velocities of the file, wander frame with ") + best_text +
                  "; they differ from the positions by " + misfit;

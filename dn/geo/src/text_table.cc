@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <system_error>
 
 #include "time_continuation.h"
@@ -65,17 +64,31 @@ class TableParser {
 
   // At the first value; leaves after the last.
   void ParseValues() {
+    bool tight_commas = false, bare_blanks = false;
     while (true) {
       std::size_t end = position_;
       while (end < text_.size() && text_[end] != ',' && !IsBlank(text_[end])) ++end;
       table_.values.push_back(ParseNumber(text_.substr(position_, end - position_), Here()));
       position_ = end;
       SkipBlanks();
-      if (AtEnd()) return;
-      if (text_[position_] != ',') continue;
+      if (AtEnd()) break;
+      if (text_[position_] != ',') {
+        bare_blanks = true;
+        continue;
+      }
       ++position_;
+      const std::size_t after_comma = position_;
       SkipBlanks();
+      tight_commas = tight_commas || (position_ == after_comma && end + 1 == after_comma);
     }
+    if (tight_commas && bare_blanks) CheckDecimalPoints();
+  }
+
+  // Of a row whose values are separated by blanks, and that has commas without a blank.
+  void CheckDecimalPoints() const {
+    if (text_.find('.') != std::string_view::npos) return;
+    throw InvalidInput("the row has decimal commas; write decimal points",
+                       {table_.file.string(), line_, 0});
   }
 
   void CheckColumns(std::size_t columns) {
@@ -107,28 +120,6 @@ class TableParser {
 
 }  // namespace
 
-std::string ReadWholeFile(const std::filesystem::path& file) {
-  const FileLocation where{file.string(), 0, 0};
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw InvalidInput("file does not exist", where);
-  if (std::filesystem::is_directory(file, error)) {
-    throw InvalidInput("is a folder, a file is wanted", where);
-  }
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InvalidInput("file cannot be opened for reading", where);
-  std::string content;
-  const auto size = std::filesystem::file_size(file, error);
-  if (!error) content.reserve(size);
-  constexpr std::size_t kChunk = std::size_t{1} << 20;
-  for (std::size_t n = 0; in; n += static_cast<std::size_t>(in.gcount())) {
-    content.resize(n + kChunk);
-    in.read(content.data() + n, kChunk);
-    content.resize(n + static_cast<std::size_t>(in.gcount()));
-  }
-  if (!in.eof()) throw InvalidInput("file cannot be read", where);
-  return content;
-}
-
 double ParseNumber(std::string_view text, const FileLocation& where) {
   if (text.empty()) {
     throw InvalidInput("a value is missing (nothing between separators)", where);
@@ -138,6 +129,12 @@ double ParseNumber(std::string_view text, const FileLocation& where) {
   const char* const end = text.data() + text.size();
   double value = 0.0;
   const auto [parsed_end, error] = std::from_chars(begin, end, value);
+  if (text.find(';') != std::string_view::npos) {
+    throw InvalidInput(Quoted(text) +
+                           ": values are separated by commas, blanks or tabs, not by semicolons; "
+                           "replace them, and decimal commas by points first",
+                       where);
+  }
   if (parsed_end != end || error == std::errc::invalid_argument) {
     throw InvalidInput(Quoted(text) + " is not a number; start comments and headers with #", where);
   }
@@ -152,19 +149,15 @@ double ParseNumber(std::string_view text, const FileLocation& where) {
 
 TextTable ReadTextTable(const std::filesystem::path& file,
                         const std::vector<std::size_t>& allowed_columns, char comment) {
-  const std::string content = ReadWholeFile(file);
-  std::string_view rest = content;
-  if (rest.starts_with(kByteOrderMark)) rest.remove_prefix(kByteOrderMark.size());
-
-  constexpr std::size_t kTypicalBytesPerValue = 12;
   TextTable table;
   table.file = file;
-  table.values.reserve(content.size() / kTypicalBytesPerValue);
   TableParser parser(table, allowed_columns, comment);
-  while (!rest.empty()) {
-    const std::size_t end = rest.find('\n');
-    parser.ParseLine(rest.substr(0, end));
-    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+  LineReader lines(file);
+  for (std::string_view line; lines.Next(&line);) {
+    if (lines.line() == 1 && line.starts_with(kByteOrderMark)) {
+      line.remove_prefix(kByteOrderMark.size());
+    }
+    parser.ParseLine(line);
   }
   if (table.rows() == 0) throw InvalidInput("file has no rows of numbers", {file.string(), 0, 0});
   return table;
@@ -178,6 +171,8 @@ long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep) {
   keep.reserve(table.rows());
   for (std::size_t i = 0; i < table.rows(); ++i) {
     double* row = table.values.data() + i * table.columns;
+    if (!IsSecondsOfWeek(row[0]))
+      CheckSecondsOfWeek(row[0], {table.file.string(), table.lines[i], 1});
     switch (times.Next(row, table.columns)) {
       case Verdict::kKeep:
         keep.push_back(i);
@@ -188,7 +183,8 @@ long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep) {
       case Verdict::kNotIncreasing:
         throw InvalidInput("time " + FormatDouble(row[0]) +
                                " s does not increase: the row before has " +
-                               FormatDouble(times.last_s() - times.offset_s()) + " s",
+                               FormatDouble(times.last_s() - times.offset_s()) +
+                               " s; rows must be in the order of time",
                            {table.file.string(), table.lines[i], 1});
     }
   }

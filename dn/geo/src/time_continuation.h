@@ -7,6 +7,9 @@
 
 namespace dn::internal {
 
+/// A step back by a week counts as a rollover to within this: the longest pause that may lie there.
+inline constexpr double kLongestPauseAtRolloverS = 3600.0;
+
 /// Carries a time column over week rollovers, row after row.
 class TimeContinuation {
  public:
@@ -26,7 +29,8 @@ class TimeContinuation {
         row[0] = t_s;
         return Verdict::kRepeatedRow;
       }
-      if (step_s < -kWeekS / 2 && step_s + kWeekS > 0.0) {
+      const double since_last_s = step_s + kWeekS;  // if the week ended in between
+      if (step_s < 0.0 && since_last_s > 0.0 && since_last_s <= kLongestPauseAtRolloverS) {
         offset_s_ += kWeekS;
         t_s += kWeekS;
       } else if (!(step_s > 0.0)) {

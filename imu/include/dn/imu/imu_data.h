@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,8 @@ struct ImuReadOptions {
   bool body_is_flu = false;
   double t_begin_s = -1e300;  ///< rows outside [t_begin, t_end] are left out
   double t_end_s = 1e300;
+  /// A longer step between samples is a gap, a shorter hole is bridged; absent: 5 usual intervals.
+  std::optional<double> max_gap_s = std::nullopt;
 };
 
 /// A hole in the data: no sample covers (t_begin_s, t_end_s].
@@ -37,13 +40,25 @@ struct ImuGap {
   double t_end_s = 0.0;
 };
 
+/// A hole too short to be a gap. The sample after it stands for the hole, too: over (t_begin_s,
+/// row.t_s - row.dt_s] the rates are assumed to be the mean of those of the neighbouring samples,
+/// with the errors that the same interpolation makes of known samples nearby (up to 64 on either
+/// side; the axis with the largest errors counts for all three).
+struct ImuBridge {
+  double t_begin_s = 0.0;
+  ImuSample row;                 ///< the sample after the hole, over its own interval alone
+  double gyro_sigma_rad = 0.0;   ///< of the angle over the hole, per axis
+  double accel_sigma_mps = 0.0;  ///< of the velocity over the hole, per axis
+};
+
 /// Inertial data of one sensor, sorted by time.
 struct ImuData {
   std::vector<ImuSample> samples;
-  double nominal_dt_s = 0.0;  ///< mean interval, without those above two medians
-  double max_jitter_s = 0.0;  ///< largest |dt - nominal| outside gaps
-  std::vector<ImuGap> gaps;   ///< intervals longer than 1.5 nominal; the sample after a gap keeps
-                              ///< dt_s = nominal_dt_s, so the hole stays visible
+  double nominal_dt_s = 0.0;       ///< mean interval, without those above 1.75 medians
+  double max_jitter_s = 0.0;       ///< largest |dt - nominal| outside gaps and bridges
+  std::vector<ImuGap> gaps;        ///< steps longer than max_gap_s; the sample after a gap keeps
+                                   ///< dt_s = nominal_dt_s, so the hole stays visible
+  std::vector<ImuBridge> bridges;  ///< shorter holes, sorted
   long repeated_rows_dropped = 0;
   long rows_outside_span = 0;
 
@@ -53,8 +68,22 @@ struct ImuData {
 
 /// Reads IMU.txt (contract: t, w xyz [rad/s], f xyz [m/s^2]; or increments t, dtheta [rad], dv
 /// [m/s]). Throws InvalidInput naming file:line for bad rows, and for values that cannot be in
-/// these units (mean |f| near 1: specific force in g; rates whose rms cannot be rad/s: deg/s).
+/// these units (mean |f| near 1: specific force in g; rates whose rms cannot be rad/s: deg/s; a
+/// usual interval above 1 s: milliseconds).
 ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options);
+
+/// Finds the steps between samples that are longer than 1.5 nominal_dt_s: one of up to max_gap_s
+/// (absent: 5 nominal_dt_s) becomes a bridge, a longer one a gap. On entry every sample covers its
+/// own interval alone, that after a hole nominal_dt_s. Fills gaps, bridges and max_jitter_s. Throws
+/// InvalidConfig when max_gap_s is shorter than nominal_dt_s.
+void CloseShortHoles(std::optional<double> max_gap_s, ImuData* imu);
+
+/// Longest step between samples that is neither bridged nor a gap; time tags of week seconds are
+/// rounded by 1e-10 s and more.
+double LongestImuInterval(double nominal_dt_s);
+
+/// Longest step between samples that is no gap.
+double LongestImuBridge(std::optional<double> max_gap_s, double nominal_dt_s);
 
 /// Indices [first, last) of the samples whose intervals overlap (t0_s, t1_s].
 std::pair<std::size_t, std::size_t> SampleRange(const ImuData& imu, double t0_s, double t1_s);

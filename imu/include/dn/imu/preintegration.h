@@ -66,7 +66,8 @@ struct PreintegrationNoise {
 /// data), so that the parts of a split interval compose to the whole wherever it is split.
 ///
 /// gyro_scale: scale factor already corrected for. The white noise is a density: the covariance is
-/// that of continuous white noise and does not depend on the sampling.
+/// that of continuous white noise and does not depend on the sampling. The errors of bridged holes
+/// (ImuBridge) enter as white noise within their samples.
 /// Throws InvalidInput when the interval is not positive, or not covered by samples without a gap
 /// (naming the times). An end may exceed the data by 1e-7 s (rounding of time tags).
 /// Linear in the number of samples, about 0.3 us each; finding the first is logarithmic.

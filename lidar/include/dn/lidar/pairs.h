@@ -23,6 +23,7 @@ struct LidarPair {
 struct PairData {
   std::vector<std::filesystem::path> files;
   std::vector<LidarPair> pairs;
+  long repeated_pairs_dropped = 0;
 };
 
 /// Files that the glob patterns (*, ?, [..]; relative to `folder`) name, sorted, each once. Throws
@@ -32,8 +33,11 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 
 /// Reads the pair files that the glob patterns name (relative to `folder`), in sorted order of
 /// their names. Columns: t_i, t_j, u_i (3), u_j (3), optionally the upper triangle of the
-/// covariance (6). Throws InvalidInput naming file:line; also when a pattern matches no file, a
-/// vector has zero length, a covariance is not positive definite, or there is no pair.
+/// covariance (6). A pair with the epochs and vectors of an earlier one, also with i and j
+/// exchanged or in another file, is dropped and counted: it is no second measurement. Throws
+/// InvalidInput naming file:line; also when a pattern matches no file, a time is no second of week,
+/// a vector is shorter than 1 mm or longer than 50 km, a covariance is not positive definite, or
+/// there is no pair.
 PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns);
 
 /// Mean length of the laser vectors, m; 0 without pairs.

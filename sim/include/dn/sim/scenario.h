@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/error.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/imu_model.h>
 #include <dn/lidar/mounting.h>
@@ -40,6 +41,7 @@ struct PlanScenario {
   bool stabilised_mount = false;  ///< the body is held level within 0.3 deg
   /// Trajectory to fly instead of `lines`, at its own times and with its own attitude.
   std::optional<std::filesystem::path> replay;
+  FileLocation where;  ///< of the lines in the scenario
 };
 
 enum class TerrainKind { kBuiltUp, kMixed, kNatural, kMountain, kFlat };
@@ -80,6 +82,7 @@ struct LidarScenario {
 struct PairScenario {
   long count = 0;
   double sigma_p_m = 0.0;  ///< per coordinate of the pair's difference
+  FileLocation where;      ///< of the section in the scenario
 };
 
 /// Something that the data contain and the assumed model lacks; docs/formats.md lists the names and
@@ -90,6 +93,7 @@ struct Effect {
   /// GPS seconds of week, first and last; for the effects that last for a while.
   std::optional<std::pair<double, double>> window_s;
   std::optional<double> t0_s;  ///< start, for those that begin at an instant
+  FileLocation where;          ///< of the entry in the scenario
 
   bool During(double t_s) const {
     return window_s && t_s >= window_s->first && t_s <= window_s->second;
@@ -126,8 +130,9 @@ Scenario ReadScenario(const std::string& name_or_path);
 std::string ScenarioText(const std::string& name_or_path);
 
 /// Reads a scenario from YAML. `where` is the file named in messages; a relative `replay` is looked
-/// for beside it. Throws InvalidConfig with file:line for bad YAML, an unknown key, effect, preset
-/// or terrain kind (with the nearest known one), and a value of the wrong type, shape or range.
+/// for beside it. Throws InvalidConfig with file:line:column for bad YAML, an unknown key, effect,
+/// preset or terrain kind (with the nearest known one), and a value of the wrong type, shape or
+/// range.
 Scenario ParseScenario(const std::string& yaml_text, const std::string& where);
 
 }  // namespace dn

@@ -47,12 +47,13 @@ struct Flight {
 /// their default names may also be trajectory.txt and lidar/*.txt; a trajectory under its default
 /// name needs no section.
 ///
-/// GNSS epochs outside time_span_s or the IMU data and pairs outside time_span_s are dropped and
-/// counted. Throws InvalidConfig when the folder, flight.yaml or a needed section is missing,
-/// InvalidInput for a missing file (naming its path and key), bad data, no overlap of IMU and GNSS
-/// (naming both spans), and pair epochs outside the IMU data or trajectory that was read (naming
-/// the epoch, file and line). With `optional`, pairs must lie inside one of the two; those outside
-/// the other are counted.
+/// GNSS epochs outside time_span_s or the IMU data, pairs outside time_span_s, repeated pairs, and
+/// GNSS epochs and pairs in gaps of the IMU data or the trajectory are dropped and counted. Throws
+/// InvalidConfig when the folder, flight.yaml or a needed section is missing, InvalidInput for a
+/// missing file (naming its path and key), bad data, no overlap of IMU and GNSS (naming both
+/// spans), pair epochs outside the IMU data or trajectory that was read (naming the epoch, file and
+/// line), and more than half of the pairs in gaps. With `optional`, pairs must lie inside one of
+/// the two; those outside the other and those in gaps are counted and kept.
 Flight ReadFlight(const std::filesystem::path& folder, const FlightNeeds& needs);
 
 /// The same with a configuration at hand, say with another trajectory file; relative file names

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <dn/error.h>
+#include <dn/geo/read_file.h>
+#include <dn/geo/week_seconds.h>
 
 #include <cstddef>
 #include <filesystem>
@@ -24,24 +26,19 @@ struct TextTable {
 /// Reads a numeric table: values separated by commas, blanks or tabs; '#' (and `comment`) starts a
 /// comment; blank lines are skipped; CRLF is accepted. Every row must have the same number of
 /// columns, one of `allowed_columns` (empty: any). Throws InvalidInput naming file:line:column for
-/// a missing file, an empty file, a value that is no number, NaN or infinity, and a wrong number of
-/// columns (saying which numbers are right).
+/// a missing file, one that is no regular file, an empty file, a value that is no number, NaN or
+/// infinity, semicolons, decimal commas, and a wrong number of columns (saying which numbers are
+/// right).
 TextTable ReadTextTable(const std::filesystem::path& file,
                         const std::vector<std::size_t>& allowed_columns, char comment = '#');
 
-/// A time column as the contract wants it: a backward jump of a week is a rollover and is continued
-/// (604800 s added from there on).
+/// A time column in GPS seconds of week: a backward jump of a week, to within an hour, is a
+/// rollover and is continued (604800 s added from there on).
 ///
 /// `keep` receives the rows to keep: rows identical to the row before are dropped. Any other repeat
-/// or step back throws InvalidInput naming the line. Returns the number of dropped rows. Column 0
-/// holds the time.
+/// or step back throws InvalidInput naming the line, as does a time that is no seconds of week
+/// (CheckSecondsOfWeek). Returns the number of dropped rows. Column 0 holds the time.
 long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep);
-
-/// One week, s.
-inline constexpr double kWeekS = 604800.0;
-
-/// All bytes of a file. Throws InvalidInput when it is missing, a folder or cannot be read.
-std::string ReadWholeFile(const std::filesystem::path& file);
 
 /// A finite number that takes up all of `text` (a leading '+' is accepted). Throws InvalidInput at
 /// `where`.
