@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/flight/flight_config.h>
+#include <dn/names.h>
 
 #include <algorithm>
 #include <fstream>
@@ -19,8 +20,11 @@ std::string ReadText(const fs::path& folder) {
     throw InvalidConfig("there is no flight folder '" + folder.string() + "'");
   }
   const fs::path file = folder / "flight.yaml";
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || fs::is_directory(file)) {
+  std::error_code none;
+  const bool is_file = fs::is_regular_file(file, none);  // opening a pipe might never return
+  std::ifstream stream;
+  if (is_file) stream.open(file, std::ios::binary);
+  if (!is_file || !stream) {
     throw InvalidConfig(
         "the flight folder has no readable flight.yaml; docs/flight.yaml is a model",
         FileLocation{file.string(), 0, 0});
@@ -51,9 +55,16 @@ std::optional<Eigen::Vector2d> ReadSpan(const YamlValue& value) {
   return span;
 }
 
+// A name is shown on the terminal, in plots and in results.
+std::string ReadName(const YamlValue& value) {
+  std::string name = value.Text();
+  if (HasControls(name)) value.Fail("holds a line break or another control character");
+  return name;
+}
+
 StripInterval ReadStrip(const YamlValue& item) {
   item.ExpectMap({"name", "t0", "t1"});
-  StripInterval strip{item["name"].Text(), item["t0"].Number(), item["t1"].Number()};
+  StripInterval strip{ReadName(item["name"]), item["t0"].Number(), item["t1"].Number()};
   if (!(strip.t0_s < strip.t1_s)) item["t1"].Fail("must be later than t0");
   return strip;
 }
@@ -118,9 +129,10 @@ void ReadSensors(const YamlValue& root, FlightConfig& config) {
   }
 }
 
+// A folder may be called anything.
 std::string NameOfFolder(const fs::path& folder) {
   const fs::path full = fs::weakly_canonical(folder);
-  return full.filename().string();
+  return WithoutControls(full.filename().string());
 }
 
 }  // namespace
@@ -131,7 +143,7 @@ FlightConfig ParseFlightConfig(const std::string& text, const fs::path& folder) 
                   "lidar", "trajectory", "gh", "estimate", "network"});
   FlightConfig config;
   config.folder = folder;
-  config.name = root["name"] ? root["name"].Text() : NameOfFolder(folder);
+  config.name = root["name"] ? ReadName(root["name"]) : NameOfFolder(folder);
   if (root["body"]) config.body_is_flu = root["body"].Choice(internal::BodyWords());
   config.origin = ReadFrame(root["frame"]);
   config.time_span_s = ReadSpan(root["time_span_s"]);

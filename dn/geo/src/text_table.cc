@@ -114,6 +114,9 @@ std::string ReadWholeFile(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, error)) {
     throw InvalidInput("is a folder, a file is wanted", where);
   }
+  if (!std::filesystem::is_regular_file(file, error)) {
+    throw InvalidInput("is a pipe or a device; write the data into a file", where);
+  }
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InvalidInput("file cannot be opened for reading", where);
   std::string content;
