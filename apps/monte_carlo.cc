@@ -231,6 +231,7 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
       "Example: dn monte-carlo uav3 --flights 100 --out consistency");
   app->callback([options, action] {
     *action = [options] {
+      options->common.inputs = ScenarioInputs(options->scenario);
       return Execute("monte-carlo", options->common, [&](Run& run) { MonteCarlo(*options, run); });
     };
   });
