@@ -1,6 +1,7 @@
 #include "interruption.h"
 
 #include <dirent.h>
+#include <dn/report/plot.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/time.h>
@@ -16,7 +17,7 @@
 namespace dn::apps {
 namespace {
 
-constexpr suseconds_t kGraceMicroseconds = 700000;
+constexpr suseconds_t kGraceMicroseconds = 400000;
 constexpr int kInterruptedExitCode = 130;
 
 static_assert(std::atomic<bool>::is_always_lock_free);
@@ -107,6 +108,7 @@ void SayWithoutWaiting(std::string_view message) {
   if (entered.test_and_set()) {
     for (;;) ::pause();  // another thread is about to end us all
   }
+  if (const int child = DrawingProcess(); child > 0) ::kill(child, SIGKILL);
   if (const ForcedEnd* end = g_forced_end.load()) {
     if (!end->staging.empty()) LeaveReportOnly(*end);
     SayWithoutWaiting(end->message);

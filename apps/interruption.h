@@ -8,7 +8,7 @@ namespace dn::apps {
 /// True after SIGINT, SIGTERM or SIGHUP.
 bool Interrupted();
 
-/// From here on such a signal asks the work to end, and what has not ended 0.7 s later is ended by
+/// From here on such a signal asks the work to end, and what has not ended 0.4 s later is ended by
 /// force, as by a second signal: nothing stays of what was staged, exit code 130. A SIGHUP that the
 /// program was started to ignore (nohup) stays ignored. A reader of our output that goes away and a
 /// limit of file size are errors of writing, not the end.

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -20,6 +21,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kLongestRun{20};
 constexpr std::chrono::milliseconds kPoll{5};
+
+static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<int> g_child{0};
 
 /// A file without a name, in memory.
 class MemoryFile {
@@ -129,8 +133,14 @@ std::optional<std::string> RunGnuplot(const std::string& script,
   const MemoryFile in("script"), out("svg");
   if (in.fd() < 0 || out.fd() < 0 || !in.Fill(script)) return std::nullopt;
   const pid_t child = Start(in, out);
-  if (child < 0 || !Succeeds(child, interrupted)) return std::nullopt;
+  if (child < 0) return std::nullopt;
+  g_child = child;
+  const bool succeeded = Succeeds(child, interrupted);
+  g_child = 0;
+  if (!succeeded) return std::nullopt;
   return out.Content();
 }
+
+int GnuplotProcess() noexcept { return g_child; }
 
 }  // namespace dn::internal

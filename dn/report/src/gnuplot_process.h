@@ -11,4 +11,7 @@ namespace dn::internal {
 std::optional<std::string> RunGnuplot(const std::string& script,
                                       const std::function<bool()>& interrupted);
 
+/// Process id of the gnuplot that runs, 0: none.
+int GnuplotProcess() noexcept;
+
 }  // namespace dn::internal

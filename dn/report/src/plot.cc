@@ -66,4 +66,6 @@ std::optional<std::string> DrawSvg(const std::string& title, const std::string& 
   return svg;
 }
 
+int DrawingProcess() noexcept { return internal::GnuplotProcess(); }
+
 }  // namespace dn

@@ -31,4 +31,7 @@ std::optional<std::string> DrawSvg(const std::string& title, const std::string& 
                                    const std::vector<PlotPanel>& panels,
                                    const std::function<bool()>& interrupted = {});
 
+/// Process id of the gnuplot that draws at this moment, 0: none. May be called from a signal handler.
+int DrawingProcess() noexcept;
+
 }  // namespace dn
