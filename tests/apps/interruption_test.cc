@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <tuple>
 
 #include "damaged_flight.h"
@@ -26,7 +27,11 @@ class HangingGnuplot {
     setenv("PATH", (folder_.path().string() + ":" + path_).c_str(), 1);
   }
   ~HangingGnuplot() { setenv("PATH", path_.c_str(), 1); }
-  bool Runs() const { return ::kill(std::stoi(ContentOf(folder_.path() / "pid")), 0) == 0; }
+  // One that has ended and that nobody waits for has no command line any more.
+  bool Runs() const {
+    std::ifstream in("/proc/" + std::to_string(std::stoi(ContentOf(pid_file()))) + "/cmdline");
+    return in.get() != std::ifstream::traits_type::eof();
+  }
   fs::path pid_file() const { return folder_.path() / "pid"; }
   HangingGnuplot(const HangingGnuplot&) = delete;
   HangingGnuplot& operator=(const HangingGnuplot&) = delete;

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -110,6 +111,17 @@ pid_t Start(const MemoryFile& script, const MemoryFile& svg) {
   return error == 0 ? child : -1;
 }
 
+/// No signal handler sees a process that runs and is not in g_child.
+pid_t StartKnown(const MemoryFile& script, const MemoryFile& svg) {
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t child = Start(script, svg);
+  g_child = std::max(0, child);
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return child;
+}
+
 /// True when the process ends well before it has to be killed.
 bool Succeeds(pid_t child, const std::function<bool()>& interrupted) {
   const auto deadline = Clock::now() + kLongestRun;
@@ -132,9 +144,8 @@ std::optional<std::string> RunGnuplot(const std::string& script,
                                       const std::function<bool()>& interrupted) {
   const MemoryFile in("script"), out("svg");
   if (in.fd() < 0 || out.fd() < 0 || !in.Fill(script)) return std::nullopt;
-  const pid_t child = Start(in, out);
+  const pid_t child = StartKnown(in, out);
   if (child < 0) return std::nullopt;
-  g_child = child;
   const bool succeeded = Succeeds(child, interrupted);
   g_child = 0;
   if (!succeeded) return std::nullopt;
