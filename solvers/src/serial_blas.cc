@@ -18,7 +18,7 @@ namespace dn {
 namespace {
 
 // What OpenBLAS maps for each thread that calls it, rounded up.
-constexpr std::size_t kWorkSpaceBytes = std::size_t{192} << 20;
+constexpr std::size_t kWorkSpaceBytes = std::size_t{136} << 20;
 
 std::mutex g_mutex;
 std::size_t g_callers = 0;
