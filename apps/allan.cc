@@ -373,6 +373,7 @@ void AddAllan(CLI::App* program, Action* action) {
   app->footer("Example: dn allan static/IMU.txt --rate 200 --out noise");
   app->callback([options, action] {
     *action = [options] {
+      options->common.inputs = Inputs{{}, {options->file}};
       return Execute("allan", options->common, [&](Run& run) { Allan(*options, run); });
     };
   });

@@ -349,6 +349,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
       "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");
   app->callback([options, action] {
     *action = [options] {
+      options->common.inputs = FlightInputs(options->flight, options->trajectory);
       return Execute("calibrate", options->common, [&](Run& run) { Calibrate(*options, run); });
     };
   });

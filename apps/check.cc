@@ -140,6 +140,7 @@ void AddCheck(CLI::App* program, Action* action) {
   app->footer("Example: dn check flight");
   app->callback([options, action] {
     *action = [options] {
+      options->common.inputs = FlightInputs(options->flight);
       return Execute("check", options->common, [&](Run& run) { Check(*options, run); });
     };
   });

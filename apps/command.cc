@@ -3,26 +3,27 @@
 #include <ceres/version.h>
 #include <dn/builder/adjust.h>
 #include <dn/error.h>
+#include <dn/names.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <Eigen/Core>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
+#include <future>
+#include <system_error>
 #include <thread>
 
 namespace dn::apps {
 namespace {
 
-volatile std::sig_atomic_t g_interrupted = 0;
+constexpr const char* kReportName = "report.json";
+constexpr const char* kInterruptedText = "interrupted; no result was written";
 
 Json& CommandLine() {
   static Json arguments = Json::array();
   return arguments;
 }
-
-void OnSignal(int /*signal*/) { g_interrupted = 1; }
 
 double Since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -42,7 +43,7 @@ std::string WithLocation(const InvalidInput& error) {
 
 Failure Classify(const std::exception& error) {
   if (dynamic_cast<const dn::Interrupted*>(&error) != nullptr || Interrupted()) {
-    return {130, "interrupted", "interrupted; no result was written"};
+    return {130, "interrupted", kInterruptedText};
   }
   if (const auto* config = dynamic_cast<const InvalidConfig*>(&error)) {
     return {2, "configuration", WithLocation(*config)};
@@ -54,28 +55,27 @@ Failure Classify(const std::exception& error) {
     return {1, "not_observable", error.what()};
   if (dynamic_cast<const NotConverged*>(&error) != nullptr)
     return {1, "not_converged", error.what()};
-  if (dynamic_cast<const std::filesystem::filesystem_error*>(&error) != nullptr) {
+  if (dynamic_cast<const std::filesystem::filesystem_error*>(&error) != nullptr ||
+      dynamic_cast<const UnusableOutput*>(&error) != nullptr) {
     return {1, "output", error.what()};
   }
-  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) {
+  if (const auto* system = dynamic_cast<const std::system_error*>(&error);
+      system != nullptr && system->code() == std::errc::resource_unavailable_try_again) {
+    return {1, "threads", "no more threads can be started; give a smaller --threads"};
+  }
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+      dynamic_cast<const std::length_error*>(&error) != nullptr) {
     return {1, "memory",
             "out of memory; lower network.node_rate_hz or thin the pairs (lidar.pairs)"};
   }
   return {1, "internal", error.what()};
 }
 
-std::string OneLine(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return text;
-}
-
 /// What was printed may wait in a buffer that cannot be written, on a full disk say.
 bool FlushStandardOutput(const std::string& command) {
   const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
   if (!written) {
-    fmt::print(stderr, "dn {}: error: the standard output cannot be written\n", command);
+    Say("dn " + command + ": error: the standard output cannot be written");
   }
   return written;
 }
@@ -94,11 +94,9 @@ void RememberCommandLine(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) CommandLine().push_back(argv[i]);
 }
 
-bool Interrupted() { return g_interrupted != 0; }
-
-void InstallInterruptHandler() {
-  std::signal(SIGINT, OnSignal);
-  std::signal(SIGTERM, OnSignal);
+void Say(const std::string& line) {
+  const std::string text = WithoutControls(line) + "\n";
+  std::fwrite(text.data(), 1, text.size(), stderr);  // nobody is left to be told of a failure
 }
 
 Progress::Progress(std::string command)
@@ -114,38 +112,81 @@ void Progress::EndLine() {
 void Progress::Stage(const std::string& stage, const std::string& detail) {
   const bool entered = stage != stage_;
   stage_ = stage;
-  const std::string text =
-      "dn " + command_ + ": " + stage + (detail.empty() ? std::string() : " (" + detail + ")");
+  const std::string text = WithoutControls("dn " + command_ + ": " + stage +
+                                           (detail.empty() ? std::string() : " (" + detail + ")"));
   if (terminal_) {
     if (entered) EndLine();
-    fmt::print(stderr, "\r\033[K{}", text);
+    const std::string line = "\r\033[K" + text;
+    std::fwrite(line.data(), 1, line.size(), stderr);
     std::fflush(stderr);
     line_open_ = true;
   } else if (entered) {
-    fmt::print(stderr, "{}\n", text);
+    Say(text);
   }
 }
 
 void Progress::Warn(const std::string& message) {
   EndLine();
-  fmt::print(stderr, "dn {}: warning: {}\n", command_, OneLine(message));
+  Say("dn " + command_ + ": warning: " + message);
 }
+
+namespace {
+
+/// How many of the threads can be started now, at least one.
+int StartableThreads(int wanted) {
+  std::promise<void> enough;
+  const std::shared_future<void> wait = enough.get_future().share();
+  std::vector<std::thread> threads;
+  threads.reserve(static_cast<std::size_t>(wanted));
+  try {
+    for (int i = 0; i < wanted; ++i) threads.emplace_back([wait] { wait.wait(); });
+  } catch (const std::exception&) {
+    wanted = std::max(1, static_cast<int>(threads.size()));
+  }
+  enough.set_value();
+  for (std::thread& thread : threads) thread.join();
+  return wanted;
+}
+
+}  // namespace
 
 Run::Run(std::string command, const CommonOptions& options)
     : progress(command), command_(std::move(command)), options_(options) {
-  report["schema"] = "dn.report/1";
-  report["command"] = command_;
-  report["arguments"] = CommandLine();
-  report["versions"] = Versions();
-  report["threads"] = options.threads;
-  report["seed"] = nullptr;
-  report["error"] = nullptr;
+  if (options_.threads > 1) options_.threads = StartableThreads(options_.threads);
+  report = EmptyReport();
+  if (options_.threads == options.threads) return;
+  progress.Warn(
+      fmt::format("only {} of {} threads can be started", options_.threads, options.threads));
+}
+
+Json Run::EmptyReport() const {
+  return {{"schema", "dn.report/1"}, {"command", command_},         {"arguments", CommandLine()},
+          {"versions", Versions()},  {"threads", options_.threads}, {"seed", nullptr},
+          {"error", nullptr},        {"files", Json::array()}};
+}
+
+Json Run::FailureReport(const std::string& kind, const std::string& message) const {
+  Json failed = EmptyReport();
+  failed["error"] = {{"kind", kind}, {"message", message}};
+  failed["files"] = {kReportName};
+  failed["timings_s"]["total"] = Since(start_);
+  return failed;
 }
 
 OutputDirectory& Run::files() {
   if (options_.out.empty()) throw InvalidConfig("no output directory: give --out DIR");
-  if (!files_) files_ = std::make_unique<OutputDirectory>(options_.out);
+  if (!files_) throw std::logic_error("the output directory was not taken");
   return *files_;
+}
+
+void Run::TakeOutput() {
+  if (options_.out.empty()) return;
+  ExpectHarmless(options_.out, options_.inputs, options_.makes_flight);
+  files_ = std::make_unique<OutputDirectory>(options_.out);
+  files_->Protect(options_.inputs.files);
+  PrepareForcedEnd(command_, options_.out, files_->staging(),
+                   FormatJson(FailureReport("interrupted", kInterruptedText)));
+  files_->Remove(EarlierResults(options_.out));
 }
 
 void Run::AddFile(const std::string& name, const std::string& content) {
@@ -153,9 +194,25 @@ void Run::AddFile(const std::string& name, const std::string& content) {
 }
 
 void Run::Commit() {
+  if (!files_) return;
+  files_->Add(kReportName, FormatJson(report));
+  files_->Commit();
+}
+
+void Run::Publish() {
+  if (!BeginPublishing()) throw dn::Interrupted();
   report["timings_s"]["total"] = Since(start_);
-  AddFile("report.json", FormatJson(report));
-  if (files_) files_->Commit();
+  if (files_) report["files"] = files_->staged();
+  report["files"].push_back(kReportName);
+  Commit();
+}
+
+void Run::PublishFailure(const std::string& kind, const std::string& message) {
+  BeginReporting();
+  if (!files_) return;
+  files_->Discard();
+  report = FailureReport(kind, message);
+  Commit();
 }
 
 namespace {
@@ -167,40 +224,37 @@ int RunBody(Run& run, const std::function<void(Run&)>& body) {
     return 0;
   } catch (const FailedWithResults& error) {
     run.report["error"] = {{"kind", error.kind()}, {"message", error.what()}};
-    fmt::print(stderr, "dn {}: error: {}\n", run.command(), OneLine(error.what()));
+    Say("dn " + run.command() + ": error: " + error.what());
     return 1;
   }
+}
+
+int EndFailed(Run& run, const Failure& failure) {
+  try {
+    run.PublishFailure(failure.kind, failure.message);
+  } catch (const std::exception&) {
+    // The directory cannot be written: the line on stderr says what failed.
+  }
+  Say("dn " + run.command() + ": error: " + failure.message);
+  return failure.exit_code;
 }
 
 }  // namespace
 
 int Execute(const std::string& command, const CommonOptions& options,
             const std::function<void(Run&)>& body) {
+  PrepareForcedEnd(command, {}, {}, {});
+  Run run(command, options);
   Failure failure;
-  {
-    Run run(command, options);
-    try {
-      if (!options.out.empty()) run.files();  // fail before the work, not after it
-      const int exit_code = RunBody(run, body);
-      if (Interrupted()) throw dn::Interrupted();
-      run.Commit();
-      return FlushStandardOutput(command) ? exit_code : 1;
-    } catch (const std::exception& error) {
-      failure = Classify(error);
-    }
+  try {
+    run.TakeOutput();  // fail before the work, not after it
+    const int exit_code = RunBody(run, body);
+    run.Publish();
+    return FlushStandardOutput(command) ? exit_code : 1;
+  } catch (const std::exception& error) {
+    failure = Classify(error);
   }
-  fmt::print(stderr, "dn {}: error: {}\n", command, OneLine(failure.message));
-  if (!options.out.empty()) {
-    try {
-      Run report(command, options);
-      report.report["error"] = {{"kind", failure.kind}, {"message", failure.message}};
-      report.Commit();
-    } catch (const std::exception&) {
-      // The directory cannot be written: the line on stderr has said what failed.
-      return failure.exit_code;
-    }
-  }
-  return failure.exit_code;
+  return EndFailed(run, failure);
 }
 
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) {

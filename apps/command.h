@@ -13,12 +13,17 @@
 #include <string>
 #include <vector>
 
+#include "interruption.h"
+#include "output_folder.h"
+
 namespace dn::apps {
 
 /// Options that every subcommand takes.
 struct CommonOptions {
   int threads = 1;
   std::filesystem::path out;
+  Inputs inputs;              ///< what the command reads; filled in before it runs
+  bool makes_flight = false;  ///< its result is a flight folder
 };
 
 /// Progress on stderr: a live line on a terminal, else a line per stage.
@@ -54,6 +59,9 @@ class FailedWithResults : public std::runtime_error {
   std::string kind_;
 };
 
+/// A line on stderr, where it can be written.
+void Say(const std::string& line);
+
 /// Keeps the command line for report.json.
 void RememberCommandLine(int argc, char** argv);
 
@@ -67,7 +75,16 @@ class Run {
 
   /// The output directory itself, for a library that writes into one. Throws without --out.
   OutputDirectory& files();
-  void Commit();
+
+  /// Takes --out for this run: throws where results in it would do harm or another run holds it,
+  /// and removes the files of an earlier result.
+  void TakeOutput();
+
+  /// Publishes what was staged and report.json. Throws Interrupted when a signal came before.
+  void Publish();
+
+  /// Publishes nothing but a report.json with the error, if --out was taken.
+  void PublishFailure(const std::string& kind, const std::string& message);
 
   Json report;
   Progress progress;
@@ -75,15 +92,15 @@ class Run {
   const std::string& command() const { return command_; }
 
  private:
+  Json EmptyReport() const;
+  Json FailureReport(const std::string& kind, const std::string& message) const;
+  void Commit();
+
   std::string command_;
   CommonOptions options_;
   std::unique_ptr<OutputDirectory> files_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-/// True after SIGINT or SIGTERM.
-bool Interrupted();
-void InstallInterruptHandler();
 
 /// Runs the body and turns what it throws into the error line on stderr, report.json and the exit
 /// code of the contract: 0, 1 failed, 2 usage or configuration, 130 interrupted.

@@ -51,7 +51,7 @@ void AddPlots(const FlightRun& flight_run, Run* run) {
   const std::string name = flight_run.flight.config.name;
   const auto add = [&](const std::string& file, const std::string& title,
                        const std::vector<PlotPanel>& content) {
-    if (const auto svg = DrawSvg(title, "time since start [s]", content)) {
+    if (const auto svg = DrawSvg(title, "time since start [s]", content, Interrupted)) {
       run->AddFile(file, *svg);
     } else {
       run->progress.Warn(
@@ -136,7 +136,9 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
 void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
   run->progress.Stage("writing " + run->options().out.string());
   const FlightNetwork& network = *flight_run.adjustment.network;
-  run->AddFile("trajectory.out", FormatSbet(DenseTrajectory(network, kTrajectorySpacingS)));
+  const bool with_pairs = !network.pair_edges.empty();
+  run->AddFile("trajectory.out",
+               FormatSbet(DenseTrajectory(network, kTrajectorySpacingS), with_pairs));
   run->AddFile("trajectory_sigma.txt", FormatTrajectorySigma(flight_run.trajectory.sigma));
   run->AddFile("biases.txt", FormatBiases(flight_run.trajectory.biases));
   run->AddFile("config.resolved.yaml", FormatFlightConfig(flight_run.flight.config));

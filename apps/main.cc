@@ -1,8 +1,31 @@
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
 #include <cstdio>
+#include <iostream>
 
 #include "command.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+// A standard stream that was closed would go to the next file that is opened. In its place stands
+// one that, as before, cannot be read or written; what is lost on stderr is lost.
+void OpenStandardStreams() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(fd, F_GETFD) >= 0 || errno != EBADF) continue;
+    ::open("/dev/null", fd == STDOUT_FILENO ? O_RDONLY : O_WRONLY);
+  }
+}
+
+// Results are printed at the end of the work; an unwritable stdout must not end it before.
+void BufferStandardOutput() {
+  static std::array<char, std::size_t{1} << 20> buffer;
+  std::setvbuf(stdout, buffer.data(), _IOFBF, buffer.size());
+}
+
+int ParseAndRun(int argc, char** argv) {
   CLI::App program{
       "dn fuses raw inertial, GNSS and lidar data of a flight in one adjustment: it estimates "
       "trajectory,\n"
@@ -21,10 +44,23 @@ int main(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = program.exit(error);
-    return code == 0 ? 0 : 2;
+    if (program.exit(error) != 0) return 2;
+    return std::cout.flush() ? 0 : 1;
   }
   dn::apps::RememberCommandLine(argc, argv);
-  dn::apps::InstallInterruptHandler();
   return action();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  OpenStandardStreams();
+  dn::apps::InstallSignalHandlers();
+  BufferStandardOutput();
+  try {
+    return ParseAndRun(argc, argv);
+  } catch (const std::exception& error) {
+    dn::apps::Say(std::string("dn: error: ") + error.what());
+    return 1;
+  }
 }

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include "command.h"
@@ -42,6 +43,7 @@ class RecordFolder {
                           key.string() + "); give another --out, or delete it");
     }
     fs::create_directories(folder_);
+    RemoveUnfinished();
     WriteFileAtomically(key, text);
   }
 
@@ -62,6 +64,16 @@ class RecordFolder {
   }
 
  private:
+  // Temporary files of runs that were killed; the lock of --out keeps others out of here.
+  void RemoveUnfinished() const {
+    std::vector<fs::path> unfinished;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with('.') && name.ends_with(".part")) unfinished.push_back(entry.path());
+    }
+    for (const fs::path& file : unfinished) fs::remove(file);
+  }
+
   static std::string ReadText(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
@@ -80,9 +92,15 @@ class Fleet {
   std::vector<FlightRecord> Fly() {
     records_.resize(static_cast<std::size_t>(options_.flights));
     std::vector<std::thread> threads;
-    const int workers = std::min(options_.common.threads, options_.flights);
+    const int workers = std::min(run_->options().threads, options_.flights);
     threads.reserve(static_cast<std::size_t>(workers));
-    for (int i = 0; i < workers; ++i) threads.emplace_back([this] { Work(); });
+    try {
+      for (int i = 1; i < workers; ++i) threads.emplace_back([this] { Work(); });
+    } catch (const std::system_error&) {
+      run_->progress.Warn(
+          fmt::format("only {} of {} threads can be started", threads.size() + 1, workers));
+    }
+    Work();
     for (std::thread& thread : threads) thread.join();
     if (error_) std::rethrow_exception(error_);
     if (Interrupted()) throw dn::Interrupted();
@@ -157,7 +175,7 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
   }
   const std::string title =
       fmt::format("{}: trajectory NEES over {} flights", scenario, summary.flights);
-  const auto trajectory = DrawSvg(title, "time since the first node [s]", panels);
+  const auto trajectory = DrawSvg(title, "time since the first node [s]", panels, Interrupted);
   if (!trajectory) {
     run->progress.Warn("no plots: gnuplot is not installed or failed");
     return;
@@ -177,7 +195,8 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
     }
     angles.push_back({names[i], {errors, Level("+3", 3.0, seeds), Level("-3", -3.0, seeds)}});
   }
-  if (const auto svg = DrawSvg(scenario + ": boresight errors in sigmas", "seed", angles)) {
+  if (const auto svg =
+          DrawSvg(scenario + ": boresight errors in sigmas", "seed", angles, Interrupted)) {
     run->AddFile("boresight_errors.svg", *svg);
   }
 }
@@ -231,6 +250,7 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
       "Example: dn monte-carlo uav3 --flights 100 --out consistency");
   app->callback([options, action] {
     *action = [options] {
+      options->common.inputs = ScenarioInputs(options->scenario);
       return Execute("monte-carlo", options->common, [&](Run& run) { MonteCarlo(*options, run); });
     };
   });

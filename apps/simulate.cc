@@ -62,6 +62,8 @@ void AddSimulate(CLI::App* program, Action* action) {
   app->footer("Example: dn simulate lar3 --out flight --seed 7");
   app->callback([options, action] {
     *action = [options] {
+      options->common.inputs = ScenarioInputs(options->scenario);
+      options->common.makes_flight = true;
       return Execute("simulate", options->common, [&](Run& run) { RunSimulate(*options, run); });
     };
   });

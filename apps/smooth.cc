@@ -70,6 +70,7 @@ void AddSmooth(CLI::App* program, Action* action) {
   app->footer("Example: dn smooth flight --out result");
   app->callback([options, action] {
     *action = [options] {
+      options->common.inputs = FlightInputs(options->flight);
       return Execute("smooth", options->common, [&](Run& run) { Smooth(*options, run); });
     };
   });

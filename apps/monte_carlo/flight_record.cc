@@ -123,6 +123,9 @@ FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
   const auto start = std::chrono::steady_clock::now();
   SimulateOptions simulate;
   simulate.seed = seed;
+  simulate.progress = [&](const std::string&, double) {
+    if (options.interrupted && options.interrupted()) throw dn::Interrupted();
+  };
   const SimulatedFlight simulated = Simulate(scenario, simulate);
   FlightRecord record;
   record.seed = seed;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "flight_path.h"
+#include "scenario_limits.h"
 
 namespace dn {
 namespace {
@@ -77,6 +78,13 @@ class PathBuilder {
   double SpeedAt(double along_m) const {
     const Segment& s = At(along_m);
     return s.speed0_mps + (s.speed1_mps - s.speed0_mps) * ChangeDone(s, along_m - s.begin_m);
+  }
+
+  /// Duration if each piece were flown at its lower speed, s.
+  double LongestDuration() const {
+    double sum_s = 0.0;
+    for (const Segment& s : segments_) sum_s += s.length_m / std::min(s.speed0_mps, s.speed1_mps);
+    return sum_s;
   }
 
   const Segment& At(double along_m) const {
@@ -238,6 +246,7 @@ Course LayOut(const PlanScenario& plan, int warm_up_legs) {
 FlightPlan PlanFlight(const PlanScenario& plan) {
   for (int legs = 0;; ++legs) {
     const Course course = LayOut(plan, legs);
+    CheckDuration(course.path.LongestDuration());
     const Timetable times(course.path, course.path.segments().back().begin_m + 1.0);
     const double first_s = times.TimeAt(course.strips_m.front().x());
     if (first_s < plan.warm_up_s) continue;

@@ -15,6 +15,7 @@
 #include "imu_simulation.h"
 #include "pair_simulation.h"
 #include "replay.h"
+#include "scenario_limits.h"
 
 namespace dn {
 namespace {
@@ -134,7 +135,9 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
       scenario.lidar.mounting.lever_arm_b_m + VectorEffect(scenario, "lidar_lever_arm");
 
   report("trajectory")(0.0);
+  CheckLimits(scenario);
   const FlownPlan flown = Plan(scenario, out.frame, options.seed);
+  CheckSamples(scenario.imu, flown.plan.duration_s);
   out.truth =
       std::make_shared<TruthTrajectory>(out.frame, flown.plan.path, flown.disturbance,
                                         flown.begin_s, flown.begin_s + flown.plan.duration_s);

@@ -1,22 +1,21 @@
 #pragma once
 
-extern "C" {
-int openblas_get_num_threads(void);
-void openblas_set_num_threads(int num_threads);
-}
-
 namespace dn {
 
-/// One BLAS thread while it lives: the fronts of these networks are too small to share.
+/// One thread in BLAS, and in what CHOLMOD does by OpenMP, for the calling thread while it lives:
+/// the fronts of these networks are too small to share.
+///
+/// Throws std::bad_alloc where the work space of OpenBLAS, which asks for it again and again for
+/// ever, does not fit into memory.
 class SerialBlas {
  public:
-  SerialBlas() : threads_(openblas_get_num_threads()) { openblas_set_num_threads(1); }
-  ~SerialBlas() { openblas_set_num_threads(threads_); }
+  SerialBlas();
+  ~SerialBlas();
   SerialBlas(const SerialBlas&) = delete;
   SerialBlas& operator=(const SerialBlas&) = delete;
 
  private:
-  int threads_;
+  int openmp_levels_;
 };
 
 }  // namespace dn

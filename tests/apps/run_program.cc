@@ -27,16 +27,22 @@ struct Pipe {
   std::array<int, 2> ends{};
 };
 
+template <class Resource>
+void Limit(Resource resource, std::optional<long> most) {
+  if (!most) return;
+  const auto limit = static_cast<rlim_t>(*most);
+  const rlimit bound{limit, limit};
+  ::setrlimit(resource, &bound);
+}
+
 [[noreturn]] void BecomeProgram(const ProgramOptions& options, const Pipe& out, const Pipe& err) {
   const int out_file = options.out_file ? ::open(options.out_file->c_str(), O_WRONLY) : -1;
   ::dup2(options.out_file ? out_file : out.ends[1], STDOUT_FILENO);
-  ::dup2(err.ends[1], STDERR_FILENO);
-  if (options.max_file_bytes) {
-    const auto limit = static_cast<rlim_t>(*options.max_file_bytes);
-    const rlimit bound{limit, limit};
-    ::setrlimit(RLIMIT_FSIZE, &bound);
-    std::signal(SIGXFSZ, SIG_IGN);  // so that write() fails, as it does on a full disk
-  }
+  const int err_file = options.err_file ? ::open(options.err_file->c_str(), O_WRONLY) : -1;
+  ::dup2(options.err_file ? err_file : err.ends[1], STDERR_FILENO);
+  Limit(RLIMIT_FSIZE, options.max_file_bytes);
+  Limit(RLIMIT_AS, options.max_memory_bytes);
+  for (const int stream : options.closed_streams) ::close(stream);
   std::vector<std::string> words{DN_PROGRAM};
   words.insert(words.end(), options.arguments.begin(), options.arguments.end());
   std::vector<char*> argv;
@@ -60,7 +66,8 @@ void Follow(pid_t child, const ProgramOptions& options, const Pipe& out, const P
   std::array<pollfd, 2> streams{pollfd{out.ends[0], POLLIN, 0}, pollfd{err.ends[0], POLLIN, 0}};
   const std::array<std::string*, 2> texts{&run->out, &run->err};
   const auto deadline = Clock::now() + kLongestRun;
-  bool signalled = options.signal == 0;
+  bool signalled = options.signal == 0 && !options.at_signal;
+  Clock::time_point signal_time = Clock::now();
   while (streams[0].fd >= 0 || streams[1].fd >= 0) {
     ::poll(streams.data(), streams.size(), 1000);
     for (std::size_t i = 0; i < streams.size(); ++i) {
@@ -68,11 +75,14 @@ void Follow(pid_t child, const ProgramOptions& options, const Pipe& out, const P
       if (ready && !Append(streams[i].fd, texts[i])) streams[i].fd = -1;
     }
     if (!signalled && run->err.find(options.signal_after) != std::string::npos) {
-      ::kill(child, options.signal);
+      signal_time = Clock::now();
+      if (options.at_signal) options.at_signal(child);
+      for (int i = 0; i < options.signal_count; ++i) ::kill(child, options.signal);
       signalled = true;
     }
     if (Clock::now() > deadline) ::kill(child, SIGKILL);
   }
+  run->end_after_signal_s = std::chrono::duration<double>(Clock::now() - signal_time).count();
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,17 +15,27 @@ struct ProgramRun {
   int signal = 0;
   std::string out;
   std::string err;
+  double end_after_signal_s = 0.0;
 };
 
 struct ProgramOptions {
   std::vector<std::string> arguments;
   /// Where stdout goes instead of ProgramRun::out.
   std::optional<std::string> out_file;
+  /// Where stderr goes instead of ProgramRun::err.
+  std::optional<std::string> err_file;
+  /// Streams that are closed when the program starts.
+  std::vector<int> closed_streams;
   /// Largest file that the program may write, as on a full disk.
   std::optional<long> max_file_bytes;
-  /// Signal sent once stderr contains `signal_after`.
+  /// Memory that the program may map.
+  std::optional<long> max_memory_bytes;
+  /// Signal sent, so many times, once stderr contains `signal_after`.
   int signal = 0;
+  int signal_count = 1;
   std::string signal_after;
+  /// Called in its place, with the program's process id.
+  std::function<void(int)> at_signal;
 };
 
 /// Runs build/.../bin/dn. A run longer than two minutes is killed, and so seen as `signal`.

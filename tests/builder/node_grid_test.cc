@@ -118,5 +118,14 @@ TEST(NodeGrid, ClustersOfEpochs) {
   EXPECT_TRUE(ClusterEpochs({}, 1.0).empty());
 }
 
+TEST(NodeGrid, MoreNodesThanFitIntoMemoryAreRefused) {
+  NodeGridOptions options;
+  for (const double rate_hz : {1e6, 1e20, 1e300}) {
+    options.rate_in_strips_hz = rate_hz;
+    EXPECT_THROW(NodeTimes(EvenImu(6.0, 0.1), {0.0, 5.0}, {}, {{0.0, 5.0}}, options),
+                 InvalidConfig);
+  }
+}
+
 }  // namespace
 }  // namespace dn

@@ -17,5 +17,23 @@ TEST(JoinNames, WithCommas) {
   EXPECT_EQ(JoinNames({"a", "b", "c"}), "a, b, c");
 }
 
+TEST(Names, ControlCharactersAreSeenAndBlanked) {
+  for (const std::string& text : {std::string("a\nb"),
+                                  std::string("a\x1b"
+                                              "b"),
+                                  std::string("a\x7f"
+                                              "b"),
+                                  std::string("a\0b", 3),
+                                  std::string("a\xc2\x9b"
+                                              "b")}) {
+    EXPECT_TRUE(HasControls(text));
+    EXPECT_EQ(WithoutControls(text), "a b");
+  }
+  for (const std::string text : {"", "lar 3 'x' `y` !", "Zürich", "\xc2\xa0"}) {
+    EXPECT_FALSE(HasControls(text));
+    EXPECT_EQ(WithoutControls(text), text);
+  }
+}
+
 }  // namespace
 }  // namespace dn

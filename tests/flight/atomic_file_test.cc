@@ -113,5 +113,115 @@ TEST(OutputDirectory, RejectsNamesThatLeaveIt) {
   }
 }
 
+TEST(OutputDirectory, CommitsAllOrNothing) {
+  const TempFolder folder;
+  folder.Write("a.txt", "of the user");
+  folder.Write("z.txt/inside.txt", "a folder where a file should go");
+  {
+    OutputDirectory results(folder.path());
+    for (const char* name : {"a.txt", "b.txt", "lidar/1_2.txt", "z.txt"}) results.Add(name, "new");
+    EXPECT_THROW(results.Commit(), UnusableOutput);
+  }
+  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "of the user");
+  EXPECT_EQ(NamesIn(folder.path()), (std::set<std::string>{"a.txt", "z.txt"}));
+}
+
+TEST(OutputDirectory, AFileThatCannotBeMovedTakesTheOthersBack) {
+  const TempFolder folder;
+  folder.Write("a.txt", "of the user");
+  OutputDirectory results(folder.path());
+  for (const char* name : {"a.txt", "lidar/1_2.txt", "z.txt"}) results.Add(name, "new");
+  fs::remove(results.staging() / "z.txt");  // as if the disk had failed
+  EXPECT_THROW(results.Commit(), fs::filesystem_error);
+  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "of the user");
+  EXPECT_FALSE(fs::exists(folder.path() / "lidar"));
+}
+
+TEST(OutputDirectory, ALinkIsNoFolderForResults) {
+  const TempFolder folder;
+  folder.Write("elsewhere/1_2.txt", "of the user");
+  fs::create_directory(folder.path() / "out");
+  fs::create_directory_symlink(folder.path() / "elsewhere", folder.path() / "out/lidar");
+  OutputDirectory results(folder.path() / "out");
+  results.Add("lidar/1_2.txt", "new");
+  EXPECT_THROW(results.Commit(), UnusableOutput);
+  results.Remove({"lidar/1_2.txt"});
+  EXPECT_EQ(ContentOf(folder.path() / "elsewhere/1_2.txt"), "of the user");
+}
+
+TEST(OutputDirectory, ASecondRunIsRefusedWhileTheFirstOneLives) {
+  const TempFolder folder;
+  {
+    OutputDirectory first(folder.path());
+    first.Add("a.txt", "1");
+    EXPECT_THROW(OutputDirectory{folder.path()}, UnusableOutput);
+    first.Commit();
+  }
+  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "1");
+  EXPECT_NO_THROW(OutputDirectory{folder.path()});
+}
+
+TEST(OutputDirectory, WhatAKilledRunStagedIsSwept) {
+  const TempFolder folder;
+  folder.Write(".dn-staging-Abc123/lidar/1_2.txt", "staged");
+  folder.Write(".dn-staging-short/a.txt", "of the user");
+  folder.Write("elsewhere/a.txt", "of the user");
+  fs::create_directory_symlink("elsewhere", folder.path() / ".dn-staging-link00");
+  { const OutputDirectory results(folder.path()); }
+  EXPECT_EQ(NamesIn(folder.path()),
+            (std::set<std::string>{".dn-staging-link00", ".dn-staging-short", "elsewhere"}));
+  EXPECT_EQ(ContentOf(folder.path() / "elsewhere/a.txt"), "of the user");
+}
+
+TEST(OutputDirectory, AHalfCommitOfAKilledRunIsUndone) {
+  const TempFolder folder;
+  folder.Write(".dn-staging-Abc123/.commit", "a.txt\nb.txt\nlidar/1_2.txt\nz.txt\n");
+  folder.Write(".dn-staging-Abc123/.replaced/a.txt", "of the user");
+  folder.Write(".dn-staging-Abc123/z.txt", "new");
+  folder.Write("a.txt", "new");
+  folder.Write("b.txt", "new");
+  folder.Write("lidar/1_2.txt", "new");
+  folder.Write("z.txt", "of the user");
+  { const OutputDirectory results(folder.path()); }
+  EXPECT_EQ(NamesIn(folder.path()), (std::set<std::string>{"a.txt", "z.txt"}));
+  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "of the user");
+  EXPECT_EQ(ContentOf(folder.path() / "z.txt"), "of the user");
+}
+
+TEST(OutputDirectory, StagesWhereNobodyElseMayEnter) {
+  const TempFolder folder;
+  const OutputDirectory results(folder.path());
+  EXPECT_EQ(fs::status(results.staging()).permissions(), fs::perms::owner_all);
+  EXPECT_EQ(results.staging().parent_path(), folder.path());
+}
+
+TEST(OutputDirectory, NeverReplacesAnInput) {
+  const TempFolder folder;
+  folder.Write("data/GPS.txt", "of the user");
+  fs::create_directory(folder.path() / "out");
+  fs::create_hard_link(folder.path() / "data/GPS.txt", folder.path() / "out/GPS.txt");
+  OutputDirectory results(folder.path() / "out");
+  results.Protect({folder.path() / "data/../data/GPS.txt"});
+  EXPECT_THROW(results.Add("GPS.txt", "new"), InvalidConfig);
+  EXPECT_NO_THROW(results.Add("IMU.txt", "new"));
+}
+
+TEST(OutputDirectory, RemovesFilesAndWhatBecomesEmpty) {
+  const TempFolder folder;
+  folder.Write("out/a.txt", "");
+  folder.Write("out/lidar/1_2.txt", "");
+  folder.Write("out/strips/1.txt", "");
+  folder.Write("out/strips/notes.txt", "of the user");
+  folder.Write("out/folder/x/y.txt", "");
+  folder.Write("outside.txt", "");
+  const OutputDirectory results(folder.path() / "out");
+  results.Remove({"a.txt", "lidar/1_2.txt", "strips/1.txt", "folder", "absent.txt",
+                  "../outside.txt", (folder.path() / "outside.txt").string()});
+  fs::remove_all(results.staging());
+  EXPECT_EQ(NamesIn(folder.path() / "out"), (std::set<std::string>{"folder", "strips"}));
+  EXPECT_EQ(NamesIn(folder.path() / "out/strips"), std::set<std::string>{"notes.txt"});
+  EXPECT_TRUE(fs::exists(folder.path() / "outside.txt"));
+}
+
 }  // namespace
 }  // namespace dn

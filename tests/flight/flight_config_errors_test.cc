@@ -222,5 +222,12 @@ TEST(FlightConfigErrors, AFileOfAbsurdSizeIsRefused) {
   ExpectInvalid([&] { ReadFlightConfig(folder.path()); }, "at most 1048576 are read", 0);
 }
 
+TEST(FlightConfigErrors, NamesWithControlCharacters) {
+  const std::string what = "holds a line break or another control character";
+  ExpectBad("body: FRD\nname: \"a\\n!b\"\n", "name: " + what, 2);
+  ExpectBad("name: \"a\\e[2J\"\n", "name: " + what, 1);
+  ExpectBad("strips: [{name: \"a\\rb\", t0: 1, t1: 2}]\n", "strips[0].name: " + what, 1);
+}
+
 }  // namespace
 }  // namespace dn

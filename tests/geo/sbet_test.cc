@@ -204,5 +204,22 @@ TEST(Sbet, ReadsARealFile) {
   EXPECT_NEAR(point.position.h_m, 6992.0, 5.0);
 }
 
+TEST(Sbet, MarksWhatWasAdjustedWithLidar) {
+  const std::vector<NavPoint> points = MovingPoints(300, 0.01);
+  const Trajectory trajectory = Read(FormatSbet(points, true));
+  EXPECT_TRUE(trajectory.notes().adjusted_with_lidar);
+  ExpectSamePoints(trajectory, points);
+  EXPECT_EQ(Get(FormatSbet(points, true), 7, 10), 0.0);
+  EXPECT_FALSE(Read(FormatSbet(points)).notes().adjusted_with_lidar);
+}
+
+TEST(Sbet, TheLidarMarkSurvivesCuttingAndThinning) {
+  const std::string sbet = FormatSbet(MovingPoints(300, 0.01), true);
+  EXPECT_TRUE(Read(sbet.substr(50 * kRecordBytes, 100 * kRecordBytes)).notes().adjusted_with_lidar);
+  std::string thinned;
+  for (std::size_t i = 0; i < 300; i += 3) thinned += sbet.substr(i * kRecordBytes, kRecordBytes);
+  EXPECT_TRUE(Read(thinned).notes().adjusted_with_lidar);
+}
+
 }  // namespace
 }  // namespace dn

@@ -2,7 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "testing/temp_folder.h"
 
 namespace dn {
 namespace {
@@ -44,6 +51,101 @@ TEST(Plot, NothingWithoutGnuplot) {
   const auto svg = DrawSvg("a", "t", TwoPanels());
   setenv("PATH", before.c_str(), 1);
   EXPECT_FALSE(svg.has_value());
+}
+
+/// A variable of the environment, given back at the end of the scope.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    setenv(name, value.c_str(), 1);
+  }
+  ~Variable() {
+    if (before_) {
+      setenv(name_, before_->c_str(), 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+/// A program called gnuplot, found first while this lives.
+class OtherGnuplot {
+ public:
+  explicit OtherGnuplot(const std::string& commands)
+      : path_("PATH", folder_.path().string() + ":" + std::getenv("PATH")) {
+    folder_.Write("gnuplot", "#!/bin/sh\n" + commands);
+    std::filesystem::permissions(folder_.path() / "gnuplot", std::filesystem::perms::owner_all);
+  }
+  const std::filesystem::path& folder() const { return folder_.path(); }
+
+ private:
+  testing::TempFolder folder_;
+  Variable path_;
+};
+
+TEST(Plot, NoTextReachesAnInterpreter) {
+  if (!GnuplotIsInstalled()) GTEST_SKIP() << "gnuplot is not installed";
+  const testing::TempFolder folder;
+  const std::string touch = "touch '" + (folder.path() / "touched").string() + "'";
+  const std::string twice = "touch \"" + (folder.path() / "touched").string() + "\"";
+  for (const std::string& text :
+       {"a\n!" + touch + "\n", "a\r\nsystem('" + twice + "')", "`" + touch + "`",
+        "'; system('" + twice + "') #", "a\nEOD\n!" + touch, "\\\n!" + touch}) {
+    std::vector<PlotPanel> panels = TwoPanels();
+    panels[0].y_label = panels[0].series[0].label = text;
+    EXPECT_TRUE(DrawSvg(text, text, panels).has_value()) << text;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "touched")) << text;
+  }
+}
+
+TEST(Plot, TextsAreDrawnAsTheyStand) {
+  if (!GnuplotIsInstalled()) GTEST_SKIP() << "gnuplot is not installed";
+  const auto svg = DrawSvg("strip_1 <b>^{2}", "t", TwoPanels());
+  ASSERT_TRUE(svg.has_value());
+  EXPECT_THAT(*svg, HasSubstr("strip_1 &lt;b>^{2}"));
+}
+
+TEST(Plot, NeedsNoTemporaryFolderAndReadsNoStartUpFile) {
+  if (!GnuplotIsInstalled()) GTEST_SKIP() << "gnuplot is not installed";
+  const testing::TempFolder folder;
+  folder.Write(".gnuplot", "system('touch " + (folder.path() / "touched").string() + "')\n");
+  const Variable home("HOME", folder.path().string());
+  const Variable temporary("TMPDIR",
+                           "/nonexistent'; touch " + folder.path().string() + "/touched;'");
+  EXPECT_TRUE(DrawSvg("a", "t", TwoPanels()).has_value());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "touched"));
+}
+
+TEST(Plot, TheEnvironmentStaysHere) {
+  const OtherGnuplot other("env >\"${0%/*}/environment\"");
+  const Variable secret("GNUPLOT_LIB", "/tmp/x");
+  EXPECT_FALSE(DrawSvg("a", "t", TwoPanels()).has_value());
+  std::ifstream in(other.folder() / "environment");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_THAT(text, HasSubstr("PATH="));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("GNUPLOT_LIB")));
+}
+
+TEST(Plot, AnInterruptionEndsAGnuplotThatHangs) {
+  const OtherGnuplot other("exec sleep 60");
+  const auto start = std::chrono::steady_clock::now();
+  const auto after_a_while = [&] {
+    return std::chrono::steady_clock::now() - start > std::chrono::milliseconds(50);
+  };
+  EXPECT_FALSE(DrawSvg("a", "t", TwoPanels(), after_a_while).has_value());
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+}
+
+TEST(Plot, NothingWhereGnuplotFails) {
+  const OtherGnuplot other("echo '<svg></svg>'; exit 1");
+  EXPECT_FALSE(DrawSvg("a", "t", TwoPanels()).has_value());
 }
 
 }  // namespace

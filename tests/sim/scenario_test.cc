@@ -86,6 +86,7 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(Fault(kGood + "pars: {}\n"), AllOf(HasSubstr("'pars'"), HasSubstr("'pairs'")));
   EXPECT_THAT(Fault(Replace(kGood, "airins", "airinz")), HasSubstr("airins"));
   EXPECT_THAT(Fault(kGood + "terrain: {kind: mixd}\n"), HasSubstr("mixed"));
+  EXPECT_THAT(Fault(Replace(kGood, "name: x", "name: \"x\\n!y\"")), HasSubstr("control character"));
   EXPECT_THAT(Fault(Replace(kGood, "start_s: 100", "start_s: soon")), HasSubstr("start_s"));
   EXPECT_THAT(Fault(Replace(kGood, "start_s: 100", "start_s: .nan")), HasSubstr("start_s"));
   EXPECT_THAT(Fault(Replace(kGood, "start_s: 100", "start_s: 700000")), HasSubstr("week"));

@@ -185,7 +185,7 @@ class Adjuster {
     const TimeInterval gnss_span = NetworkSpan(flight_, false);
     const std::vector<double> coarse =
         NodeTimes(*flight_.imu, gnss_span, GnssTimes(flight_, gnss_span), {}, {});
-    const Alignment alignment = Align(flight_, coarse);
+    const Alignment alignment = Align(flight_, coarse, options_.interrupted);
     result_.alignment_method = alignment.method;
     const std::vector<double> node_t_s =
         GridOf(flight_, span, options_.with_pairs, result_.node_rate_hz);

@@ -337,7 +337,8 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span) {
   return times;
 }
 
-Alignment Align(const Flight& flight, const std::vector<double>& times) {
+Alignment Align(const Flight& flight, const std::vector<double>& times,
+                const std::function<bool()>& interrupted) {
   const TimeInterval span{times.front(), times.back()};
   const StillStart still = FindStillStart(flight, span.t0_s);
   ImuCorrection bias;
@@ -346,6 +347,7 @@ Alignment Align(const Flight& flight, const std::vector<double>& times) {
   }
   const std::vector<Candidate> candidates = Candidates(flight, span, still, bias);
   FilterOptions options;
+  options.interrupted = interrupted;
   options.huber_sigmas = kHuberSigmas;
   options.t_end_s = DecisionTime(flight, span);
   const auto set_floor = [&](int pass) {

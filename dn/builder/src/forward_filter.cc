@@ -1,5 +1,6 @@
 #include <dn/builder/flight_network.h>
 #include <dn/builder/forward_filter.h>
+#include <dn/builder/interrupted.h>
 #include <dn/factors/gnss_position.h>
 #include <dn/factors/gnss_velocity.h>
 #include <dn/factors/preintegrated_inertial.h>
@@ -242,6 +243,7 @@ FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& time
   std::size_t e = 0;
   for (const double t_s : times) {
     if (t_s > options.t_end_s) break;
+    if (options.interrupted && options.interrupted()) throw Interrupted();
     filter.PredictTo(t_s);
     while (e < epochs.size() && epochs[e].t_s < t_s - 1e-6) ++e;
     const bool skipped =

@@ -223,6 +223,16 @@ PoseCovariance InMap(const Flight& flight, const TrajectoryCovariance& stated,
   return out;
 }
 
+void CheckTrajectory(const Flight& flight) {
+  if (!flight.trajectory || !flight.trajectory->notes().adjusted_with_lidar) return;
+  throw InvalidInput(
+      "the trajectory was adjusted together with lidar pairs (by `dn calibrate`), which the "
+      "Gauss-Helmert adjustment would use a second time; make one without them with `dn smooth " +
+          flight.config.folder.string() +
+          " --out DIR` and give it with --trajectory DIR/trajectory.out",
+      {(flight.config.folder / flight.config.trajectory->file).string()});
+}
+
 void CheckEstimate(const FlightConfig& config) {
   const auto is_boresight = [](const EstimateEntry& entry) { return entry.unknown == "boresight"; };
   if (std::none_of(config.estimate.begin(), config.estimate.end(), is_boresight)) {
@@ -340,6 +350,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
     if (options.progress) options.progress(name);
   };
   CheckEstimate(flight.config);
+  CheckTrajectory(flight);
   const auto start = Clock::now();
   GaussHelmertCalibration calibration;
   stage("poses of the pairs");

@@ -1,5 +1,6 @@
 #include <dn/builder/node_grid.h>
 #include <dn/error.h>
+#include <dn/geo/text_table.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,9 @@ namespace {
 // Two nodes closer than this are one: far below an IMU interval, far above the resolution of the
 // time.
 constexpr double kSameNodeS = 1e-6;
+
+// A node with its edges takes some kB.
+constexpr double kMostNodes = 2e6;
 
 // Between the last sample before a gap and the first after it nothing joins a node to the others.
 bool InsideGap(const ImuData& imu, double t_s) {
@@ -45,6 +49,24 @@ bool Overlaps(const std::vector<TimeInterval>& intervals, double t0_s, double t1
   });
 }
 
+/// Equal divisions of the interval between two forced times: a whole number, at least one.
+double Parts(const ImuData& imu, double t0_s, double t1_s, const std::vector<TimeInterval>& dense,
+             const NodeGridOptions& options) {
+  const double length_s = t1_s - t0_s;
+  if (options.every_imu_epoch || InsideGap(imu, t0_s + 0.5 * length_s)) return 1.0;
+  const double spacing_s = Overlaps(dense, t0_s, t1_s)
+                               ? std::min(1.0 / options.rate_in_strips_hz, options.max_spacing_s)
+                               : options.max_spacing_s;
+  return std::max(1.0, std::ceil(length_s / spacing_s - 1e-3));
+}
+
+[[noreturn]] void ThrowTooMany(double nodes) {
+  throw InvalidConfig("the network would have " + FormatDouble(nodes) + " nodes, at most " +
+                      FormatDouble(kMostNodes) +
+                      " fit into memory; lower network.node_rate_hz, set network.inertial: "
+                      "preintegrated, or limit time_span_s");
+}
+
 }  // namespace
 
 std::vector<double> NodeTimes(const ImuData& imu, const TimeInterval& span,
@@ -58,17 +80,18 @@ std::vector<double> NodeTimes(const ImuData& imu, const TimeInterval& span,
     throw InvalidInput("node grid: the time span of the network is empty");
   }
   const std::vector<double> forced = ForcedTimes(imu, span, gnss_t_s, options);
+  std::vector<double> parts;  // of each interval between forced times
+  double nodes_in_all = 1.0;
+  for (std::size_t i = 1; i < forced.size(); ++i) {
+    parts.push_back(Parts(imu, forced[i - 1], forced[i], dense, options));
+    nodes_in_all += parts.back();
+  }
+  if (!(nodes_in_all <= kMostNodes)) ThrowTooMany(nodes_in_all);
   std::vector<double> nodes{forced.front()};
   for (std::size_t i = 1; i < forced.size(); ++i) {
     const double t0 = forced[i - 1];
     const double length = forced[i] - t0;
-    const double spacing = Overlaps(dense, t0, forced[i])
-                               ? std::min(1.0 / options.rate_in_strips_hz, options.max_spacing_s)
-                               : options.max_spacing_s;
-    const int parts = options.every_imu_epoch || InsideGap(imu, t0 + 0.5 * length)
-                          ? 1
-                          : std::max(1, static_cast<int>(std::ceil(length / spacing - 1e-3)));
-    for (int k = 1; k < parts; ++k) nodes.push_back(t0 + length * k / parts);
+    for (int k = 1; k < parts[i - 1]; ++k) nodes.push_back(t0 + length * k / parts[i - 1]);
     nodes.push_back(forced[i]);
   }
   return nodes;

@@ -21,6 +21,16 @@ std::size_t EditDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+/// Bytes of the control character at the start of the text; 0 where there is none.
+std::size_t ControlBytes(std::string_view text) {
+  const auto first = static_cast<unsigned char>(text[0]);
+  if (first < 0x20 || first == 0x7F) return 1;
+  const bool beyond_ascii = first == 0xC2 && text.size() > 1 &&
+                            static_cast<unsigned char>(text[1]) >= 0x80 &&
+                            static_cast<unsigned char>(text[1]) < 0xA0;
+  return beyond_ascii ? 2 : 0;
+}
+
 }  // namespace
 
 std::string NearestName(const std::string& word, const std::vector<std::string>& candidates) {
@@ -35,6 +45,23 @@ std::string JoinNames(const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
+}
+
+bool HasControls(std::string_view text) {
+  for (; !text.empty(); text.remove_prefix(1)) {
+    if (ControlBytes(text) > 0) return true;
+  }
+  return false;
+}
+
+std::string WithoutControls(std::string_view text) {
+  std::string plain;
+  while (!text.empty()) {
+    const std::size_t control = ControlBytes(text);
+    plain += control > 0 ? ' ' : text[0];
+    text.remove_prefix(control > 0 ? control : 1);
+  }
+  return plain;
 }
 
 }  // namespace dn

@@ -1,9 +1,10 @@
 #include <dn/flight/atomic_file.h>
 #include <fcntl.h>
+#include <sys/random.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
+#include <cstdint>
 #include <system_error>
 
 #include "temporary_name.h"
@@ -12,6 +13,8 @@ namespace dn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::string_view kTemporaryEnding = ".part";
 
 [[noreturn]] void ThrowErrno(const char* what, const fs::path& path) {
   throw fs::filesystem_error(what, path, std::error_code(errno, std::generic_category()));
@@ -60,9 +63,10 @@ void FlushDirectory(const fs::path& file) {
 }  // namespace
 
 fs::path internal::TemporarySibling(const fs::path& path) {
-  static std::atomic<unsigned> counter{0};
-  return path.parent_path() / ("." + path.filename().string() + "." + std::to_string(::getpid()) +
-                               "." + std::to_string(counter++) + ".part");
+  std::uint64_t number = 0;
+  if (::getrandom(&number, sizeof number, 0) != sizeof number) ThrowErrno("no random number", path);
+  return path.parent_path() / ("." + path.filename().string() + "." + std::to_string(number) +
+                               std::string(kTemporaryEnding));
 }
 
 void WriteFileAtomically(const fs::path& path, std::string_view content) {

@@ -1,6 +1,7 @@
 #include <dn/error.h>
 #include <dn/flight/flight_config.h>
 #include <dn/geo/read_file.h>
+#include <dn/names.h>
 
 #include <algorithm>
 #include <regex>
@@ -119,9 +120,10 @@ void ReadSensors(const YamlValue& root, FlightConfig& config) {
   }
 }
 
+// A folder may be called anything.
 std::string NameOfFolder(const fs::path& folder) {
   const fs::path full = fs::weakly_canonical(folder);
-  return full.filename().string();
+  return WithoutControls(full.filename().string());
 }
 
 }  // namespace
@@ -132,7 +134,7 @@ FlightConfig ParseFlightConfig(const std::string& text, const fs::path& folder) 
                   "lidar", "trajectory", "gh", "estimate", "network"});
   FlightConfig config;
   config.folder = folder;
-  config.name = root["name"] ? root["name"].Text() : NameOfFolder(folder);
+  config.name = root["name"] ? root["name"].Name() : NameOfFolder(folder);
   if (root["body"]) config.body_is_flu = root["body"].Choice(internal::BodyWords());
   config.origin = ReadFrame(root["frame"]);
   config.time_span_s = ReadSpan(root["time_span_s"]);

@@ -1,42 +1,122 @@
 #include <dn/error.h>
 #include <dn/flight/atomic_file.h>
+#include <dn/names.h>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
 #include <iterator>
 #include <system_error>
 
-#include "temporary_name.h"
+#include "staged_commit.h"
 
 namespace dn {
 namespace {
 
 namespace fs = std::filesystem;
 
-void CheckName(const std::string& name) {
+constexpr std::string_view kStagingPrefix = ".dn-staging-";
+constexpr std::string_view kStagingRandom = "XXXXXX";
+
+bool IsResultName(const std::string& name) {
   const fs::path path(name);
   const auto depth = std::distance(path.begin(), path.end());
-  const bool climbs = std::find(path.begin(), path.end(), "..") != path.end();
-  if (depth < 1 || depth > 2 || path.is_absolute() || climbs || !path.has_filename()) {
-    throw InvalidInput("result file name '" + name +
-                       "' must be FILE or FOLDER/FILE inside the output directory");
+  const bool climbs = std::find_if(path.begin(), path.end(), [](const fs::path& part) {
+                        return part == ".." || part == ".";
+                      }) != path.end();
+  return depth >= 1 && depth <= 2 && !path.is_absolute() && !climbs && path.has_filename() &&
+         !HasControls(name);
+}
+
+void CheckName(const std::string& name) {
+  if (IsResultName(name)) return;
+  throw InvalidInput("result file name '" + name +
+                     "' must be FILE or FOLDER/FILE inside the output directory");
+}
+
+bool IsRealDirectory(const fs::path& path) {
+  std::error_code none;
+  return fs::is_directory(fs::symlink_status(path, none));
+}
+
+[[noreturn]] void ThrowErrno(const char* what, const fs::path& path) {
+  throw fs::filesystem_error(what, path, std::error_code(errno, std::generic_category()));
+}
+
+/// A descriptor of the directory that holds its lock; -1 on a file system without locks.
+int Lock(const fs::path& directory) {
+  const int fd = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) ThrowErrno("cannot open", directory);
+  if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
+  const bool held = errno == EWOULDBLOCK;
+  ::close(fd);
+  if (!held) return -1;
+  throw UnusableOutput("another run is writing into " + directory.string() +
+                       "; wait until it ends, or give another --out");
+}
+
+bool IsMine(const fs::path& path) {
+  struct stat status {};
+  return ::lstat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode) &&
+         status.st_uid == ::geteuid();
+}
+
+/// What runs that were killed left behind: under the lock no other run is alive.
+void Sweep(const fs::path& directory) {
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    const std::string name = entry.path().filename().string();
+    if (name.size() == kStagingPrefix.size() + kStagingRandom.size() &&
+        name.starts_with(kStagingPrefix) && IsMine(entry.path())) {
+      left.push_back(entry.path());
+    }
   }
+  for (const fs::path& staging : left) {
+    internal::UndoCommit(staging);
+    std::error_code none;
+    fs::remove_all(staging, none);
+  }
+}
+
+fs::path MakeStaging(const fs::path& directory) {
+  std::string name =
+      (directory / (std::string(kStagingPrefix) + std::string(kStagingRandom))).string();
+  if (::mkdtemp(name.data()) == nullptr) ThrowErrno("cannot write into", directory);
+  return name;
 }
 
 }  // namespace
 
 OutputDirectory::OutputDirectory(fs::path directory) : directory_(std::move(directory)) {
   fs::create_directories(directory_);
-  staging_ = internal::TemporarySibling(directory_ / "staging");
-  fs::create_directory(staging_);
+  lock_ = Lock(directory_);
+  try {
+    if (lock_ >= 0) Sweep(directory_);
+    staging_ = MakeStaging(directory_);
+  } catch (...) {
+    if (lock_ >= 0) ::close(lock_);
+    throw;
+  }
 }
 
 OutputDirectory::~OutputDirectory() {
   std::error_code none;
   fs::remove_all(staging_, none);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 void OutputDirectory::Add(const std::string& name, std::string_view content) {
   CheckName(name);
+  for (const fs::path& input : inputs_) {
+    std::error_code none;
+    if (!fs::equivalent(directory_ / name, input, none)) continue;
+    throw InvalidConfig("the result file " + (directory_ / name).string() +
+                        " would replace the input " + input.string() + "; give another --out");
+  }
   const fs::path staged = staging_ / name;
   fs::create_directories(staged.parent_path());
   WriteFileAtomically(staged, content);
@@ -44,12 +124,24 @@ void OutputDirectory::Add(const std::string& name, std::string_view content) {
 }
 
 void OutputDirectory::Commit() {
-  for (const std::string& name : names_) {
-    const fs::path target = directory_ / name;
-    fs::create_directories(target.parent_path());
-    fs::rename(staging_ / name, target);
-  }
+  internal::CommitStaged(staging_, names_);
   names_.clear();
+}
+
+void OutputDirectory::Discard() {
+  for (const std::string& name : names_) fs::remove(staging_ / name);
+  names_.clear();
+}
+
+void OutputDirectory::Remove(const std::vector<std::string>& names) const {
+  for (const std::string& name : names) {
+    if (!IsResultName(name)) continue;
+    const fs::path file = directory_ / name;
+    const bool in_folder = fs::path(name).has_parent_path();
+    if (in_folder && !IsRealDirectory(file.parent_path())) continue;
+    ::unlink(file.c_str());
+    if (in_folder) ::rmdir(file.parent_path().c_str());
+  }
 }
 
 }  // namespace dn

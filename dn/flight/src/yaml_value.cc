@@ -111,10 +111,8 @@ std::string YamlValue::Text() const {
 std::string YamlValue::Name() const {
   constexpr std::size_t kLongestName = 100;
   std::string name = Text();
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' '; };
-  if (name.size() > kLongestName || std::any_of(name.begin(), name.end(), is_control)) {
-    Fail("must be one line of up to 100 characters");
-  }
+  if (HasControls(name)) Fail("holds a line break or another control character");
+  if (name.size() > kLongestName) Fail("must be one line of up to 100 characters");
   return name;
 }
 

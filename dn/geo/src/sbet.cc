@@ -2,6 +2,7 @@
 #include <dn/geo/text_table.h>
 #include <dn/rotation.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -105,6 +106,11 @@ void CheckPositions(const std::vector<Record>& records, const FileLocation& wher
   }
 }
 
+bool HasLidarMark(const std::vector<Record>& records) {
+  return std::all_of(records.begin(), records.end(),
+                     [](const Record& c) { return c[10] == 0.0 && std::signbit(c[10]); });
+}
+
 NavPoint PointOfRecord(const Record& c) {
   NavPoint point;
   point.t_s = c[0];
@@ -178,6 +184,7 @@ Trajectory ReadSbet(const std::filesystem::path& file) {
   std::vector<Record> records = DecodeRecords(ReadWholeFile(file), where);
   CheckPositions(records, where);
   TrajectoryNotes notes;
+  notes.adjusted_with_lidar = HasLidarMark(records);
   notes.repeated_rows_dropped = SettleTimes(records, where);
   if (records.size() < 2) throw InvalidInput("SBET file has only one epoch, needs two", where);
   std::vector<NavPoint> points;
@@ -189,12 +196,12 @@ Trajectory ReadSbet(const std::filesystem::path& file) {
 
 }  // namespace internal
 
-std::string FormatSbet(const std::vector<NavPoint>& points) {
+std::string FormatSbet(const std::vector<NavPoint>& points, bool adjusted_with_lidar) {
   std::string out;
   out.reserve(points.size() * internal::kRecordBytes);
   for (const NavPoint& point : points) {
     const Eigen::Vector3d rph_rad = RollPitchHeading(point.q_nb);
-    const double wander_rad = 0.0;
+    const double wander_rad = adjusted_with_lidar ? -0.0 : 0.0;
     const internal::Record record{point.t_s,
                                   point.position.lat_rad,
                                   point.position.lon_rad,

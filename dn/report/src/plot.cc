@@ -1,12 +1,11 @@
+#include <dn/names.h>
 #include <dn/report/plot.h>
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <memory>
+#include <cctype>
+#include <string_view>
+
+#include "gnuplot_process.h"
 
 namespace dn {
 namespace {
@@ -14,19 +13,26 @@ namespace {
 constexpr int kPanelHeight = 260;
 constexpr int kWidth = 900;
 
+/// A gnuplot string in which every character that might end it or mean something is an octal code.
 std::string Quoted(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
-  return quoted + "'";
+  constexpr std::string_view kPlain = " .,:;+-=()[]/";
+  std::string quoted = "\"";
+  for (const char c : WithoutControls(text)) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain =
+        byte >= 0x80 || std::isalnum(byte) != 0 || kPlain.find(c) != std::string_view::npos;
+    quoted += plain ? std::string(1, c) : fmt::format("\\{:03o}", byte);
+  }
+  return quoted + "\"";
 }
 
 std::string Script(const std::string& title, const std::string& x_label,
-                   const std::vector<PlotPanel>& panels, const std::string& svg) {
+                   const std::vector<PlotPanel>& panels) {
   std::string script = fmt::format(
-      "set terminal svg size {},{} background rgb 'white' font 'sans,12'\nset output {}\n"
+      "set encoding utf8\n"
+      "set terminal svg noenhanced size {},{} background rgb 'white' font 'sans,12'\n"
       "set multiplot layout {},1 title {}\nset grid\nset key outside right\n",
-      kWidth, kPanelHeight * static_cast<int>(panels.size()) + 40, Quoted(svg), panels.size(),
-      Quoted(title));
+      kWidth, kPanelHeight * static_cast<int>(panels.size()) + 40, panels.size(), Quoted(title));
   int data = 0;
   for (const PlotPanel& panel : panels) {
     std::string plot;
@@ -48,40 +54,18 @@ std::string Script(const std::string& title, const std::string& x_label,
   return script + "unset multiplot\n";
 }
 
-/// A private directory that disappears with the object; empty path when none can be made.
-class ScratchDirectory {
- public:
-  ScratchDirectory() {
-    std::string name = (std::filesystem::temp_directory_path() / "dn-plot-XXXXXX").string();
-    if (mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~ScratchDirectory() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchDirectory(const ScratchDirectory&) = delete;
-  ScratchDirectory& operator=(const ScratchDirectory&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 }  // namespace
 
 std::optional<std::string> DrawSvg(const std::string& title, const std::string& x_label,
-                                   const std::vector<PlotPanel>& panels) {
-  const ScratchDirectory scratch;
-  if (scratch.path().empty() || panels.empty()) return std::nullopt;
-  const std::filesystem::path svg = scratch.path() / "plot.svg";
-  const std::filesystem::path script = scratch.path() / "plot.gp";
-  std::ofstream(script) << Script(title, x_label, panels, svg.string());
-  const std::string command = "gnuplot '" + script.string() + "' >/dev/null 2>&1 </dev/null";
-  if (std::system(command.c_str()) != 0) return std::nullopt;
-  std::ifstream in(svg, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (text.empty()) return std::nullopt;
-  return text;
+                                   const std::vector<PlotPanel>& panels,
+                                   const std::function<bool()>& interrupted) {
+  if (panels.empty()) return std::nullopt;
+  std::optional<std::string> svg =
+      internal::RunGnuplot(Script(title, x_label, panels), interrupted);
+  if (!svg || svg->find("</svg>") == std::string::npos) return std::nullopt;
+  return svg;
 }
+
+int DrawingProcess() noexcept { return internal::GnuplotProcess(); }
 
 }  // namespace dn

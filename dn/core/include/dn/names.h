@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace dn {
@@ -10,5 +11,12 @@ std::string NearestName(const std::string& word, const std::vector<std::string>&
 
 /// "a, b, c".
 std::string JoinNames(const std::vector<std::string>& names);
+
+/// True where the text holds a control character, such as a line break or an escape, also one of
+/// those beyond ASCII (U+0080 to U+009F in UTF-8).
+bool HasControls(std::string_view text);
+
+/// The text with a blank in place of every control character: fit for one line of any output.
+std::string WithoutControls(std::string_view text);
 
 }  // namespace dn

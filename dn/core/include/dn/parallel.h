@@ -9,7 +9,8 @@
 namespace dn {
 
 /// Calls work(i) for i in [0, n), split into contiguous ranges over the threads. Rethrows the
-/// exception of the lowest range that threw.
+/// exception of the lowest range that threw. Ranges for which no thread can be started are done by
+/// the caller.
 template <class Work>
 void ParallelFor(int n, int threads, const Work& work) {
   const int ranges = threads < n ? threads : n;
@@ -18,17 +19,22 @@ void ParallelFor(int n, int threads, const Work& work) {
     return;
   }
   std::vector<std::exception_ptr> errors(static_cast<std::size_t>(ranges));
+  const auto do_range = [&](int k) {
+    try {
+      const auto begin = static_cast<int>(static_cast<long>(n) * k / ranges);
+      const auto end = static_cast<int>(static_cast<long>(n) * (k + 1) / ranges);
+      for (int i = begin; i < end; ++i) work(i);
+    } catch (...) {
+      errors[static_cast<std::size_t>(k)] = std::current_exception();
+    }
+  };
   std::vector<std::thread> pool;
-  for (int k = 0; k < ranges; ++k) {
-    pool.emplace_back([&, k] {
-      try {
-        const auto begin = static_cast<int>(static_cast<long>(n) * k / ranges);
-        const auto end = static_cast<int>(static_cast<long>(n) * (k + 1) / ranges);
-        for (int i = begin; i < end; ++i) work(i);
-      } catch (...) {
-        errors[static_cast<std::size_t>(k)] = std::current_exception();
-      }
-    });
+  pool.reserve(static_cast<std::size_t>(ranges));
+  int started = 0;
+  try {
+    for (; started < ranges; ++started) pool.emplace_back(do_range, started);
+  } catch (const std::exception&) {
+    for (int k = started; k < ranges; ++k) do_range(k);
   }
   for (std::thread& thread : pool) thread.join();
   for (const std::exception_ptr& error : errors) {

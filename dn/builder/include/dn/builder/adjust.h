@@ -2,6 +2,7 @@
 
 #include <dn/builder/alignment.h>
 #include <dn/builder/flight_network.h>
+#include <dn/builder/interrupted.h>
 #include <dn/flight/flight.h>
 
 #include <functional>
@@ -18,7 +19,7 @@ struct AdjustOptions {
   int max_iterations = 40;  ///< of each stage
   /// Called at the start of a stage and after every iteration ("lidar, robust", 3 iterations done).
   std::function<void(const std::string& stage, int iterations)> progress = {};
-  /// Polled between iterations; true ends the work with Interrupted.
+  /// Polled between epochs and iterations; true ends the work with Interrupted.
   std::function<bool()> interrupted = {};
   /// Called once when the network stands complete, before it is solved with every edge: the place
   /// to add blocks and factors of your own.
@@ -26,12 +27,6 @@ struct AdjustOptions {
   FlightNetworkOptions network;
 
   void Validate() const;
-};
-
-/// The work was stopped by its user.
-class Interrupted : public std::runtime_error {
- public:
-  Interrupted() : std::runtime_error("interrupted") {}
 };
 
 /// The adjustment did not converge; the message says in which stage, and what was seen.

@@ -4,6 +4,7 @@
 #include <dn/builder/node_grid.h>
 #include <dn/flight/flight.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,9 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span);
 /// frame (exact for a rotating Earth, needs a turn or another horizontal acceleration);
 /// gyrocompassing when at rest with a gyro that resolves the Earth rate; else levelling with eight
 /// headings. Each is judged by the likelihood of the forward filter's innovations, and the best is
-/// refined by running it twice more.
-Alignment Align(const Flight& flight, const std::vector<double>& times);
+/// refined by running it twice more. `interrupted` is polled all the while; true throws
+/// Interrupted.
+Alignment Align(const Flight& flight, const std::vector<double>& times,
+                const std::function<bool()>& interrupted = {});
 
 }  // namespace dn

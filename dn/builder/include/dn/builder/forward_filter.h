@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace dn {
@@ -41,6 +42,7 @@ struct FilterOptions {
   double position_floor_m = 0.0;
   double velocity_floor_mps = 0.0;
   std::vector<std::size_t> skipped_epochs;  ///< not used; indices into Flight::gnss, rising
+  std::function<bool()> interrupted = {};   ///< polled at every time; true throws Interrupted
 };
 
 struct FilterRun {

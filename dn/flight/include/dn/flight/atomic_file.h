@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,28 +13,56 @@ namespace dn {
 /// path (disk full, not writable); nothing is left behind then.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view content);
 
-/// Collects the files of a result directory and publishes them together: Add stages a file, Commit
-/// renames all of them; without Commit the destructor removes what was staged. Makes the directory
-/// if absent.
+/// A directory cannot take results: another run writes into it, or a folder stands where a file
+/// should go.
+class UnusableOutput : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Collects the files of a result directory and publishes them together, all or none: Add stages a
+/// file, Commit renames all of them; without Commit the destructor removes what was staged.
+///
+/// One run at a time: the directory is locked as long as the object lives (where its file system
+/// knows locks). Files are staged in a directory inside it that only this user may enter and whose
+/// name nobody can foresee; what a killed run left there, also half committed, is undone by the
+/// next one.
 class OutputDirectory {
  public:
+  /// Makes the directory if absent. Throws UnusableOutput when another run holds it,
+  /// std::filesystem::filesystem_error when it cannot be made or written.
   explicit OutputDirectory(std::filesystem::path directory);
   ~OutputDirectory();
   OutputDirectory(const OutputDirectory&) = delete;
   OutputDirectory& operator=(const OutputDirectory&) = delete;
 
-  /// Stages a file; `name` may contain one level of sub-directory ("lidar/1_2.txt").
+  /// Files that Add must not replace, under whatever name.
+  void Protect(std::vector<std::filesystem::path> inputs) { inputs_ = std::move(inputs); }
+
+  /// Stages a file; `name` may contain one level of sub-directory ("lidar/1_2.txt"). Throws
+  /// InvalidInput for another name, InvalidConfig where it would replace a protected file.
   void Add(const std::string& name, std::string_view content);
 
-  /// Makes every staged file visible.
+  /// Makes every staged file visible. Throws with nothing changed when one cannot be.
   void Commit();
 
+  /// Forgets what was staged.
+  void Discard();
+
+  /// Removes files, and the sub-directories that become empty thereby. What is absent, no file, or
+  /// reached through a symbolic link is left alone.
+  void Remove(const std::vector<std::string>& names) const;
+
   const std::filesystem::path& path() const { return directory_; }
+  const std::filesystem::path& staging() const { return staging_; }
+  const std::vector<std::string>& staged() const { return names_; }
 
  private:
   std::filesystem::path directory_;
+  int lock_ = -1;
   std::filesystem::path staging_;
   std::vector<std::string> names_;
+  std::vector<std::filesystem::path> inputs_;
 };
 
 }  // namespace dn

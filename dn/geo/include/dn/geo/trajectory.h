@@ -33,7 +33,9 @@ struct MapPose {
 struct TrajectoryNotes {
   long repeated_rows_dropped = 0;
   bool velocity_from_file =
-      false;         ///< false: absent or contradicting the positions, hence differentiated
+      false;  ///< false: absent or contradicting the positions, hence differentiated
+  /// SBET that was adjusted together with lidar pairs, as FormatSbet marks it.
+  bool adjusted_with_lidar = false;
   std::string text;  ///< one line for the report; empty when there is nothing to say
 };
 
@@ -90,8 +92,9 @@ MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 Trajectory ReadTrajectory(const std::filesystem::path& file, bool body_is_flu = false);
 
 /// Serialised SBET: wander angle 0, velocities north, east, down, specific force and rate in body
-/// (FRD).
-std::string FormatSbet(const std::vector<NavPoint>& points);
+/// (FRD). SBET has no header: where the trajectory was adjusted together with lidar pairs, the zero
+/// of every wander angle is the negative one.
+std::string FormatSbet(const std::vector<NavPoint>& points, bool adjusted_with_lidar = false);
 
 /// Serialised ODyN text with 17 significant digits where needed.
 std::string FormatTrajectoryText(const std::vector<NavPoint>& points);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,9 +21,18 @@ struct PlotPanel {
   std::vector<PlotSeries> series;
 };
 
-/// SVG text of the plot, drawn by gnuplot. Nothing where gnuplot is not installed or fails: the
-/// numbers are in the result files anyway.
+/// SVG text of the plot, drawn by gnuplot. Nothing where gnuplot is not installed, fails, takes
+/// longer than 20 s or `interrupted`, polled meanwhile, says so: the numbers are in the result
+/// files anyway.
+///
+/// gnuplot runs without a shell, without its start-up files and without the user's environment but
+/// for PATH; control characters of a text are drawn as blanks.
 std::optional<std::string> DrawSvg(const std::string& title, const std::string& x_label,
-                                   const std::vector<PlotPanel>& panels);
+                                   const std::vector<PlotPanel>& panels,
+                                   const std::function<bool()>& interrupted = {});
+
+/// Process id of the gnuplot that draws at this moment, 0: none. May be called from a signal
+/// handler.
+int DrawingProcess() noexcept;
 
 }  // namespace dn

@@ -1,0 +1,181 @@
+#include "interruption.h"
+
+#include <dirent.h>
+#include <dn/report/plot.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <string_view>
+
+namespace dn::apps {
+namespace {
+
+constexpr suseconds_t kGraceMicroseconds = 400000;
+constexpr int kInterruptedExitCode = 130;
+
+static_assert(std::atomic<bool>::is_always_lock_free);
+static_assert(std::atomic<const void*>::is_always_lock_free);
+std::atomic<bool> g_interrupted{false};
+std::atomic<bool> g_publishing{false};
+
+/// All that the end by force needs, in memory that does not move.
+struct ForcedEnd {
+  std::string directory;
+  std::string staging;  // its name in the directory
+  std::string report;
+  std::string message;
+};
+std::atomic<const ForcedEnd*> g_forced_end{nullptr};
+
+// Everything from here to EndByForce runs in a signal handler: system calls only.
+
+void WriteAll(int fd, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(fd, text.data(), text.size());
+    if (written <= 0) return;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+bool RemoveContent(int directory, int depth);
+
+bool RemoveEntry(int directory, const char* name, int depth) {
+  if (::unlinkat(directory, name, 0) == 0) return true;
+  if (errno != EISDIR || depth == 0) return false;
+  const int below = ::openat(directory, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (below < 0) return false;
+  while (RemoveContent(below, depth - 1)) {
+  }
+  ::close(below);
+  return ::unlinkat(directory, name, AT_REMOVEDIR) == 0;
+}
+
+/// True when something was removed: there may be more.
+bool RemoveContent(int directory, int depth) {
+  alignas(dirent64) std::array<char, 4096> buffer;
+  bool removed = false;
+  ::lseek(directory, 0, SEEK_SET);
+  const ssize_t bytes = ::getdents64(directory, buffer.data(), buffer.size());
+  for (ssize_t at = 0; at < bytes;) {
+    dirent64 entry{};
+    const auto header = static_cast<std::ptrdiff_t>(offsetof(dirent64, d_name));
+    std::memcpy(&entry, buffer.data() + at, static_cast<std::size_t>(header));
+    const char* name = buffer.data() + at + header;
+    const bool itself = std::strcmp(name, ".") == 0 || std::strcmp(name, "..") == 0;
+    if (!itself && RemoveEntry(directory, name, depth)) removed = true;
+    at += entry.d_reclen;
+  }
+  return removed;
+}
+
+constexpr int kStagedLevels = 3;  // ".replaced/lidar/1_2.txt"
+
+void LeaveReportOnly(const ForcedEnd& end) {
+  const int directory = ::open(end.directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (directory < 0) return;
+  const int staging =
+      ::openat(directory, end.staging.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (staging < 0) return;
+  while (RemoveContent(staging, kStagedLevels)) {
+  }
+  const int report =
+      ::openat(staging, "report.json", O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (report >= 0) {
+    WriteAll(report, end.report);
+    ::fsync(report);
+    ::renameat(staging, "report.json", directory, "report.json");
+  }
+  ::unlinkat(directory, end.staging.c_str(), AT_REMOVEDIR);
+}
+
+/// A reader that does not read must not hold us up.
+void SayWithoutWaiting(std::string_view message) {
+  pollfd stream{STDERR_FILENO, POLLOUT, 0};
+  if (::poll(&stream, 1, 0) == 1 && (stream.revents & POLLOUT) != 0) {
+    WriteAll(STDERR_FILENO, message);
+  }
+}
+
+[[noreturn]] void EndByForce() {
+  static std::atomic_flag entered = ATOMIC_FLAG_INIT;
+  if (entered.test_and_set()) {
+    for (;;) ::pause();  // another thread is about to end us all
+  }
+  if (const int child = DrawingProcess(); child > 0) ::kill(child, SIGKILL);
+  if (const ForcedEnd* end = g_forced_end.load()) {
+    if (!end->staging.empty()) LeaveReportOnly(*end);
+    SayWithoutWaiting(end->message);
+  }
+  ::_exit(kInterruptedExitCode);
+}
+
+void OnSignal(int /*signal*/) {
+  const int before = errno;
+  if (!g_publishing) {
+    if (g_interrupted.exchange(true)) EndByForce();
+    const itimerval grace{{0, 0}, {0, kGraceMicroseconds}};
+    ::setitimer(ITIMER_REAL, &grace, nullptr);
+  }
+  errno = before;
+}
+
+void OnAlarm(int /*signal*/) {
+  if (g_interrupted && !g_publishing) EndByForce();
+}
+
+void Handle(int signal, void (*handler)(int), int flags) {
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = flags;
+  sigfillset(&action.sa_mask);  // one handler at a time
+  ::sigaction(signal, &action, nullptr);
+}
+
+bool IsIgnored(int signal) {
+  struct sigaction action {};
+  return ::sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
+}  // namespace
+
+bool Interrupted() { return g_interrupted; }
+
+void InstallSignalHandlers() {
+  for (const int signal : {SIGPIPE, SIGXFSZ}) Handle(signal, SIG_IGN, 0);
+  Handle(SIGCHLD, SIG_DFL, 0);
+  Handle(SIGALRM, OnAlarm, SA_RESTART);
+  Handle(SIGINT, OnSignal, SA_RESTART);
+  Handle(SIGTERM, OnSignal, SA_RESTART);
+  if (!IsIgnored(SIGHUP)) Handle(SIGHUP, OnSignal, SA_RESTART);
+  sigset_t ours;
+  sigemptyset(&ours);
+  for (const int signal : {SIGALRM, SIGINT, SIGTERM, SIGHUP}) sigaddset(&ours, signal);
+  ::sigprocmask(SIG_UNBLOCK, &ours, nullptr);
+}
+
+void PrepareForcedEnd(const std::string& command, const std::filesystem::path& directory,
+                      const std::filesystem::path& staging, const std::string& report) {
+  static ForcedEnd end;
+  g_forced_end = nullptr;
+  end = {directory.string(), staging.filename().string(), report,
+         "dn " + command + ": error: interrupted; no result was written\n"};
+  g_forced_end = &end;
+}
+
+bool BeginPublishing() {
+  g_publishing = true;
+  if (!g_interrupted) return true;
+  g_publishing = false;
+  return false;
+}
+
+void BeginReporting() { g_publishing = true; }
+
+}  // namespace dn::apps

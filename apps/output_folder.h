@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace dn::apps {
+
+/// What a run reads, and so must not touch.
+struct Inputs {
+  std::vector<std::filesystem::path> folders;  ///< of the flight and of the data it names
+  std::vector<std::filesystem::path> files;
+};
+
+/// The flight folder, and the files that its flight.yaml names as far as it can be read. Faults of
+/// flight.yaml are for the command to report.
+Inputs FlightInputs(const std::filesystem::path& folder, const std::string& trajectory = "");
+
+/// The scenario's file, if it is no shipped scenario, and the trajectory that it replays.
+Inputs ScenarioInputs(const std::string& name_or_path);
+
+/// The files that an earlier run left in a folder, as its report.json lists them.
+std::vector<std::string> EarlierResults(const std::filesystem::path& out);
+
+/// Throws InvalidConfig where results in `out` would harm an input, or a flight that is not ours:
+/// only a command that makes flights may replace one, and only one that such a command made.
+void ExpectHarmless(const std::filesystem::path& out, const Inputs& inputs, bool makes_flight);
+
+}  // namespace dn::apps

@@ -1,0 +1,157 @@
+#include "gnuplot_process.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <string_view>
+#include <thread>
+
+namespace dn::internal {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::seconds kLongestRun{20};
+constexpr std::chrono::milliseconds kPoll{5};
+
+static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<int> g_child{0};
+
+/// A file without a name, in memory.
+class MemoryFile {
+ public:
+  explicit MemoryFile(const char* name) : fd_(::memfd_create(name, MFD_CLOEXEC)) {}
+  ~MemoryFile() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  int fd() const { return fd_; }
+
+  /// Leaves the position at the start; false when not all could be written.
+  bool Fill(std::string_view text) const {
+    while (!text.empty()) {
+      const ssize_t written = ::write(fd_, text.data(), text.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) return false;
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return ::lseek(fd_, 0, SEEK_SET) == 0;
+  }
+
+  std::string Content() const {
+    std::string text;
+    std::array<char, 65536> buffer;
+    ::lseek(fd_, 0, SEEK_SET);
+    for (ssize_t n = 0; (n = ::read(fd_, buffer.data(), buffer.size())) != 0;) {
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) return {};
+      text.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+    return text;
+  }
+
+ private:
+  int fd_;
+};
+
+/// How the child differs from us: its streams, and signals that end it.
+class SpawnSettings {
+ public:
+  SpawnSettings(int in, int out) {
+    posix_spawn_file_actions_init(&actions_);
+    posix_spawn_file_actions_adddup2(&actions_, in, STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions_, out, STDOUT_FILENO);
+    posix_spawn_file_actions_addopen(&actions_, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawnattr_init(&attributes_);
+    sigset_t none;
+    sigemptyset(&none);
+    sigset_t all;
+    sigfillset(&all);
+    posix_spawnattr_setsigmask(&attributes_, &none);
+    posix_spawnattr_setsigdefault(&attributes_, &all);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~SpawnSettings() {
+    posix_spawn_file_actions_destroy(&actions_);
+    posix_spawnattr_destroy(&attributes_);
+  }
+  SpawnSettings(const SpawnSettings&) = delete;
+  SpawnSettings& operator=(const SpawnSettings&) = delete;
+
+  const posix_spawn_file_actions_t* actions() const { return &actions_; }
+  const posix_spawnattr_t* attributes() const { return &attributes_; }
+
+ private:
+  posix_spawn_file_actions_t actions_{};
+  posix_spawnattr_t attributes_{};
+};
+
+/// The process, or -1.
+pid_t Start(const MemoryFile& script, const MemoryFile& svg) {
+  const SpawnSettings settings(script.fd(), svg.fd());
+  const char* search = std::getenv("PATH");
+  std::string path = std::string("PATH=") + (search == nullptr ? "/usr/bin:/bin" : search);
+  std::string locale = "LC_ALL=C.UTF-8", program = "gnuplot", without_start_up_files = "-d";
+  const std::array<char*, 3> argv{program.data(), without_start_up_files.data(), nullptr};
+  const std::array<char*, 3> environment{path.data(), locale.data(), nullptr};
+  pid_t child = -1;
+  const int error = ::posix_spawnp(&child, program.c_str(), settings.actions(),
+                                   settings.attributes(), argv.data(), environment.data());
+  return error == 0 ? child : -1;
+}
+
+/// No signal handler sees a process that runs and is not in g_child.
+pid_t StartKnown(const MemoryFile& script, const MemoryFile& svg) {
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t child = Start(script, svg);
+  g_child = std::max(0, child);
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  return child;
+}
+
+/// True when the process ends well before it has to be killed.
+bool Succeeds(pid_t child, const std::function<bool()>& interrupted) {
+  const auto deadline = Clock::now() + kLongestRun;
+  for (;;) {
+    int status = 0;
+    const pid_t ended = ::waitpid(child, &status, WNOHANG);
+    if (ended == child) return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    if (ended < 0 && errno != EINTR) return false;
+    if (Clock::now() > deadline || (interrupted && interrupted())) break;
+    std::this_thread::sleep_for(kPoll);
+  }
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  return false;
+}
+
+}  // namespace
+
+std::optional<std::string> RunGnuplot(const std::string& script,
+                                      const std::function<bool()>& interrupted) {
+  const MemoryFile in("script"), out("svg");
+  if (in.fd() < 0 || out.fd() < 0 || !in.Fill(script)) return std::nullopt;
+  const pid_t child = StartKnown(in, out);
+  if (child < 0) return std::nullopt;
+  const bool succeeded = Succeeds(child, interrupted);
+  g_child = 0;
+  if (!succeeded) return std::nullopt;
+  return out.Content();
+}
+
+int GnuplotProcess() noexcept { return g_child; }
+
+}  // namespace dn::internal

@@ -1,0 +1,57 @@
+#include "scenario_limits.h"
+
+#include <dn/error.h>
+#include <dn/geo/text_table.h>
+
+#include <cmath>
+#include <string>
+
+namespace dn {
+namespace {
+
+// Beyond this the plane of the map is no longer that of the ground.
+constexpr double kFarthest_m = 1e6;
+constexpr double kHighest_m = 1e5;
+constexpr double kLargestRelief_m = 1e4;
+constexpr double kLongestFlight_s = 86400.0;
+constexpr double kLongestWarmUp_s = 4.0 * 3600.0;
+constexpr std::size_t kMostLines = 1000;
+constexpr long kMostPairs = 5000000;
+// A sample, its true state and their text take about half a kB.
+constexpr double kMostSamples = 1e7;
+
+void ExpectAtMost(const char* key, double value, double most, const char* unit) {
+  if (std::abs(value) <= most) return;
+  throw InvalidConfig(std::string("scenario: ") + key + " is " + FormatDouble(value) + unit +
+                      ", at most " + FormatDouble(most) + unit + " can be simulated");
+}
+
+}  // namespace
+
+void CheckLimits(const Scenario& scenario) {
+  const PlanScenario& plan = scenario.plan;
+  ExpectAtMost("plan.warm_up_s", plan.warm_up_s, kLongestWarmUp_s, " s");
+  ExpectAtMost("the number of plan.lines", static_cast<double>(plan.lines.size()), kMostLines, "");
+  for (const PlannedLine& line : plan.lines) {
+    for (const Eigen::Vector2d& end : {line.start_en_m, line.end_en_m}) {
+      ExpectAtMost("an end of plan.lines", end.cwiseAbs().maxCoeff(), kFarthest_m,
+                   " m from the origin");
+    }
+    ExpectAtMost("a height of plan.lines", line.height_m, kHighest_m, " m");
+  }
+  ExpectAtMost("terrain.relief_m", scenario.terrain.relief_m, kLargestRelief_m, " m");
+  ExpectAtMost("terrain.base_m", scenario.terrain.base_m, kHighest_m, " m");
+  ExpectAtMost("pairs.count", static_cast<double>(scenario.pairs.count),
+               static_cast<double>(kMostPairs), "");
+}
+
+void CheckDuration(double duration_s) {
+  ExpectAtMost("the time to fly plan.lines and plan.warm_up_s", duration_s, kLongestFlight_s, " s");
+}
+
+void CheckSamples(const ImuScenario& imu, double duration_s) {
+  ExpectAtMost("the number of inertial samples, the flight's duration times imu.rate_hz,",
+               std::floor(duration_s * imu.rate_hz), kMostSamples, "");
+}
+
+}  // namespace dn
