@@ -17,7 +17,8 @@ def lay_other(arena):
     lay_scenario(arena)
     shutil.copytree(arena.flight, arena.here / "other")
     yaml = (arena.here / "other" / "flight.yaml").read_text()
-    yaml = yaml.replace("name: small", "name: other").replace("sigma_p_m: 0.0577", "sigma_p_m: 0.0677")
+    yaml = yaml.replace("name: small", "name: other").replace("sigma_p_m: 0.0577",
+                                                              "sigma_p_m: 0.0677")
     (arena.here / "other" / "flight.yaml").write_text(yaml)
 
 
@@ -58,9 +59,11 @@ class Rewritten(Case):
     def attack(self, arena):
         self.prepare(arena)
         program = arena.base.program
-        words = ["calibrate", "flight", "--method", "gh", "--trajectory", "smooth/trajectory.out", "--out", "out"]
+        words = ["calibrate", "flight", "--method", "gh", "--trajectory", "smooth/trajectory.out",
+                 "--out", "out"]
         program.run(["smooth", "flight", "--out", "smooth"], arena.folder)
-        writer = Process(program, ["smooth", "flight", "--out", "smooth"], arena.folder, Conditions())
+        writer = Process(program, ["smooth", "flight", "--out", "smooth"], arena.folder,
+                         Conditions())
         findings, outcome = [], None
         for _ in range(3):
             outcome = program.run(words, arena.folder)
@@ -77,7 +80,9 @@ def case(base, rng, number):
         return Rewritten("gh reads a trajectory while smooth writes it", prepare=lay_other)
     pool = [CALIBRATE, CALIBRATE, OTHER, SMOOTH, GAUSS_HELMERT, ALL]
     competitors = [rng.choice(pool) for _ in range(rng.randrange(2, 6))]
-    race = Race(f"{len(competitors)} runs into one folder: " + ", ".join(c[1] + " " + c[-3] if c is OTHER else c[0] for c in competitors),
+    race = Race(f"{len(competitors)} runs into one folder: " + ", ".join(c[1] + " " + c[-3]
+                                                                         if c is OTHER else c[0]
+                                                                         for c in competitors),
                 prepare=lay_other)
     race.competitors = competitors
     return race

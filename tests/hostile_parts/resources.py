@@ -28,20 +28,24 @@ def after_failure(arguments):
 def memory(rng, command):
     limit = rng.choice([60, 100, 150, 200, 250, 300, 400, 500, 600, 800])
     threads = rng.choice([[], ["--threads", "1"], ["--threads", "2"], ["--threads", "64"]])
-    return Case(f"{command[0]} {' '.join(threads)} with {limit} MB of addresses", [*command, *threads], lay_scenario,
+    return Case(f"{command[0]} {' '.join(threads)} with {limit} MB of addresses",
+                [*command, *threads], lay_scenario,
                 Conditions(limits={resource.RLIMIT_AS: limit * MB}), after=after_failure(command))
 
 
 def file_size(rng, command):
     limit = rng.choice([0, 1, 100, 1000, 10000, 70000, 100000, 500000])
     return Case(f"{command[0]} with files of {limit} bytes at most", command, lay_scenario,
-                Conditions(limits={resource.RLIMIT_FSIZE: limit}), heard=limit > 5000, after=after_failure(command))
+                Conditions(limits={resource.RLIMIT_FSIZE: limit}), heard=limit > 5000,
+                after=after_failure(command))
 
 
 def threads(rng, command):
     limit = rng.choice([0, 1, 2, 3])
-    return Case(f"{command[0]} with {limit} threads more at most", [*command, "--threads", "4"], lay_scenario,
-                Conditions(limits={resource.RLIMIT_NPROC: limit}, as_nobody=True), after=after_failure(command))
+    return Case(f"{command[0]} with {limit} threads more at most", [*command, "--threads", "4"],
+                lay_scenario,
+                Conditions(limits={resource.RLIMIT_NPROC: limit}, as_nobody=True),
+                after=after_failure(command))
 
 
 def descriptors(rng, command):
@@ -52,7 +56,8 @@ def descriptors(rng, command):
 
 def closed_streams(rng, command):
     closed = rng.choice([(0,), (1,), (2,), (0, 1), (1, 2), (0, 1, 2)])
-    return Case(f"{command[0]} with streams {closed} closed", command, lay_scenario, Conditions(closed=closed),
+    return Case(f"{command[0]} with streams {closed} closed", command, lay_scenario,
+                Conditions(closed=closed),
                 heard=2 not in closed, after=after_failure(command))
 
 
@@ -60,22 +65,30 @@ def full_streams(rng, command):
     full = rng.choice(["stdout", "stderr", "both"])
     conditions = Conditions(stdout="/dev/full" if full != "stderr" else None,
                             stderr="/dev/full" if full != "stdout" else None)
-    return Case(f"{command[0]} with {full} full", command, lay_scenario, conditions, heard=full == "stdout",
+    return Case(f"{command[0]} with {full} full", command, lay_scenario, conditions,
+                heard=full == "stdout",
                 after=after_failure(command))
 
 
 ENVIRONMENTS = [
-    ("TMPDIR", None), ("TMPDIR", ""), ("TMPDIR", "/nowhere"), ("TMPDIR", f"/tmp'; {TOUCH}; '"), ("TMPDIR", f"$({TOUCH})"),
-    ("TMPDIR", f"/tmp\n!{TOUCH}\n"), ("TMPDIR", "/dev/null"), ("HOME", None), ("HOME", "/nowhere"), ("HOME", f"$({TOUCH})"), ("PATH", ""),
-    ("PATH", None), ("PATH", "/nowhere"), ("LC_ALL", "de_DE.UTF-8"), ("LC_ALL", "tr_TR.UTF-8"), ("LC_ALL", "nonsense"), ("LANG", "\udcff"),
-    ("OMP_NUM_THREADS", "0"), ("OMP_NUM_THREADS", "-5"), ("OMP_NUM_THREADS", "x"), ("OMP_NUM_THREADS", "100000"),
-    ("OPENBLAS_NUM_THREADS", "1000"), ("GNUTERM", "dumb"), ("GNUPLOT_LIB", f"`{TOUCH}`"), ("GNUPLOT_DRIVER_DIR", "/nowhere"),
-    ("TERM", None), ("TERM", "x" * 10000), ("COLUMNS", "-1"), ("MALLOC_PERTURB_", "165"), ("TZ", "../../etc/passwd")]
+    ("TMPDIR", None), ("TMPDIR", ""), ("TMPDIR", "/nowhere"), ("TMPDIR", f"/tmp'; {TOUCH}; '"),
+    ("TMPDIR", f"$({TOUCH})"),
+    ("TMPDIR", f"/tmp\n!{TOUCH}\n"), ("TMPDIR", "/dev/null"), ("HOME", None), ("HOME", "/nowhere"),
+    ("HOME", f"$({TOUCH})"), ("PATH", ""),
+    ("PATH", None), ("PATH", "/nowhere"), ("LC_ALL", "de_DE.UTF-8"), ("LC_ALL", "tr_TR.UTF-8"),
+    ("LC_ALL", "nonsense"), ("LANG", "\udcff"),
+    ("OMP_NUM_THREADS", "0"), ("OMP_NUM_THREADS", "-5"), ("OMP_NUM_THREADS", "x"),
+    ("OMP_NUM_THREADS", "100000"),
+    ("OPENBLAS_NUM_THREADS", "1000"), ("GNUTERM", "dumb"), ("GNUPLOT_LIB", f"`{TOUCH}`"),
+    ("GNUPLOT_DRIVER_DIR", "/nowhere"),
+    ("TERM", None), ("TERM", "x" * 10000), ("COLUMNS", "-1"), ("MALLOC_PERTURB_", "165"),
+    ("TZ", "../../etc/passwd")]
 
 
 def environment(rng, command):
     name, value = rng.choice(ENVIRONMENTS)
-    return Case(f"{command[0]} with {name}={short(value) if value is not None else 'nothing'}", command, lay_scenario,
+    return Case(f"{command[0]} with {name}={short(value) if value is not None else 'nothing'}",
+                command, lay_scenario,
                 Conditions(environment={name: value}), after=after_failure(command))
 
 
@@ -85,7 +98,8 @@ class Mounted(Case):
     def attack(self, arena):
         self.prepare(arena)
         arena.out.mkdir()
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={self.size_kb}k", "none", arena.out],
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={self.size_kb}k", "none",
+                                  arena.out],
                                  capture_output=True, check=False).returncode == 0
         try:
             arena.remember()
@@ -106,8 +120,10 @@ def full_disk(rng, command):
 
 
 def locked_folder(rng, command):
-    what = rng.choice(["out is read-only", "out is a file", "out is a link to nothing", "out is a link to the flight",
-                       "flight is read-only", "out is the flight", "out is inside the flight", "out holds a flight",
+    what = rng.choice(["out is read-only", "out is a file", "out is a link to nothing",
+                       "out is a link to the flight",
+                       "flight is read-only", "out is the flight", "out is inside the flight",
+                       "out holds a flight",
                        "out is a FIFO", "a folder stands where result.json goes"])
     words = list(command)
     if what == "out is the flight":
@@ -143,11 +159,13 @@ def locked_folder(rng, command):
                 if not (arena.out / name).exists() or (arena.out / name).read_text() != "mine\n"]
         return [("input changed", f"out/{name}, which no run had written") for name in lost]
 
-    return Case(f"{command[0]}: {what}", words, prepare, Conditions(as_nobody=True), anywhere="inside" in what or "nothing" in what,
+    return Case(f"{command[0]}: {what}", words, prepare, Conditions(as_nobody=True),
+                anywhere="inside" in what or "nothing" in what,
                 after=untouched)
 
 
-KINDS = [memory, memory, file_size, full_disk, threads, descriptors, closed_streams, full_streams, environment, environment,
+KINDS = [memory, memory, file_size, full_disk, threads, descriptors, closed_streams, full_streams,
+         environment, environment,
          locked_folder, locked_folder]
 
 

@@ -1,4 +1,4 @@
-"""Signals at random moments: SIGKILL leaves nothing half-written, the others end the work cleanly."""
+"""Signals at random moments: SIGKILL leaves nothing half-written, the others end the work."""
 
 import json
 import os
@@ -57,7 +57,7 @@ def run_again(arena, arguments):
 
 
 class Killed(Case):
-    """SIGKILL: whatever stands in the folder is whole, and the next run is as if nothing had been."""
+    """SIGKILL: what stands in the folder is whole, and the next run as if nothing had been."""
 
     def attack(self, arena):
         self.prepare(arena)
@@ -91,7 +91,8 @@ class Interrupted(Case):
         if outcome.timed_out:
             findings.append(("hang", f"after signal {number} at {moment:.3f} s"))
         elif outcome.seconds > moment + SOON_S * (10 if arena.base.program.sanitized else 1):
-            findings.append(("signal", f"ended {outcome.seconds - moment:.1f} s after signal {number}"))
+            findings.append(("signal",
+                             f"ended {outcome.seconds - moment:.1f} s after signal {number}"))
         if outcome.exit_code not in (0, 130) and not before_main and not outcome.timed_out:
             findings.append(("signal", f"exit {outcome.exit_code}, signal {outcome.signal}: "
                              f"{outcome.err[-200:]}"))
@@ -135,5 +136,6 @@ def case(base, rng, number):
     sent = ((moment, kind),)
     if rng.random() < 0.3:
         sent += ((moment + 0.01, kind),)
-    return Interrupted(f"{command[0]}, {kind.name} after {moment:.3f} s, {len(sent)} times", command, lay_scenario,
+    return Interrupted(f"{command[0]}, {kind.name} after {moment:.3f} s, {len(sent)} times",
+                       command, lay_scenario,
                        Conditions(signals=sent))
