@@ -19,6 +19,7 @@ EMPTY_WORDS = re.compile(
     r"\bdimension\b|\binternal\b|basic_string|vector::|bad_alloc|std::|\bstod\b|Eigen|_M_|__cxx|"
     r"errno|\(null\)|\d{60,}")
 NOT_A_NUMBER = re.compile(r"(?<![\w'\"])[-+]?nan(?![\w'\"])", re.IGNORECASE)
+NOT_STARTED = "error while loading shared libraries"  # too little memory for the loader
 LEFTOVER = re.compile(r"\.part($|/)|staging|\.tmp($|/)|(^|/)core($|\.)")
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 LOCATION = re.compile(r"\.ya?ml:\d+")
@@ -37,6 +38,8 @@ def judge(outcome, arena, needs_location=False, echoes="", heard=True, memory=Tr
 
 
 def judge_end(outcome, arena, memory=True):
+    if NOT_STARTED in outcome.err:
+        return []
     findings = []
     if outcome.timed_out:
         findings.append(("hang", f"still running after {outcome.seconds:.0f} s"))

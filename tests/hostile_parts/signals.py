@@ -43,9 +43,9 @@ def is_whole(path):
     return not path.endswith((".txt", ".yaml")) or content.endswith(b"\n")
 
 
-def run_again(arena, arguments):
+def run_again(arena, arguments, as_nobody=False):
     """The next run into the same folder works and sweeps."""
-    again = arena.base.program.run(arguments, arena.folder)
+    again = arena.base.program.run(arguments, arena.folder, Conditions(as_nobody=as_nobody))
     findings = []
     if again.exit_code != 0:
         findings.append(("next run", f"exit {again.exit_code}: {again.err[-300:]}"))
@@ -81,6 +81,8 @@ def mixed(folder):
 class Interrupted(Case):
     """Another signal: exit 130 soon, no result, no leftover."""
 
+    expected_exits = (0, 130)
+
     def attack(self, arena):
         self.prepare(arena)
         arena.remember()
@@ -93,7 +95,7 @@ class Interrupted(Case):
         elif outcome.seconds > moment + SOON_S * (10 if arena.base.program.sanitized else 1):
             findings.append(("signal",
                              f"ended {outcome.seconds - moment:.1f} s after signal {number}"))
-        if outcome.exit_code not in (0, 130) and not before_main and not outcome.timed_out:
+        if outcome.exit_code not in self.expected_exits and not before_main and not outcome.timed_out:
             findings.append(("signal", f"exit {outcome.exit_code}, signal {outcome.signal}: "
                              f"{outcome.err[-200:]}"))
         if outcome.exit_code == 130 and any(n.startswith("result") for n in os.listdir(arena.out)):
@@ -107,6 +109,12 @@ class Interrupted(Case):
         changed = [path for path, content in arena.before.items()
                    if content != "special" and arena.contents().get(path) != content]
         return [("leftover", path) for path in left] + [("input changed", path) for path in changed]
+
+
+class Waiting(Interrupted):
+    """The same while the program waits for a file, unless it refuses that file."""
+
+    expected_exits = (1, 2, 130)
 
 
 def lay_scenario(arena):
@@ -131,8 +139,8 @@ def case(base, rng, number):
         return killed
     kind = rng.choice(POLITE)
     if rng.random() < 0.15:
-        return Case(f"IMU.txt is a FIFO, {kind.name} after {moment:.3f} s", CALIBRATE, lay_fifo,
-                    Conditions(signals=((moment, kind),), time_limit_s=10))
+        return Waiting(f"IMU.txt is a FIFO, {kind.name} after {moment:.3f} s", CALIBRATE, lay_fifo,
+                       Conditions(signals=((moment, kind),), time_limit_s=10))
     sent = ((moment, kind),)
     if rng.random() < 0.3:
         sent += ((moment + 0.01, kind),)
