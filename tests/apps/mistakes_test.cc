@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-#include "flight_copy.h"
+#include "flight_of_numbers.h"
 
 namespace dn::testing {
 namespace {
@@ -55,14 +55,14 @@ enum class Must {
 
 struct Mistake {
   const char* name;
-  std::function<void(const FlightCopy&)> make;
+  std::function<void(const FlightOfNumbers&)> make;
   Must must = Must::kNotDeceive;
 };
 
 void PrintTo(const Mistake& mistake, std::ostream* stream) { *stream << mistake.name; }
 
-std::function<void(const FlightCopy&)> Late(double seconds) {
-  return [=](const FlightCopy& flight) {
+std::function<void(const FlightOfNumbers&)> Late(double seconds) {
+  return [=](const FlightOfNumbers& flight) {
     flight.EachPair([=](std::vector<double>& pair) {
       pair[0] += seconds;
       pair[1] += seconds;
@@ -70,13 +70,13 @@ std::function<void(const FlightCopy&)> Late(double seconds) {
   };
 }
 
-std::function<void(const FlightCopy&)> Set(const std::string& key, const std::string& value) {
-  return [=](const FlightCopy& flight) { flight.Set(key, value); };
+std::function<void(const FlightOfNumbers&)> Set(const std::string& key, const std::string& value) {
+  return [=](const FlightOfNumbers& flight) { flight.Set(key, value); };
 }
 
 /// Ranges r of all laser vectors become scale r + offset.
-std::function<void(const FlightCopy&)> Ranges(double scale, double offset_m) {
-  return [=](const FlightCopy& flight) {
+std::function<void(const FlightOfNumbers&)> Ranges(double scale, double offset_m) {
+  return [=](const FlightOfNumbers& flight) {
     flight.EachPair([=](std::vector<double>& pair) {
       for (const int first : {2, 5}) {
         const double range = std::hypot(pair[first], pair[first + 1], pair[first + 2]);
@@ -87,8 +87,8 @@ std::function<void(const FlightCopy&)> Ranges(double scale, double offset_m) {
 }
 
 /// A share of the pairs is wrong by 0.5 to 5 m in a random direction.
-std::function<void(const FlightCopy&)> WrongPairs(double share) {
-  return [=](const FlightCopy& flight) {
+std::function<void(const FlightOfNumbers&)> WrongPairs(double share) {
+  return [=](const FlightOfNumbers& flight) {
     std::mt19937 random(5);
     std::uniform_real_distribution<double> uniform(0.0, 1.0);
     std::normal_distribution<double> normal;
@@ -102,7 +102,7 @@ std::function<void(const FlightCopy&)> WrongPairs(double share) {
 }
 
 /// The second halves of the pairs, columns from `first` on, belong to other pairs.
-void ShufflePairs(const FlightCopy& flight, const std::vector<int>& columns) {
+void ShufflePairs(const FlightOfNumbers& flight, const std::vector<int>& columns) {
   for (const std::string& name : flight.PairFiles()) {
     const Table rows = flight.Rows(name);
     std::vector<std::size_t> order(rows.size());
@@ -112,32 +112,32 @@ void ShufflePairs(const FlightCopy& flight, const std::vector<int>& columns) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       for (const int column : columns) shuffled[i][column] = rows[order[i]][column];
     }
-    flight.Write(name, shuffled);
+    flight.WriteRows(name, shuffled);
   }
 }
 
-void SwapEpochs(const FlightCopy& flight) {
+void SwapEpochs(const FlightOfNumbers& flight) {
   flight.EachPair([](std::vector<double>& pair) { std::swap(pair[0], pair[1]); });
 }
 
-void RepeatPairs(const FlightCopy& flight) {
+void RepeatPairs(const FlightOfNumbers& flight) {
   for (const std::string& name : flight.PairFiles()) {
     Table repeated;
     for (const std::vector<double>& row : flight.Rows(name))
       repeated.insert(repeated.end(), 25, row);
-    flight.Write(name, repeated);
+    flight.WriteRows(name, repeated);
   }
 }
 
-void KeepThreePairs(const FlightCopy& flight) {
+void KeepThreePairs(const FlightOfNumbers& flight) {
   const std::vector<std::string> names = flight.PairFiles();
   Table rows = flight.Rows(names.front());
   rows.resize(3);
-  flight.Write(names.front(), rows);
+  flight.WriteRows(names.front(), rows);
   flight.Set("lidar.p2p", "[" + names.front() + "]");
 }
 
-void GnssOutliers(const FlightCopy& flight) {
+void GnssOutliers(const FlightOfNumbers& flight) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   flight.EachRow("GPS.txt", [&](std::vector<double>& row) {
@@ -148,50 +148,50 @@ void GnssOutliers(const FlightCopy& flight) {
   });
 }
 
-void GnssSigmasATenth(const FlightCopy& flight) {
+void GnssSigmasATenth(const FlightOfNumbers& flight) {
   flight.EachRow("GPS.txt", [](std::vector<double>& row) {
     for (int i = 4; i < 7; ++i) row[i] *= 0.1;
   });
 }
 
 /// All body quantities are forward-left-up, and flight.yaml does not say so.
-void UndeclaredAxes(const FlightCopy& flight) {
+void UndeclaredAxes(const FlightOfNumbers& flight) {
   flight.EachRow("IMU.txt", [](std::vector<double>& row) {
     for (const int i : {2, 3, 5, 6}) row[i] = -row[i];
   });
 }
 
-void UndeclaredAxesOfAll(const FlightCopy& flight) {
+void UndeclaredAxesOfAll(const FlightOfNumbers& flight) {
   UndeclaredAxes(flight);
   flight.Set("gnss.lever_arm_m", "[0.4, 0.1, 1.1]");
   flight.Set("lidar.lever_arm_m", "[0.14, 0.02, -0.21]");
   flight.Set("lidar.R_sensor_to_body", "[[0, 1, 0], [0, 0, -1], [-1, 0, 0]]");
 }
 
-void UndeclaredAxesAndNadir(const FlightCopy& flight) {
+void UndeclaredAxesAndNadir(const FlightOfNumbers& flight) {
   UndeclaredAxesOfAll(flight);
   flight.Set("lidar.nadir_axis", "[-1, 0, 0]");
 }
 
-void DeclaredAsLn200(const FlightCopy& flight) {
+void DeclaredAsLn200(const FlightOfNumbers& flight) {
   flight.Take(Simulated("preset: airins",
                         "preset: apx15, accel: {processes: [{type: random_constant, sigma_mg: 3}, "
                         "{type: gauss_markov, sigma_mg: 2, tau_s: 60}]}"),
               {"flight.yaml", "IMU.txt", "GPS.txt", "lidar"});
-  std::string yaml = ContentOf(flight.path() / "flight.yaml");
+  std::string yaml = flight.Read("flight.yaml");
   const std::size_t begin = yaml.find("  grade:");
   yaml.replace(begin, yaml.find("gnss:") - begin, "  grade: ln200\n");
-  std::ofstream(flight.path() / "flight.yaml") << yaml;
+  flight.Write("flight.yaml", yaml);
 }
 
-void GyroScale(const FlightCopy& flight) {
+void GyroScale(const FlightOfNumbers& flight) {
   flight.Take(Simulated("pairs: {count: 1500}",
                         "pairs: {count: 1500}\neffects: [{effect: gyro_scale_factor, "
                         "value: [1000, 1000, 1000]}]"),
               {"IMU.txt", "GPS.txt", "lidar"});
 }
 
-void PairsOfAnotherFlight(const FlightCopy& flight) {
+void PairsOfAnotherFlight(const FlightOfNumbers& flight) {
   flight.Take(Simulated("[-700, 0, 700, 0, 700, 45]", "[-700, 60, 700, 60, 700, 45]", 2),
               {"lidar"});
 }
@@ -207,8 +207,8 @@ class Mistakes : public ::testing::TestWithParam<Mistake> {
     double sigma0 = 0.0;
   };
 
-  static Answer Ask(const FlightCopy& flight) {
-    Answer answer{flight.Calibrate()};
+  static Answer Ask(const FlightOfNumbers& flight) {
+    Answer answer{flight.Run("calibrate")};
     if (!fs::exists(flight.out() / "result.json")) return answer;
     const Json result = Json::parse(ContentOf(flight.out() / "result.json"));
     answer.verdict = result["assessment"]["verdict"];
@@ -234,7 +234,7 @@ bool SaysCalibrated(const std::string& verdict) {
 }
 
 TEST_P(Mistakes, NeverPassForACalibration) {
-  const FlightCopy flight(Simulated());
+  const FlightOfNumbers flight(Simulated());
   GetParam().make(flight);
   const Answer answer = Ask(flight);
   SCOPED_TRACE(Describe(answer));
@@ -274,12 +274,12 @@ const Mistake kMistakes[] = {
     {"EpochsOfPairsSwapped", SwapEpochs, Must::kBeContradicted},
     {"PairsOfAnotherFlight", PairsOfAnotherFlight, Must::kBeContradicted},
     {"PairsShuffled",
-     [](const FlightCopy& f) {
+     [](const FlightOfNumbers& f) {
        ShufflePairs(f, {1, 5, 6, 7});
      },
      Must::kBeContradicted},
     {"VectorsOfPairsShuffled",
-     [](const FlightCopy& f) {
+     [](const FlightOfNumbers& f) {
        ShufflePairs(f, {5, 6, 7});
      },
      Must::kBeContradicted},
@@ -303,7 +303,7 @@ const Mistake kMistakes[] = {
 };
 
 const Mistake kNoMistakes[] = {
-    {"NoFault", [](const FlightCopy&) {}, Must::kBeRight},
+    {"NoFault", [](const FlightOfNumbers&) {}, Must::kBeRight},
     {"StartTurnedBy5Deg", Set("lidar.boresight_deg", "[5, -5, 5]"), Must::kBeRight},
     {"AFifthOfThePairsWrong", WrongPairs(0.2), Must::kBeRight},
     {"FivePercentOfGnssWrong", GnssOutliers, Must::kBeRight},
@@ -316,11 +316,11 @@ INSTANTIATE_TEST_SUITE_P(Nobody, Mistakes, ::testing::ValuesIn(kNoMistakes), Nam
 
 /// The same information listed more than once is no more information.
 TEST(RepeatedPairs, NarrowNoSigma) {
-  const FlightCopy once(Simulated());
-  const FlightCopy repeated(Simulated());
+  const FlightOfNumbers once(Simulated());
+  const FlightOfNumbers repeated(Simulated());
   RepeatPairs(repeated);
-  ASSERT_EQ(once.Calibrate().exit_code, 0);
-  const ProgramRun run = repeated.Calibrate();
+  ASSERT_EQ(once.Run("calibrate").exit_code, 0);
+  const ProgramRun run = repeated.Run("calibrate");
   if (run.exit_code != 0) return;  // refused
   const Json expected = Json::parse(ContentOf(once.out() / "result.json"))["boresight"];
   const Json actual = Json::parse(ContentOf(repeated.out() / "result.json"))["boresight"];

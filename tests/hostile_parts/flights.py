@@ -5,8 +5,8 @@ import pathlib
 import shutil
 import struct
 
-from .arena import Arena
 from .program import Conditions
+from .rotation import product, quaternion
 
 SCENARIO = """name: small
 origin_deg_m: [46.57, 6.52, 400]
@@ -193,19 +193,14 @@ def text_trajectory(sbet):
     rows = []
     for i in range(0, len(sbet) - 135, 136):
         t, lat, lon, h, *_, roll, pitch, heading, wander = struct.unpack("<11d", sbet[i:i + 88])
-        w, x, y, z = quaternion(roll, pitch, heading - wander)
+        w, x, y, z = attitude(roll, pitch, heading - wander)
         rows.append(f"{t!r}, {math.degrees(lat)!r}, {math.degrees(lon)!r}, {h!r}, "
                     f"{w!r}, {x!r}, {y!r}, {z!r}\n")
     return "".join(rows)
 
 
-def quaternion(roll, pitch, heading):
-    c, s = math.cos(roll / 2), math.sin(roll / 2)
-    d, u = math.cos(pitch / 2), math.sin(pitch / 2)
-    e, v = math.cos(heading / 2), math.sin(heading / 2)
-    return (c * d * e + s * u * v, s * d * e - c * u * v,
-            c * u * e + s * d * v, c * d * v - s * u * e)
-
-
-def new_arena(base, folder):
-    return Arena(folder, base)
+def attitude(roll, pitch, heading):
+    """Body to north-east-down, as a quaternion."""
+    turns = [(0, 0, heading), (0, pitch, 0), (roll, 0, 0)]
+    down, right, forward = (quaternion([math.degrees(x) for x in turn]) for turn in turns)
+    return product(product(down, right), forward)

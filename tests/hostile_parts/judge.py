@@ -6,6 +6,7 @@ import os
 import re
 
 from .arena import CANARY
+from .rotation import difference_deg
 
 ALLOWED_EXITS = (0, 1, 2, 130)
 WRONG_SIGMAS = 6.0  # error of an angle beyond which `calibrated` is a lie
@@ -139,7 +140,7 @@ def judge_boresight(outcome, result, truth_deg):
     angles = result["boresight"]["angles_deg"]
     if any(s is None or not math.isfinite(s) or s <= 0 or s > LARGEST_SIGMA_DEG for s in sigmas):
         return [("wrong result", f"calibrated with sigmas {sigmas} deg")]
-    errors = [abs(a - t) / s for a, t, s in zip(angles, truth_deg, sigmas)]
+    errors = [abs(d) / s for d, s in zip(difference_deg(angles, truth_deg), sigmas)]
     if max(errors) > WRONG_SIGMAS:
         sigma0 = result["adjustment"]["sigma0"]
         return [("wrong result", f"calibrated, {max(errors):.1f} sigmas off, sigma0 {sigma0:.3g}")]

@@ -5,25 +5,21 @@
 #include <string>
 #include <vector>
 
-#include "run_program.h"
-#include "testing/temp_folder.h"
+#include "damaged_flight.h"
 
 namespace dn::testing {
 
 /// A number per column, a vector per row of a text file.
 using Table = std::vector<std::vector<double>>;
 
-/// A flight folder copied so that it can be damaged, and a place for results.
-class FlightCopy {
+/// A damaged flight whose numbers can be computed with.
+class FlightOfNumbers : public DamagedFlight {
  public:
-  explicit FlightCopy(const std::filesystem::path& flight);
-
-  std::filesystem::path path() const { return folder_.path() / "flight"; }
-  std::filesystem::path out() const { return folder_.path() / "out"; }
+  using DamagedFlight::DamagedFlight;
 
   /// Rows of a text file without comments.
   Table Rows(const std::string& name) const;
-  void Write(const std::string& name, const Table& rows) const;
+  void WriteRows(const std::string& name, const Table& rows) const;
   /// Changes every row of a text file.
   void EachRow(const std::string& name,
                const std::function<void(std::vector<double>&)>& change) const;
@@ -36,11 +32,6 @@ class FlightCopy {
   void Set(const std::string& key, const std::string& value) const;
   /// Takes files of another flight instead of this one's.
   void Take(const std::filesystem::path& other, const std::vector<std::string>& names) const;
-
-  ProgramRun Calibrate() const;
-
- private:
-  TempFolder folder_;
 };
 
 }  // namespace dn::testing
