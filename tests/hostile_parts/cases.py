@@ -3,7 +3,7 @@
 import dataclasses
 import typing
 
-from .judge import judge
+from .judge import PEAK_MB, judge
 from .program import Conditions
 
 
@@ -16,7 +16,7 @@ class Case:
     needs_location: bool = False
     echoes: str = ""  # what a message may repeat
     heard: bool = True  # stderr can be written
-    memory: bool = True
+    peak_mb: float = PEAK_MB
     anywhere: bool = False  # results may lie in another folder than `out`
     after: typing.Callable = lambda arena, outcome: []  # more findings
 
@@ -27,7 +27,7 @@ class Case:
             arena.open_for_nobody()
         arena.remember()
         outcome = arena.base.program.run(self.arguments, arena.folder, self.conditions)
-        findings = judge(outcome, arena, self.needs_location, self.echoes, self.heard, self.memory,
+        findings = judge(outcome, arena, self.needs_location, self.echoes, self.heard, self.peak_mb,
                          self.anywhere)
         findings += self.after(arena, outcome)
         return outcome, findings

@@ -26,11 +26,11 @@ CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 LOCATION = re.compile(r"\.ya?ml:\d+")
 
 
-def judge(outcome, arena, needs_location=False, echoes="", heard=True, memory=True,
+def judge(outcome, arena, needs_location=False, echoes="", heard=True, peak_mb=PEAK_MB,
           anywhere=False):
     """Findings, as (rule, text). `echoes`: what the attack wrote, which a message may repeat."""
     findings = []
-    findings += judge_end(outcome, arena, memory)
+    findings += judge_end(outcome, arena, peak_mb)
     if outcome.exit_code in (1, 2) and heard:
         findings += judge_message(outcome, needs_location, echoes)
     findings += judge_folder(arena, anywhere)
@@ -38,7 +38,7 @@ def judge(outcome, arena, needs_location=False, echoes="", heard=True, memory=Tr
     return findings
 
 
-def judge_end(outcome, arena, memory=True):
+def judge_end(outcome, arena, peak_mb=PEAK_MB):
     if NOT_STARTED in outcome.err:
         return []
     findings = []
@@ -52,7 +52,7 @@ def judge_end(outcome, arena, memory=True):
         found = rule.search(outcome.err)
         if found:
             findings.append(("crash", outcome.err[found.start():found.start() + 300]))
-    if memory and not arena.base.program.sanitized and outcome.peak_mb > PEAK_MB:
+    if not arena.base.program.sanitized and outcome.peak_mb > peak_mb:
         findings.append(("memory", f"{outcome.peak_mb:.0f} MB"))
     return findings
 

@@ -2,10 +2,12 @@
 
 import json
 import re
+import signal
 
 from .arena import CANARY, read_truth
 from .cases import CALIBRATE, CHECK, GAUSS_HELMERT, SMOOTH, Case
 from .judge import judge_end, judge_result
+from .program import Conditions
 
 TOUCH = f"touch {CANARY}"
 NUMBERS = [
@@ -162,6 +164,11 @@ def flight_case(base, rng, number):
                 needs_location=place, echoes=value)
 
 
+# A scenario may ask for hours of flight: that is no hang if the program ends when asked to.
+LONG_FLIGHT_MB = 2000.0
+PATIENCE = Conditions(signals=((10.0, signal.SIGINT),), time_limit_s=15.0)
+
+
 def scenario_case(base, rng, number):
     text, label, value, place = varied(base.scenario, rng, number)
 
@@ -174,14 +181,15 @@ def scenario_case(base, rng, number):
         arena.truth_deg = read_truth(arena.out)
         calibration = Case(label, ["calibrate", "out", "--out", "result"])
         arena.remember()
-        again = arena.base.program.run(calibration.arguments, arena.folder)
+        again = arena.base.program.run(calibration.arguments, arena.folder, PATIENCE)
         arena.out = arena.here / "result"
-        return judge_end(again, arena) + judge_result(again, arena)
+        return judge_end(again, arena, LONG_FLIGHT_MB) + judge_result(again, arena)
 
     seed = str(rng.randrange(1000))
     return Case(f"scenario {label}", ["simulate", "scenario.yaml", "--seed", seed, "--out", "out"],
                 prepare,
-                needs_location=place, echoes=value, after=calibrate)
+                PATIENCE, needs_location=place, echoes=value, peak_mb=LONG_FLIGHT_MB,
+                after=calibrate)
 
 
 OPTION_VALUES = ["", " ", "nan", "-1", "0", "1e9", "99999999999999999999", "1.5", "x", "--out", "-",
