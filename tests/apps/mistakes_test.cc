@@ -321,7 +321,10 @@ TEST(RepeatedPairs, NarrowNoSigma) {
   RepeatPairs(repeated);
   ASSERT_EQ(once.Run("calibrate").exit_code, 0);
   const ProgramRun run = repeated.Run("calibrate");
-  if (run.exit_code != 0) return;  // refused
+  if (run.exit_code != 0) {  // refused
+    EXPECT_NE(run.err.find("dn calibrate: error: "), std::string::npos) << run.err;
+    return;
+  }
   const Json expected = Json::parse(ContentOf(once.out() / "result.json"))["boresight"];
   const Json actual = Json::parse(ContentOf(repeated.out() / "result.json"))["boresight"];
   for (int i = 0; i < 3; ++i) {
