@@ -8,11 +8,11 @@
 
 namespace dn::testing {
 
-/// A copy of the short flight to be damaged, and a place for results.
+/// A copy of a flight to be damaged, and a place for results.
 class DamagedFlight {
  public:
-  DamagedFlight() {
-    std::filesystem::copy(ShortFlight(), path(), std::filesystem::copy_options::recursive);
+  explicit DamagedFlight(const std::filesystem::path& flight = ShortFlight()) {
+    std::filesystem::copy(flight, path(), std::filesystem::copy_options::recursive);
   }
 
   std::filesystem::path path() const { return folder_.path() / "flight"; }

@@ -1,0 +1,206 @@
+"""The small flight that is attacked: simulated once, a fraction of a second to calibrate."""
+
+import math
+import pathlib
+import shutil
+import struct
+
+from .program import Conditions
+from .rotation import product, quaternion
+
+SCENARIO = """name: small
+origin_deg_m: [46.57, 6.52, 400]
+start_s: 381000
+plan:
+  warm_up_s: 60
+  lines:
+    - [-150, 0, 150, 0, 200, 30]
+    - [0, -150, 0, 150, 240, 30]
+  bank_deg: 35
+  crab_deg: 3
+  stabilised_mount: false
+  turbulence:
+    roll_deg: 1.0
+    pitch_deg: 0.7
+    heading_deg: 0.7
+    speed_m_s: 1.0
+    height_m: 2.0
+terrain:
+  kind: built_up
+  relief_m: 30
+  wavelength_m: 500
+  buildings_per_km2: 800
+  trees_per_km2: 0
+  seed: 3
+imu:
+  rate_hz: 25
+  preset: airins
+gnss:
+  rate_hz: 1
+  sigma_enu_m: [0.015, 0.015, 0.03]
+  lever_arm_m: [0.4, -0.1, -1.1]
+  velocity: false
+lidar:
+  R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]]
+  scan_axis: [0, 1, 0]
+  nadir_axis: [1, 0, 0]
+  lever_arm_m: [0.14, -0.02, 0.21]
+  boresight_deg: [0.2, 0.03, 0.35]
+  fov_deg: 75
+  pulse_rate_hz: 200000
+  gsd_m: 0.2
+  beam_divergence_mrad: 0.35
+pairs:
+  count: 60
+"""
+
+FLIGHT_YAML = """name: small
+body: FRD
+frame:
+  origin_deg_m: [46.57, 6.52, 400]
+time_span_s: [381000, 381300]
+strips:
+  - {name: "1", t0: 381060, t1: 381071}
+  - {name: "2", t0: 381121, t1: 381133}
+strips_crs: map
+imu:
+  file: IMU.txt
+  format: odyn
+  sampling: mean
+  R_imu_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+  time_offset_s: 0
+  max_gap_s: 0.3
+  grade: ~
+  gyro:
+    white_deg_sqrt_h: 0.0014
+    processes:
+      - {type: random_constant, sigma_deg_h: 0.01}
+      - {type: gauss_markov, sigma_deg_h: 0.003, tau_s: 3600}
+  accel:
+    white_m_s_sqrt_h: 0.0058839899999999995
+    processes:
+      - {type: random_constant, sigma_mg: 0.03}
+      - {type: gauss_markov, sigma_mg: 0.01, tau_s: 3600}
+gnss:
+  file: GPS.txt
+  format: odyn
+  time_offset_s: 0
+  lever_arm_m: [0.4, -0.1, -1.1]
+  sigma_enu_m: [0.015, 0.015, 0.03]
+  sigma_scale: 1
+  use_velocity: auto
+  processes: []
+  robust: none
+lidar:
+  p2p: [lidar/1_2.txt]
+  time_offset_s: 0
+  pairs:
+    strategy: all
+    count: 50
+    freq_hz: 10
+    window_s: 0.5
+    seed: 0
+  R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]]
+  lever_arm_m: [0.14, -0.02, 0.21]
+  boresight_deg: [0, 0, 0]
+  boresight_sigma_deg: ~
+  scan_axis: [0, 1, 0]
+  nadir_axis: [1, 0, 0]
+  gsd_m: 0.2
+  sigma_p_m: 0.05773502691896258
+  robust: none
+trajectory:
+  file: trajectory.out
+  sigma_xy_m: 0.03
+  sigma_z_m: 0.05
+  sigma_rp_deg: 0.003
+  sigma_y_deg: 0.005
+gh:
+  rotation: exp
+  libor_compat: false
+estimate: [boresight]
+network:
+  inertial: preintegrated
+  node_rate_hz: auto
+"""
+
+
+class NoBase(Exception):
+    pass
+
+
+class Base:
+    """What every attack starts from."""
+
+    def __init__(self, program, folder, seed):
+        self.program = program
+        self.flight = pathlib.Path(folder) / "flight"
+        self.seed = seed
+        self.yaml = FLIGHT_YAML
+        self.scenario = SCENARIO
+
+    def make(self):
+        work = self.flight.parent
+        (work / "here").mkdir()
+        (work / "tmp").mkdir()
+        (work / "small.yaml").write_text(SCENARIO)
+        self._run("simulate", work / "small.yaml", "--seed", "1", "--out", self.flight)
+        written = (self.flight / "flight.yaml").read_text()
+        self.yaml = known_keys(written, self.program, work)
+        self._run("smooth", self.flight, "--out", work / "smooth")
+        for name in ("trajectory.out", "trajectory_sigma.txt", "trajectory_covariance.txt"):
+            if (work / "smooth" / name).exists():
+                shutil.copy(work / "smooth" / name, self.flight / name)
+        for name in ("report.json", "config.resolved.yaml"):
+            (self.flight / name).unlink(missing_ok=True)
+        (self.flight / "flight.yaml").write_text(self.yaml)
+        thin_sbet(self.flight / "reference.out", 4)
+
+    def _run(self, *arguments):
+        outcome = self.program.run([str(a) for a in arguments], self.flight.parent)
+        if outcome.exit_code != 0:
+            raise NoBase(f"dn {arguments[0]}: exit {outcome.exit_code}: {outcome.err}")
+
+
+def known_keys(written, program, work):
+    """FLIGHT_YAML without the keys that this version of the program does not know."""
+    text = FLIGHT_YAML
+    trial = work / "trial"
+    shutil.copytree(work / "flight", trial)
+    while True:
+        (trial / "flight.yaml").write_text(text)
+        outcome = program.run(["check", str(trial)], work, Conditions(time_limit_s=20))
+        if outcome.exit_code != 2 or "unknown key" not in outcome.err:
+            break
+        line = int(outcome.err.split("flight.yaml:")[1].split(":")[0].split(")")[0].split(",")[0])
+        lines = text.splitlines()
+        del lines[line - 1]
+        text = "\n".join(lines) + "\n"
+    shutil.rmtree(trial)
+    if outcome.exit_code != 0:
+        raise NoBase(f"dn check on the undamaged flight: {outcome.err}\n{written}")
+    return text
+
+
+def thin_sbet(path, step):
+    content = path.read_bytes()
+    records = [content[i:i + 136] for i in range(0, len(content), 136)]
+    path.write_bytes(b"".join(records[::step] + records[-1:]))
+
+
+def text_trajectory(sbet):
+    """The same trajectory as ODyN text."""
+    rows = []
+    for i in range(0, len(sbet) - 135, 136):
+        t, lat, lon, h, *_, roll, pitch, heading, wander = struct.unpack("<11d", sbet[i:i + 88])
+        w, x, y, z = attitude(roll, pitch, heading - wander)
+        rows.append(f"{t!r}, {math.degrees(lat)!r}, {math.degrees(lon)!r}, {h!r}, "
+                    f"{w!r}, {x!r}, {y!r}, {z!r}\n")
+    return "".join(rows)
+
+
+def attitude(roll, pitch, heading):
+    """Body to north-east-down, as a quaternion."""
+    turns = [(0, 0, heading), (0, pitch, 0), (roll, 0, 0)]
+    down, right, forward = (quaternion([math.degrees(x) for x in turn]) for turn in turns)
+    return product(product(down, right), forward)

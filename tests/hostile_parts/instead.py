@@ -1,0 +1,67 @@
+"""Something else that lies where a file should be."""
+
+import os
+import socket
+
+
+def missing(path):
+    pass
+
+
+def folder(path):
+    path.mkdir()
+
+
+def fifo(path):
+    os.mkfifo(path)
+
+
+def listening_socket(path):
+    here = os.open(".", os.O_RDONLY)
+    try:
+        os.chdir(path.parent)  # the name of a socket is short
+        with socket.socket(socket.AF_UNIX) as end:
+            end.bind(path.name)
+    finally:
+        os.fchdir(here)
+        os.close(here)
+
+
+def link_to(target):
+    def make(path):
+        path.symlink_to(target)
+    make.__name__ = f"link to {target}"
+    return make
+
+
+def link_to_itself(path):
+    path.symlink_to(path.name)
+
+
+def links_in_a_circle(path):
+    path.symlink_to("other_link")
+    (path.parent / "other_link").symlink_to(path.name)
+
+
+def unreadable(path):
+    path.write_bytes(b"1,2,3\n")
+    path.chmod(0)
+
+
+def sparse(path):
+    with open(path, "wb") as stream:
+        stream.truncate(20 << 30)
+
+
+THINGS = [missing, folder, fifo, listening_socket, link_to_itself, links_in_a_circle, unreadable,
+          sparse, link_to("nowhere"), link_to("/etc"), link_to("/dev/zero"), link_to("/dev/full"),
+          link_to("/dev/null"), link_to("/proc/self/environ")]
+
+
+def laid(rng, path):
+    """What lies there now."""
+    if path.exists() or path.is_symlink():
+        path.unlink()
+    thing = rng.choice(THINGS)
+    thing(path)
+    return thing.__name__
