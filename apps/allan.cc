@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "command.h"
+#include "option_checks.h"
 
 namespace dn::apps {
 namespace {
@@ -362,12 +363,12 @@ void AddAllan(CLI::App* program, Action* action) {
       ->required();
   app->add_option("--rate", options->rate_hz, "Rate of the record [Hz], checked against its tags")
       ->required()
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   app->add_option("--format", options->format, "odyn or increments, as imu.format of flight.yaml")
-      ->check(CLI::IsMember({"odyn", "increments"}))
+      ->check(OneOf({"odyn", "increments"}))
       ->capture_default_str();
   app->add_option("--body", options->body, "Axes of the file: FRD or FLU")
-      ->check(CLI::IsMember({"FRD", "FLU"}))
+      ->check(OneOf({"FRD", "FLU"}))
       ->capture_default_str();
   AddCommonOptions(app, &options->common, true);
   app->footer("Example: dn allan static/IMU.txt --rate 200 --out noise");

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "flight_run.h"
+#include "option_checks.h"
 
 namespace dn::apps {
 namespace {
@@ -341,7 +342,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
          "--method", options->method,
          "dn: dynamic network; gh: Gauss-Helmert adjustment on a trajectory; all: both and "
          "their comparison. Default: dn, gh where flight.yaml has no inertial data")
-      ->check(CLI::IsMember({"dn", "gh", "planes", "all"}));
+      ->check(OneOf({"dn", "gh", "planes", "all"}));
   app->add_option("--trajectory", options->trajectory,
                   "Smoothed trajectory for gh (SBET .out, or text), instead of flight.yaml's");
   AddCommonOptions(app, &options->common, true);

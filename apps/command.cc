@@ -3,7 +3,6 @@
 #include <ceres/version.h>
 #include <dn/builder/adjust.h>
 #include <dn/error.h>
-#include <dn/names.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -11,8 +10,12 @@
 #include <chrono>
 #include <cstdio>
 #include <future>
+#include <string_view>
 #include <system_error>
 #include <thread>
+
+#include "option_checks.h"
+#include "shown_text.h"
 
 namespace dn::apps {
 namespace {
@@ -35,10 +38,22 @@ struct Failure {
   std::string message;
 };
 
+// A path in it is no word that the message happens to hold.
+bool Names(const std::string& message, const std::string& where) {
+  return where.find('/') != std::string::npos && message.find(where) != std::string::npos;
+}
+
 std::string WithLocation(const InvalidInput& error) {
   const std::string where = error.where().ToString();
   const std::string what = error.what();
-  return where.empty() || what.find(where) != std::string::npos ? what : what + " (" + where + ")";
+  return where.empty() || Names(what, where) ? what : what + " (" + where + ")";
+}
+
+std::string OutputText(const std::filesystem::filesystem_error& error) {
+  const std::string_view what = error.what();
+  const std::size_t cannot = what.find("cannot ");
+  if (cannot != std::string_view::npos) return std::string(what.substr(cannot));
+  return fmt::format("{}: {}", error.path1().string(), error.code().message());
 }
 
 Failure Classify(const std::exception& error) {
@@ -55,10 +70,10 @@ Failure Classify(const std::exception& error) {
     return {1, "not_observable", error.what()};
   if (dynamic_cast<const NotConverged*>(&error) != nullptr)
     return {1, "not_converged", error.what()};
-  if (dynamic_cast<const std::filesystem::filesystem_error*>(&error) != nullptr ||
-      dynamic_cast<const UnusableOutput*>(&error) != nullptr) {
-    return {1, "output", error.what()};
+  if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&error)) {
+    return {1, "output", OutputText(*file)};
   }
+  if (dynamic_cast<const UnusableOutput*>(&error) != nullptr) return {1, "output", error.what()};
   if (const auto* system = dynamic_cast<const std::system_error*>(&error);
       system != nullptr && system->code() == std::errc::resource_unavailable_try_again) {
     return {1, "threads", "no more threads can be started; give a smaller --threads"};
@@ -95,7 +110,7 @@ void RememberCommandLine(int argc, char** argv) {
 }
 
 void Say(const std::string& line) {
-  const std::string text = WithoutControls(line) + "\n";
+  const std::string text = Printable(line) + "\n";
   std::fwrite(text.data(), 1, text.size(), stderr);  // nobody is left to be told of a failure
 }
 
@@ -112,8 +127,8 @@ void Progress::EndLine() {
 void Progress::Stage(const std::string& stage, const std::string& detail) {
   const bool entered = stage != stage_;
   stage_ = stage;
-  const std::string text = WithoutControls("dn " + command_ + ": " + stage +
-                                           (detail.empty() ? std::string() : " (" + detail + ")"));
+  const std::string text = Printable("dn " + command_ + ": " + stage +
+                                     (detail.empty() ? std::string() : " (" + detail + ")"));
   if (terminal_) {
     if (entered) EndLine();
     const std::string line = "\r\033[K" + text;
@@ -262,7 +277,7 @@ void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) 
   options->threads = std::max(1, cores);
   app->set_version_flag("--version", "dn " DN_VERSION);
   app->add_option("--threads", options->threads, "Threads for evaluating the network")
-      ->check(CLI::Range(1, 1024))
+      ->check(WholeNumber(1, 1024))
       ->capture_default_str();
   auto* out = app->add_option("--out", options->out, "Directory for the results, made if absent")
                   ->check([](const std::string& text) {

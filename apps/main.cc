@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "command.h"
+#include "usage_error.h"
 
 namespace {
 
@@ -44,7 +45,11 @@ int ParseAndRun(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (program.exit(error) != 0) return 2;
+    if (error.get_exit_code() != 0) {
+      dn::apps::Say(dn::apps::UsageError(program, error));
+      return 2;
+    }
+    program.exit(error);
     return std::cout.flush() ? 0 : 1;
   }
   dn::apps::RememberCommandLine(argc, argv);

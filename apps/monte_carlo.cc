@@ -15,6 +15,7 @@
 
 #include "command.h"
 #include "monte_carlo/summary.h"
+#include "option_checks.h"
 
 namespace dn::apps {
 namespace {
@@ -231,16 +232,16 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
   app->add_option("SCENARIO", options->scenario, "Scenario file, or the name of a shipped one")
       ->required();
   app->add_option("--flights", options->flights, "Number of flights")
-      ->check(CLI::Range(1, 1000000))
+      ->check(WholeNumber(1, 1000000))
       ->capture_default_str();
   app->add_option("--seed", options->first_seed, "Seed of the first flight; the others follow")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WholeNumber(0))
       ->capture_default_str();
   app->add_flag("--without-pairs", options->without_pairs,
                 "INS/GNSS only, as dn smooth: no boresight");
   app->add_option("--epoch-spacing", options->epoch_spacing_s,
                   "Spacing of the epochs at which the trajectory is judged [s]")
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->capture_default_str();
   AddCommonOptions(app, &options->common, true);
   app->footer(

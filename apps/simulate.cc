@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "command.h"
+#include "option_checks.h"
 
 namespace dn::apps {
 namespace {
@@ -54,7 +55,7 @@ void AddSimulate(CLI::App* program, Action* action) {
                   "Scenario file, or the name of a shipped one (lar3, uav2, ...)")
       ->required();
   app->add_option("--seed", options->seed, "Seed of every random number")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WholeNumber(0))
       ->capture_default_str();
   app->add_flag("--noise-free", options->noise_free,
                 "Perfect sensors; flight.yaml still states the scenario's stochastic model");

@@ -85,18 +85,6 @@ TEST(CliUsage, Version) {
   EXPECT_EQ(run.out, "dn " DN_VERSION "\n");
 }
 
-TEST(CliUsage, NothingAtAllIsWrongUsage) {
-  const ProgramRun run = RunProgram(std::vector<std::string>{});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("subcommand"));
-}
-
-TEST(CliUsage, UnknownSubcommand) {
-  const ProgramRun run = RunProgram({"calibrat", "x", "--out", "y"});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, Not(IsEmpty()));
-}
-
 TEST(CliUsage, ResultsNeedAFolder) {
   for (const char* name : {"simulate", "smooth", "calibrate"}) {
     const ProgramRun run = RunProgram({name, ShortFlight().string()});
@@ -139,6 +127,106 @@ TEST(CliUsage, AMethodOfALaterVersionIsRefusedInOneLine) {
       run.err,
       "dn calibrate: error: --method planes is not part of this version; use dn, gh or all\n");
   EXPECT_EQ(NamesIn(folder.path() / "r"), std::vector<std::string>{"report.json"});
+}
+
+/// The run ended with exit code 2 and this one line.
+void ExpectUsageError(const ProgramRun& run, const std::string& line) {
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.out, IsEmpty());
+  EXPECT_EQ(run.err, line + "\n");
+}
+
+TEST(CliUsage, WrongUsageIsOneErrorLine) {
+  const std::string see = "; see dn simulate --help";
+  ExpectUsageError(RunProgram({"simulate"}), "dn simulate: error: SCENARIO is required" + see);
+  ExpectUsageError(RunProgram({"simulate", "lar3"}), "dn simulate: error: --out is required" + see);
+  ExpectUsageError(RunProgram({"simulate", "lar3", "--out"}),
+                   "dn simulate: error: --out takes one value, given once" + see);
+  ExpectUsageError(RunProgram({"simulate", "lar3", "--out", "x", "--out", "y"}),
+                   "dn simulate: error: --out takes one value, given once" + see);
+  ExpectUsageError(RunProgram({"simulate", "lar3", "--out", "x", "--noise-free=often"}),
+                   "dn simulate: error: --noise-free takes no value" + see);
+  ExpectUsageError(RunProgram({"simulate", "lar3", "uav3", "--out", "x"}),
+                   "dn simulate: error: 'uav3' is one argument too many" + see);
+  ExpectUsageError(RunProgram({"simulate", "lar3", "--out", "x", "--sed=3"}),
+                   "dn simulate: error: '--sed' is no option; the nearest one is '--seed'" + see);
+}
+
+TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
+  ExpectUsageError(RunProgram(std::vector<std::string>{}),
+                   "dn: error: a command is required: check, calibrate, smooth, simulate, "
+                   "monte-carlo, allan; see dn --help");
+  ExpectUsageError(RunProgram({"calibrat", "x"}),
+                   "dn: error: 'calibrat' is no command; the nearest one is 'calibrate'; see dn "
+                   "--help");
+  ExpectUsageError(RunProgram({"--versio"}),
+                   "dn: error: '--versio' is no option; the nearest one is '--version'; see dn "
+                   "--help");
+}
+
+TEST(CliUsage, NumbersAreRefusedWithTheirBound) {
+  const std::vector<std::string> monte_carlo{"monte-carlo", "lar3", "--out", "x"};
+  const auto expect = [&](std::vector<std::string> arguments, const std::string& option,
+                          const std::string& value, const std::string& what) {
+    arguments.insert(arguments.end(), {option, value});
+    const std::string name = "dn " + arguments.front();
+    ExpectUsageError(RunProgram(arguments), name + ": error: " + option + ": '" + value + "' is " +
+                                                what + "; see " + name + " --help");
+  };
+  for (const char* value : {"x", "-1", "0", "nan", "inf", "1e999", "", "1 2"}) {
+    expect({"allan", "IMU.txt", "--out", "x"}, "--rate", value, "no number above 0");
+    expect(monte_carlo, "--epoch-spacing", value, "no number above 0");
+  }
+  for (const char* value : {"x", "-1", "0.5", "1e30", "18446744073709551616", ""}) {
+    expect(monte_carlo, "--seed", value, "no whole number from 0 to 2^64 - 1");
+  }
+  for (const char* value : {"x", "0", "1000001"}) {
+    expect(monte_carlo, "--flights", value, "no whole number from 1 to 1000000");
+  }
+  for (const char* value : {"x", "0", "1025"}) {
+    expect(monte_carlo, "--threads", value, "no whole number from 1 to 1024");
+  }
+}
+
+TEST(CliUsage, LongWordsAreShownByTheirBegin) {
+  const std::string word(5000, '9');
+  const std::string shown = "'" + word.substr(0, 60) + "...'";
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"check", "f", "--threads", word},
+        std::vector<std::string>{"calibrate", "f", "--out", "x", "--method", word},
+        std::vector<std::string>{"check", "f", word}, std::vector<std::string>{word}}) {
+    const ProgramRun run = RunProgram(arguments);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, HasSubstr(shown));
+    EXPECT_LT(run.err.size(), 200U);
+  }
+  const ProgramRun run = RunProgram({"check", word});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("File name too long"));
+  EXPECT_LT(run.err.size(), 500U);
+}
+
+TEST(CliUsage, ControlCharactersReachNoTerminal) {
+  const std::string word = "a\x1b[2J\nb\x7f\xc2\x9b\xff\xc3\xa9";
+  const std::string shown = "a\\x1B[2J\\x0Ab\\x7F\\xC2\\x9B\\xFF\xc3\xa9";
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{word}, std::vector<std::string>{"--" + word},
+        std::vector<std::string>{"check", word}, std::vector<std::string>{"check", "f", word},
+        std::vector<std::string>{"simulate", "lar3", "--out", "x", "--seed", word}}) {
+    const ProgramRun run = RunProgram(arguments);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, HasSubstr(shown));
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_THAT(run.err, Not(HasSubstr("\x1b")));
+  }
+}
+
+TEST(CliUsage, ErrorsNameTheFileHoweverShortItsName) {
+  const TempFolder folder;
+  const ProgramRun run =
+      RunProgram({"allan", "i", "--rate", "1", "--out", (folder.path() / "r").string()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("dn allan: error: file does not exist (i)\n"));
 }
 
 TEST(CliUsage, UnknownScenarioNamesTheNearest) {

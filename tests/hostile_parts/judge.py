@@ -23,6 +23,7 @@ NOT_A_NUMBER = re.compile(r"(?<![\w'\"])[-+]?nan(?![\w'\"])", re.IGNORECASE)
 NOT_STARTED = "error while loading shared libraries"  # too little memory for the loader
 LEFTOVER = re.compile(r"\.part($|/)|staging|\.tmp($|/)|(^|/)core($|\.)")
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
+USAGE = re.compile(r"; see dn (?:[\w-]+ )?--help$", re.MULTILINE)
 LOCATION = re.compile(r"\.ya?ml:\d+")
 
 
@@ -65,9 +66,7 @@ def last_line(text):
 def judge_message(outcome, needs_location, echoes):
     lines = outcome.err.split("\n")
     errors = [line for line in lines if ERROR_LINE.match(line)]
-    usage = outcome.exit_code == 2 and "Run with --help" in outcome.err
-    if usage and not errors:
-        errors = ["dn: error: " + lines[0]]
+    usage = outcome.exit_code == 2 and USAGE.search(outcome.err)
     if len(errors) != 1:
         return [("message", f"{len(errors)} error lines: {last_line(outcome.err)}")]
     message = ERROR_LINE.match(errors[0]).group(1)

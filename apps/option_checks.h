@@ -1,0 +1,17 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace dn::apps {
+
+/// What the values of options must be. The message says the value, shortened, and the bound.
+CLI::Validator PositiveNumber();
+CLI::Validator WholeNumber(std::uint64_t least,
+                           std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+CLI::Validator OneOf(std::vector<std::string> words);
+
+}  // namespace dn::apps
