@@ -21,6 +21,18 @@ std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases, bool wit
   return kinds;
 }
 
+Eigen::Matrix<double, 9, 9> SqrtInformation(const Preintegrated& increments) {
+  try {
+    return Noise<9>::Covariance(increments.covariance).sqrt_information();
+  } catch (const InvalidInput&) {
+    throw InvalidInput("inertial edge from t = " + std::to_string(increments.t_begin_s) + " to " +
+                       std::to_string(increments.t_end_s) +
+                       " s: the covariance of its increments is no number or not positive "
+                       "definite; check the white noise of gyros and accelerometers, and the "
+                       "inertial data there");
+  }
+}
+
 }  // namespace
 
 PreintegratedInertial::PreintegratedInertial(const Preintegrated& increments,
@@ -34,7 +46,7 @@ PreintegratedInertial::PreintegratedInertial(const Preintegrated& increments,
       num_gyro_biases_(num_gyro_biases),
       num_accel_biases_(num_accel_biases),
       with_gyro_scale_(with_gyro_scale),
-      W_(Noise<9>::Covariance(increments.covariance).sqrt_information()) {
+      W_(SqrtInformation(increments)) {
   const double dt = increments.dt_s();
   if (!(dt > 0.0)) {
     throw InvalidInput(

@@ -296,10 +296,13 @@ Vector3d InverseScale(const Vector3d& gyro_scale) {
   return (Vector3d::Ones() + gyro_scale).cwiseInverse();
 }
 
-void CheckBias(const ImuCorrection& bias) {
-  if (!bias.gyro_bias_radps.allFinite() || !bias.accel_bias_mps2.allFinite()) {
-    throw InvalidInput("inertial increments: a bias is not finite");
-  }
+void CheckBias(const ImuCorrection& bias, double t_s) {
+  const bool gyro = bias.gyro_bias_radps.allFinite();
+  if (gyro && bias.accel_bias_mps2.allFinite()) return;
+  throw InvalidInput("the estimated bias of the " + std::string(gyro ? "accelerometers" : "gyros") +
+                     " at t = " + Seconds(t_s) +
+                     " is no number, the adjustment diverges; check units and axes of the inertial "
+                     "data, and the sigmas of the biases and of GNSS");
 }
 
 void CheckNoise(const PreintegrationNoise& noise) {
@@ -352,7 +355,7 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
                        " is not after the begin " + Seconds(t_begin_s));
   }
   CheckInside(imu, t_begin_s, t_end_s);
-  CheckBias(bias);
+  CheckBias(bias, t_begin_s);
   CheckNoise(noise);
   const Vector3d inverse_scale = InverseScale(gyro_scale);
   Preintegrated out = Frame(t_begin_s, t_end_s, bias, gyro_scale);
@@ -380,7 +383,7 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
 Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& bias,
                                 const Vector3d& gyro_scale) {
   CheckInside(imu, t_s, t_s);
-  CheckBias(bias);
+  CheckBias(bias, t_s);
   const auto after =
       std::lower_bound(imu.samples.begin(), imu.samples.end(), t_s - kTimeTolerance_s,
                        [](const ImuSample& sample, double t) { return sample.t_s < t; });

@@ -28,7 +28,7 @@ Eigen::Matrix3d FromUpperTriangle(const double* c) {
 
 const Eigen::Matrix3d& CheckedCovariance(const Eigen::Matrix3d& M_m2, const FileLocation& where) {
   const Eigen::LLT<Eigen::Matrix3d> llt(M_m2);
-  if (llt.info() != Eigen::Success) {
+  if (llt.info() != Eigen::Success || !llt.matrixLLT().allFinite()) {
     throw InvalidInput(
         "covariance of the pair (upper triangle xx, xy, xz, yy, yz, zz in m^2) is not positive "
         "definite",

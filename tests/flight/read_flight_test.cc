@@ -298,8 +298,7 @@ TEST(ReadFlight, BridgesALostRowWithAllItsPairs) {
   EXPECT_EQ(split.counts.at("pairs in IMU gaps"), 1);
   yaml.replace(yaml.find("0.03"), 4, "0.01");
   folder.Write("flight.yaml", yaml);
-  ExpectInvalidIn([&] { ReadFlight(folder.path(), kDn); }, "imu.max_gap_s is 0.01 s, shorter",
-                  "flight.yaml");
+  ExpectInvalid([&] { ReadFlight(folder.path(), kDn); }, "imu.max_gap_s is 0.01 s, shorter", 2);
 }
 
 // From a microsecond inside to a microsecond outside; the IMU data begin one interval before the

@@ -285,6 +285,22 @@ TEST(Preintegrate, EndRatesAreThoseOfTheMotion) {
   EXPECT_LE((pre.f_end_b_mps2 - motion.SpecificForce(0.6037)).norm(), 1e-4);
 }
 
+TEST(Preintegrate, ABiasThatIsNoNumberIsNamedWithItsTime) {
+  const ImuData imu = testing::PlaneMotion().Measure(0.0, 1.0, 100.0);
+  const Vector3d zero = Vector3d::Zero();
+  const Vector3d inf(0, std::numeric_limits<double>::infinity(), 0);
+  const auto message = [&](const ImuCorrection& bias) -> std::string {
+    try {
+      Preintegrate(imu, 0.5, 0.6, bias, kNoise);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(message({inf, zero}).find("bias of the gyros at t = 0.500000 s"), std::string::npos);
+  EXPECT_NE(message({zero, inf}).find("bias of the accelerometers at t = 0.5"), std::string::npos);
+}
+
 TEST(Preintegrate, RejectsWhatTheDataDoNotCover) {
   ImuData imu = testing::PlaneMotion().Measure(0.0, 1.0, 100.0);
   EXPECT_THROW(Preintegrate(imu, 0.5, 0.5, {}, kNoise), InvalidInput);

@@ -125,6 +125,13 @@ TEST(ReadPairs, NamesTheLineOfBadData) {
   expect("1, 2, 1, 2, 3, 4, 5, nan\n", "nan");
   expect("1, 2, 1, 2, 3, 4, 5, 6, 1, 2, 0, 1, 0, 1\n", "not positive definite");
   expect("1, 2, 1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0\n", "not positive definite");
+  for (const char* cell : {"1e308", "-1e308", "1e155"}) {
+    const std::string start = "1, 2, 1, 2, 3, 4, 5, 6, 1e-4, ";
+    expect(start + cell + ", 0, 1e-4, 0, 1e-4\n", "not positive definite");
+    expect(start + "0, " + cell + ", 1e-4, 0, 1e-4\n", "not positive definite");
+    expect(start + "0, 0, 1e-4, " + cell + ", 1e-4\n", "not positive definite");
+    expect(start + cell + ", " + cell + ", 1e-4, 0, 1e-4\n", "not positive definite");
+  }
 }
 
 TEST(ReadPairs, RejectsAnEmptyFile) {

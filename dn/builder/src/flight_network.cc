@@ -10,8 +10,15 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement_noise.h"
+
 namespace dn {
+
+using internal::MeasurementNoise;
+
 namespace {
+
+constexpr const char* kCheckGnss = "check its sigmas and gnss.sigma_scale";
 
 constexpr double kPpm = 1e-6;
 // With the time offset of the lidar free, pairs attach to a node at least this far before their
@@ -53,8 +60,9 @@ GnssVelocity MakeGnssVelocity(const GnssEpoch& epoch, const GnssConfig& config,
   const Eigen::Matrix3d R_m_enu = frame.R_m_enu(frame.ToMap(epoch.antenna));
   const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * R_m_enu *
                                      *epoch.velocity_covariance_enu * R_m_enu.transpose();
-  return {R_m_enu * *epoch.velocity_enu_mps, w_ib_b_radps, frame.w_ie_m(),
-          Noise<3>::Covariance(covariance + added_covariance)};
+  return {
+      R_m_enu * *epoch.velocity_enu_mps, w_ib_b_radps, frame.w_ie_m(),
+      MeasurementNoise(covariance + added_covariance, "the GNSS velocity", epoch.t_s, kCheckGnss)};
 }
 
 bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config) {
@@ -278,8 +286,8 @@ void FlightNetwork::AddGnssEdges() {
     const std::size_t k = NodeBefore(node_t_s_, epoch.t_s + 1e-6);
     if (std::abs(node_t_s_[k] - epoch.t_s) > 2e-6) continue;  // outside the network's span
     GnssEdge edge{k, e, -1, -1};
-    const Noise<3> noise =
-        Noise<3>::Covariance(GnssPositionCovariance(epoch, config, flight_->frame));
+    const Noise<3> noise = MeasurementNoise(GnssPositionCovariance(epoch, config, flight_->frame),
+                                            "the GNSS position", epoch.t_s, kCheckGnss);
     edge.position = net.Add(GnssPosition(flight_->frame.ToMap(epoch.antenna), noise), nodes[k].q_mb,
                             nodes[k].p_mb, gnss_lever_arm);
     net.Tag(edge.position, "gnss position", epoch.t_s);
@@ -327,7 +335,9 @@ std::shared_ptr<const FactorBase> FlightNetwork::MakePairFactor(const PairEdge& 
   covariance += EndNoise(j, net.Value(nodes[edge.node_j].q_mb).toRotationMatrix(), arm(j.u_s));
   return std::make_shared<PointToPoint>(
       flight_->frame, i, j, lidar.mounting.R_bs_nominal, dt_nominal_s,
-      Noise<3>::Covariance(0.5 * (covariance + covariance.transpose())));
+      MeasurementNoise(0.5 * (covariance + covariance.transpose()), "the point pair",
+                       edge.pair.t_i_s,
+                       "check its laser vectors and covariance, and the white noise of the IMU"));
 }
 
 void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement_noise.h"
+
 namespace dn {
 namespace {
 
@@ -51,8 +53,10 @@ class Filter {
     const GnssConfig& config = *flight_.config.gnss;
     const GnssPosition factor(
         flight_.frame.ToMap(epoch.antenna),
-        Noise<3>::Covariance(GnssPositionCovariance(epoch, config, flight_.frame) +
-                             Isotropic(options_.position_floor_m)));
+        internal::MeasurementNoise(GnssPositionCovariance(epoch, config, flight_.frame) +
+                                       Isotropic(options_.position_floor_m),
+                                   "the GNSS position", epoch.t_s,
+                                   "check its sigmas and gnss.sigma_scale"));
     const std::vector<const double*> x{state_.pose.q_mb.coeffs().data(), state_.pose.p_mb.data(),
                                        config.lever_arm_b_m.data()};
     Update(factor, x, {0, 3, -1}, false);

@@ -1,16 +1,20 @@
 #include <dn/error.h>
 #include <dn/flight/flight.h>
+#include <dn/geo/read_file.h>
 #include <dn/geo/week_seconds.h>
 
 #include <algorithm>
 #include <chrono>
 
 #include "pair_coverage.h"
+#include "yaml_value.h"
 
 namespace dn {
 namespace {
 
 using internal::CoveredTime;
+using internal::ParseYaml;
+using internal::YamlValue;
 namespace fs = std::filesystem;
 
 bool IsFile(const fs::path& path) {
@@ -21,6 +25,12 @@ bool IsFile(const fs::path& path) {
 bool IsThere(const fs::path& path) {
   std::error_code none;
   return fs::status(path, none).type() != fs::file_type::not_found;
+}
+
+FileLocation PlaceOfMaxGap(const fs::path& file) {
+  if (!IsFile(file)) return {file.string()};
+  const YamlValue root = ParseYaml(ReadWholeFile(file, kMostYamlBytes), file.string());
+  return root["imu"]["max_gap_s"].where();
 }
 
 /// Reads the parts of one folder into one Flight.
@@ -77,7 +87,7 @@ class FolderReader {
     try {
       flight_.imu = ReadImu(file, imu.read);
     } catch (const InvalidConfig& e) {
-      throw InvalidConfig(e.what(), {InFolder("flight.yaml").string()});
+      throw InvalidConfig(e.what(), PlaceOfMaxGap(InFolder("flight.yaml")));
     }
     if (flight_.imu->samples.empty()) {
       throw InvalidInput("no IMU sample lies inside time_span_s",

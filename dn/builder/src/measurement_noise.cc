@@ -1,0 +1,18 @@
+#include "measurement_noise.h"
+
+#include <fmt/format.h>
+
+namespace dn::internal {
+
+Noise<3> MeasurementNoise(const Eigen::Matrix3d& covariance, const std::string& what, double t_s,
+                          const std::string& check) {
+  try {
+    return Noise<3>::Covariance(covariance);
+  } catch (const InvalidInput&) {
+    throw InvalidInput(fmt::format("the covariance of {} at t = {:.3f} s is {}; {}", what, t_s,
+                                   covariance.allFinite() ? "not positive definite" : "no number",
+                                   check));
+  }
+}
+
+}  // namespace dn::internal
