@@ -1,8 +1,9 @@
 // The boresight of a simulated flight, in memory: IMU, GNSS and lidar point pairs in one network.
 //
-// Prints the true angles, the estimates with their standard deviations, and the correlation of the
-// boresight with the biases that were estimated with it.
+// Prints the true angles, the estimates with their standard deviations, the correlation of the
+// boresight with the biases that were estimated with it, and whether the data follow the model.
 #include <dn/builder/adjust.h>
+#include <dn/builder/model_check.h>
 #include <dn/builder/result.h>
 #include <dn/sim/simulate.h>
 
@@ -20,7 +21,9 @@ int main() {
   const dn::Adjustment adjustment = dn::Adjust(sim.flight);
   dn::Marginals marginals(adjustment.network->net);
   marginals.ComputeSelectedInverse();
-  const dn::BoresightResult boresight = dn::ExtractBoresight(adjustment, marginals);
+  dn::BoresightResult boresight = dn::ExtractBoresight(adjustment, marginals);
+  const dn::TrajectoryResult trajectory = dn::ExtractTrajectory(adjustment, marginals);
+  dn::Assess(dn::CheckModel(adjustment, marginals, trajectory), &boresight);
 
   std::printf("aligned %s, %zu nodes, %ld pairs rejected, mean distance of pairs %.2f -> %.2f m\n",
               adjustment.alignment_method.c_str(), adjustment.network->nodes.size(),

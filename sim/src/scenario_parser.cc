@@ -349,9 +349,6 @@ Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
                               "lidar", "pairs", "strips", "effects"});
   Scenario scenario;
   scenario.name = root.Text("name");
-  if (HasControls(scenario.name)) {
-    root.Fail("name", "holds a line break or another control character");
-  }
   scenario.origin = ReadOrigin(root);
   scenario.start_s = root.NotNegative("start_s", 0.0);
   if (scenario.start_s >= kSecondsPerWeek) root.Fail("start_s", "must be less than a week");

@@ -18,8 +18,6 @@ constexpr double kSmallestPositive = 1e-12;
 
 constexpr std::size_t kLongestText = 1000;
 
-bool IsControl(char c) { return static_cast<unsigned char>(c) < ' '; }
-
 /// Where a node stands; that of its parent for one that is not there.
 FileLocation Where(const YAML::Node& node, const FileLocation& parent) {
   if (!node.IsDefined() || node.Mark().is_null()) return parent;
@@ -151,9 +149,8 @@ std::string ScenarioSection::Text(const std::string& key) const {
   const YAML::Node node = At(key);
   if (!node.IsScalar() || node.Scalar().empty()) Fail(key, "must be a text");
   const std::string& text = node.Scalar();
-  if (text.size() > kLongestText || std::any_of(text.begin(), text.end(), IsControl)) {
-    Fail(key, "must be one line of up to 1000 characters");
-  }
+  if (HasControls(text)) Fail(key, "holds a line break or another control character");
+  if (text.size() > kLongestText) Fail(key, "must be one line of up to 1000 characters");
   return text;
 }
 

@@ -103,6 +103,8 @@ TEST(CliSmooth, TrajectoryFiles) { ExpectTrajectoryFiles(SmoothResult()); }
 
 TEST(CliSmooth, SmoothJson) {
   const Json smooth = JsonOf(SmoothResult() / "smooth.json");
+  EXPECT_EQ(smooth["assessment"]["verdict"], "consistent");
+  EXPECT_TRUE(smooth["model_check"]["p_value"].is_number());
   EXPECT_EQ(smooth["flight"], "short");
   EXPECT_TRUE(smooth["adjustment"]["converged"].get<bool>());
   const Json& innovations = smooth["innovations"]["gnss position"];
@@ -118,9 +120,9 @@ TEST(CliCalibrate, TrajectoryFiles) { ExpectTrajectoryFiles(CalibrateResult()); 
 
 TEST(CliCalibrate, ResultHasTheKeysOfTheContract) {
   const Json result = JsonOf(CalibrateResult() / "result.json");
-  EXPECT_THAT(KeysOf(result),
-              UnorderedElementsAre("schema", "flight", "method", "boresight", "assessment",
-                                   "correlations", "estimates", "adjustment", "timing_s"));
+  EXPECT_THAT(KeysOf(result), UnorderedElementsAre("schema", "flight", "method", "boresight",
+                                                   "assessment", "correlations", "estimates",
+                                                   "adjustment", "model_check", "timing_s"));
   EXPECT_EQ(result["schema"], "dn.result/1");
   EXPECT_EQ(result["flight"], "short");
   EXPECT_EQ(result["method"], "dn");
@@ -137,6 +139,12 @@ TEST(CliCalibrate, ResultHasTheKeysOfTheContract) {
   EXPECT_THAT(result["assessment"]["verdict"].get<std::string>(),
               AnyOf("calibrated", "absorbed", "not_observable"));
   EXPECT_TRUE(result["assessment"]["reasons"].is_array());
+  EXPECT_THAT(KeysOf(result["model_check"]),
+              IsSupersetOf({"groups", "effects", "p_value", "findings"}));
+  ASSERT_FALSE(result["model_check"]["groups"].empty());
+  EXPECT_THAT(KeysOf(result["model_check"]["groups"][0]),
+              UnorderedElementsAre("name", "observations", "redundancy", "variance_ratio",
+                                   "p_value", "worst"));
   for (const char* bias : {"boresight_to_accel_bias", "boresight_to_gyro_bias"}) {
     ExpectMatrix3(result["correlations"][bias]["at_barycentre"]);
     EXPECT_TRUE(result["correlations"][bias]["max_abs"].is_number());

@@ -96,12 +96,26 @@ TEST(GaussHelmertFlight, AbsorbedWhereTheAttitudeErrorIsNotAtNoiseLevel) {
   const GaussHelmertCalibration stated = CalibrateGaussHelmert(truth.flight);
   EXPECT_EQ(stated.boresight.verdict, "absorbed");
   EXPECT_THAT(stated.boresight.reasons, Contains(HasSubstr("not those of the mounting")));
-  // Not stated, but there: an error that changes from strip to strip.
+  // Not stated, but there: an error that changes from strip to strip, and contradicts the
+  // statement.
   TruthFlight hidden(true);
   hidden.Turn([](double t_s) {
     return Vector3d(Vector3d(0.10, 0.08, 0.15) * kRadPerDeg * std::sin(t_s / 25.0));
   });
-  EXPECT_EQ(CalibrateGaussHelmert(hidden.flight).boresight.verdict, "absorbed");
+  const GaussHelmertCalibration found = CalibrateGaussHelmert(hidden.flight);
+  EXPECT_EQ(found.boresight.verdict, "contradicted");
+  EXPECT_THAT(found.boresight.reasons, Contains(HasSubstr("not those of the mounting")));
+  EXPECT_GT(found.model_check.groups.front().variance_ratio, 2.0);
+}
+
+TEST(GaussHelmertFlight, APriorThatContradictsThePairsIsNamed) {
+  TruthFlight truth(true);
+  truth.flight.config.lidar->boresight_sigma_rad = Vector3d::Constant(0.05 * kRadPerDeg);
+  truth.flight.config.lidar->mounting.boresight_rad =
+      truth.simulated.boresight_rad + Vector3d(0.0, 0.5, 0.0) * kRadPerDeg;
+  const GaussHelmertCalibration result = CalibrateGaussHelmert(truth.flight);
+  EXPECT_EQ(result.boresight.verdict, "contradicted");
+  EXPECT_THAT(result.boresight.reasons.front(), HasSubstr("lidar.boresight_sigma_deg"));
 }
 
 TEST(GaussHelmertFlight, AgreesWithTheNetworkOnATrueTrajectory) {
