@@ -276,7 +276,9 @@ void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) 
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   options->threads = std::max(1, cores);
   app->set_version_flag("--version", "dn " DN_VERSION);
-  app->add_option("--threads", options->threads, "Threads for evaluating the network")
+  app->add_option("--threads", options->threads,
+                  "Threads for evaluating the network; another number agrees to 1e-9 sigma, not to "
+                  "the last digit")
       ->check(WholeNumber(1, 1024))
       ->capture_default_str();
   auto* out = app->add_option("--out", options->out, "Directory for the results, made if absent")
