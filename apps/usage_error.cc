@@ -49,7 +49,7 @@ std::string OptionIn(const std::string& text) {
 }
 
 std::string WhatIsWrong(const CLI::App& command, const CLI::ParseError& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
     return OptionIn(text) + " takes one value, given once";
   }
@@ -57,9 +57,12 @@ std::string WhatIsWrong(const CLI::App& command, const CLI::ParseError& error) {
     return OptionIn(text) + " takes no value";
   }
   const std::vector<std::string> words = command.remaining();
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || words.empty()) return text;
-  if (words.front().rfind("--", 0) == 0) return UnknownOption(command, words.front());
-  return Quoted(words.front()) + " is one argument too many";
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !words.empty()) {
+    const std::string& word = words.front();
+    return word.rfind("--", 0) == 0 ? UnknownOption(command, word)
+                                    : Quoted(word) + " is one argument too many";
+  }
+  return text;
 }
 
 }  // namespace

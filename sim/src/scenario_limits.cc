@@ -20,29 +20,39 @@ constexpr long kMostPairs = 5000000;
 // A sample, its true state and their text take about half a kB.
 constexpr double kMostSamples = 1e7;
 
-void ExpectAtMost(const char* key, double value, double most, const char* unit) {
+void ExpectAtMost(
+    const char* what, double value, double most, const char* unit,
+    const std::function<FileLocation()>& place = [] { return FileLocation(); }) {
   if (std::abs(value) <= most) return;
-  throw InvalidConfig(std::string("scenario: ") + key + " is " + FormatDouble(value) + unit +
-                      ", at most " + FormatDouble(most) + unit + " can be simulated");
+  throw InvalidConfig(std::string("scenario: ") + what + " is " + FormatDouble(value) + unit +
+                          ", at most " + FormatDouble(most) + unit + " can be simulated",
+                      place());
 }
 
 }  // namespace
 
-void CheckLimits(const Scenario& scenario) {
+void CheckLimits(const Scenario& scenario, const PlaceOfKey& place) {
   const PlanScenario& plan = scenario.plan;
-  ExpectAtMost("plan.warm_up_s", plan.warm_up_s, kLongestWarmUp_s, " s");
-  ExpectAtMost("the number of plan.lines", static_cast<double>(plan.lines.size()), kMostLines, "");
+  const auto at = [&place](const char* section, const char* key) {
+    return [&place, section, key] { return place(section, key); };
+  };
+  const auto lines = at("plan", "lines");
+  ExpectAtMost("plan.warm_up_s", plan.warm_up_s, kLongestWarmUp_s, " s", at("plan", "warm_up_s"));
+  ExpectAtMost("the number of plan.lines", static_cast<double>(plan.lines.size()), kMostLines, "",
+               lines);
   for (const PlannedLine& line : plan.lines) {
     for (const Eigen::Vector2d& end : {line.start_en_m, line.end_en_m}) {
       ExpectAtMost("an end of plan.lines", end.cwiseAbs().maxCoeff(), kFarthest_m,
-                   " m from the origin");
+                   " m from the origin", lines);
     }
-    ExpectAtMost("a height of plan.lines", line.height_m, kHighest_m, " m");
+    ExpectAtMost("a height of plan.lines", line.height_m, kHighest_m, " m", lines);
   }
-  ExpectAtMost("terrain.relief_m", scenario.terrain.relief_m, kLargestRelief_m, " m");
-  ExpectAtMost("terrain.base_m", scenario.terrain.base_m, kHighest_m, " m");
+  ExpectAtMost("terrain.relief_m", scenario.terrain.relief_m, kLargestRelief_m, " m",
+               at("terrain", "relief_m"));
+  ExpectAtMost("terrain.base_m", scenario.terrain.base_m, kHighest_m, " m",
+               at("terrain", "base_m"));
   ExpectAtMost("pairs.count", static_cast<double>(scenario.pairs.count),
-               static_cast<double>(kMostPairs), "");
+               static_cast<double>(kMostPairs), "", at("pairs", "count"));
 }
 
 void CheckDuration(double duration_s) {

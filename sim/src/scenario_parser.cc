@@ -9,6 +9,7 @@
 #include <map>
 
 #include "effects.h"
+#include "scenario_limits.h"
 #include "scenario_section.h"
 
 namespace dn {
@@ -341,10 +342,17 @@ YAML::Node Load(const std::string& yaml_text, const std::string& file) {
   }
 }
 
+FileLocation PlaceIn(const YAML::Node& root, const std::string& section, const std::string& key,
+                     const std::string& file) {
+  const YAML::Mark mark = root[section][key].Mark();
+  return {file, mark.line + 1, mark.column + 1};
+}
+
 }  // namespace
 
 Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
-  const ScenarioSection root(Load(yaml_text, where), "", {where, 1, 1},
+  const YAML::Node node = Load(yaml_text, where);
+  const ScenarioSection root(node, "", {where, 1, 1},
                              {"name", "origin_deg_m", "start_s", "plan", "terrain", "imu", "gnss",
                               "lidar", "pairs", "strips", "effects"});
   Scenario scenario;
@@ -365,6 +373,9 @@ Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
        root.List("effects", {"effect", "value", "window_s", "t0_s"})) {
     scenario.effects.push_back(ReadEffect(entry));
   }
+  CheckLimits(scenario, [&](const std::string& section, const std::string& key) {
+    return PlaceIn(node, section, key, where);
+  });
   return scenario;
 }
 

@@ -135,7 +135,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
       scenario.lidar.mounting.lever_arm_b_m + VectorEffect(scenario, "lidar_lever_arm");
 
   report("trajectory")(0.0);
-  CheckLimits(scenario);
+  CheckLimits(scenario, [](const auto&, const auto&) { return FileLocation(); });
   const FlownPlan flown = Plan(scenario, out.frame, options.seed);
   CheckSamples(scenario.imu, flown.plan.duration_s);
   out.truth =

@@ -94,6 +94,22 @@ TEST(CliEnvironment, OneThreadIsOneThread) {
   EXPECT_EQ(threads, 1U);
 }
 
+TEST(CliEnvironment, ThreadsThatCannotBeStartedAreDoneWithout) {
+  for (const long threads : {0L, 1L, 2L}) {
+    SCOPED_TRACE(threads);
+    const TempFolder folder;
+    fs::permissions(folder.path(), fs::perms::all);
+    ProgramOptions options = CalibrateInto(folder);
+    options.arguments.insert(options.arguments.end(), {"--threads", "4"});
+    options.max_threads = threads;
+    const ProgramRun run = RunProgram(options);
+    if (run.exit_code == 127) GTEST_SKIP() << "nobody cannot run " << DN_PROGRAM;
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("of 4 threads can be started"));
+    EXPECT_TRUE(Json::accept(ContentOf(folder.path() / "r/result.json")));
+  }
+}
+
 TEST(CliEnvironment, FileSizeLimitIsAnErrorOfWriting) {
   const TempFolder folder;
   ProgramOptions options = CalibrateInto(folder);

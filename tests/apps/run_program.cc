@@ -1,6 +1,7 @@
 #include "run_program.h"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <poll.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -35,6 +36,13 @@ void Limit(Resource resource, std::optional<long> most) {
   ::setrlimit(resource, &bound);
 }
 
+void BecomeNobody() {
+  constexpr uid_t kNobody = 65534;
+  const bool became =
+      ::setgroups(0, nullptr) == 0 && ::setgid(kNobody) == 0 && ::setuid(kNobody) == 0;
+  if (!became) ::_exit(127);
+}
+
 [[noreturn]] void BecomeProgram(const ProgramOptions& options, const Pipe& out, const Pipe& err) {
   const int out_file = options.out_file ? ::open(options.out_file->c_str(), O_WRONLY) : -1;
   ::dup2(options.out_file ? out_file : out.ends[1], STDOUT_FILENO);
@@ -42,6 +50,8 @@ void Limit(Resource resource, std::optional<long> most) {
   ::dup2(options.err_file ? err_file : err.ends[1], STDERR_FILENO);
   Limit(RLIMIT_FSIZE, options.max_file_bytes);
   Limit(RLIMIT_AS, options.max_memory_bytes);
+  Limit(RLIMIT_NPROC, options.max_threads);
+  if (options.max_threads && ::geteuid() == 0) BecomeNobody();
   for (const int stream : options.closed_streams) ::close(stream);
   std::vector<std::string> words{DN_PROGRAM};
   words.insert(words.end(), options.arguments.begin(), options.arguments.end());

@@ -30,6 +30,9 @@ struct ProgramOptions {
   std::optional<long> max_file_bytes;
   /// Memory that the program may map.
   std::optional<long> max_memory_bytes;
+  /// Processes and threads that its user may have. They are not counted for root, who runs the
+  /// program as nobody then.
+  std::optional<long> max_threads;
   /// Signal sent, so many times, once stderr contains `signal_after`.
   int signal = 0;
   int signal_count = 1;

@@ -24,6 +24,7 @@ NOT_STARTED = "error while loading shared libraries"  # too little memory for th
 LEFTOVER = re.compile(r"\.part($|/)|staging|\.tmp($|/)|(^|/)core($|\.)")
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 USAGE = re.compile(r"; see dn (?:[\w-]+ )?--help$", re.MULTILINE)
+CUT_WORD = re.compile(r"([^\s']{40,})\.\.\.([^\s']*)")
 LOCATION = re.compile(r"\.ya?ml:\d+")
 
 
@@ -77,8 +78,19 @@ def judge_message(outcome, needs_location, echoes):
                  for line in lines if CONTROL.search(line)][:1]
 
 
+def without_echoes(message, echoes):
+    """The message without what the attack wrote, also where the program shows only begin and end."""
+    if len(echoes) <= 2:
+        return message
+    text = message.replace(echoes, "")
+    for begin, end in CUT_WORD.findall(text):
+        if begin[-40:] in echoes and end[:20] in echoes:
+            text = text.replace(f"{begin}...{end}", "")
+    return text
+
+
 def bad_in(message, needs_location, echoes):
-    text = message.replace(echoes, "") if len(echoes) > 2 else message
+    text = without_echoes(message, echoes)
     bad = []
     if len(message.strip()) < 12:
         bad.append("says nothing")

@@ -109,6 +109,21 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(Fault(""), HasSubstr("name"));
 }
 
+TEST(ParseScenario, WhatNoMemoryHoldsIsRefusedWithItsPlace) {
+  using ::testing::HasSubstr;
+  const auto expect = [](const std::string& yaml, const std::string& what, long expected_line) {
+    long line = 0;
+    EXPECT_THAT(Fault(yaml, &line), HasSubstr(what));
+    EXPECT_EQ(line, expected_line) << what;
+  };
+  expect(Replace(kGood, "plan: {", "plan: {warm_up_s: 604800, "), "plan.warm_up_s is 604800 s", 4);
+  expect(Replace(kGood, "1000, 0, 200", "-2147483649, 0, 200"), "an end of plan.lines", 4);
+  expect(Replace(kGood, "200, 40", "2147483649, 40"), "a height of plan.lines", 4);
+  expect(kGood + "terrain: {base_m: 1e6}\n", "terrain.base_m", 7);
+  expect(kGood + "terrain:\n  relief_m: 1e6\n", "terrain.relief_m", 8);
+  expect(kGood + "pairs: {count: 6000000}\n", "pairs.count is 6e+06", 7);
+}
+
 TEST(ParseScenario, ChecksEffects) {
   using ::testing::AllOf;
   using ::testing::HasSubstr;
