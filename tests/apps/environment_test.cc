@@ -14,8 +14,11 @@ using ::testing::AnyOf;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
+// The shadow of the address sanitizer takes terabytes.
 #if defined(__SANITIZE_ADDRESS__)
-constexpr bool kMemoryCanBeLimited = false;  // its shadow takes terabytes
+constexpr bool kMemoryCanBeLimited = false;
+#elif defined(__has_feature)
+constexpr bool kMemoryCanBeLimited = !__has_feature(address_sanitizer);
 #else
 constexpr bool kMemoryCanBeLimited = true;
 #endif
