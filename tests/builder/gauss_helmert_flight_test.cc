@@ -96,12 +96,13 @@ TEST(GaussHelmertFlight, AbsorbedWhereTheAttitudeErrorIsNotAtNoiseLevel) {
   const GaussHelmertCalibration stated = CalibrateGaussHelmert(truth.flight);
   EXPECT_EQ(stated.boresight.verdict, "absorbed");
   EXPECT_THAT(stated.boresight.reasons, Contains(HasSubstr("not those of the mounting")));
-  // Not stated, but there: an error that changes from strip to strip.
+  // Not stated, but there: an error that changes from strip to strip, within twice the variance.
   TruthFlight hidden(true);
   hidden.Turn([](double t_s) {
-    return Vector3d(Vector3d(0.10, 0.08, 0.15) * kRadPerDeg * std::sin(t_s / 25.0));
+    return Vector3d(Vector3d(0.03, 0.024, 0.045) * kRadPerDeg * std::sin(t_s / 25.0));
   });
-  EXPECT_EQ(CalibrateGaussHelmert(hidden.flight).boresight.verdict, "absorbed");
+  const GaussHelmertCalibration shown = CalibrateGaussHelmert(hidden.flight);
+  EXPECT_EQ(shown.boresight.verdict, "absorbed") << shown.boresight.reasons.front();
 }
 
 TEST(GaussHelmertFlight, AgreesWithTheNetworkOnATrueTrajectory) {

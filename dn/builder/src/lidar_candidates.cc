@@ -43,7 +43,8 @@ void AddLidarCandidates(const FlightNetwork& network, std::vector<CandidateEffec
         LeverArm("check the sign, axes and unit of lidar.lever_arm_m, or estimate lidar_lever_arm",
                  LeverArmModel(pairs)));
   }
-  AddEffectsOfPairs(pairs, FindStrips(network.flight()), effects);
+  AddEffectsOfScanner(pairs, effects);
+  AddMovesOfMount(pairs, FindStrips(network.flight()), effects);
 }
 
 }  // namespace dn::internal

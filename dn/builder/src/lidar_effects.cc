@@ -80,24 +80,6 @@ void AddRangesAndAngles(const std::vector<PairEnds>& pairs, std::vector<Candidat
               [](const PairEnd& e) -> MatrixXd { return e.J_r_u * (e.u_s.norm() * e.axis_b); })));
 }
 
-void AddMovesOfTheMount(const std::vector<PairEnds>& pairs,
-                        const std::vector<StripInterval>& strips,
-                        std::vector<CandidateEffect>* effects) {
-  const std::string mount = "the scanner moves against the inertial unit: fix its mount";
-  const TimeSpan span = SpanOf(pairs);
-  const double middle_s = 0.5 * (span.first_s + span.last_s);
-  effects->push_back(MakeEffect("boresight_drift", "deg/h", kDegPerHour, 3, 0.02, mount,
-                                ModelOf(pairs, [&](const PairEnd& e) -> MatrixXd {
-                                  return ByBoresight(e) * (e.t_s - middle_s);
-                                })));
-  for (const double t0_s : TimesOfSteps(strips)) {
-    effects->push_back(MakeEffect("boresight_step", "deg", kRadPerDeg, 3, 0.005, mount,
-                                  ModelOf(pairs, [&](const PairEnd& e) -> MatrixXd {
-                                    return (e.t_s > t0_s ? 1.0 : 0.0) * ByBoresight(e);
-                                  })));
-  }
-}
-
 }  // namespace
 
 PairEnd MakePairEnd(const LidarConfig& lidar, const Eigen::Quaterniond& q_boresight, double t_s,
@@ -136,15 +118,31 @@ CandidateEffect LeverArm(const std::string& remedy, EffectModel model) {
   return MakeEffect("lidar_lever_arm", "m", 1.0, 3, 0.03, remedy, std::move(model));
 }
 
-void AddEffectsOfPairs(const std::vector<PairEnds>& pairs, const std::vector<StripInterval>& strips,
-                       std::vector<CandidateEffect>* effects) {
+void AddEffectsOfScanner(const std::vector<PairEnds>& pairs,
+                         std::vector<CandidateEffect>* effects) {
   const double first_s = SpanOf(pairs).first_s;
   effects->push_back(MakeEffect(
       "lidar_time_drift", "ppm", kPpm, 1, 1.0,
       "the clock of the scanner drifts: correct the time tags of the pair files",
       ModelOf(pairs, [&](const PairEnd& e) -> MatrixXd { return e.J_r_t * (e.t_s - first_s); })));
   AddRangesAndAngles(pairs, effects);
-  AddMovesOfTheMount(pairs, strips, effects);
+}
+
+void AddMovesOfMount(const std::vector<PairEnds>& pairs, const std::vector<StripInterval>& strips,
+                     std::vector<CandidateEffect>* effects) {
+  const std::string mount = "the scanner moves against the inertial unit: fix its mount";
+  const TimeSpan span = SpanOf(pairs);
+  const double middle_s = 0.5 * (span.first_s + span.last_s);
+  effects->push_back(MakeEffect("boresight_drift", "deg/h", kDegPerHour, 3, 0.02, mount,
+                                ModelOf(pairs, [&](const PairEnd& e) -> MatrixXd {
+                                  return ByBoresight(e) * (e.t_s - middle_s);
+                                })));
+  for (const double t0_s : TimesOfSteps(strips)) {
+    effects->push_back(MakeEffect("boresight_step", "deg", kRadPerDeg, 3, 0.005, mount,
+                                  ModelOf(pairs, [&](const PairEnd& e) -> MatrixXd {
+                                    return (e.t_s > t0_s ? 1.0 : 0.0) * ByBoresight(e);
+                                  })));
+  }
 }
 
 }  // namespace dn::internal

@@ -39,8 +39,11 @@ CandidateEffect MakeEffect(const std::string& name, const std::string& unit, dou
 CandidateEffect TimeOffset(const std::string& remedy, EffectModel model);
 CandidateEffect LeverArm(const std::string& remedy, EffectModel model);
 
-/// All other effects of the lidar. strips: between two of them the mount may have slipped.
-void AddEffectsOfPairs(const std::vector<PairEnds>& pairs, const std::vector<StripInterval>& strips,
-                       std::vector<CandidateEffect>* effects);
+/// Clock, ranges and scan angles.
+void AddEffectsOfScanner(const std::vector<PairEnds>& pairs, std::vector<CandidateEffect>* effects);
+
+/// Drift of the mount, and steps of it between two strips.
+void AddMovesOfMount(const std::vector<PairEnds>& pairs, const std::vector<StripInterval>& strips,
+                     std::vector<CandidateEffect>* effects);
 
 }  // namespace dn::internal
