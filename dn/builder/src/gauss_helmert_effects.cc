@@ -6,7 +6,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <compare>
+#include <map>
 #include <utility>
 
 #include "effect_screen.h"
@@ -27,6 +28,8 @@ constexpr std::size_t kMostPairs = 20000;
 // Of the errors of the trajectory, in octaves: about one above what is stated, five at most.
 constexpr int kMostOctaves = 5;
 constexpr double kOctavesSigma = 1.0;
+// Of the white noise, from what is stated to sigma0 times that.
+constexpr int kWhiteSteps = 2;
 
 /// Velocity of points that are fixed to the body, along a trajectory.
 class PointVelocity {
@@ -142,50 +145,95 @@ BoresightPrior PriorOfBoresight(const GaussHelmertCalibration& calibration) {
   return prior;
 }
 
-std::vector<ErrorScale> Scales(double sigma0) {
-  std::vector<double> white{1.0};
-  if (sigma0 > 1.0) white.insert(white.end(), {std::sqrt(sigma0), sigma0});
-  std::vector<ErrorScale> scales;
-  for (const double w : white) {
-    for (int p = 0; p <= kMostOctaves; ++p) {
-      for (int a = 0; a <= kMostOctaves; ++a) scales.push_back({std::exp2(p), std::exp2(a), w});
-    }
-  }
-  return scales;
-}
+/// The scales looked at, by their steps from the stated ones.
+struct ScaleSteps {
+  int position = 0, attitude = 0, white = 0;
+  auto operator<=>(const ScaleSteps&) const = default;
+};
 
-double LogPrior(const ErrorScale& scale) {
-  const double p = std::log2(scale.position) / kOctavesSigma;
-  const double a = std::log2(scale.attitude) / kOctavesSigma;
-  return -0.5 * (p * p + a * a);
-}
-
-/// The likeliest scale of the errors, and the scores beside them.
-struct Likeliest {
-  ErrorScale scale;
+/// What speaks for a scale.
+struct ScaleEvidence {
+  double of_errors = 0.0;  ///< nats, without any effect
+  double of_both = 0.0;    ///< with the likeliest effect, or without where that is likelier
   JointScore score;
 };
 
-Likeliest LikeliestScale(const LastingErrors& errors,
-                         const std::vector<CandidateEffect>& candidates, double tests,
-                         double sigma0) {
-  const double handicap = std::log(tests / kFamilyLevel);
-  double most = -std::numeric_limits<double>::infinity();
-  Likeliest likeliest;
-  for (const ErrorScale& scale : Scales(sigma0)) {
-    LastingErrors::AtScale at = errors.At(scale);
-    double of_effect = 0.0;
-    for (std::size_t k = 0; k < candidates.size(); ++k) {
-      const double evidence = LogEvidence(at.score, at.score.Components(k), candidates[k].typical);
-      of_effect = std::max(of_effect, evidence - handicap);
+/// Finds the likeliest scale of the errors. Errors alone have one; errors with an effect may have
+/// another, near what is stated.
+class ScaleSearch {
+ public:
+  ScaleSearch(const LastingErrors& errors, const std::vector<CandidateEffect>& candidates,
+              double sigma0)
+      : errors_(errors), candidates_(candidates), sigma0_(std::max(1.0, sigma0)) {}
+
+  ErrorScale Likeliest() {
+    const ScaleSteps noisy{0, 0, Most(&ScaleSteps::white)};
+    const ScaleSteps alone = Climb(noisy, &ScaleEvidence::of_errors);
+    for (const ScaleSteps start : {ScaleSteps{}, noisy, alone}) {
+      const ScaleSteps top = Climb(start, &ScaleEvidence::of_both);
+      if (At(top).of_both > At(likeliest_).of_both) likeliest_ = top;
     }
-    const double sum = at.log_likelihood + LogPrior(scale) + of_effect;
-    if (sum <= most) continue;
-    most = sum;
-    likeliest = {scale, std::move(at.score)};
+    return ScaleOf(likeliest_);
   }
-  return likeliest;
-}
+
+  /// Of the effects beside errors of the likeliest scale.
+  const JointScore& score() { return At(likeliest_).score; }
+
+ private:
+  ErrorScale ScaleOf(const ScaleSteps& steps) const {
+    return {std::exp2(steps.position), std::exp2(steps.attitude),
+            std::pow(sigma0_, static_cast<double>(steps.white) / kWhiteSteps)};
+  }
+
+  const ScaleEvidence& At(const ScaleSteps& steps) {
+    const auto known = known_.find(steps);
+    if (known != known_.end()) return known->second;
+    LastingErrors::AtScale at = errors_.At(ScaleOf(steps));
+    ScaleEvidence evidence;
+    const double octaves2 =
+        steps.position * steps.position + static_cast<double>(steps.attitude * steps.attitude);
+    evidence.of_errors = at.log_likelihood - 0.5 * octaves2 / (kOctavesSigma * kOctavesSigma);
+    double of_effect = 0.0;
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      const double nats = LogEvidence(at.score, at.score.Components(k), candidates_[k].typical);
+      of_effect = std::max(of_effect,
+                           nats - std::log(static_cast<double>(candidates_.size()) / kFamilyLevel));
+    }
+    evidence.of_both = evidence.of_errors + of_effect;
+    evidence.score = std::move(at.score);
+    return known_.emplace(steps, std::move(evidence)).first->second;
+  }
+
+  /// From a start to a scale that no neighbour exceeds.
+  ScaleSteps Climb(ScaleSteps top, double ScaleEvidence::*height) {
+    for (bool higher = true; higher;) {
+      higher = false;
+      for (int ScaleSteps::*which :
+           {&ScaleSteps::position, &ScaleSteps::attitude, &ScaleSteps::white}) {
+        for (const int step : {-1, 1}) {
+          ScaleSteps next = top;
+          next.*which += step;
+          if (next.*which < 0 || next.*which > Most(which)) continue;
+          if (At(next).*height <= At(top).*height) continue;
+          top = next;
+          higher = true;
+        }
+      }
+    }
+    return top;
+  }
+
+  int Most(int ScaleSteps::*which) const {
+    if (which != &ScaleSteps::white) return kMostOctaves;
+    return sigma0_ > 1.0 ? kWhiteSteps : 0;
+  }
+
+  const LastingErrors& errors_;
+  const std::vector<CandidateEffect>& candidates_;
+  double sigma0_;
+  ScaleSteps likeliest_;
+  std::map<ScaleSteps, ScaleEvidence> known_;
+};
 
 /// Of the boresight without the effects, where the reliable ones hold them, too.
 Vector3d SigmaBesideEffects(const LastingErrors& errors, const ErrorScale& scale,
@@ -218,14 +266,14 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
                              PriorOfBoresight(calibration), candidates);
   GaussHelmertEffects out;
   out.tests = static_cast<double>(candidates.size());
-  const Likeliest likeliest =
-      LikeliestScale(errors, candidates, out.tests, calibration.figures.sigma0);
+  ScaleSearch search(errors, candidates, calibration.figures.sigma0);
+  const ErrorScale scale = search.Likeliest();
   const EffectScreen screen =
-      ScreenEffects(candidates, likeliest.score,
-                    {out.tests, SigmaBesideEffects(errors, likeliest.scale, calibration), true});
+      ScreenEffects(candidates, search.score(),
+                    {out.tests, SigmaBesideEffects(errors, scale, calibration), true});
   out.effects = screen.effects;
   if (!screen.chosen.empty()) {
-    out.share_left = errors.ShareLeft(OfAllComponents(screen, likeliest.score));
+    out.share_left = errors.ShareLeft(OfAllComponents(screen, search.score()));
   }
   return out;
 }

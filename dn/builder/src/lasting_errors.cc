@@ -20,6 +20,7 @@ constexpr double kHalfOfVariance = 0.70710678118654752;
 constexpr double kSpacing_s = 10.0;
 // Of all strips together: the cost grows with its cube.
 constexpr double kMostNodes = 64.0;
+constexpr std::size_t kMostStrips = 64;
 
 /// The unknowns of a strip: its constant at `first`, then the nodes.
 struct StripUnknowns {
@@ -27,6 +28,22 @@ struct StripUnknowns {
   Index first = 0;
   int nodes = 2;
 };
+
+/// Of very many strips neighbours share their errors.
+std::vector<StripInterval> Merged(std::vector<StripInterval> strips) {
+  std::sort(strips.begin(), strips.end(),
+            [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
+  const std::size_t together = 1 + (strips.size() - 1) / kMostStrips;
+  std::vector<StripInterval> merged;
+  for (std::size_t k = 0; k < strips.size(); ++k) {
+    if (k % together == 0) {
+      merged.push_back(strips[k]);
+    } else {
+      merged.back().t1_s = std::max(merged.back().t1_s, strips[k].t1_s);
+    }
+  }
+  return merged;
+}
 
 std::vector<StripUnknowns> LayOut(const std::vector<StripInterval>& strips) {
   double duration_s = 0.0;
@@ -97,7 +114,7 @@ LastingErrors::LastingErrors(const std::vector<PairRows>& rows,
                              const BoresightPrior& prior,
                              const std::vector<CandidateEffect>& candidates)
     : prior_(prior), rows_(3.0 * static_cast<double>(rows.size())) {
-  const std::vector<StripUnknowns> unknowns = LayOut(strips);
+  const std::vector<StripUnknowns> unknowns = LayOut(Merged(strips));
   const Index n = unknowns.back().first + 6 * (1 + unknowns.back().nodes);
   first_.push_back(0);
   for (const CandidateEffect& candidate : candidates) {
