@@ -265,12 +265,11 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
   const LastingErrors errors(pairs.rows, strips, ErrorSqrt(calibration),
                              PriorOfBoresight(calibration), candidates);
   GaussHelmertEffects out;
-  out.tests = static_cast<double>(candidates.size());
   ScaleSearch search(errors, candidates, calibration.figures.sigma0);
   const ErrorScale scale = search.Likeliest();
-  const EffectScreen screen =
-      ScreenEffects(candidates, search.score(),
-                    {out.tests, SigmaBesideEffects(errors, scale, calibration), true});
+  const EffectScreen screen = ScreenEffects(candidates, search.score(),
+                                            {static_cast<double>(candidates.size()),
+                                             SigmaBesideEffects(errors, scale, calibration), true});
   out.effects = screen.effects;
   if (!screen.chosen.empty()) {
     out.share_left = errors.ShareLeft(OfAllComponents(screen, search.score()));

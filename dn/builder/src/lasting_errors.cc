@@ -17,9 +17,10 @@ using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
 // Of an error, half the variance is constant over a strip.
 constexpr double kHalfOfVariance = 0.70710678118654752;
-constexpr double kSpacing_s = 10.0;
+// The errors of a cheap inertial sensor bend within seconds.
+constexpr double kSpacing_s = 2.5;
 // Of all strips together: the cost grows with its cube.
-constexpr double kMostNodes = 64.0;
+constexpr double kMostNodes = 100.0;
 constexpr std::size_t kMostStrips = 64;
 
 /// The unknowns of a strip: its constant at `first`, then the nodes.

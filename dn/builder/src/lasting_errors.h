@@ -33,8 +33,8 @@ struct ErrorScale {
 };
 
 /// The pairs of a flight with the boresight and the lasting errors of the trajectory as unknowns:
-/// each strip has an error constant over it, and one that is linear between nodes in time, both of
-/// the stated size and independent of those of the other strips.
+/// each strip has an error constant over it, and one that is linear between nodes in time, each of
+/// half the stated variance, independent of those of the other strips.
 class LastingErrors {
  public:
   /// Every candidate has one part for each of the rows, in their order. strips: at least one.

@@ -4,6 +4,8 @@
 #include <dn/flight/flight_config.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <string>
 #include <vector>
 
 namespace dn::internal {
