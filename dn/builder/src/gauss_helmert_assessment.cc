@@ -154,6 +154,7 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   BoresightResult& boresight = calibration->boresight;
   const GaussHelmertResult& adjustment = calibration->adjustment;
   AssessObservability(flight, *boresight.sigma_apriori_rad, Vector3d::Zero(), &boresight);
+  if (boresight.verdict == "calibrated") AssessLargestSigma(boresight.sigma_rad(), &boresight);
   const auto add = [&](const std::string& reason) {
     if (!reason.empty()) boresight.reasons.push_back(reason);
   };

@@ -1,14 +1,13 @@
 #include "gauss_helmert_check.h"
 
 #include <dn/report/distributions.h>
-#include <dn/rotation.h>
-#include <fmt/format.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "gauss_helmert_effects.h"
 #include "model_findings.h"
 
 namespace dn::internal {
@@ -36,9 +35,8 @@ std::optional<PriorCheck> PriorOf(const GaussHelmertCalibration& calibration) {
   const Eigen::Matrix3d of_pairs = calibration.adjustment.normal - P;
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(of_pairs);
   if (!lu.isInvertible()) return std::nullopt;
-  const Eigen::Vector3d away_rad = Log(Eigen::Quaterniond(
-      Exp(calibration.boresight.angles_rad) * Exp(calibration.problem.boresight_rad).conjugate()));
-  const Eigen::Vector3d predicted_rad = lu.solve(calibration.adjustment.normal * away_rad);
+  const Eigen::Vector3d predicted_rad =
+      lu.solve(calibration.adjustment.normal * AwayFromStated(calibration));
   const Eigen::Matrix3d covariance = Eigen::Matrix3d(P.inverse()) + Eigen::Matrix3d(lu.inverse()) +
                                      calibration.boresight.covariance_rad2;
   PriorCheck prior;
@@ -51,15 +49,22 @@ std::optional<PriorCheck> PriorOf(const GaussHelmertCalibration& calibration) {
 
 }  // namespace
 
-ModelCheck CheckGaussHelmert(const GaussHelmertCalibration& calibration) {
+ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterval>& strips,
+                             const GaussHelmertCalibration& calibration) {
+  const GaussHelmertEffects found = FindEffects(flight, strips, calibration);
   ModelCheck check;
   check.of_boresight = true;
   check.groups.push_back(MisclosuresOf(calibration));
   if (const auto prior = PriorOf(calibration)) check.priors.push_back(*prior);
-  check.sigma0_beside_effects = calibration.figures.sigma0;
+  check.effects = found.effects;
+  check.groups.front().ratio_beside_effects *= found.share_left;
+  check.sigma0_beside_effects = calibration.figures.sigma0 * std::sqrt(found.share_left);
   check.p_value = check.groups.front().p_value;
   for (const PriorCheck& prior : check.priors) {
     check.p_value = std::min(check.p_value, prior.p_value);
+  }
+  for (const EffectCheck& effect : check.effects) {
+    check.p_value = std::min(check.p_value, effect.p_value);
   }
   AddFindings(calibration, &check);
   return check;

@@ -2,10 +2,14 @@
 
 #include <dn/builder/gauss_helmert_flight.h>
 
+#include <vector>
+
 namespace dn::internal {
 
 /// What the misclosures of a Gauss-Helmert adjustment say against its model: their size against the
-/// stated noise, the share of outliers, the size of the angles, the stated prior.
-ModelCheck CheckGaussHelmert(const GaussHelmertCalibration& calibration);
+/// stated noise, effects of the lidar (FindEffects), the share of outliers, the size of the angles,
+/// the stated prior. `calibration` must have its boresight.
+ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterval>& strips,
+                             const GaussHelmertCalibration& calibration);
 
 }  // namespace dn::internal

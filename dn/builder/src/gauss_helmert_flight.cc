@@ -376,7 +376,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
                                                   MakeScatterOptions(calibration.accuracy, strips));
   FillBoresight(&calibration);
   internal::Assess(flight, &calibration);
-  calibration.model_check = internal::CheckGaussHelmert(calibration);
+  calibration.model_check = internal::CheckGaussHelmert(flight, strips, calibration);
   Assess(calibration.model_check, &calibration.boresight);
   calibration.covariance_time_s = Since(covariance_start);
   return calibration;

@@ -4,13 +4,11 @@
 #include <dn/solvers/linearized_network.h>
 #include <dn/solvers/prediction.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <random>
 
+#include "effect_screen.h"
 #include "model_findings.h"
 #include "residual_components.h"
 
@@ -22,15 +20,9 @@ using internal::ResidualComponent;
 constexpr int kSamples = 32;
 constexpr int kSamplesAtOnce = 8;
 constexpr unsigned kSeed = 20240501;
-constexpr std::size_t kMostEffects = 4;
 constexpr int kWatchedNodes = 8;
-// Evidence within which another effect explains the data nearly as well.
-constexpr double kAsLikelyNats = 3.0;
 // What averaging over the size of an error costs, against its likeliest size.
 constexpr double kPriceOfASizeNats = 2.0;
-// Estimates are shrunk towards zero from so many usual sizes on, so that what the data leave open
-// moves nothing.
-constexpr double kLargestPerTypical = 30.0;
 
 /// Mean and variance of a quadratic form under the model.
 struct Moments {
@@ -58,32 +50,6 @@ double LowerTail(double energy, const Moments& moments) {
   return ChiSquareCdf(dof * energy / moments.mean, dof);
 }
 
-/// Log of the likelihood with an effect over that without it, averaged over its size: Gaussian of
-/// 0.1 to 10 usual sizes.
-double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& components,
-                   const Eigen::VectorXd& typical) {
-  constexpr double kSizes[] = {0.01, 0.1, 1.0, 10.0, 100.0};  // variances
-  constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
-  const Eigen::MatrixXd A =
-      typical.asDiagonal() * score.A(components, components) * typical.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-  const Eigen::VectorXd c =
-      eigen.eigenvectors().transpose() * typical.cwiseProduct(score.s(components));
-  const Eigen::VectorXd d = eigen.eigenvalues().cwiseMax(0.0);
-  double log_of_each[5];
-  for (int g = 0; g < 5; ++g) {
-    log_of_each[g] = std::log(kWeights[g]);
-    for (Eigen::Index i = 0; i < d.size(); ++i) {
-      const double growth = 1.0 + kSizes[g] * d[i];
-      log_of_each[g] += 0.5 * (kSizes[g] * c[i] * c[i] / growth - std::log(growth));
-    }
-  }
-  const double largest = *std::max_element(log_of_each, log_of_each + 5);
-  double sum = 0.0;
-  for (const double one : log_of_each) sum += std::exp(one - largest);
-  return largest + std::log(sum);
-}
-
 class Checker {
  public:
   Checker(const Adjustment& adjustment, const Marginals& marginals,
@@ -102,7 +68,7 @@ class Checker {
   ModelCheck Run() {
     CheckPriors();
     SampleMoments();
-    SelectEffects();
+    FindEffects();
     const Eigen::VectorXd left = ResidualBesideEffects();
     check_.sigma0_beside_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
@@ -185,7 +151,7 @@ class Checker {
       while (next < trajectory_.fits.size() && trajectory_.fits[next].factor != rows.factor) ++next;
       if (next == trajectory_.fits.size()) break;
       for (int k = 0; k < rows.count; ++k) {
-        const auto row = static_cast<std::size_t>(rows.first + k);
+        const std::size_t row = static_cast<std::size_t>(rows.first) + static_cast<std::size_t>(k);
         redundancy[row] = trajectory_.fits[next].redundancy[k];
         t_s[row] = network_.net.factor(rows.factor).t_s;
       }
@@ -252,121 +218,30 @@ class Checker {
     return component.label_name[static_cast<std::size_t>(worst)];
   }
 
-  void SelectEffects() {
+  void FindEffects() {
     std::vector<EffectModel> models;
     for (const CandidateEffect& candidate : candidates_) models.push_back(candidate.model);
-    score_ = ScoreEffects(network_.net, marginals_, models, watched_);
-    JointScore left = score_;
-    while (chosen_.size() < kMostEffects) {
-      const std::optional<std::size_t> best = Likeliest(left);
-      if (!best) break;
-      EffectCheck effect = Describe(left, *best);
-      const JointScore given = GivenComponents(left, left.Components(*best));
-      effect.inseparable_from = AlsoExplain(left, given, *best, effect.log_evidence);
-      chosen_.push_back(*best);
-      check_.effects.push_back(std::move(effect));
-      left = given;
-    }
-    EstimateTogether();
-  }
-
-  double PValue(const JointScore& score, std::size_t k) const {
-    const ScoreTest test = TestTogether(score, score.Components(k));
-    return test.dof > 0 ? ForFamily(ChiSquareTail(test.statistic, test.dof)) : 1.0;
-  }
-
-  /// The effect with the most evidence among the significant ones.
-  std::optional<std::size_t> Likeliest(const JointScore& score) const {
-    std::optional<std::size_t> best;
-    double most = 0.0;
-    for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      if (std::find(chosen_.begin(), chosen_.end(), k) != chosen_.end()) continue;
-      if (PValue(score, k) > internal::kFamilyLevel) continue;
-      const double evidence = LogEvidence(score, score.Components(k), candidates_[k].typical);
-      if (best && evidence <= most) continue;
-      best = k;
-      most = evidence;
-    }
-    return best;
-  }
-
-  EffectCheck Describe(const JointScore& score, std::size_t k) const {
-    const CandidateEffect& candidate = candidates_[k];
-    EffectCheck effect;
-    effect.name = candidate.name;
-    effect.unit = candidate.unit;
-    effect.remedy = candidate.remedy;
-    effect.p_value = PValue(score, k);
-    effect.log_evidence = LogEvidence(score, score.Components(k), candidate.typical);
-    return effect;
-  }
-
-  /// Other effects that are nearly as likely, and of which nothing is left beside this one.
-  std::vector<std::string> AlsoExplain(const JointScore& score, const JointScore& given,
-                                       std::size_t chosen, double evidence) const {
-    std::vector<std::string> names;
-    for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      const std::string& name = candidates_[k].name;
-      if (k == chosen || name == candidates_[chosen].name) continue;
-      if (LogEvidence(score, score.Components(k), candidates_[k].typical) <
-          evidence - kAsLikelyNats) {
-        continue;
-      }
-      if (PValue(given, k) <= internal::kFamilyLevel) continue;
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    }
-    return names;
-  }
-
-  /// Estimates of all effects found, side by side, and what each of them moves.
-  void EstimateTogether() {
-    std::vector<Eigen::Index> components;
-    for (const std::size_t k : chosen_) {
-      for (const Eigen::Index c : score_.Components(k)) components.push_back(c);
-    }
-    if (components.empty()) return;
-    const ScoreTest test = TestTogether(score_, components);
-    Eigen::VectorXd largest(test.estimate.size());
-    Eigen::Index at = 0;
-    for (const std::size_t k : chosen_) {
-      const Eigen::VectorXd& typical = candidates_[k].typical;
-      largest.segment(at, typical.size()) = kLargestPerTypical * typical;
-      at += typical.size();
-    }
-    Eigen::MatrixXd A = score_.A(components, components);
-    A.diagonal() += largest.cwiseAbs2().cwiseInverse();
-    const Eigen::VectorXd shrunk = -A.ldlt().solve(score_.s(components));
-    at = 0;
-    for (std::size_t e = 0; e < chosen_.size(); ++e) {
-      const CandidateEffect& candidate = candidates_[chosen_[e]];
-      const Eigen::Index q = candidate.typical.size();
-      EffectCheck& effect = check_.effects[e];
-      effect.estimate = candidate.per_si * test.estimate.segment(at, q);
-      effect.sigma =
-          candidate.per_si * test.covariance.diagonal().segment(at, q).cwiseMax(0.0).cwiseSqrt();
-      const Eigen::VectorXd move =
-          score_.shift(Eigen::all, score_.Components(chosen_[e])) * shrunk.segment(at, q);
-      effect.damage = InSigmas(move);
-      if (check_.of_boresight) effect.boresight_rad = move;
-      at += q;
-    }
-    joint_ = test.estimate;
+    const JointScore score = ScoreEffects(network_.net, marginals_, models, watched_);
+    screen_ =
+        internal::ScreenEffects(candidates_, score, {tests_, watched_sigma_, check_.of_boresight});
+    check_.effects = screen_.effects;
   }
 
   /// What the residuals would be with the effects found among the unknowns.
   Eigen::VectorXd ResidualBesideEffects() const {
-    if (chosen_.empty()) return linearized_.residual();
+    if (screen_.chosen.empty()) return linearized_.residual();
     std::vector<int> first_row(static_cast<std::size_t>(network_.net.num_factors()), -1);
     for (const LinearizedNetwork::FactorRows& rows : linearized_.factors()) {
       first_row[static_cast<std::size_t>(rows.factor)] = rows.first;
     }
     Eigen::VectorXd added = Eigen::VectorXd::Zero(linearized_.rows());
     Eigen::Index at = 0;
-    for (const std::size_t k : chosen_) {
+    for (const std::size_t k : screen_.chosen) {
       const Eigen::Index q = candidates_[k].typical.size();
       for (const EffectPart& part : candidates_[k].model) {
         const int first = first_row[static_cast<std::size_t>(part.factor)];
-        if (first >= 0) added.segment(first, part.L.rows()) += part.L * joint_.segment(at, q);
+        if (first >= 0)
+          added.segment(first, part.L.rows()) += part.L * screen_.joint.segment(at, q);
       }
       at += q;
     }
@@ -401,9 +276,7 @@ class Checker {
   Eigen::VectorXd watched_sigma_;
   Eigen::MatrixXd gain_;  // rows x watched coordinates
   std::vector<Moments> moments_;
-  JointScore score_;
-  std::vector<std::size_t> chosen_;
-  Eigen::VectorXd joint_;
+  internal::EffectScreen screen_;
   ModelCheck check_;
 };
 

@@ -13,6 +13,8 @@
 namespace dn {
 namespace {
 
+constexpr const char* kAngles[] = {"roll", "pitch", "yaw"};
+
 TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
   const LocalFrame& frame = network.flight().frame;
   const NodeBlocks& node = network.nodes[k];
@@ -196,39 +198,44 @@ double PairResolution(const Flight& flight) {
   return flight.config.lidar->sigma_p_m / MeanRange(flight.pairs->pairs);
 }
 
+void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* result) {
+  // Beyond it an angle is known no better than the mount shows to the eye.
+  constexpr double kLargestSigmaDeg = 0.5;
+  for (int i = 0; i < 3; ++i) {
+    if (sigma_rad[i] <= kLargestSigmaDeg * kRadPerDeg) continue;
+    result->verdict = "not_observable";
+    result->reasons.push_back(std::string("the standard deviation of ") + kAngles[i] +
+                              " exceeds 0.5 deg: more pairs, more overlapping strips, or a better "
+                              "attitude are needed");
+  }
+}
+
 void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
                          const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result) {
   constexpr double kInseparable = 0.999;
   // All pairs together, no better than this many times a single one: nothing was determined.
   constexpr double kPairResolutions = 10.0;
   constexpr double kAttitudeSigmas = 3.0;
-  // Beyond it an angle is known no better than the mount shows to the eye.
-  constexpr double kLargestSigmaDeg = 0.5;
   const double pairs_rad = kPairResolutions * PairResolution(flight);
   const Eigen::Matrix3d correlation = result->correlation();
-  const char* names[] = {"roll", "pitch", "yaw"};
   result->verdict = "calibrated";
   for (int i = 0; i < 3; ++i) {
     if (sigma_rad[i] > pairs_rad + kAttitudeSigmas * attitude_sigma_rad[i]) {
       result->verdict = "not_observable";
-      result->reasons.push_back(std::string("the standard deviation of ") + names[i] +
+      result->reasons.push_back(std::string("the standard deviation of ") + kAngles[i] +
                                 " exceeds ten times the resolution of a single pair: more "
                                 "overlapping strips are needed");
-    } else if (sigma_rad[i] > kLargestSigmaDeg * kRadPerDeg) {
-      result->verdict = "not_observable";
-      result->reasons.push_back(std::string("the standard deviation of ") + names[i] +
-                                " exceeds 0.5 deg: more pairs, more overlapping strips, or a "
-                                "better attitude are needed");
     }
     for (int j = 0; j < i; ++j) {
       if (std::abs(correlation(i, j)) > kInseparable) {
         result->verdict = "not_observable";
         result->reasons.push_back(
-            std::string(names[j]) + " and " + names[i] +
+            std::string(kAngles[j]) + " and " + kAngles[i] +
             " cannot be told apart: add a cross strip or a strip at another height");
       }
     }
   }
+  if (result->verdict == "calibrated") AssessLargestSigma(sigma_rad, result);
 }
 
 TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals& marginals) {

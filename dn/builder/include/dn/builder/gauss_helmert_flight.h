@@ -94,16 +94,22 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelme
 /// none is the paper's outlier rule, huber and cauchy are robust losses of width 2.5.
 ///
 /// The covariance is ReliableCovariance; the verdict is
-///   not_observable  as AssessObservability says,
+///   not_observable  as AssessObservability says of the normal matrix, AssessLargestSigma of the
+///                   reliable sigmas,
 ///   absorbed        the attitude errors of the trajectory at the two epochs of a pair (stated, or
 ///                   shown by the pairs where that is more) change its difference by more than
 ///                   half its own sigma, and exceed 0.01 deg in roll or pitch or 0.02 deg in
 ///                   heading: the angles make the cloud consistent, but hold that error,
-///   contradicted    the misclosures have more than twice their stated variance, more than 30 % of
-///                   the pairs are outliers, the stated prior contradicts the pairs, or an angle
+///   contradicted    the pairs show an effect of the lidar (time tags, lever arm, ranges, scan
+///                   angles) that moves the boresight by more than its sigma, the misclosures have
+///                   more than twice their stated variance beside the effects found, more than 30 %
+///                   of the pairs are outliers, the stated prior contradicts the pairs, or an angle
 ///                   exceeds 15 deg (model_check); wins over the others,
 ///   calibrated      else,
-/// with the reasons in words. Throws InvalidConfig when `estimate` does not name the boresight;
+/// with the reasons in words. Effects are looked for beside errors of the trajectory that last, of
+/// the stated size or larger. Hidden stay those that look like such errors: late tags in quiet
+/// flight, a lever arm in strips at one height, a mount that moves, and an attitude error that is
+/// constant over the flight. Throws InvalidConfig when `estimate` does not name the boresight;
 /// InvalidInput, RankDeficient, NotConverged, Interrupted.
 GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
                                               const GaussHelmertFlightOptions& options = {});

@@ -104,9 +104,13 @@ struct BoresightResult {
 /// What a single pair resolves: its own sigma_p at the mean range, rad.
 double PairResolution(const Flight& flight);
 
+/// Sets the verdict not_observable, with the reasons, where a standard deviation exceeds 0.5 deg.
+void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* result);
+
 /// Sets the verdict not_observable, with the reasons, when two angles correlate by more than 0.999,
 /// a standard deviation that the geometry leaves exceeds ten times PairResolution, beyond three
-/// times the attitude sigma that no geometry helps against, or exceeds 0.5 deg. Else calibrated.
+/// times the attitude sigma that no geometry helps against, or else as AssessLargestSigma says.
+/// Else calibrated.
 void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
                          const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result);
 

@@ -1,0 +1,174 @@
+#include "effect_screen.h"
+
+#include <dn/report/distributions.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "model_findings.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr std::size_t kMostEffects = 4;
+// Evidence within which another effect explains the data nearly as well.
+constexpr double kAsLikelyNats = 3.0;
+// Estimates are shrunk towards zero from so many usual sizes on, so that what the data leave open
+// moves nothing.
+constexpr double kLargestPerTypical = 30.0;
+
+class Screener {
+ public:
+  Screener(const std::vector<CandidateEffect>& candidates, const JointScore& score,
+           const ScreenOptions& options)
+      : candidates_(candidates), score_(score), options_(options) {}
+
+  EffectScreen Run() {
+    JointScore left = score_;
+    while (out_.chosen.size() < kMostEffects) {
+      const std::optional<std::size_t> best = Likeliest(left);
+      if (!best) break;
+      EffectCheck effect = Describe(left, *best);
+      const JointScore given = GivenComponents(left, left.Components(*best));
+      effect.inseparable_from = AlsoExplain(left, given, *best, effect.log_evidence);
+      out_.chosen.push_back(*best);
+      out_.effects.push_back(std::move(effect));
+      left = given;
+    }
+    EstimateTogether();
+    return std::move(out_);
+  }
+
+ private:
+  double ForFamily(double p_value) const { return std::min(1.0, p_value * options_.tests); }
+
+  double InSigmas(const Eigen::VectorXd& move) const {
+    return move.cwiseQuotient(options_.watched_sigma).cwiseAbs().maxCoeff();
+  }
+
+  double PValue(const JointScore& score, std::size_t k) const {
+    const ScoreTest test = TestTogether(score, score.Components(k));
+    return test.dof > 0 ? ForFamily(ChiSquareTail(test.statistic, test.dof)) : 1.0;
+  }
+
+  /// The effect with the most evidence among the significant ones.
+  std::optional<std::size_t> Likeliest(const JointScore& score) const {
+    std::optional<std::size_t> best;
+    double most = 0.0;
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      if (std::find(out_.chosen.begin(), out_.chosen.end(), k) != out_.chosen.end()) continue;
+      if (PValue(score, k) > kFamilyLevel) continue;
+      const double evidence = LogEvidence(score, score.Components(k), candidates_[k].typical);
+      if (best && evidence <= most) continue;
+      best = k;
+      most = evidence;
+    }
+    return best;
+  }
+
+  EffectCheck Describe(const JointScore& score, std::size_t k) const {
+    const CandidateEffect& candidate = candidates_[k];
+    EffectCheck effect;
+    effect.name = candidate.name;
+    effect.unit = candidate.unit;
+    effect.remedy = candidate.remedy;
+    effect.p_value = PValue(score, k);
+    effect.log_evidence = LogEvidence(score, score.Components(k), candidate.typical);
+    return effect;
+  }
+
+  /// Other effects that are nearly as likely, and of which nothing is left beside this one.
+  std::vector<std::string> AlsoExplain(const JointScore& score, const JointScore& given,
+                                       std::size_t chosen, double evidence) const {
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      const std::string& name = candidates_[k].name;
+      if (k == chosen || name == candidates_[chosen].name) continue;
+      if (LogEvidence(score, score.Components(k), candidates_[k].typical) <
+          evidence - kAsLikelyNats) {
+        continue;
+      }
+      if (PValue(given, k) <= kFamilyLevel) continue;
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+    return names;
+  }
+
+  /// Estimates of all effects found, side by side, and what each of them moves.
+  void EstimateTogether() {
+    std::vector<Eigen::Index> components;
+    for (const std::size_t k : out_.chosen) {
+      for (const Eigen::Index c : score_.Components(k)) components.push_back(c);
+    }
+    if (components.empty()) return;
+    const ScoreTest test = TestTogether(score_, components);
+    Eigen::VectorXd largest(test.estimate.size());
+    Eigen::Index at = 0;
+    for (const std::size_t k : out_.chosen) {
+      const Eigen::VectorXd& typical = candidates_[k].typical;
+      largest.segment(at, typical.size()) = kLargestPerTypical * typical;
+      at += typical.size();
+    }
+    Eigen::MatrixXd A = score_.A(components, components);
+    A.diagonal() += largest.cwiseAbs2().cwiseInverse();
+    const Eigen::VectorXd shrunk = -A.ldlt().solve(score_.s(components));
+    at = 0;
+    for (std::size_t e = 0; e < out_.chosen.size(); ++e) {
+      const CandidateEffect& candidate = candidates_[out_.chosen[e]];
+      const Eigen::Index q = candidate.typical.size();
+      EffectCheck& effect = out_.effects[e];
+      effect.estimate = candidate.per_si * test.estimate.segment(at, q);
+      effect.sigma =
+          candidate.per_si * test.covariance.diagonal().segment(at, q).cwiseMax(0.0).cwiseSqrt();
+      const Eigen::VectorXd move =
+          score_.shift(Eigen::all, score_.Components(out_.chosen[e])) * shrunk.segment(at, q);
+      effect.damage = InSigmas(move);
+      if (options_.of_boresight) effect.boresight_rad = move;
+      at += q;
+    }
+    out_.joint = test.estimate;
+  }
+
+  const std::vector<CandidateEffect>& candidates_;
+  const JointScore& score_;
+  const ScreenOptions& options_;
+  EffectScreen out_;
+};
+
+}  // namespace
+
+double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& components,
+                   const Eigen::VectorXd& typical) {
+  constexpr double kSizes[] = {0.01, 0.1, 1.0, 10.0, 100.0};  // variances
+  constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
+  const Eigen::MatrixXd A =
+      typical.asDiagonal() * score.A(components, components) * typical.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  const Eigen::VectorXd c =
+      eigen.eigenvectors().transpose() * typical.cwiseProduct(score.s(components));
+  const Eigen::VectorXd d = eigen.eigenvalues().cwiseMax(0.0);
+  double log_of_each[5];
+  for (int g = 0; g < 5; ++g) {
+    log_of_each[g] = std::log(kWeights[g]);
+    for (Eigen::Index i = 0; i < d.size(); ++i) {
+      const double growth = 1.0 + kSizes[g] * d[i];
+      log_of_each[g] += 0.5 * (kSizes[g] * c[i] * c[i] / growth - std::log(growth));
+    }
+  }
+  const double largest = *std::max_element(log_of_each, log_of_each + 5);
+  double sum = 0.0;
+  for (const double one : log_of_each) sum += std::exp(one - largest);
+  return largest + std::log(sum);
+}
+
+EffectScreen ScreenEffects(const std::vector<CandidateEffect>& candidates, const JointScore& score,
+                           const ScreenOptions& options) {
+  return Screener(candidates, score, options).Run();
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,211 @@
+#include "lasting_errors.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace dn::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Matrix36 = Eigen::Matrix<double, 3, 6>;
+
+// Of an error, half the variance is constant over a strip.
+constexpr double kHalfOfVariance = 0.70710678118654752;
+// The errors of a cheap inertial sensor bend within seconds.
+constexpr double kSpacing_s = 2.5;
+// Of all strips together: the cost grows with its cube.
+constexpr double kMostNodes = 100.0;
+constexpr std::size_t kMostStrips = 64;
+
+/// The unknowns of a strip: its constant at `first`, then the nodes.
+struct StripUnknowns {
+  double t0_s = 0.0, t1_s = 0.0;
+  Index first = 0;
+  int nodes = 2;
+};
+
+/// Of very many strips neighbours share their errors.
+std::vector<StripInterval> Merged(std::vector<StripInterval> strips) {
+  std::sort(strips.begin(), strips.end(),
+            [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
+  const std::size_t together = 1 + (strips.size() - 1) / kMostStrips;
+  std::vector<StripInterval> merged;
+  for (std::size_t k = 0; k < strips.size(); ++k) {
+    if (k % together == 0) {
+      merged.push_back(strips[k]);
+    } else {
+      merged.back().t1_s = std::max(merged.back().t1_s, strips[k].t1_s);
+    }
+  }
+  return merged;
+}
+
+std::vector<StripUnknowns> LayOut(const std::vector<StripInterval>& strips) {
+  double duration_s = 0.0;
+  for (const StripInterval& strip : strips) duration_s += strip.t1_s - strip.t0_s;
+  const double spacing_s = std::max(kSpacing_s, duration_s / kMostNodes);
+  std::vector<StripUnknowns> unknowns;
+  Index next = 3;
+  for (const StripInterval& strip : strips) {
+    StripUnknowns one{strip.t0_s, strip.t1_s, next, 2};
+    one.nodes += static_cast<int>((strip.t1_s - strip.t0_s) / spacing_s);
+    next += 6 * (1 + one.nodes);
+    unknowns.push_back(one);
+  }
+  return unknowns;
+}
+
+double Outside(const StripUnknowns& strip, double t_s) {
+  return std::max({0.0, strip.t0_s - t_s, t_s - strip.t1_s});
+}
+
+/// Where an error at an epoch comes from: three unknowns of six, with their weights.
+struct Share {
+  Index column = 0;
+  double weight = 0.0;
+};
+
+std::array<Share, 3> SharesAt(const std::vector<StripUnknowns>& strips, double t_s) {
+  const StripUnknowns& strip = *std::min_element(
+      strips.begin(), strips.end(),
+      [&](const auto& a, const auto& b) { return Outside(a, t_s) < Outside(b, t_s); });
+  const double length_s = std::max(strip.t1_s - strip.t0_s, 1e-9);
+  const double at =
+      std::clamp((t_s - strip.t0_s) / length_s, 0.0, 1.0) * static_cast<double>(strip.nodes - 1);
+  const auto before = std::min(static_cast<Index>(at), static_cast<Index>(strip.nodes - 2));
+  const double part = at - static_cast<double>(before);
+  const Index node = strip.first + 6 * (1 + before);
+  return {{{strip.first, 1.0}, {node, 1.0 - part}, {node + 6, part}}};
+}
+
+/// The columns of J of one pair that are not zero.
+struct SparseRows {
+  std::array<Index, 7> column{};
+  std::array<Matrix36, 7> J;  // the first has three columns
+};
+
+SparseRows JacobianOf(const PairRows& rows, const std::vector<StripUnknowns>& strips,
+                      const Eigen::Matrix<double, 6, 6>& error_sqrt) {
+  SparseRows out;
+  out.J[0].setZero();
+  out.J[0].leftCols<3>() = rows.A;
+  std::size_t k = 1;
+  const auto add = [&](const Matrix36& B, double t_s) {
+    for (const Share& share : SharesAt(strips, t_s)) {
+      out.column[k] = share.column;
+      out.J[k++] = kHalfOfVariance * share.weight * B * error_sqrt;
+    }
+  };
+  add(rows.B_i, rows.t_i_s);
+  add(rows.B_j, rows.t_j_s);
+  return out;
+}
+
+}  // namespace
+
+LastingErrors::LastingErrors(const std::vector<PairRows>& rows,
+                             const std::vector<StripInterval>& strips,
+                             const Eigen::Matrix<double, 6, 6>& error_sqrt,
+                             const BoresightPrior& prior,
+                             const std::vector<CandidateEffect>& candidates)
+    : prior_(prior), rows_(3.0 * static_cast<double>(rows.size())) {
+  const std::vector<StripUnknowns> unknowns = LayOut(Merged(strips));
+  const Index n = unknowns.back().first + 6 * (1 + unknowns.back().nodes);
+  first_.push_back(0);
+  for (const CandidateEffect& candidate : candidates) {
+    first_.push_back(first_.back() + candidate.typical.size());
+  }
+  const Index q = first_.back();
+  H_.setZero(n, n);
+  G_.setZero(n, q);
+  LL_.setZero(q, q);
+  b_.setZero(n);
+  Lr_.setZero(q);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const SparseRows J = JacobianOf(rows[k], unknowns, error_sqrt);
+    MatrixXd L(3, q);
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      L.middleCols(first_[c], candidates[c].typical.size()) = candidates[c].model[k].L;
+    }
+    for (std::size_t a = 0; a < J.J.size(); ++a) {
+      const Index size = a == 0 ? 3 : 6;
+      const auto J_a = J.J[a].leftCols(size);
+      b_.segment(J.column[a], size) += J_a.transpose() * rows[k].w;
+      G_.middleRows(J.column[a], size) += J_a.transpose() * L;
+      for (std::size_t c = 0; c < J.J.size(); ++c) {
+        const Index width = c == 0 ? 3 : 6;
+        H_.block(J.column[a], J.column[c], size, width) += J_a.transpose() * J.J[c].leftCols(width);
+      }
+    }
+    LL_ += L.transpose() * L;
+    Lr_ += L.transpose() * rows[k].w;
+    rr_ += rows[k].w.squaredNorm();
+  }
+}
+
+VectorXd LastingErrors::ScaleOfUnknowns(const ErrorScale& scale) const {
+  VectorXd D = VectorXd::Ones(H_.rows());
+  for (Index k = 3; k < D.size(); k += 6) {
+    D.segment<3>(k).setConstant(scale.position);
+    D.segment<3>(k + 3).setConstant(scale.attitude);
+  }
+  return D;
+}
+
+Eigen::Matrix3d LastingErrors::NormalOfBoresight() const {
+  return H_.topLeftCorner<3, 3>() + prior_.weight;
+}
+
+LastingErrors::AtScale LastingErrors::At(const ErrorScale& scale) const {
+  const double variance = scale.white * scale.white;
+  const VectorXd D = ScaleOfUnknowns(scale) / scale.white;
+  MatrixXd N = D.asDiagonal() * H_ * D.asDiagonal();
+  N.diagonal().tail(N.rows() - 3).array() += 1.0;
+  N.topLeftCorner<3, 3>() += prior_.weight / variance;
+  VectorXd b = D.cwiseProduct(b_) / scale.white;
+  b.head<3>() += prior_.gradient / variance;
+  const MatrixXd G = D.asDiagonal() * G_ / scale.white;
+  const Eigen::LLT<MatrixXd> llt(N);
+  const MatrixXd Z = llt.solve(G);
+
+  AtScale out;
+  const VectorXd pivots = llt.matrixLLT().diagonal();
+  out.log_likelihood = -0.5 * (rr_ / variance - b.dot(llt.solve(b))) - pivots.array().log().sum() -
+                       rows_ * std::log(scale.white);
+  JointScore& score = out.score;
+  score.first = first_;
+  score.s = Lr_ / variance - Z.transpose() * b;
+  score.A = LL_ / variance - G.transpose() * Z;
+  score.A = 0.5 * (score.A + MatrixXd(score.A.transpose()));
+  score.signature2 = LL_.diagonal() / variance;
+  score.shift = NormalOfBoresight().llt().solve(G_.topRows<3>());
+  return out;
+}
+
+Eigen::Matrix3d LastingErrors::OfBoresight(const ErrorScale& scale) const {
+  const Eigen::Matrix3d inverse = NormalOfBoresight().inverse();
+  const Index errors = H_.rows() - 3;
+  const MatrixXd moved =
+      inverse * H_.topRightCorner(3, errors) * ScaleOfUnknowns(scale).tail(errors).asDiagonal();
+  return scale.white * scale.white * inverse + moved * moved.transpose();
+}
+
+double LastingErrors::ShareLeft(const VectorXd& effects) const {
+  const Eigen::LLT<Eigen::Matrix3d> N(NormalOfBoresight());
+  const Eigen::Vector3d g = b_.head<3>() + prior_.gradient;
+  const auto left = [&](double squares, const Eigen::Vector3d& gradient) {
+    return squares - gradient.dot(N.solve(gradient));
+  };
+  const double before = left(rr_, g);
+  const double after = left(rr_ + 2.0 * effects.dot(Lr_) + effects.dot(LL_ * effects),
+                            g + G_.topRows<3>() * effects);
+  return std::max(0.0, after) / std::max(before, std::numeric_limits<double>::min());
+}
+
+}  // namespace dn::internal
