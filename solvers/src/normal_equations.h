@@ -31,8 +31,8 @@ class Linearization {
   struct Edge {
     int rows = 0;
     int cols = 0;
-    std::size_t data = 0;         ///< into the store of Jacobians
-    int first_row = 0;            ///< into the residual
+    std::size_t data = 0;  ///< into the store of Jacobians
+    int first_row = 0;     ///< into the residual
     FactorId factor = -1;
     std::size_t first_block = 0;  ///< into the list of positions
     int num_blocks = 0;
