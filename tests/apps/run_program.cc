@@ -51,6 +51,7 @@ void BecomeNobody() {
   Limit(RLIMIT_FSIZE, options.max_file_bytes);
   Limit(RLIMIT_AS, options.max_memory_bytes);
   Limit(RLIMIT_NPROC, options.max_threads);
+  if (options.max_threads) ::setenv("ASAN_OPTIONS", "detect_leaks=0", 1);  // leaks need a thread
   if (options.max_threads && ::geteuid() == 0) BecomeNobody();
   for (const int stream : options.closed_streams) ::close(stream);
   std::vector<std::string> words{DN_PROGRAM};
