@@ -1,4 +1,4 @@
-#include <dn/builder/gauss_helmert_flight.h>
+#include <dn/calibration/gauss_helmert_flight.h>
 #include <dn/flight/truth.h>
 #include <fmt/format.h>
 

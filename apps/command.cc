@@ -1,7 +1,7 @@
 #include "command.h"
 
 #include <ceres/version.h>
-#include <dn/builder/adjust.h>
+#include <dn/calibration/adjust.h>
 #include <dn/error.h>
 #include <fmt/format.h>
 #include <unistd.h>

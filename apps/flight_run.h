@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/builder/adjust.h>
-#include <dn/builder/result_files.h>
+#include <dn/calibration/adjust.h>
+#include <dn/calibration/result_files.h>
 #include <dn/flight/flight.h>
 
 #include "command.h"

@@ -1,4 +1,4 @@
-#include <dn/builder/adjust.h>
+#include <dn/calibration/adjust.h>
 #include <dn/error.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
@@ -14,7 +14,7 @@
 #include <thread>
 
 #include "command.h"
-#include "monte_carlo/summary.h"
+#include <dn/montecarlo/summary.h>
 #include "option_checks.h"
 
 namespace dn::apps {

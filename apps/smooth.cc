@@ -1,4 +1,4 @@
-#include <dn/builder/trajectory_covariance.h>
+#include <dn/calibration/trajectory_covariance.h>
 #include <fmt/format.h>
 
 #include <utility>

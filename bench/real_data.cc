@@ -1,7 +1,7 @@
 /// real_data DATA_DIR: what `dn smooth` says about measured flights; the figures of
 /// docs/real-data.md.
-#include <dn/builder/adjust.h>
-#include <dn/builder/result.h>
+#include <dn/calibration/adjust.h>
+#include <dn/calibration/result.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/prediction.h>
 #include <fmt/format.h>

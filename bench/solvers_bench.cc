@@ -1,8 +1,8 @@
 /// Covariances of the network of a simulated flight: assembly, factorisation and selected inverse;
 /// on the smallest flight ceres::Covariance beside it.
 #include <benchmark/benchmark.h>
-#include <dn/builder/adjust.h>
-#include <dn/builder/alignment.h>
+#include <dn/calibration/adjust.h>
+#include <dn/navigation/alignment.h>
 #include <dn/builder/flight_network.h>
 #include <dn/builder/node_grid.h>
 #include <dn/sim/scenario.h>

@@ -3,8 +3,10 @@ add_library(dn_dev_flags INTERFACE)
 target_compile_options(dn_dev_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wno-psabi
   -ffp-contract=off
-  # gcc 12 reports a false overlap for "text" + std::string (gcc bug 105651).
+  $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>  # what a compiler cache needs
+  # gcc 12 reports a false overlap or overflow for "text" + std::string (gcc bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>
   $<$<BOOL:${DN_WERROR}>:-Werror>)
 if(DN_SANITIZE)
   target_compile_options(dn_dev_flags INTERFACE

@@ -16,6 +16,7 @@ function(dn_add_layer name)
   target_link_libraries(dn_${name}
     PUBLIC ${A_PUBLIC}
     PRIVATE ${A_PRIVATE} $<BUILD_INTERFACE:dn_dev_flags>)
+  dn_use_precompiled(dn_${name} dn_layer_headers)
   install(TARGETS dn_${name} EXPORT dnTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -33,6 +34,7 @@ function(dn_add_test name)
   add_executable(${name} ${A_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(${name} PRIVATE ${A_LINK} GTest::gmock GTest::gtest_main dn_dev_flags)
+  dn_use_precompiled(${name} dn_test_headers)
   target_compile_definitions(${name} PRIVATE DN_SHARED_DATA_DIR="${DN_SHARED_DATA_DIR}")
   if(A_LABEL STREQUAL slow)  # apart from those that .ci/run starts one by one
     set_target_properties(${name} PROPERTIES

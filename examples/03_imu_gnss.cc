@@ -2,8 +2,8 @@
 //
 // Prints the error of position and attitude against the truth with its standard deviation at a few
 // epochs, and the root mean square of the normalised errors, which is 1 when the sigmas are honest.
-#include <dn/builder/adjust.h>
-#include <dn/builder/result.h>
+#include <dn/calibration/adjust.h>
+#include <dn/calibration/result.h>
 #include <dn/sim/simulate.h>
 
 #include <cmath>

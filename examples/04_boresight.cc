@@ -2,9 +2,9 @@
 //
 // Prints the true angles, the estimates with their standard deviations, the correlation of the
 // boresight with the biases that were estimated with it, and whether the data follow the model.
-#include <dn/builder/adjust.h>
-#include <dn/builder/model_check.h>
-#include <dn/builder/result.h>
+#include <dn/calibration/adjust.h>
+#include <dn/calibration/model_check.h>
+#include <dn/calibration/result.h>
 #include <dn/sim/simulate.h>
 
 #include <algorithm>

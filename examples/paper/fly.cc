@@ -1,7 +1,7 @@
 #include "fly.h"
 
-#include <dn/builder/result_files.h>
-#include <dn/builder/trajectory_covariance.h>
+#include <dn/calibration/result_files.h>
+#include <dn/calibration/trajectory_covariance.h>
 #include <dn/geo/trajectory.h>
 #include <dn/rotation.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/builder/gauss_helmert_flight.h>
-#include <dn/builder/result.h>
+#include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/calibration/result.h>
 #include <dn/sim/simulate.h>
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include <dn/builder/alignment.h>
+#include <dn/navigation/alignment.h>
 #include <dn/builder/flight_network.h>
 #include <dn/error.h>
 #include <dn/solvers/solve.h>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-#include "builder/short_flights.h"
+#include "testing/short_flights.h"
 #include "testing/expect_invalid.h"
 
 namespace dn {

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <dn/calibration/candidate_effects.h>
+#include <dn/calibration/model_check.h>
+#include <dn/solvers/score_test.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace dn::internal {
+
+/// What effects are screened by.
+struct ScreenOptions {
+  double tests = 1.0;             ///< of the family: p-values are multiplied by it
+  Eigen::VectorXd watched_sigma;  ///< of the coordinates in JointScore::shift
+  bool of_boresight = true;       ///< these are the three angles
+};
+
+/// The effects that the data show.
+struct EffectScreen {
+  std::vector<EffectCheck> effects;  ///< in the order found
+  std::vector<std::size_t> chosen;   ///< the candidate of each
+  Eigen::VectorXd joint;             ///< estimates of all of them together, SI, one after another
+};
+
+/// Log of the likelihood with an effect over that without it, averaged over its size: Gaussian of
+/// 0.1 to 10 usual sizes.
+double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& components,
+                   const Eigen::VectorXd& typical);
+
+/// Takes the likeliest significant effect, again and again, each beside those before, up to four,
+/// and estimates all of them together. `score`: of the candidates, in their order.
+EffectScreen ScreenEffects(const std::vector<CandidateEffect>& candidates, const JointScore& score,
+                           const ScreenOptions& options);
+
+}  // namespace dn::internal

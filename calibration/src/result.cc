@@ -1,0 +1,325 @@
+#include <dn/calibration/result.h>
+#include <dn/geo/text_table.h>
+#include <dn/solvers/solve.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "residual_statistics.h"
+
+namespace dn {
+namespace {
+
+constexpr const char* kAngles[] = {"roll", "pitch", "yaw"};
+
+TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
+  const LocalFrame& frame = network.flight().frame;
+  const NodeBlocks& node = network.nodes[k];
+  const MapPose pose = network.NodePose(k);
+  const Eigen::Matrix3d R_enu_m = frame.R_m_enu(pose.p_mb).transpose();
+  const auto sigma = [](const Eigen::Matrix3d& covariance) {
+    return Eigen::Vector3d(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
+  };
+  const Eigen::Matrix3d rph_from_body =
+      BodyFromEulerRates(ToNavPoint(pose, frame).q_nb.conjugate() * Eigen::Vector3d::UnitZ())
+          .inverse();
+  TrajectorySigma result;
+  result.t_s = node.t_s;
+  result.position_enu_m =
+      sigma(R_enu_m * marginals.DiagonalBlock(node.p_mb.id) * R_enu_m.transpose());
+  result.velocity_enu_mps =
+      sigma(R_enu_m * marginals.DiagonalBlock(node.v_m.id) * R_enu_m.transpose());
+  result.rph_rad =
+      sigma(rph_from_body * marginals.DiagonalBlock(node.q_mb.id) * rph_from_body.transpose());
+  return result;
+}
+
+// The innovations of a forward filter that starts at the adjusted trajectory with an open mind
+// about it; the first ones, in which that is still being settled, are left out.
+void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
+  constexpr double kSettleS = 30.0;
+  const FlightNetwork& network = *adjustment.network;
+  const Flight& flight = network.flight();
+  const TimeInterval span = NetworkSpan(flight, false);
+  const std::vector<double> times = NodeTimes(*flight.imu, span, GnssTimes(flight, span), {}, {});
+  const std::size_t k = NodeBefore(network.node_times(), times.front() + 1e-6);
+  const Eigen::Vector3d sigma_attitude(2.0 * kRadPerDeg, 2.0 * kRadPerDeg, 5.0 * kRadPerDeg);
+  const double sigma_m = 3.0 * std::sqrt(GnssPositionCovariance(flight.gnss->epochs.front(),
+                                                                *flight.config.gnss, flight.frame)
+                                             .diagonal()
+                                             .maxCoeff());
+  const FilterState start =
+      MakeFilterState(flight, network.NodePose(k), network.GyroBias(times.front()),
+                      network.AccelBias(times.front()), sigma_attitude, sigma_m, 1.0);
+  FilterOptions options;
+  options.skipped_epochs = adjustment.gnss_rejected;
+  const FilterRun run = RunForwardFilter(flight, times, start, options);
+  const std::vector<std::string> axes{"east", "north", "up"};
+  for (const bool velocity : {false, true}) {
+    std::vector<double> t_s;
+    std::vector<std::vector<double>> values(3);
+    double nis = 0.0;
+    for (const Innovation& innovation : run.innovations) {
+      if (innovation.velocity != velocity || innovation.t_s < times.front() + kSettleS) continue;
+      t_s.push_back(innovation.t_s);
+      for (std::size_t a = 0; a < 3; ++a) {
+        values[a].push_back(innovation.normalised[static_cast<Eigen::Index>(a)]);
+      }
+      nis += innovation.nis / 3.0;
+    }
+    if (t_s.empty()) continue;
+    const std::string sensor = velocity ? "gnss velocity" : "gnss position";
+    for (std::size_t a = 0; a < 3; ++a) {
+      result->innovations.push_back(DescribeSeries(sensor, axes[a], t_s, values[a]));
+    }
+    (velocity ? result->nis_velocity : result->nis_position) =
+        nis / static_cast<double>(t_s.size());
+  }
+}
+
+// Innovations whose size is off by more than this factor (a variance of 2, or of 1/2) call for
+// another stochastic model; chance alone moves it by a tenth in a short flight.
+constexpr double kVarianceFactor = 2.0;
+
+void WarnOfInnovations(TrajectoryResult* result) {
+  const auto judge = [&](double nis, const std::string& sensor) {
+    const auto text = [&](const std::string& verdict) {
+      result->warnings.push_back("the innovations of the " + sensor + "s are " +
+                                 FormatDouble(std::round(std::sqrt(nis) * 100.0) / 100.0) +
+                                 " times as large as the model expects: " + verdict);
+    };
+    if (nis > kVarianceFactor) {
+      text(
+          "the stated sigmas or the inertial noise are too small, or something is not modelled; "
+          "the covariances are too small as well");
+    } else if (nis > 0.0 && nis < 1.0 / kVarianceFactor) {
+      text("the stated sigmas are too large, or the errors are correlated in time");
+    }
+  };
+  judge(result->nis_position, "GNSS position");
+  judge(result->nis_velocity, "GNSS velocity");
+}
+
+AdjustmentFigures Figures(const Adjustment& adjustment) {
+  const FlightNetwork& network = *adjustment.network;
+  const CostSummary summary = EvaluateCost(network.net);
+  AdjustmentFigures figures;
+  figures.chi2 = 2.0 * summary.cost;
+  figures.parameters = summary.parameters;
+  figures.redundancy = summary.residuals - summary.parameters;
+  figures.sigma0 = figures.redundancy > 0
+                       ? std::sqrt(figures.chi2 / static_cast<double>(figures.redundancy))
+                       : 0.0;
+  figures.iterations = adjustment.iterations;
+  figures.converged = adjustment.converged;
+  figures.nodes = static_cast<long>(network.nodes.size());
+  const auto [first, past] =
+      SampleRange(*network.flight().imu, network.node_times().front(), network.node_times().back());
+  figures.imu_epochs = static_cast<long>(past - first);
+  figures.gnss_epochs = static_cast<long>(network.gnss_edges.size()) -
+                        static_cast<long>(adjustment.gnss_rejected.size());
+  figures.outliers = adjustment.outliers;
+  figures.correspondences = static_cast<long>(network.pair_edges.size()) - adjustment.outliers;
+  return figures;
+}
+
+BiasCorrelation CorrelateWithBias(const FlightNetwork& network,
+                                  const std::vector<BiasChain>& chains,
+                                  const Eigen::Vector3d& sigma_boresight, double barycentre_s,
+                                  const Marginals::Columns& columns, const Marginals& marginals) {
+  BiasCorrelation result;
+  if (chains.empty()) return result;
+  double sum2 = 0.0;
+  long n = 0;
+  const std::size_t nearest = NodeNear(network.node_times(), barycentre_s);
+  std::vector<BlockId> before;
+  Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+    const double t_s = network.nodes[k].t_s;
+    std::vector<BlockId> ids;
+    for (const BiasChain& chain : chains) ids.push_back(chain.At(t_s).id);
+    if (ids != before) {
+      Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();  // bias x boresight
+      for (const BlockId id : ids) cross += columns.Rows(id);
+      const Eigen::Vector3d sigma_bias =
+          TotalBiasCovariance(chains, t_s, marginals).diagonal().cwiseMax(1e-300).cwiseSqrt();
+      correlation = sigma_boresight.cwiseInverse().asDiagonal() * cross.transpose() *
+                    sigma_bias.cwiseInverse().asDiagonal();
+      before = ids;
+    }
+    if (k == nearest) result.at_barycentre = correlation;
+    result.max_abs = std::max(result.max_abs, correlation.cwiseAbs().maxCoeff());
+    sum2 += correlation.squaredNorm();
+    n += correlation.size();
+  }
+  result.rms = std::sqrt(sum2 / static_cast<double>(n));
+  return result;
+}
+
+double Barycentre(const FlightNetwork& network) {
+  double sum = 0.0;
+  double n = 0.0;
+  for (const auto& edge : network.pair_edges) {
+    if (!network.net.factor(edge.id).active) continue;
+    sum += edge.pair.t_i_s + edge.pair.t_j_s;
+    n += 2.0;
+  }
+  return n > 0.0 ? sum / n : network.node_times().front();
+}
+
+}  // namespace
+
+Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double t_s,
+                                    const Marginals& marginals) {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const BiasChain& a : chains) {
+    for (const BiasChain& b : chains) {
+      const BlockId id_a = a.At(t_s).id;
+      const BlockId id_b = b.At(t_s).id;
+      if (id_a == id_b) {
+        covariance += marginals.DiagonalBlock(id_a);
+      } else if (const auto block = marginals.PatternBlock(id_a, id_b)) {
+        covariance += *block;
+      }
+    }
+  }
+  return covariance;
+}
+
+Eigen::Matrix3d BoresightResult::correlation() const {
+  const Eigen::Vector3d inverse = sigma_rad().cwiseMax(1e-300).cwiseInverse();
+  return inverse.asDiagonal() * covariance_rad2 * inverse.asDiagonal();
+}
+
+double PairResolution(const Flight& flight) {
+  return flight.config.lidar->sigma_p_m / MeanRange(flight.pairs->pairs);
+}
+
+void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* result) {
+  // Beyond it an angle is known no better than the mount shows to the eye.
+  constexpr double kLargestSigmaDeg = 0.5;
+  for (int i = 0; i < 3; ++i) {
+    if (sigma_rad[i] <= kLargestSigmaDeg * kRadPerDeg) continue;
+    result->verdict = "not_observable";
+    result->reasons.push_back(std::string("the standard deviation of ") + kAngles[i] +
+                              " exceeds 0.5 deg: more pairs, more overlapping strips, or a better "
+                              "attitude are needed");
+  }
+}
+
+void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
+                         const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result) {
+  constexpr double kInseparable = 0.999;
+  // All pairs together, no better than this many times a single one: nothing was determined.
+  constexpr double kPairResolutions = 10.0;
+  constexpr double kAttitudeSigmas = 3.0;
+  const double pairs_rad = kPairResolutions * PairResolution(flight);
+  const Eigen::Matrix3d correlation = result->correlation();
+  result->verdict = "calibrated";
+  for (int i = 0; i < 3; ++i) {
+    if (sigma_rad[i] > pairs_rad + kAttitudeSigmas * attitude_sigma_rad[i]) {
+      result->verdict = "not_observable";
+      result->reasons.push_back(std::string("the standard deviation of ") + kAngles[i] +
+                                " exceeds ten times the resolution of a single pair: more "
+                                "overlapping strips are needed");
+    }
+    for (int j = 0; j < i; ++j) {
+      if (std::abs(correlation(i, j)) > kInseparable) {
+        result->verdict = "not_observable";
+        result->reasons.push_back(
+            std::string(kAngles[j]) + " and " + kAngles[i] +
+            " cannot be told apart: add a cross strip or a strip at another height");
+      }
+    }
+  }
+  if (result->verdict == "calibrated") AssessLargestSigma(sigma_rad, result);
+}
+
+TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals& marginals) {
+  const FlightNetwork& network = *adjustment.network;
+  TrajectoryResult result;
+  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+    const double t_s = network.nodes[k].t_s;
+    result.sigma.push_back(SigmaAt(network, k, marginals));
+    BiasEstimate bias;
+    bias.t_s = t_s;
+    bias.gyro_radps = network.GyroBias(t_s);
+    bias.accel_mps2 = network.AccelBias(t_s);
+    bias.sigma_gyro_radps =
+        TotalBiasCovariance(network.gyro_bias, t_s, marginals).diagonal().cwiseMax(0.0).cwiseSqrt();
+    bias.sigma_accel_mps2 = TotalBiasCovariance(network.accel_bias, t_s, marginals)
+                                .diagonal()
+                                .cwiseMax(0.0)
+                                .cwiseSqrt();
+    result.biases.push_back(bias);
+  }
+  result.figures = Figures(adjustment);
+  result.fits = FitOfFactors(network.net, marginals);
+  result.residuals = ResidualStatistics(network.net, result.fits);
+  AddInnovations(adjustment, &result);
+  WarnOfInnovations(&result);
+  return result;
+}
+
+BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& marginals) {
+  const FlightNetwork& network = *adjustment.network;
+  if (network.net.block(network.boresight.id).held) {
+    throw RankDeficient(
+        "the boresight is held at its assumed value: add it to estimate in flight.yaml");
+  }
+  BoresightResult result;
+  const Eigen::Quaterniond q = network.net.Value(network.boresight);
+  result.angles_rad = Log(q);
+  result.euler_zyx_rad = RollPitchHeading(q);
+  const Marginals::Columns columns = marginals.SolveColumns({network.boresight.id});
+  result.covariance_rad2 = columns.Rows(network.boresight.id);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(result.covariance_rad2);
+  result.condition_number = eigen.eigenvalues()[2] / eigen.eigenvalues()[0];
+  const double barycentre_s = Barycentre(network);
+  const Eigen::Vector3d sigma = result.sigma_rad();
+  result.accel_bias =
+      CorrelateWithBias(network, network.accel_bias, sigma, barycentre_s, columns, marginals);
+  result.gyro_bias =
+      CorrelateWithBias(network, network.gyro_bias, sigma, barycentre_s, columns, marginals);
+  AssessObservability(
+      network.flight(), sigma,
+      SigmaAt(network, NodeNear(network.node_times(), barycentre_s), marginals).rph_rad, &result);
+  if (result.verdict == "calibrated" && !adjustment.warnings.empty()) result.verdict = "absorbed";
+  result.reasons.insert(result.reasons.end(), adjustment.warnings.begin(),
+                        adjustment.warnings.end());
+  if (result.reasons.empty()) {  // the network models the trajectory's errors: none is absorbed
+    result.reasons.emplace_back(
+        "the trajectory and its time-correlated errors are estimated with the boresight");
+  }
+  return result;
+}
+
+std::vector<UnknownEstimate> ExtractUnknowns(const Adjustment& adjustment,
+                                             const Marginals& marginals) {
+  const FlightNetwork& network = *adjustment.network;
+  const FlightConfig& config = network.flight().config;
+  std::vector<UnknownEstimate> estimates;
+  for (const EstimateEntry& entry : config.estimate) {
+    if (entry.unknown == "boresight") continue;
+    const BlockId id = network.net.Find(entry.unknown);
+    const BlockRecord& record = network.net.block(id);
+    Eigen::VectorXd assumed = Eigen::VectorXd::Zero(record.kind.stored_size);
+    if (entry.unknown == "gnss_lever_arm") assumed = config.gnss->lever_arm_b_m;
+    if (entry.unknown == "lidar_lever_arm" && config.lidar)
+      assumed = config.lidar->mounting.lever_arm_b_m;
+    const Eigen::VectorXd sigma = marginals.Covariance(id).diagonal().cwiseMax(0.0).cwiseSqrt();
+    UnknownEstimate estimate{entry.unknown, record.label.unit, {}, {}};
+    for (int i = 0; i < record.kind.stored_size; ++i) {
+      estimate.value.push_back((record.value[static_cast<std::size_t>(i)] - assumed[i]) *
+                               record.label.per_si);
+      estimate.sigma.push_back(sigma[i] * record.label.per_si);
+    }
+    estimates.push_back(estimate);
+  }
+  return estimates;
+}
+
+}  // namespace dn

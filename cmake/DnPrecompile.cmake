@@ -1,0 +1,36 @@
+# The heavy headers of the dependencies, compiled once for all layers, once for all programs and once
+# for all tests: half of the compile time. Headers of the project itself are never among them, so
+# that a wrong include remains an error. Off: every file must then include what it uses.
+option(DN_PRECOMPILE "Precompile the heavy headers of the dependencies" ON)
+
+set(DN_HEAVY_HEADERS
+  <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <Eigen/SVD>
+  <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <numeric>
+  <optional> <sstream> <string> <utility> <vector>)
+
+function(dn_add_precompiled name)
+  cmake_parse_arguments(A "POSITION_INDEPENDENT" "" "HEADERS;LINK" ${ARGN})
+  if(NOT DN_PRECOMPILE)
+    return()
+  endif()
+  add_library(${name} OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled.cc)
+  target_compile_features(${name} PUBLIC cxx_std_20)
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen Ceres::ceres ${A_LINK} dn_dev_flags)
+  target_precompile_headers(${name} PRIVATE ${DN_HEAVY_HEADERS} ${A_HEADERS})
+  if(A_POSITION_INDEPENDENT)
+    set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
+endfunction()
+
+# dn_use_precompiled(<target> <name of dn_add_precompiled>)
+function(dn_use_precompiled target name)
+  if(DN_PRECOMPILE)
+    target_precompile_headers(${target} REUSE_FROM ${name})
+  endif()
+endfunction()
+
+dn_add_precompiled(dn_layer_headers POSITION_INDEPENDENT)
+dn_add_precompiled(dn_program_headers)
+if(DN_BUILD_TESTS)
+  dn_add_precompiled(dn_test_headers HEADERS <gtest/gtest.h> <gmock/gmock.h> LINK GTest::gmock)
+endif()

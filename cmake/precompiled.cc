@@ -1,0 +1,1 @@
+// The precompiled headers need a file that they are compiled with.

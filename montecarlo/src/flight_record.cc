@@ -1,0 +1,159 @@
+#include <dn/montecarlo/flight_record.h>
+
+#include <dn/calibration/adjust.h>
+#include <dn/calibration/model_check.h>
+#include <dn/error.h>
+#include <dn/rotation.h>
+#include <dn/solvers/marginals.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace dn::apps {
+namespace {
+
+/// The truth of a simulated flight at the epochs of its network.
+class Truth {
+ public:
+  Truth(const SimulatedFlight& simulated, const FlightNetwork& network)
+      : simulated_(simulated), network_(network) {}
+
+  MapPose Pose(double t_s) const { return simulated_.truth->Pose(t_s); }
+
+  // The network holds a bias over an interval: its truth is the mean over the samples in there.
+  Eigen::Vector3d Bias(const std::vector<BiasChain>& chains,
+                       const std::vector<Eigen::Vector3d>& samples, double t_s) const {
+    double begin_s = network_.node_times().front(), end_s = network_.node_times().back();
+    for (const BiasChain& chain : chains) {
+      const auto next =
+          std::upper_bound(chain.t_begin_s.begin(), chain.t_begin_s.end(), t_s + 1e-9);
+      begin_s = std::max(begin_s, *(next - 1));
+      if (next != chain.t_begin_s.end()) end_s = std::min(end_s, *next);
+    }
+    const auto [first, past] = SampleRange(*simulated_.flight.imu, begin_s, end_s);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t k = first; k < past; ++k) sum += samples[k];
+    return sum / static_cast<double>(past - first);
+  }
+
+ private:
+  const SimulatedFlight& simulated_;
+  const FlightNetwork& network_;
+};
+
+void SetErrors(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance,
+               std::size_t quantity, EpochErrors* out) {
+  if (covariance.isZero(0.0)) {  // not estimated
+    out->nees[quantity] = std::numeric_limits<double>::quiet_NaN();
+    out->sigmas[quantity].setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  out->nees[quantity] = error.dot(covariance.ldlt().solve(error));
+  out->sigmas[quantity] = error.cwiseQuotient(covariance.diagonal().cwiseSqrt());
+}
+
+EpochErrors ErrorsAt(const SimulatedFlight& simulated, const FlightNetwork& network, std::size_t k,
+                     const Marginals& marginals) {
+  const Truth truth(simulated, network);
+  const NodeBlocks& node = network.nodes[k];
+  const MapPose estimate = network.NodePose(k);
+  const MapPose pose = truth.Pose(node.t_s);
+  EpochErrors errors;
+  errors.t_s = node.t_s - network.nodes.front().t_s;
+  SetErrors(estimate.p_mb - pose.p_mb, marginals.DiagonalBlock(node.p_mb.id), 0, &errors);
+  SetErrors(estimate.v_m - pose.v_m, marginals.DiagonalBlock(node.v_m.id), 1, &errors);
+  SetErrors(Log(Eigen::Quaterniond(pose.q_mb.conjugate() * estimate.q_mb)),
+            marginals.DiagonalBlock(node.q_mb.id), 2, &errors);
+  SetErrors(network.GyroBias(node.t_s) -
+                truth.Bias(network.gyro_bias, simulated.gyro_bias_radps, node.t_s),
+            TotalBiasCovariance(network.gyro_bias, node.t_s, marginals), 3, &errors);
+  SetErrors(network.AccelBias(node.t_s) -
+                truth.Bias(network.accel_bias, simulated.accel_bias_mps2, node.t_s),
+            TotalBiasCovariance(network.accel_bias, node.t_s, marginals), 4, &errors);
+  return errors;
+}
+
+void AddTrajectoryRms(const SimulatedFlight& simulated, const FlightNetwork& network,
+                      FlightRecord* record) {
+  Eigen::Vector3d p2 = Eigen::Vector3d::Zero(), v2 = p2, rph2 = p2;
+  const LocalFrame& frame = network.flight().frame;
+  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+    const MapPose estimate = network.NodePose(k);
+    const MapPose truth = simulated.truth->Pose(estimate.t_s);
+    p2 += (estimate.p_mb - truth.p_mb).cwiseAbs2();
+    v2 += (estimate.v_m - truth.v_m).cwiseAbs2();
+    const Eigen::Vector3d difference = RollPitchHeading(ToNavPoint(estimate, frame).q_nb) -
+                                       RollPitchHeading(ToNavPoint(truth, frame).q_nb);
+    for (int i = 0; i < 3; ++i) rph2[i] += std::pow(std::remainder(difference[i], 2.0 * M_PI), 2);
+  }
+  const auto n = static_cast<double>(network.nodes.size());
+  record->position_rms_m = (p2 / n).cwiseSqrt();
+  record->velocity_rms_mps = (v2 / n).cwiseSqrt();
+  record->attitude_rms_rad = (rph2 / n).cwiseSqrt();
+}
+
+void AddErrors(const SimulatedFlight& simulated, const Adjustment& adjustment,
+               const Marginals& marginals, double epoch_spacing_s, FlightRecord* record) {
+  const FlightNetwork& network = *adjustment.network;
+  double next_s = 0.0;
+  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+    if (network.nodes[k].t_s < network.nodes.front().t_s + next_s - 1e-6) continue;
+    record->epochs.push_back(ErrorsAt(simulated, network, k, marginals));
+    next_s += epoch_spacing_s;
+  }
+  AddTrajectoryRms(simulated, network, record);
+  if (!record->with_pairs) return;
+  const Eigen::Quaterniond q = network.net.Value(network.boresight);
+  record->boresight_error_rad =
+      Log(Eigen::Quaterniond(q * Exp(simulated.boresight_rad).conjugate()));
+  record->boresight_covariance_rad2 = marginals.Covariance(network.boresight);
+}
+
+}  // namespace
+
+double FlightRecord::BoresightNees() const {
+  return boresight_error_rad.dot(boresight_covariance_rad2.ldlt().solve(boresight_error_rad));
+}
+
+FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
+                       const FlightRecordOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  SimulateOptions simulate;
+  simulate.seed = seed;
+  simulate.progress = [&](const std::string&, double) {
+    if (options.interrupted && options.interrupted()) throw dn::Interrupted();
+  };
+  const SimulatedFlight simulated = Simulate(scenario, simulate);
+  FlightRecord record;
+  record.seed = seed;
+  record.with_pairs = options.with_pairs;
+  try {
+    AdjustOptions adjust;
+    adjust.with_pairs = options.with_pairs;
+    adjust.interrupted = options.interrupted;
+    const Adjustment adjustment = Adjust(simulated.flight, adjust);
+    Marginals marginals(adjustment.network->net);
+    marginals.ComputeSelectedInverse();
+    const TrajectoryResult trajectory = ExtractTrajectory(adjustment, marginals);
+    record.chi2 = trajectory.figures.chi2;
+    record.redundancy = trajectory.figures.redundancy;
+    record.outliers = adjustment.outliers;
+    const ModelCheck check = CheckModel(adjustment, marginals, trajectory);
+    record.contradicted = check.contradicted();
+    record.check_p_value = check.p_value;
+    record.residuals = trajectory.residuals;
+    record.innovations = trajectory.innovations;
+    AddErrors(simulated, adjustment, marginals, options.epoch_spacing_s, &record);
+  } catch (const dn::Interrupted&) {
+    throw;
+  } catch (const std::exception& error) {
+    record.failure = error.what();
+  }
+  record.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return record;
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,386 @@
+#include <dn/navigation/alignment.h>
+#include <dn/builder/flight_network.h>
+#include <dn/imu/preintegration.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace dn {
+namespace {
+
+// Window of the in-flight alignment: long enough for a turn, short enough for the drift of the
+// gyros.
+constexpr double kWindowS = 180.0;
+constexpr double kDriftLimitRad = 5.0 * kRadPerDeg;
+// Acceleration noise of the second differences that is aimed at by choosing their spacing.
+constexpr double kSecondDifferenceMps2 = 0.1;
+// Sum of velocity changes after which a heading hypothesis has been put to the test.
+constexpr double kEnoughVelocityChangeMps = 60.0;
+constexpr double kMinDecisionS = 120.0;
+constexpr double kHuberSigmas = 4.0;
+// Floors of the filter's measurement sigmas while headings are compared, and in each refinement
+// after it.
+constexpr double kCoarseFloor[] = {0.5, 0.1, 0.02};
+
+PreintegrationNoise NoNoise() { return {}; }
+
+double TypicalBias(const SensorNoise& sensor) {
+  double variance = 0.0;
+  for (const BiasProcess& process : sensor.processes) {
+    if (process.type != BiasProcess::Type::kRandomWalk) variance += process.sigma * process.sigma;
+  }
+  return std::sqrt(variance);
+}
+
+struct Antenna {
+  double t_s;
+  Eigen::Vector3d p_m;
+};
+
+std::vector<Antenna> AntennaTrack(const Flight& flight, const TimeInterval& span) {
+  std::vector<Antenna> track;
+  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+    if (epoch.t_s >= span.t0_s - 1e-6 && epoch.t_s <= span.t1_s + 1e-6) {
+      track.push_back({epoch.t_s, flight.frame.ToMap(epoch.antenna)});
+    }
+  }
+  return track;
+}
+
+double TypicalSigma(const Flight& flight) {
+  const GnssEpoch& first = flight.gnss->epochs.front();
+  return std::sqrt(
+      GnssPositionCovariance(first, *flight.config.gnss, flight.frame).diagonal().maxCoeff());
+}
+
+struct StillStart {
+  bool still = false;
+  double t_end_s = 0.0;
+  Eigen::Vector3d mean_w_b = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_f_b = Eigen::Vector3d::Zero();
+};
+
+// At rest as long as no second departs from the first ones by more than handling or an engine would
+// make it.
+StillStart FindStillStart(const Flight& flight, double t0_s) {
+  constexpr double kFirstS = 2.0, kMinS = 5.0, kGyroRadps = 0.02, kAccelMps2 = 0.2;
+  const ImuData& imu = *flight.imu;
+  StillStart result;
+  Eigen::Vector3d sum_w = Eigen::Vector3d::Zero(), sum_f = Eigen::Vector3d::Zero();
+  Eigen::Vector3d second_w = Eigen::Vector3d::Zero(), second_f = Eigen::Vector3d::Zero();
+  double n = 0.0, n_second = 0.0;
+  double second_end_s = t0_s + 1.0;
+  for (std::size_t k = SampleRange(imu, t0_s, imu.t_end_s()).first; k < imu.samples.size(); ++k) {
+    const ImuSample& sample = imu.samples[k];
+    second_w += sample.w_ib_b_radps;
+    second_f += sample.f_b_mps2;
+    n_second += 1.0;
+    if (sample.t_s < second_end_s) continue;
+    second_w /= n_second;
+    second_f /= n_second;
+    if (sample.t_s - t0_s > kFirstS && ((second_w - sum_w / n).norm() > kGyroRadps ||
+                                        (second_f - sum_f / n).norm() > kAccelMps2)) {
+      break;
+    }
+    sum_w += n_second * second_w;
+    sum_f += n_second * second_f;
+    n += n_second;
+    result.t_end_s = sample.t_s;
+    second_w.setZero();
+    second_f.setZero();
+    n_second = 0.0;
+    second_end_s += 1.0;
+  }
+  if (n < 1.0 || result.t_end_s - t0_s < kMinS) return result;
+  const std::vector<Antenna> track = AntennaTrack(flight, {t0_s, result.t_end_s});
+  const double moved_m = track.size() < 2 ? 0.0 : (track.back().p_m - track.front().p_m).norm();
+  result.still = moved_m < 0.2 + 5.0 * TypicalSigma(flight);
+  result.mean_w_b = sum_w / n;
+  result.mean_f_b = sum_f / n;
+  return result;
+}
+
+// Body -> map from two pairs of directions, the first one kept exactly.
+Eigen::Quaterniond FromTwoDirections(const Eigen::Vector3d& up_b, const Eigen::Vector3d& other_b,
+                                     const Eigen::Vector3d& up_m, const Eigen::Vector3d& other_m) {
+  const auto triad = [](const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
+    Eigen::Matrix3d M;
+    M.col(0) = first.normalized();
+    M.col(1) = first.cross(second).normalized();
+    M.col(2) = M.col(0).cross(M.col(1));
+    return M;
+  };
+  return Eigen::Quaterniond(
+      Eigen::Matrix3d(triad(up_m, other_m) * triad(up_b, other_b).transpose()));
+}
+
+struct InFlight {
+  Eigen::Quaterniond q_mb = Eigen::Quaterniond::Identity();
+  double sigma_heading_rad = 1e9;
+  bool valid = false;
+};
+
+/// Wahba's problem R_a alpha_k = beta_k in the inertial frame that coincides with m at the first
+/// epoch:
+///   beta = X2 - 2 X1 + X0 - D^2 C G,  X = C(t) (r0 + p)        from the antenna positions
+///   alpha = dR_a0 (D dv01 - dp01) + dR_a1 dp12 + lever terms     from the inertial data
+InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const ImuCorrection& bias) {
+  const std::vector<Antenna> track = AntennaTrack(flight, span);
+  const LocalFrame& frame = flight.frame;
+  const Eigen::Vector3d l_b = flight.config.gnss->lever_arm_b_m;
+  const double sigma_m = TypicalSigma(flight);
+  const double spacing_s =
+      std::max(1.0, std::sqrt(std::sqrt(6.0) * sigma_m / kSecondDifferenceMps2));
+  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
+  double horizontal2 = 0.0;
+  int used = 0;
+  Eigen::Quaterniond q_a0 = Eigen::Quaterniond::Identity();
+  std::size_t i0 = 0;
+  const auto inertial = [&](const Antenna& a) {
+    const Eigen::Quaterniond C = Exp(Eigen::Vector3d(frame.w_ie_m() * (a.t_s - track.front().t_s)));
+    return Eigen::Vector3d(C * (frame.r0_m() + a.p_m));
+  };
+  const auto later = [&](std::size_t i) {
+    std::size_t j = i + 1;
+    while (j < track.size() && track[j].t_s - track[i].t_s < spacing_s - 1e-3) ++j;
+    return j;
+  };
+  while (i0 < track.size()) {
+    const std::size_t i1 = later(i0);
+    const std::size_t i2 = i1 < track.size() ? later(i1) : track.size();
+    if (i2 >= track.size() || HasGap(*flight.imu, track[i0].t_s, track[i2].t_s)) break;
+    const double D = track[i1].t_s - track[i0].t_s;
+    const double D2 = track[i2].t_s - track[i1].t_s;
+    const Preintegrated a =
+        Preintegrate(*flight.imu, track[i0].t_s, track[i1].t_s, bias, NoNoise());
+    if (std::abs(D2 - D) < 1e-3) {
+      const Preintegrated b =
+          Preintegrate(*flight.imu, track[i1].t_s, track[i2].t_s, bias, NoNoise());
+      const Eigen::Quaterniond q_a1 = q_a0 * a.delta_q;
+      const Eigen::Vector3d alpha = q_a0 * (D * a.delta_v - a.delta_p) + q_a1 * b.delta_p +
+                                    (q_a1 * b.delta_q) * l_b - 2.0 * (q_a1 * l_b) + q_a0 * l_b;
+      const Eigen::Quaterniond C =
+          Exp(Eigen::Vector3d(frame.w_ie_m() * (track[i1].t_s - track.front().t_s)));
+      const Eigen::Vector3d beta = inertial(track[i2]) - 2.0 * inertial(track[i1]) +
+                                   inertial(track[i0]) -
+                                   D * D * (C * frame.Attraction(track[i1].p_m));
+      B += beta * alpha.transpose() / std::pow(D, 4);
+      horizontal2 += beta.head<2>().squaredNorm() / std::pow(D, 4);
+      ++used;
+    }
+    q_a0 = q_a0 * a.delta_q;
+    i0 = i1;
+  }
+  InFlight result;
+  if (used < 3) return result;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d signs(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant());
+  result.q_mb = Eigen::Quaterniond(
+      Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()));
+  const double noise_mps2 = std::sqrt(6.0) * sigma_m / (spacing_s * spacing_s);
+  const double excess = horizontal2 - 2.0 * used * noise_mps2 * noise_mps2;
+  if (excess > 0.0) result.sigma_heading_rad = noise_mps2 / std::sqrt(excess);
+  result.valid = true;
+  return result;
+}
+
+struct Candidate {
+  Eigen::Quaterniond q_mb;
+  double sigma_heading_rad;
+  std::string method;
+};
+
+std::vector<Candidate> AllHeadings(const Eigen::Quaterniond& q_mb, const std::string& method) {
+  std::vector<Candidate> candidates;
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Quaterniond turn = Exp(Eigen::Vector3d(0.0, 0.0, k * std::numbers::pi / 4.0));
+    candidates.push_back({turn * q_mb, 25.0 * kRadPerDeg, method});
+  }
+  return candidates;
+}
+
+double WindowFor(const Flight& flight, const StillStart& still) {
+  if (still.still) return kWindowS;
+  const double drift_radps = TypicalBias(flight.config.imu->model.gyro);
+  return std::clamp(kDriftLimitRad / std::max(drift_radps, 1e-9), 20.0, kWindowS);
+}
+
+std::vector<Candidate> Candidates(const Flight& flight, const TimeInterval& span,
+                                  const StillStart& still, const ImuCorrection& bias) {
+  std::vector<Candidate> candidates;
+  if (flight.initial_guess && flight.initial_guess->Covers(span.t0_s)) {
+    const MapPose pose = InterpolatePose(flight.initial_guess->InMap(flight.frame), span.t0_s);
+    candidates.push_back({pose.q_mb, 5.0 * kRadPerDeg, "initial guess"});
+  }
+  if (still.still) {
+    const double bias_radps = TypicalBias(flight.config.imu->model.gyro);
+    const Eigen::Vector3d up_m(0.0, 0.0, 1.0);
+    const Eigen::Vector3d w_m = flight.frame.w_ie_m();
+    if (bias_radps < 0.1 * kEarthRateRadps) {
+      candidates.push_back({FromTwoDirections(still.mean_f_b, still.mean_w_b, up_m, w_m),
+                            std::max(bias_radps / w_m.head<2>().norm(), 0.2 * kRadPerDeg),
+                            "gyrocompass"});
+    }
+    const Eigen::Vector3d forward_b(1.0, 0.0, 0.0), east_m(1.0, 0.0, 0.0);
+    const auto levelled =
+        AllHeadings(FromTwoDirections(still.mean_f_b, forward_b, up_m, east_m), "levelling");
+    candidates.insert(candidates.end(), levelled.begin(), levelled.end());
+    return candidates;
+  }
+  const double t1_s = std::min(span.t1_s, span.t0_s + WindowFor(flight, still));
+  const InFlight in_flight = AlignInFlight(flight, {span.t0_s, t1_s}, bias);
+  if (in_flight.valid) {
+    candidates.push_back(
+        {in_flight.q_mb,
+         std::clamp(3.0 * in_flight.sigma_heading_rad, 3.0 * kRadPerDeg, 25.0 * kRadPerDeg),
+         "in-flight"});
+    const auto turned = AllHeadings(in_flight.q_mb, "levelling");
+    candidates.insert(candidates.end(), turned.begin() + 1, turned.end());
+  }
+  if (candidates.empty()) {
+    throw InvalidInput(
+        "alignment: no attitude can be found at the start of the flight: fewer than three evenly "
+        "spaced GNSS "
+        "epochs without an IMU gap, and not at rest; give initial_guess.txt");
+  }
+  return candidates;
+}
+
+MapPose StartPose(const Flight& flight, const TimeInterval& span, const Eigen::Quaterniond& q_mb) {
+  const std::vector<Antenna> track = AntennaTrack(flight, span);
+  MapPose pose;
+  pose.t_s = span.t0_s;
+  pose.q_mb = q_mb;
+  pose.p_mb = track.front().p_m - q_mb * flight.config.gnss->lever_arm_b_m;
+  const double spacing_s = std::max(1.0, 2.0 * TypicalSigma(flight));
+  std::size_t j = 1;
+  while (j + 1 < track.size() && track[j].t_s - track[0].t_s < spacing_s - 1e-3) ++j;
+  pose.v_m = (track[j].p_m - track[0].p_m) / (track[j].t_s - track[0].t_s);
+  const GnssEpoch* first = nullptr;
+  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+    if (std::abs(epoch.t_s - track.front().t_s) < 1e-6) first = &epoch;
+  }
+  if (first != nullptr && UsesVelocity(*first, *flight.config.gnss)) {
+    pose.v_m = flight.frame.R_m_enu(track.front().p_m) * *first->velocity_enu_mps;
+  }
+  return pose;
+}
+
+double DecisionTime(const Flight& flight, const TimeInterval& span) {
+  constexpr double kStepS = 5.0;
+  const std::vector<Antenna> track = AntennaTrack(flight, span);
+  double changes = 0.0;
+  Eigen::Vector3d v_before = Eigen::Vector3d::Zero();
+  std::size_t i = 0;
+  const double noise_mps = 2.0 * TypicalSigma(flight) / kStepS;
+  for (std::size_t j = 1; j < track.size(); ++j) {
+    if (track[j].t_s - track[i].t_s < kStepS - 1e-3) continue;
+    const Eigen::Vector3d v = (track[j].p_m - track[i].p_m) / (track[j].t_s - track[i].t_s);
+    changes += std::max(0.0, (v - v_before).norm() - noise_mps);
+    v_before = v;
+    i = j;
+    if (changes > kEnoughVelocityChangeMps && track[j].t_s > span.t0_s + kMinDecisionS)
+      return track[j].t_s;
+  }
+  return span.t1_s;
+}
+
+FilterState StartState(const Flight& flight, const TimeInterval& span, const Candidate& candidate,
+                       const ImuCorrection& bias, double sigma_tilt_rad) {
+  const double sigma_m = TypicalSigma(flight);
+  return MakeFilterState(flight, StartPose(flight, span, candidate.q_mb), bias.gyro_bias_radps,
+                         bias.accel_bias_mps2,
+                         {sigma_tilt_rad, sigma_tilt_rad, candidate.sigma_heading_rad},
+                         3.0 * sigma_m, 5.0 + 2.0 * sigma_m);
+}
+
+// The attitude at the start that the filter's last attitude implies, through the gyros alone.
+Eigen::Quaterniond BackToStart(const Flight& flight, const FilterState& last, double t0_s) {
+  const ImuCorrection bias{last.TotalGyroBias(), last.TotalAccelBias()};
+  const Preintegrated whole = Preintegrate(*flight.imu, t0_s, last.pose.t_s, bias, NoNoise());
+  const Eigen::Quaterniond C = Exp(Eigen::Vector3d(flight.frame.w_ie_m() * (last.pose.t_s - t0_s)));
+  return (C * last.pose.q_mb) * whole.delta_q.conjugate();
+}
+
+}  // namespace
+
+TimeInterval NetworkSpan(const Flight& flight, bool with_pairs) {
+  const ImuData& imu = *flight.imu;
+  TimeInterval span{1e300, -1e300};
+  long inside = 0;
+  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+    if (epoch.t_s < imu.t_begin_s() + 1e-6 || epoch.t_s > imu.t_end_s() - 1e-6) continue;
+    span.t0_s = std::min(span.t0_s, epoch.t_s);
+    span.t1_s = std::max(span.t1_s, epoch.t_s);
+    ++inside;
+  }
+  if (inside < 3) {
+    throw InvalidInput("the IMU data cover " + std::to_string(inside) +
+                       " GNSS epochs, at least three are needed");
+  }
+  if (with_pairs && flight.pairs) {
+    for (const LidarPair& pair : flight.pairs->pairs) {
+      span.t0_s = std::min({span.t0_s, pair.t_i_s, pair.t_j_s});
+      span.t1_s = std::max({span.t1_s, pair.t_i_s, pair.t_j_s});
+    }
+  }
+  return span;
+}
+
+std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span) {
+  std::vector<double> times;
+  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+    if (epoch.t_s >= span.t0_s - 1e-6 && epoch.t_s <= span.t1_s + 1e-6) times.push_back(epoch.t_s);
+  }
+  return times;
+}
+
+Alignment Align(const Flight& flight, const std::vector<double>& times,
+                const std::function<bool()>& interrupted) {
+  const TimeInterval span{times.front(), times.back()};
+  const StillStart still = FindStillStart(flight, span.t0_s);
+  ImuCorrection bias;
+  if (still.still && TypicalBias(flight.config.imu->model.gyro) > kEarthRateRadps) {
+    bias.gyro_bias_radps = still.mean_w_b;
+  }
+  const std::vector<Candidate> candidates = Candidates(flight, span, still, bias);
+  FilterOptions options;
+  options.interrupted = interrupted;
+  options.huber_sigmas = kHuberSigmas;
+  options.t_end_s = DecisionTime(flight, span);
+  const auto set_floor = [&](int pass) {
+    options.position_floor_m = options.velocity_floor_mps = kCoarseFloor[pass];
+  };
+  set_floor(0);
+
+  Candidate best = candidates.front();
+  FilterRun best_run;
+  best_run.log_likelihood = -1e300;
+  for (const Candidate& candidate : candidates) {
+    FilterRun run = RunForwardFilter(
+        flight, times, StartState(flight, span, candidate, bias, 3.0 * kRadPerDeg), options);
+    if (!(run.log_likelihood > best_run.log_likelihood)) continue;
+    best = candidate;
+    best_run = std::move(run);
+  }
+  for (int pass = 1; pass < 3 && !HasGap(*flight.imu, span.t0_s, best_run.last.pose.t_s); ++pass) {
+    set_floor(pass);
+    best.q_mb = BackToStart(flight, best_run.last, span.t0_s);
+    best_run = RunForwardFilter(flight, times,
+                                StartState(flight, span, best, bias, 3.0 * kRadPerDeg), options);
+  }
+  options.position_floor_m = options.velocity_floor_mps = 0.0;
+  Alignment result;
+  options.t_end_s = 1e300;
+  result.run = RunForwardFilter(flight, times,
+                                StartState(flight, span, best, bias, 3.0 * kRadPerDeg), options);
+  result.method = best.method;
+  result.candidates = static_cast<int>(candidates.size());
+  result.heading_rad =
+      RollPitchHeading(ToNavPoint(result.run.states.front().pose, flight.frame).q_nb).z();
+  return result;
+}
+
+}  // namespace dn

@@ -1,0 +1,265 @@
+#include <dn/builder/flight_network.h>
+#include <dn/navigation/forward_filter.h>
+#include <dn/interrupted.h>
+#include <dn/factors/gnss_position.h>
+#include <dn/factors/gnss_velocity.h>
+#include <dn/factors/preintegrated_inertial.h>
+#include <dn/imu/strapdown.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "measurement_noise.h"
+
+namespace dn {
+namespace {
+
+constexpr int kNav = 9;  // attitude, position, velocity
+
+// What may have happened in a hole of the inertial data, per second of it: attitude and velocity.
+constexpr double kGapAttitudeRadps = 0.3;
+constexpr double kGapAccelMps2 = 5.0;
+
+Eigen::Vector3d SumOf(const std::vector<Eigen::Vector3d>& biases) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& bias : biases) sum += bias;
+  return sum;
+}
+
+Eigen::Matrix3d Isotropic(double sigma) { return sigma * sigma * Eigen::Matrix3d::Identity(); }
+
+class Filter {
+ public:
+  Filter(const Flight& flight, const FilterState& start, const FilterOptions& options)
+      : flight_(flight), options_(options), state_(start) {
+    const ImuModel& model = flight.config.imu->model;
+    noise_ = {model.gyro.white, model.accel.white, FlightNetworkOptions{}.position_floor_m};
+  }
+
+  void PredictTo(double t_s) {
+    if (t_s - state_.pose.t_s < 1e-7) return;
+    if (HasGap(*flight_.imu, state_.pose.t_s, t_s)) {
+      PredictOverGap(t_s);
+    } else {
+      PredictInertially(t_s);
+    }
+    StepBiases(t_s - state_.pose.t_s);
+    state_.pose.t_s = t_s;
+  }
+
+  void UpdatePosition(const GnssEpoch& epoch) {
+    const GnssConfig& config = *flight_.config.gnss;
+    const GnssPosition factor(
+        flight_.frame.ToMap(epoch.antenna),
+        internal::MeasurementNoise(GnssPositionCovariance(epoch, config, flight_.frame) +
+                                       Isotropic(options_.position_floor_m),
+                                   "the GNSS position", epoch.t_s,
+                                   "check its sigmas and gnss.sigma_scale"));
+    const std::vector<const double*> x{state_.pose.q_mb.coeffs().data(), state_.pose.p_mb.data(),
+                                       config.lever_arm_b_m.data()};
+    Update(factor, x, {0, 3, -1}, false);
+  }
+
+  void UpdateVelocity(const GnssEpoch& epoch) {
+    const GnssConfig& config = *flight_.config.gnss;
+    const Preintegrated here = IdentityIncrement(*flight_.imu, epoch.t_s, Correction());
+    const GnssVelocity factor = MakeGnssVelocity(epoch, config, flight_.frame, here.w_end_b_radps,
+                                                 Isotropic(options_.velocity_floor_mps));
+    const std::vector<const double*> x{state_.pose.q_mb.coeffs().data(), state_.pose.v_m.data(),
+                                       config.lever_arm_b_m.data()};
+    Update(factor, x, {0, 6, -1}, true);
+  }
+
+  const FilterState& state() const { return state_; }
+  FilterRun run;
+
+ private:
+  ImuCorrection Correction() const { return {state_.TotalGyroBias(), state_.TotalAccelBias()}; }
+
+  void PredictOverGap(double t_s) {
+    const double dt_s = t_s - state_.pose.t_s;
+    state_.pose.p_mb += dt_s * state_.pose.v_m;
+    auto diagonal = state_.covariance.diagonal();
+    diagonal.segment<3>(0).array() += std::pow(kGapAttitudeRadps * dt_s, 2);
+    diagonal.segment<3>(3).array() += std::pow(0.5 * kGapAccelMps2 * dt_s * dt_s, 2);
+    diagonal.segment<3>(6).array() += std::pow(kGapAccelMps2 * dt_s, 2);
+  }
+
+  // e(x_i, x_j, b) = 0 linearised: d x_j = -J_j^-1 (J_i d x_i + J_b d b + white), all from the edge
+  // itself.
+  void PredictInertially(double t_s) {
+    const std::size_t ng = state_.gyro_bias.size();
+    const std::size_t na = state_.accel_bias.size();
+    const Preintegrated increment =
+        Preintegrate(*flight_.imu, state_.pose.t_s, t_s, Correction(), noise_);
+    const MapPose next = Propagate(flight_.frame, state_.pose, increment);
+    const PreintegratedInertial factor(increment, flight_.frame, state_.pose.p_mb, next.p_mb,
+                                       static_cast<int>(ng), static_cast<int>(na));
+    std::vector<const double*> x{
+        state_.pose.q_mb.coeffs().data(), state_.pose.p_mb.data(), state_.pose.v_m.data(),
+        next.q_mb.coeffs().data(),        next.p_mb.data(),        next.v_m.data()};
+    for (const Eigen::Vector3d& bias : state_.gyro_bias) x.push_back(bias.data());
+    for (const Eigen::Vector3d& bias : state_.accel_bias) x.push_back(bias.data());
+    Eigen::VectorXd r;
+    std::vector<Eigen::MatrixXd> J;
+    EvaluateInTangent(factor, x, &r, &J);
+
+    const Eigen::Index n = state_.covariance.rows();
+    Eigen::MatrixXd J_from(kNav, n);
+    J_from << J[0], J[1], J[2], Eigen::MatrixXd::Zero(kNav, n - kNav);
+    for (std::size_t b = 0; b < ng + na; ++b) {
+      J_from.middleCols<3>(kNav + 3 * static_cast<Eigen::Index>(b)) = J[6 + b];
+    }
+    Eigen::Matrix<double, kNav, kNav> J_to;
+    J_to << J[3], J[4], J[5];
+    const Eigen::Matrix<double, kNav, kNav> J_to_inverse = J_to.inverse();
+    Eigen::MatrixXd transition = Eigen::MatrixXd::Identity(n, n);
+    transition.topRows<kNav>() = -J_to_inverse * J_from;
+    state_.covariance = transition * state_.covariance * transition.transpose();
+    state_.covariance.topLeftCorner<kNav, kNav>() += J_to_inverse * J_to_inverse.transpose();
+    state_.pose = {state_.pose.t_s, next.q_mb, next.p_mb, next.v_m};
+  }
+
+  void StepBiases(double dt_s) {
+    const ImuModel& model = flight_.config.imu->model;
+    Eigen::Index row = kNav;
+    const auto step = [&](const SensorNoise& sensor, std::vector<Eigen::Vector3d>& biases) {
+      for (std::size_t i = 0; i < biases.size(); ++i, row += 3) {
+        const BiasProcess& process = sensor.processes[i];
+        if (process.type == BiasProcess::Type::kGaussMarkov) {
+          const GaussMarkovStep gm = DiscretiseGaussMarkov(process.sigma, process.tau_s, dt_s);
+          biases[i] *= gm.phi;
+          state_.covariance.middleRows<3>(row) *= gm.phi;
+          state_.covariance.middleCols<3>(row) *= gm.phi;
+          state_.covariance.diagonal().segment<3>(row).array() += gm.q;
+        } else if (process.type == BiasProcess::Type::kRandomWalk) {
+          state_.covariance.diagonal().segment<3>(row).array() +=
+              process.sigma * process.sigma * dt_s;
+        }
+      }
+    };
+    step(model.gyro, state_.gyro_bias);
+    step(model.accel, state_.accel_bias);
+  }
+
+  // rows: where each block of the factor stands in the state; -1: known.
+  void Update(const FactorBase& factor, const std::vector<const double*>& x,
+              const std::vector<Eigen::Index>& rows, bool velocity) {
+    Eigen::VectorXd r;
+    std::vector<Eigen::MatrixXd> J;
+    EvaluateInTangent(factor, x, &r, &J);
+    const Eigen::Index n = state_.covariance.rows();
+    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(3, n);
+    for (std::size_t b = 0; b < rows.size(); ++b) {
+      if (rows[b] >= 0) H.middleCols<3>(rows[b]) = J[b];
+    }
+    const Eigen::MatrixXd PHt = state_.covariance * H.transpose();
+    const Eigen::Matrix3d predicted = H * PHt;
+    Eigen::Matrix3d S = predicted + Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d innovation = -r;
+    const double nis = innovation.dot(S.llt().solve(innovation));
+    run.innovations.push_back(
+        {state_.pose.t_s, velocity, innovation.cwiseQuotient(S.diagonal().cwiseSqrt()), nis});
+    double noise_scale = 1.0;
+    if (options_.huber_sigmas > 0.0 && nis > options_.huber_sigmas * options_.huber_sigmas) {
+      noise_scale = std::sqrt(nis) / options_.huber_sigmas;
+      S = predicted + noise_scale * noise_scale * Eigen::Matrix3d::Identity();
+    }
+    const Eigen::LLT<Eigen::Matrix3d> llt(S);
+    const Eigen::MatrixXd K = llt.solve(PHt.transpose()).transpose();
+    const double weighted = innovation.dot(llt.solve(innovation));
+    const Eigen::Matrix3d L = llt.matrixL();
+    run.log_likelihood -= 0.5 * weighted + L.diagonal().array().log().sum();
+    Correct(K * innovation);
+    const Eigen::MatrixXd I_KH = Eigen::MatrixXd::Identity(n, n) - K * H;
+    state_.covariance =
+        I_KH * state_.covariance * I_KH.transpose() + noise_scale * noise_scale * K * K.transpose();
+  }
+
+  void Correct(const Eigen::VectorXd& step) {
+    state_.pose.q_mb = (state_.pose.q_mb * Exp(Eigen::Vector3d(step.segment<3>(0)))).normalized();
+    state_.pose.p_mb += step.segment<3>(3);
+    state_.pose.v_m += step.segment<3>(6);
+    Eigen::Index row = kNav;
+    for (Eigen::Vector3d& bias : state_.gyro_bias) {
+      bias += step.segment<3>(row);
+      row += 3;
+    }
+    for (Eigen::Vector3d& bias : state_.accel_bias) {
+      bias += step.segment<3>(row);
+      row += 3;
+    }
+  }
+
+  const Flight& flight_;
+  FilterOptions options_;
+  FilterState state_;
+  PreintegrationNoise noise_;
+};
+
+FilterState WithoutCovariance(const FilterState& state) {
+  return {state.pose, state.gyro_bias, state.accel_bias, {}};
+}
+
+}  // namespace
+
+Eigen::Vector3d FilterState::TotalGyroBias() const { return SumOf(gyro_bias); }
+Eigen::Vector3d FilterState::TotalAccelBias() const { return SumOf(accel_bias); }
+
+FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
+                            const Eigen::Vector3d& gyro_bias_radps,
+                            const Eigen::Vector3d& accel_bias_mps2,
+                            const Eigen::Vector3d& sigma_attitude_rad, double sigma_position_m,
+                            double sigma_velocity_mps) {
+  const ImuModel& model = flight.config.imu->model;
+  FilterState state;
+  state.pose = pose;
+  std::vector<double> variances;
+  const auto add = [&](const SensorNoise& sensor, Eigen::Vector3d start,
+                       std::vector<Eigen::Vector3d>* biases) {
+    for (const BiasProcess& process : sensor.processes) {
+      biases->push_back(start);
+      start.setZero();
+      const bool walk = process.type == BiasProcess::Type::kRandomWalk;
+      variances.push_back(walk ? 1e-30 : process.sigma * process.sigma);
+    }
+  };
+  add(model.gyro, gyro_bias_radps, &state.gyro_bias);
+  add(model.accel, accel_bias_mps2, &state.accel_bias);
+  const Eigen::Index n = kNav + 3 * static_cast<Eigen::Index>(variances.size());
+  state.covariance = Eigen::MatrixXd::Zero(n, n);
+  auto diagonal = state.covariance.diagonal();
+  diagonal.segment<3>(0) = sigma_attitude_rad.cwiseAbs2();
+  diagonal.segment<3>(3).setConstant(sigma_position_m * sigma_position_m);
+  diagonal.segment<3>(6).setConstant(sigma_velocity_mps * sigma_velocity_mps);
+  for (std::size_t i = 0; i < variances.size(); ++i) {
+    diagonal.segment<3>(kNav + 3 * static_cast<Eigen::Index>(i)).setConstant(variances[i]);
+  }
+  return state;
+}
+
+FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& times,
+                           const FilterState& start, const FilterOptions& options) {
+  Filter filter(flight, start, options);
+  const std::vector<GnssEpoch>& epochs = flight.gnss->epochs;
+  std::size_t e = 0;
+  for (const double t_s : times) {
+    if (t_s > options.t_end_s) break;
+    if (options.interrupted && options.interrupted()) throw Interrupted();
+    filter.PredictTo(t_s);
+    while (e < epochs.size() && epochs[e].t_s < t_s - 1e-6) ++e;
+    const bool skipped =
+        std::binary_search(options.skipped_epochs.begin(), options.skipped_epochs.end(), e);
+    if (e < epochs.size() && std::abs(epochs[e].t_s - t_s) <= 1e-6 && !skipped) {
+      filter.UpdatePosition(epochs[e]);
+      if (UsesVelocity(epochs[e], *flight.config.gnss)) filter.UpdateVelocity(epochs[e]);
+    }
+    filter.run.states.push_back(WithoutCovariance(filter.state()));
+  }
+  filter.run.last = filter.state();
+  return std::move(filter.run);
+}
+
+}  // namespace dn

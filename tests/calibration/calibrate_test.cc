@@ -1,0 +1,279 @@
+#include <dn/calibration/result.h>
+#include <dn/calibration/result_files.h>
+#include <dn/error.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "testing/short_flights.h"
+
+namespace dn {
+namespace {
+
+using testing::AircraftScenario;
+using testing::Calibration;
+using testing::DroneScenario;
+
+// Of a normal variable; 6e-5 lies outside.
+constexpr double kSigmas = 4.0;
+
+SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
+  SimulateOptions options;
+  options.seed = seed;
+  return Simulate(scenario, options);
+}
+
+struct EffectCase {
+  std::string unknown;
+  std::string value;  ///< as the scenario gives it
+  std::vector<double> truth;
+  std::optional<double> prior_sigma;
+};
+
+class EstimatesAnEffect : public ::testing::TestWithParam<EffectCase> {};
+
+TEST_P(EstimatesAnEffect, WithinItsSigmas) {
+  const EffectCase& effect = GetParam();
+  SimulatedFlight sim = Fly(
+      DroneScenario("effects: [{effect: " + effect.unknown + ", value: " + effect.value + "}]"), 8);
+  sim.flight.config.estimate = {{"boresight", {}}, {effect.unknown, effect.prior_sigma}};
+  const Calibration c(sim.flight);
+  const auto unknowns = ExtractUnknowns(c.adjustment, c.marginals);
+  ASSERT_EQ(unknowns.size(), 1U);
+  EXPECT_EQ(unknowns[0].name, effect.unknown);
+  ASSERT_EQ(unknowns[0].value.size(), effect.truth.size());
+  double information = 0.0;
+  for (std::size_t i = 0; i < effect.truth.size(); ++i) {
+    const double sigma = unknowns[0].sigma[i];
+    EXPECT_NEAR(unknowns[0].value[i], effect.truth[i], kSigmas * sigma) << "component " << i;
+    information = std::max(information, std::abs(effect.truth[i]) / sigma);
+    if (effect.prior_sigma) {
+      EXPECT_LE(sigma, *effect.prior_sigma * (1.0 + 1e-9));
+    }
+  }
+  EXPECT_GT(information, 5.0) << "the flight tells the effect from none";
+  const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);
+  for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(e[i]), kSigmas * c.boresight.sigma_rad()[i]);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Calibrate, EstimatesAnEffect,
+    ::testing::Values(
+        EffectCase{"gnss_lever_arm", "[0.10, -0.06, 0.08]", {0.10, -0.06, 0.08}, {}},
+        EffectCase{"lidar_time_offset", "[0.01]", {0.01}, {}},
+        EffectCase{"gyro_scale_factor", "[1500, -800, 2000]", {1500.0, -800.0, 2000.0}, {}},
+        EffectCase{"lidar_lever_arm", "[0.15, -0.20, 0.05]", {0.15, -0.20, 0.05}, 0.2}),
+    [](const auto& tested) { return tested.param.unknown; });
+
+// One flight and its calibration, shared by the tests of the program that look at it.
+struct CalibratedFlight {
+  explicit CalibratedFlight(const Scenario& scenario)
+      : sim(Fly(scenario, 4)),
+        calibration(sim.flight),
+        trajectory(ExtractTrajectory(calibration.adjustment, calibration.marginals)) {}
+
+  SimulatedFlight sim;
+  Calibration calibration;
+  TrajectoryResult trajectory;
+};
+
+const CalibratedFlight& Aircraft() {
+  static const CalibratedFlight flight(AircraftScenario());
+  return flight;
+}
+
+const CalibratedFlight& Drone() {
+  static const CalibratedFlight flight(DroneScenario());
+  return flight;
+}
+
+class Results : public ::testing::TestWithParam<bool> {
+ protected:
+  const FlightNetwork& network() const { return *calibration_.adjustment.network; }
+
+  const CalibratedFlight& flight_ = GetParam() ? Aircraft() : Drone();
+  const SimulatedFlight& sim_ = flight_.sim;
+  const Calibration& calibration_ = flight_.calibration;
+  const TrajectoryResult& trajectory_ = flight_.trajectory;
+};
+
+/// Mean square of normalised errors that are correlated over minutes: few are independent.
+void ExpectPlausible(double sum2, std::size_t n, const char* what) {
+  const double mean = sum2 / static_cast<double>(n);
+  EXPECT_GT(mean, 0.2) << what;
+  EXPECT_LT(mean, 3.0) << what;
+}
+
+TEST_P(Results, TrajectorySigmasMatchTheErrors) {
+  double position = 0.0, velocity = 0.0, level = 0.0, heading = 0.0;
+  ASSERT_EQ(trajectory_.sigma.size(), network().nodes.size());
+  for (std::size_t k = 0; k < network().nodes.size(); ++k) {
+    const TrajectorySigma& sigma = trajectory_.sigma[k];
+    const MapPose pose = network().NodePose(k);
+    const MapPose truth = sim_.truth->Pose(pose.t_s);
+    const Eigen::Matrix3d R_enu_m = sim_.frame.R_m_enu(truth.p_mb).transpose();
+    position +=
+        (R_enu_m * (pose.p_mb - truth.p_mb)).cwiseQuotient(sigma.position_enu_m).squaredNorm();
+    velocity +=
+        (R_enu_m * (pose.v_m - truth.v_m)).cwiseQuotient(sigma.velocity_enu_mps).squaredNorm();
+    Eigen::Vector3d rph = RollPitchHeading(ToNavPoint(pose, sim_.frame).q_nb) -
+                          RollPitchHeading(ToNavPoint(truth, sim_.frame).q_nb);
+    rph.z() = std::remainder(rph.z(), 2.0 * std::numbers::pi);
+    rph = rph.cwiseQuotient(sigma.rph_rad);
+    level += rph.head<2>().squaredNorm();
+    heading += rph.z() * rph.z();
+  }
+  const std::size_t n = network().nodes.size();
+  ExpectPlausible(position, 3 * n, "position");
+  ExpectPlausible(velocity, 3 * n, "velocity");
+  ExpectPlausible(level, 2 * n, "roll and pitch");
+  ExpectPlausible(heading, n, "heading");
+}
+
+TEST_P(Results, BiasSigmasMatchTheErrors) {
+  double gyro = 0.0, accel = 0.0;
+  for (const BiasEstimate& bias : trajectory_.biases) {
+    const std::size_t k = std::min(SampleRange(*sim_.flight.imu, bias.t_s, bias.t_s + 1.0).first,
+                                   sim_.gyro_bias_radps.size() - 1);
+    gyro += (bias.gyro_radps - sim_.gyro_bias_radps[k])
+                .cwiseQuotient(bias.sigma_gyro_radps)
+                .squaredNorm();
+    accel += (bias.accel_mps2 - sim_.accel_bias_mps2[k])
+                 .cwiseQuotient(bias.sigma_accel_mps2)
+                 .squaredNorm();
+  }
+  ExpectPlausible(gyro, 3 * trajectory_.biases.size(), "gyro bias");
+  ExpectPlausible(accel, 3 * trajectory_.biases.size(), "accelerometer bias");
+}
+
+TEST_P(Results, BoresightCovarianceIsOne) {
+  const Eigen::Matrix3d C = calibration_.boresight.covariance_rad2;
+  EXPECT_LT((C - C.transpose()).cwiseAbs().maxCoeff(), 1e-9 * C.diagonal().maxCoeff());
+  EXPECT_EQ(Eigen::LLT<Eigen::Matrix3d>(C).info(), Eigen::Success);
+  const Eigen::Matrix3d r = calibration_.boresight.correlation();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(r(i, i), 1.0, 1e-12);
+    for (int j = 0; j < 3; ++j) EXPECT_LE(std::abs(r(i, j)), 1.0 + 1e-12);
+  }
+  EXPECT_GE(calibration_.boresight.condition_number, 1.0);
+  for (const BiasCorrelation& bias :
+       {calibration_.boresight.gyro_bias, calibration_.boresight.accel_bias}) {
+    EXPECT_GT(bias.rms, 0.0);
+    EXPECT_LE(bias.rms, bias.max_abs);
+    EXPECT_LE(bias.max_abs, 1.0);
+    EXPECT_LE(bias.at_barycentre.cwiseAbs().maxCoeff(), bias.max_abs);
+  }
+}
+
+TEST_P(Results, ReportedAnglesDescribeOneRotation) {
+  const BoresightResult& b = calibration_.boresight;
+  EXPECT_LT(Exp(b.angles_rad).angularDistance(QuaternionFromRollPitchHeading(b.euler_zyx_rad)),
+            1e-12);
+}
+
+TEST_P(Results, DenseTrajectoryPassesThroughTheNodesAndStaysNearTheTruth) {
+  constexpr double kSpacingS = 0.05;
+  const std::vector<NavPoint> dense = DenseTrajectory(network(), kSpacingS);
+  std::size_t node = 0;
+  double previous_s = -1e300;
+  for (const NavPoint& point : dense) {
+    const MapPose pose = ToMapPose(point, sim_.frame);
+    ASSERT_GT(point.t_s, previous_s);
+    previous_s = point.t_s;
+    if (node < network().nodes.size() && point.t_s == network().nodes[node].t_s) {
+      const MapPose at_node = network().NodePose(node);
+      EXPECT_LT((pose.p_mb - at_node.p_mb).norm(), 1e-6);
+      EXPECT_LT(pose.q_mb.angularDistance(at_node.q_mb), 1e-9);
+      ++node;
+    }
+    const TrajectorySigma& sigma = trajectory_.sigma[node - 1];
+    const MapPose truth = sim_.truth->Pose(point.t_s);
+    // Five sigmas of three axes: none of ten thousand beyond.
+    ASSERT_LT((pose.p_mb - truth.p_mb).norm(), 5.0 * sigma.position_enu_m.norm()) << point.t_s;
+    ASSERT_LT((pose.v_m - truth.v_m).norm(), 5.0 * sigma.velocity_enu_mps.norm()) << point.t_s;
+    ASSERT_LT(pose.q_mb.angularDistance(truth.q_mb), 5.0 * sigma.rph_rad.norm()) << point.t_s;
+  }
+  EXPECT_EQ(node, network().nodes.size());
+  EXPECT_GT(dense.size(), 5 * network().nodes.size() / 2);
+}
+
+TEST_P(Results, StatisticsCountTheSeries) {
+  std::set<std::string> sensors;
+  for (const SeriesStatistics& s : trajectory_.residuals) {
+    sensors.insert(s.sensor);
+    EXPECT_GT(s.count, 0);
+    EXPECT_LE(s.variance, 1.5) << s.sensor << " " << s.axis << ": residuals are below their sigmas";
+  }
+  EXPECT_EQ(sensors,
+            (std::set<std::string>{"inertial", "gnss position", "lidar p2p", "bias process"}));
+  EXPECT_EQ(trajectory_.innovations.size(), 3U);
+  const double n = 3.0 * static_cast<double>(trajectory_.figures.gnss_epochs);
+  EXPECT_NEAR(trajectory_.nis_position, 1.0, kSigmas * std::sqrt(2.0 / n));
+  EXPECT_EQ(trajectory_.nis_velocity, 0.0);
+}
+
+TEST_P(Results, FilesHoldWhatWasEstimated) {
+  const ModelCheck check = CheckModel(calibration_.adjustment, calibration_.marginals, trajectory_);
+  const Json json = CalibrationJson("x", calibration_.adjustment, trajectory_, check,
+                                    calibration_.boresight, {}, {0.1, 0.2, 0.3, 0.6});
+  EXPECT_EQ(json["model_check"]["groups"].size(), check.groups.size());
+  EXPECT_TRUE(json["model_check"]["effects"].empty());
+  EXPECT_EQ(json["schema"], "dn.result/1");
+  EXPECT_EQ(json["boresight"]["angles_deg"][2], calibration_.boresight.angles_rad[2] * kDegPerRad);
+  EXPECT_TRUE(json["boresight"]["sigma_apriori_deg"].is_null());
+  EXPECT_EQ(json["adjustment"]["nodes"], network().nodes.size());
+  EXPECT_EQ(json["timing_s"]["total"], 0.6);
+  const std::string sigmas = FormatTrajectorySigma(trajectory_.sigma);
+  EXPECT_EQ(std::count(sigmas.begin(), sigmas.end(), '\n'),
+            static_cast<long>(network().nodes.size()) + 1);
+  const Json errors = ReferenceErrorsJson(network());
+  EXPECT_LT(errors["position_enu_rmse_m"][0].get<double>(), 0.05);
+  EXPECT_GT(errors["nodes"].get<std::size_t>(), network().nodes.size() / 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Calibrate, Results, ::testing::Bool(),
+                         [](const auto& tested) { return tested.param ? "Aircraft" : "Drone"; });
+
+TEST(Observability, HeldBoresightHasNoCovariance) {
+  SimulatedFlight sim = Fly(DroneScenario(), 3);
+  sim.flight.config.estimate = {{"gnss_lever_arm", {}}};
+  const Adjustment adjustment = Adjust(sim.flight);
+  const Marginals marginals(adjustment.network->net);
+  EXPECT_THROW(ExtractBoresight(adjustment, marginals), RankDeficient);
+}
+
+// One ground point, however often it is measured from one pair of poses, gives three equations, and
+// they leave one direction of the boresight almost free.
+TEST(Observability, OnePointSeenFromTwoPairsOfPosesIsNotACalibration) {
+  SimulatedFlight sim = Fly(DroneScenario(), 3);
+  const auto middle_s = [](const StripInterval& s) { return 0.5 * (s.t0_s + s.t1_s); };
+  const Mounting& mounting = sim.scenario.lidar.mounting;
+  const auto sight = [&](double t_s) {
+    const MapPose pose = sim.truth->Pose(t_s);
+    const Eigen::Vector3d arm_b = pose.q_mb.conjugate() * (Eigen::Vector3d(0, 15, 0) - pose.p_mb);
+    return Eigen::Vector3d(
+        mounting.R_bs_nominal.transpose() *
+        (Exp(mounting.boresight_rad).conjugate() * (arm_b - sim.lidar_lever_arm_b_m)));
+  };
+  double later_s = 0.0;
+  for (LidarPair& pair : sim.flight.pairs->pairs) {
+    later_s = 0.02 - later_s;
+    pair.t_i_s = middle_s(sim.strips[0]) + later_s;
+    pair.t_j_s = middle_s(sim.strips[1]) + later_s;
+    pair.u_i_s = sight(pair.t_i_s);
+    pair.u_j_s = sight(pair.t_j_s);
+  }
+  const Calibration c(sim.flight);
+  EXPECT_EQ(c.boresight.verdict, "not_observable");
+  EXPECT_FALSE(c.boresight.reasons.empty());
+  EXPECT_GT(c.boresight.condition_number, 1e3);
+  const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);
+  for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(e[i]), kSigmas * c.boresight.sigma_rad()[i]);
+}
+
+}  // namespace
+}  // namespace dn

@@ -1,0 +1,214 @@
+#include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/calibration/result_files.h>
+#include <dn/calibration/trajectory_covariance.h>
+#include <dn/geo/trajectory_covariance.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "testing/short_flights.h"
+#include "testing/temp_folder.h"
+
+namespace dn {
+namespace {
+
+using testing::AircraftScenario;
+using ::testing::AnyOf;
+using ::testing::Contains;
+using testing::DroneScenario;
+using ::testing::HasSubstr;
+using testing::TempFolder;
+
+SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
+  SimulateOptions options;
+  options.seed = seed;
+  return Simulate(scenario, options);
+}
+
+/// A flight on its true trajectory.
+Flight OnTruth(const Scenario& scenario, std::uint64_t seed) {
+  Flight flight = Fly(scenario, seed).flight;
+  flight.trajectory = flight.reference;
+  flight.config.trajectory = TrajectoryConfig();
+  return flight;
+}
+
+/// What the smoother says of its own accuracy, beside the trajectory.
+enum class Stated { kNothing, kSigmas, kCovariance };
+
+/// A flight on the trajectory of its own inertial and GNSS data.
+struct Smoothed {
+  TempFolder folder;
+  Flight flight;
+
+  Smoothed(const Scenario& scenario, std::uint64_t seed, Stated stated)
+      : flight(Fly(scenario, seed).flight) {
+    AdjustOptions without_lidar;
+    without_lidar.with_pairs = false;
+    const Adjustment smoothed = Adjust(flight, without_lidar);
+    Marginals marginals(smoothed.network->net);
+    marginals.ComputeSelectedInverse();
+    TrajectoryNotes notes;
+    notes.velocity_from_file = true;
+    const TrajectoryResult result = ExtractTrajectory(smoothed, marginals);
+    if (stated != Stated::kNothing) {
+      folder.Write("trajectory_sigma.txt", FormatTrajectorySigma(result.sigma));
+    }
+    if (stated == Stated::kCovariance) {
+      folder.Write("trajectory_covariance.txt",
+                   FormatTrajectoryCovariance(
+                       ExtractTrajectoryCovariance(smoothed, marginals, FindStrips(flight))));
+    }
+    flight.trajectory = Trajectory(DenseTrajectory(*smoothed.network, 0.01), notes);
+    flight.config.trajectory = TrajectoryConfig();
+    flight.config.folder = folder.path();
+  }
+};
+
+std::vector<std::string> NamedEffects(const ModelCheck& check) {
+  std::vector<std::string> names;
+  for (const EffectCheck& effect : check.effects) {
+    names.push_back(effect.name);
+    names.insert(names.end(), effect.inseparable_from.begin(), effect.inseparable_from.end());
+  }
+  return names;
+}
+
+std::string Words(const GaussHelmertCalibration& calibration) {
+  std::string words = calibration.boresight.verdict;
+  for (const std::string& reason : calibration.boresight.reasons) words += "\n  " + reason;
+  return words;
+}
+
+// ---- Flights without a fault --------------------------------------------------------------------
+
+TEST(GaussHelmertCheck, ATrueTrajectoryIsCalibrated) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
+      const GaussHelmertCalibration gh = CalibrateGaussHelmert(OnTruth(scenario, seed));
+      EXPECT_EQ(gh.boresight.verdict, "calibrated") << Words(gh);
+      EXPECT_TRUE(gh.model_check.effects.empty()) << Words(gh);
+    }
+  }
+}
+
+class OfASmoother : public ::testing::TestWithParam<Stated> {};
+
+// Its errors are those of real adjustments: they last, and nobody tells how long.
+TEST_P(OfASmoother, ATrajectoryIsNotContradicted) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
+      const Smoothed smoothed(scenario, seed, GetParam());
+      const GaussHelmertCalibration gh = CalibrateGaussHelmert(smoothed.flight);
+      EXPECT_THAT(gh.boresight.verdict, AnyOf("calibrated", "absorbed")) << Words(gh);
+      EXPECT_TRUE(gh.model_check.effects.empty()) << Words(gh);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Stated, OfASmoother,
+                         ::testing::Values(Stated::kNothing, Stated::kSigmas, Stated::kCovariance));
+
+// ---- Faults -------------------------------------------------------------------------------------
+
+struct Fault {
+  std::string effect;
+  std::function<void(Flight*)> apply;
+  const char* words;
+  bool hidden_from_aircraft = false;  ///< beside positions of 3 cm
+};
+
+std::ostream& operator<<(std::ostream& out, const Fault& fault) { return out << fault.words; }
+
+std::function<void(Flight*)> Late(double by_s) {
+  return [by_s](Flight* flight) {
+    for (LidarPair& pair : flight->pairs->pairs) {
+      pair.t_i_s += by_s;
+      pair.t_j_s += by_s;
+    }
+  };
+}
+
+std::function<void(Flight*)> Longer(double by_m) {
+  return [by_m](Flight* flight) {
+    for (LidarPair& pair : flight->pairs->pairs) {
+      pair.u_i_s += by_m * pair.u_i_s.normalized();
+      pair.u_j_s += by_m * pair.u_j_s.normalized();
+    }
+  };
+}
+
+void Mirror(Flight* flight) { flight->config.lidar->mounting.lever_arm_b_m *= -1.0; }
+
+class GaussHelmertFault : public ::testing::TestWithParam<Fault> {};
+
+void ExpectContradictedAndNamed(const Flight& flight, const std::string& effect) {
+  const GaussHelmertCalibration gh = CalibrateGaussHelmert(flight);
+  EXPECT_EQ(gh.boresight.verdict, "contradicted") << Words(gh);
+  EXPECT_THAT(NamedEffects(gh.model_check), Contains(effect)) << Words(gh);
+}
+
+TEST_P(GaussHelmertFault, OnATrueTrajectoryIsContradictedAndNamed) {
+  for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
+    if (GetParam().hidden_from_aircraft && scenario.name == "aircraft") continue;
+    SCOPED_TRACE(scenario.name);
+    Flight flight = OnTruth(scenario, 3);
+    GetParam().apply(&flight);
+    ExpectContradictedAndNamed(flight, GetParam().effect);
+  }
+}
+
+TEST_P(GaussHelmertFault, OnASmoothedTrajectoryIsContradictedAndNamed) {
+  for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
+    SCOPED_TRACE(scenario.name);
+    Smoothed smoothed(scenario, 3, Stated::kSigmas);
+    GetParam().apply(&smoothed.flight);
+    ExpectContradictedAndNamed(smoothed.flight, GetParam().effect);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, GaussHelmertFault,
+    ::testing::Values(Fault{"lidar_time_offset", Late(0.010), "10 ms late"},
+                      Fault{"lidar_time_offset", Late(0.050), "50 ms late"},
+                      Fault{"lidar_lever_arm", Mirror, "lever arm mirrored", true},
+                      Fault{"lidar_range_offset", Longer(0.5), "ranges 0.5 m longer"}));
+
+// ---- What no mount shows to the eye
+// ---------------------------------------------------------------
+
+TEST(GaussHelmertCheck, ASigmaAboveHalfADegreeIsNotObservable) {
+  Flight flight = OnTruth(DroneScenario(), 1);
+  flight.config.trajectory->sigma_y_rad = 0.6 * kRadPerDeg;
+  const GaussHelmertCalibration gh = CalibrateGaussHelmert(flight);
+  EXPECT_GT(gh.boresight.sigma_rad().z(), 0.5 * kRadPerDeg);
+  EXPECT_LT(gh.boresight.sigma_apriori_rad->z(), 0.5 * kRadPerDeg);
+  EXPECT_EQ(gh.boresight.verdict, "not_observable") << Words(gh);
+  EXPECT_THAT(gh.boresight.reasons, Contains(HasSubstr("yaw exceeds 0.5 deg")));
+}
+
+TEST(GaussHelmertCheck, AMisreadTrajectoryIsNotCalibrated) {
+  const auto changed = [](const std::function<void(NavPoint*)>& change) {
+    Flight flight = OnTruth(DroneScenario(), 1);
+    std::vector<NavPoint> points = flight.trajectory->points();
+    for (NavPoint& point : points) change(&point);
+    flight.trajectory = Trajectory(points, flight.trajectory->notes());
+    return CalibrateGaussHelmert(flight);
+  };
+  const GaussHelmertCalibration heights =
+      changed([](NavPoint* point) { point->position.h_m *= -1.0; });
+  EXPECT_THAT(heights.boresight.verdict, AnyOf("not_observable", "contradicted")) << Words(heights);
+  const GaussHelmertCalibration columns =
+      changed([](NavPoint* point) { std::swap(point->q_nb.x(), point->q_nb.y()); });
+  EXPECT_THAT(columns.boresight.verdict, AnyOf("not_observable", "contradicted")) << Words(columns);
+}
+
+}  // namespace
+}  // namespace dn

@@ -1,0 +1,212 @@
+#include <dn/calibration/candidate_effects.h>
+#include <dn/calibration/model_check.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "testing/short_flights.h"
+
+namespace dn {
+namespace {
+
+using testing::AircraftScenario;
+using testing::Calibration;
+using testing::DroneScenario;
+using ::testing::HasSubstr;
+
+SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
+  SimulateOptions options;
+  options.seed = seed;
+  return Simulate(scenario, options);
+}
+
+/// A flight, adjusted and checked.
+struct Checked {
+  SimulatedFlight simulated;
+  Calibration calibration;
+  TrajectoryResult trajectory;
+  ModelCheck check;
+
+  explicit Checked(SimulatedFlight flight, const AdjustOptions& options = {})
+      : simulated(std::move(flight)),
+        calibration(simulated.flight, options),
+        trajectory(ExtractTrajectory(calibration.adjustment, calibration.marginals)),
+        check(CheckModel(calibration.adjustment, calibration.marginals, trajectory)) {
+    Assess(check, &calibration.boresight);
+  }
+
+  const BoresightResult& boresight() const { return calibration.boresight; }
+  std::string first_reason() const { return boresight().reasons.front(); }
+};
+
+TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
+      const Checked flight(Fly(scenario, seed));
+      EXPECT_EQ(flight.boresight().verdict, "calibrated") << flight.first_reason();
+      EXPECT_TRUE(flight.check.effects.empty());
+      EXPECT_GT(flight.check.p_value, 1e-3);
+    }
+  }
+}
+
+TEST(ModelCheck, RedundanciesOfTheGroupsAddUp) {
+  const Checked flight(Fly(AircraftScenario(), 2));
+  double redundancy = 0.0;
+  for (const GroupCheck& group : flight.check.groups) {
+    EXPECT_GT(group.observations, 0) << group.name;
+    EXPECT_GE(group.redundancy, 0.0) << group.name;
+    for (const char* whole : {"lidar p2p", "gnss position", "inertial gyro", "inertial velocity",
+                              "inertial position", "gyro bias process", "accel bias process"}) {
+      if (group.name == whole) redundancy += group.redundancy;
+    }
+  }
+  // The priors of the first biases have the rest.
+  const auto all = static_cast<double>(flight.trajectory.figures.redundancy);
+  EXPECT_LE(redundancy, all + 1e-3);
+  EXPECT_GT(redundancy, all - 20.0);
+}
+
+struct Injection {
+  std::string effect;
+  std::string value;
+  std::vector<double> components;  ///< in the effect's unit
+  bool aircraft;
+  double tolerance;  ///< relative, of the score test to first order
+};
+
+std::ostream& operator<<(std::ostream& out, const Injection& injection) {
+  return out << injection.effect << " " << injection.value;
+}
+
+std::string EffectsOf(const Injection& injection) {
+  return "effects: [{effect: " + injection.effect + ", value: " + injection.value + "}]\n";
+}
+
+Scenario ScenarioOf(const Injection& injection, const std::string& extra) {
+  return injection.aircraft ? AircraftScenario(extra) : DroneScenario(extra);
+}
+
+/// Estimate of one effect by itself.
+Eigen::VectorXd EstimateOf(const std::string& name, const Checked& flight) {
+  const FlightNetwork& network = *flight.calibration.adjustment.network;
+  for (const CandidateEffect& candidate : CandidateEffects(network)) {
+    if (candidate.name != name) continue;
+    return candidate.per_si *
+           TestEffects(network.net, flight.calibration.marginals, {candidate.model})
+               .front()
+               .estimate;
+  }
+  ADD_FAILURE() << "no candidate " << name;
+  return {};
+}
+
+class InjectedEffect : public ::testing::TestWithParam<Injection> {};
+
+// The same noise with and without the effect: the difference of the estimates is the effect, and
+// that of the boresights is the damage. The simulator shares no formula with the derivative.
+TEST_P(InjectedEffect, IsEstimatedNamedAndItsDamageForetold) {
+  const Injection& injection = GetParam();
+  const Checked without(Fly(ScenarioOf(injection, ""), 5));
+  const Checked with(Fly(ScenarioOf(injection, EffectsOf(injection)), 5));
+  const Eigen::Map<const Eigen::VectorXd> injected(
+      injection.components.data(), static_cast<Eigen::Index>(injection.components.size()));
+  const Eigen::VectorXd found =
+      EstimateOf(injection.effect, with) - EstimateOf(injection.effect, without);
+  EXPECT_LT((found - injected).norm(), injection.tolerance * injected.norm()) << found.transpose();
+
+  ASSERT_FALSE(with.check.effects.empty());
+  const EffectCheck& first = with.check.effects.front();
+  std::vector<std::string> named = first.inseparable_from;
+  named.push_back(first.name);
+  EXPECT_THAT(named, ::testing::Contains(injection.effect));
+  const Eigen::Vector3d moved = Log(Eigen::Quaterniond(
+      Exp(with.boresight().angles_rad) * Exp(without.boresight().angles_rad).conjugate()));
+  if (first.name == injection.effect) {
+    const Eigen::Vector3d sigma = with.boresight().sigma_rad();
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(first.boresight_rad[i], moved[i], 3.0 * sigma[i] + 0.15 * moved.norm()) << i;
+    }
+  }
+  if (moved.cwiseQuotient(without.boresight().sigma_rad()).cwiseAbs().maxCoeff() > 4.0) {
+    EXPECT_EQ(with.boresight().verdict, "contradicted");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ModelCheck, InjectedEffect,
+    ::testing::Values(
+        Injection{"lidar_time_offset", "0.01", {0.01}, false, 0.03},
+        Injection{"lidar_lever_arm", "[0.2, -0.1, 0.3]", {0.2, -0.1, 0.3}, false, 0.05},
+        Injection{"lidar_time_drift", "100", {100.0}, true, 0.05},
+        Injection{"lidar_range_offset", "0.2", {0.2}, true, 0.05},
+        Injection{"lidar_range_scale", "2000", {2000.0}, true, 0.05},
+        Injection{"lidar_angle_scale", "3000", {3000.0}, true, 0.05},
+        Injection{"gnss_lever_arm", "[0.1, -0.1, 0.1]", {0.1, -0.1, 0.1}, false, 0.05},
+        Injection{"gnss_time_offset", "0.01", {0.01}, false, 0.05},
+        Injection{"gyro_scale_factor", "[60, -60, 60]", {60.0, -60.0, 60.0}, true, 0.1},
+        Injection{"gyro_misalignment", "[0.5, 0.4, -0.3]", {0.5, 0.4, -0.3}, true, 0.25},
+        Injection{"accel_scale_factor", "[0, 0, 500]", {0.0, 0.0, 500.0}, true, 0.25},
+        Injection{"gyro_g_sensitivity", "[0.15, 0.15, 0.15]", {0.15, 0.15, 0.15}, true, 0.25},
+        Injection{"gravity_tilt", "[10, -10]", {10.0, -10.0}, true, 0.25}),
+    [](const auto& tested) { return tested.param.effect; });
+
+TEST(ModelCheck, APriorThatContradictsIsNamedWithItsKey) {
+  SimulatedFlight simulated = Fly(AircraftScenario(), 3);
+  simulated.flight.config.lidar->boresight_sigma_rad =
+      Eigen::Vector3d::Constant(0.01 * kRadPerDeg);  // about zero; the truth is .2, .03, .35
+  const Checked flight(std::move(simulated));
+  EXPECT_EQ(flight.boresight().verdict, "contradicted");
+  EXPECT_THAT(flight.first_reason(), HasSubstr("lidar.boresight_sigma_deg"));
+}
+
+TEST(ModelCheck, AnHonestPriorIsNot) {
+  SimulatedFlight simulated = Fly(AircraftScenario(), 3);
+  simulated.flight.config.lidar->boresight_sigma_rad = Eigen::Vector3d::Constant(kRadPerDeg);
+  EXPECT_EQ(Checked(std::move(simulated)).boresight().verdict, "calibrated");
+}
+
+TEST(ModelCheck, NoiseOfTwiceItsStatedSigmaIsTooMuch) {
+  SimulatedFlight simulated = Fly(DroneScenario(), 4);
+  simulated.flight.config.lidar->sigma_p_m *= 0.5;
+  const Checked flight(std::move(simulated));
+  EXPECT_EQ(flight.boresight().verdict, "contradicted");
+  EXPECT_THAT(flight.first_reason(), HasSubstr("lidar.sigma_p_m"));
+}
+
+TEST(ModelCheck, AShiftOfOnePairOfStripsIsFound) {
+  SimulatedFlight simulated = Fly(AircraftScenario(), 6);
+  for (LidarPair& pair : simulated.flight.pairs->pairs) {
+    if (pair.file == 0) pair.u_j_s += Eigen::Vector3d(0.15, 0.1, 0.15);
+  }
+  const Checked flight(std::move(simulated));
+  EXPECT_EQ(flight.boresight().verdict, "contradicted") << flight.first_reason();
+}
+
+TEST(ModelCheck, WithoutPairsTheTrajectoryIsChecked) {
+  AdjustOptions options;
+  options.with_pairs = false;
+  for (const char* effects : {"", "effects: [{effect: gnss_time_offset, value: 0.03}]\n"}) {
+    const SimulatedFlight simulated = Fly(DroneScenario(effects), 7);
+    const Adjustment adjustment = Adjust(simulated.flight, options);
+    Marginals marginals(adjustment.network->net);
+    marginals.ComputeSelectedInverse();
+    const ModelCheck check =
+        CheckModel(adjustment, marginals, ExtractTrajectory(adjustment, marginals));
+    EXPECT_FALSE(check.of_boresight);
+    EXPECT_EQ(check.contradicted(), *effects != '\0');
+    if (*effects == '\0') continue;
+    ASSERT_FALSE(check.effects.empty());
+    EXPECT_EQ(check.effects.front().name, "gnss_time_offset");
+    EXPECT_NEAR(check.effects.front().estimate[0], 0.03, 0.003);
+  }
+}
+
+}  // namespace
+}  // namespace dn

@@ -1,0 +1,99 @@
+// A node at every inertial sample against preintegrated increments: the same adjustment.
+#include <dn/sim/random.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "testing/short_flights.h"
+
+namespace dn {
+namespace {
+
+using testing::Calibration;
+
+constexpr double kNodeRateHz = 10.0;
+constexpr double kSigmaPairM = 0.03;
+
+/// Two opposite strips at different heights, cut eight seconds after the last; 1.5 minutes.
+SimulatedFlight TwoStrips() {
+  Scenario scenario = testing::DroneScenario();
+  scenario.imu.rate_hz = 50.0;
+  scenario.plan.warm_up_s = 20.0;
+  scenario.plan.lines.pop_back();
+  scenario.plan.lines.back().height_m += 20.0;
+  scenario.pairs.sigma_p_m = kSigmaPairM;
+  SimulateOptions options;
+  options.seed = 3;
+  SimulatedFlight sim = Simulate(scenario, options);
+  const double end_s = sim.strips.back().t1_s + 8.0;
+  std::erase_if(sim.flight.imu->samples, [&](const ImuSample& s) { return s.t_s > end_s; });
+  std::erase_if(sim.flight.gnss->epochs, [&](const GnssEpoch& e) { return e.t_s > end_s; });
+  return sim;
+}
+
+/// u = T^T Exp(-theta) (R^T (P - p) - a), with half of the pair's noise.
+Eigen::Vector3d Sight(const SimulatedFlight& sim, double t_s, const Eigen::Vector3d& point_m,
+                      Random& random) {
+  const Mounting& mounting = sim.scenario.lidar.mounting;
+  const MapPose pose = sim.truth->Pose(t_s);
+  const Eigen::Vector3d arm_b =
+      pose.q_mb.conjugate() * (point_m - pose.p_mb) - sim.lidar_lever_arm_b_m;
+  return mounting.R_bs_nominal.transpose() * (Exp(mounting.boresight_rad).conjugate() * arm_b) +
+         kSigmaPairM / std::numbers::sqrt2 * random.Normal3();
+}
+
+/// Pairs whose epochs are nodes of both grids.
+std::vector<LidarPair> PairsOnNodes(const SimulatedFlight& sim) {
+  constexpr int kPairs = 300;
+  Random random(7, "pairs on nodes");
+  const auto tick = [&](const StripInterval& strip) {
+    return std::round(random.Uniform(strip.t0_s, strip.t1_s) * kNodeRateHz) / kNodeRateHz;
+  };
+  std::vector<LidarPair> pairs;
+  for (int k = 0; k < kPairs; ++k) {
+    LidarPair pair;
+    pair.t_i_s = tick(sim.strips[0]);
+    pair.t_j_s = tick(sim.strips[1]);
+    const Eigen::Vector3d point_m(random.Uniform(-100.0, 100.0), random.Uniform(-30.0, 60.0),
+                                  random.Uniform(-5.0, 5.0));
+    pair.u_i_s = Sight(sim, pair.t_i_s, point_m, random);
+    pair.u_j_s = Sight(sim, pair.t_j_s, point_m, random);
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+BoresightResult Solve(Flight flight, NetworkConfig::Inertial inertial) {
+  flight.config.network.inertial = inertial;
+  flight.config.network.node_rate_hz = kNodeRateHz;
+  AdjustOptions options;
+  options.network.bias_interval_max_s = 5.0;  // ends at nodes of both grids
+  return Calibration(flight, options).boresight;
+}
+
+/// Expects angles within `of_sigma` sigmas and sigmas within `relative` of each other.
+void ExpectSameBoresight(const Flight& flight, double of_sigma, double relative) {
+  const BoresightResult raw = Solve(flight, NetworkConfig::Inertial::kRaw);
+  const BoresightResult increments = Solve(flight, NetworkConfig::Inertial::kPreintegrated);
+  const Eigen::Vector3d sigma = raw.sigma_rad();
+  for (int i = 0; i < 3; ++i) {
+    SCOPED_TRACE("component " + std::to_string(i));
+    EXPECT_LT(std::abs(increments.angles_rad[i] - raw.angles_rad[i]), of_sigma * sigma[i]);
+    EXPECT_NEAR(increments.sigma_rad()[i] / sigma[i], 1.0, relative);
+  }
+}
+
+TEST(RawInertial, EqualsPreintegrationWherePairsAreOnNodes) {
+  SimulatedFlight sim = TwoStrips();
+  sim.flight.pairs->pairs = PairsOnNodes(sim);
+  ExpectSameBoresight(sim.flight, 1e-3, 1e-3);
+}
+
+// Between nodes the noise of the partial increment counts for each pair by itself.
+TEST(RawInertial, IsCloseToPreintegrationWherePairsLieBetweenNodes) {
+  ExpectSameBoresight(TwoStrips().flight, 0.02, 0.01);
+}
+
+}  // namespace
+}  // namespace dn

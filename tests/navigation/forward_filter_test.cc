@@ -1,0 +1,161 @@
+#include <dn/navigation/alignment.h>
+#include <dn/navigation/forward_filter.h>
+#include <dn/sim/random.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "testing/short_flights.h"
+
+namespace dn {
+namespace {
+
+using testing::DroneScenario;
+
+constexpr double kSigmaAttitudeRad = 0.05;
+constexpr double kSigmaPositionM = 0.05;
+constexpr double kSigmaVelocityMps = 0.3;
+// A chi-square of n degrees of freedom has variance 2 n; beyond four sigmas lies 6e-5.
+constexpr double kSigmas = 4.0;
+// Quantile of chi-square with nine degrees of freedom that leaves 6e-5 outside.
+constexpr double kNavBound = 34.5;
+
+class ForwardFilter : public ::testing::Test {
+ protected:
+  ForwardFilter() : sim_(Simulate(WithoutPairs(), Seeded(5))) {
+    times_ = GnssTimes(sim_.flight, NetworkSpan(sim_.flight, false));
+  }
+
+  static Scenario WithoutPairs() {
+    Scenario scenario = DroneScenario();
+    scenario.pairs.count = 0;
+    return scenario;
+  }
+  static SimulateOptions Seeded(std::uint64_t seed) {
+    SimulateOptions options;
+    options.seed = seed;
+    return options;
+  }
+
+  /// A start that is wrong by as much as it says.
+  FilterState Start() const {
+    Random random(11, "start");
+    MapPose pose = sim_.truth->Pose(times_.front());
+    pose.q_mb = pose.q_mb * Exp(Eigen::Vector3d(kSigmaAttitudeRad * random.Normal3()));
+    pose.p_mb += kSigmaPositionM * random.Normal3();
+    pose.v_m += kSigmaVelocityMps * random.Normal3();
+    return MakeFilterState(sim_.flight, pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                           Eigen::Vector3d::Constant(kSigmaAttitudeRad), kSigmaPositionM,
+                           kSigmaVelocityMps);
+  }
+
+  /// Attitude (right), position, velocity: estimated minus true.
+  Eigen::Matrix<double, 9, 1> NavError(const FilterState& state) const {
+    const MapPose truth = sim_.truth->Pose(state.pose.t_s);
+    Eigen::Matrix<double, 9, 1> e;
+    e << Log(Eigen::Quaterniond(truth.q_mb.conjugate() * state.pose.q_mb)),
+        state.pose.p_mb - truth.p_mb, state.pose.v_m - truth.v_m;
+    return e;
+  }
+
+  SimulatedFlight sim_;
+  std::vector<double> times_;
+};
+
+TEST_F(ForwardFilter, InnovationsAreWhiteAndOfUnitVariance) {
+  const FilterRun run = RunForwardFilter(sim_.flight, times_, Start());
+  ASSERT_EQ(run.innovations.size(), times_.size());
+  double nis = 0.0, lagged = 0.0;
+  for (std::size_t k = 0; k < run.innovations.size(); ++k) {
+    EXPECT_FALSE(run.innovations[k].velocity);
+    EXPECT_EQ(run.innovations[k].t_s, times_[k]);
+    nis += run.innovations[k].nis;
+    if (k > 0) lagged += run.innovations[k].normalised.dot(run.innovations[k - 1].normalised);
+  }
+  const double n = 3.0 * static_cast<double>(times_.size());
+  EXPECT_NEAR(nis / n, 1.0, kSigmas * std::sqrt(2.0 / n));
+  EXPECT_NEAR(lagged / n, 0.0, kSigmas * std::sqrt(1.0 / n));
+}
+
+TEST_F(ForwardFilter, ConvergesToTheTruthAsItsCovarianceSays) {
+  const FilterState start = Start();
+  const FilterRun run = RunForwardFilter(sim_.flight, times_, start);
+  ASSERT_EQ(run.states.size(), times_.size());
+  const Eigen::Matrix<double, 9, 9> P = run.last.covariance.topLeftCorner<9, 9>();
+  EXPECT_LT((P - P.transpose()).cwiseAbs().maxCoeff(), 1e-9 * P.diagonal().maxCoeff());
+  const Eigen::Matrix<double, 9, 1> e = NavError(run.last);
+  EXPECT_LT(e.dot(P.ldlt().solve(e)), kNavBound);
+  for (int i = 0; i < 3; ++i) EXPECT_LT(std::sqrt(P(i, i)), 0.1 * kSigmaAttitudeRad);
+  const Eigen::Vector3d gyro_error = run.last.TotalGyroBias() - sim_.gyro_bias_radps.back();
+  const double gyro_constant = sim_.flight.config.imu->model.gyro.processes.front().sigma;
+  EXPECT_LT(gyro_error.head<2>().norm(), gyro_constant) << "the level gyros are calibrated";
+}
+
+TEST_F(ForwardFilter, StopsAtTheEndTime) {
+  FilterOptions options;
+  options.t_end_s = times_[10] + 0.1;
+  const FilterRun run = RunForwardFilter(sim_.flight, times_, Start(), options);
+  EXPECT_EQ(run.states.size(), 11U);
+  EXPECT_EQ(run.innovations.size(), 11U);
+  EXPECT_EQ(run.last.pose.t_s, times_[10]);
+}
+
+TEST_F(ForwardFilter, HuberKeepsAGrossErrorFromPulling) {
+  const std::size_t bad = times_.size() / 2;
+  for (GnssEpoch& epoch : sim_.flight.gnss->epochs) {
+    if (epoch.t_s == times_[bad]) epoch.antenna.h_m += 30.0;
+  }
+  FilterOptions options;
+  const double pulled =
+      NavError(RunForwardFilter(sim_.flight, times_, Start(), options).states[bad])
+          .segment<3>(3)
+          .norm();
+  options.huber_sigmas = 4.0;
+  const FilterRun run = RunForwardFilter(sim_.flight, times_, Start(), options);
+  EXPECT_GT(run.innovations[bad].nis, 1e4);
+  EXPECT_GT(pulled, 1.0);
+  EXPECT_LT(NavError(run.states[bad]).segment<3>(3).norm(), 0.2);
+}
+
+TEST_F(ForwardFilter, UsesVelocitiesWhereTheyAreAndRespectsTheConfiguration) {
+  Scenario scenario = WithoutPairs();
+  scenario.gnss.velocity = true;
+  sim_ = Simulate(scenario, Seeded(5));
+  const FilterRun run = RunForwardFilter(sim_.flight, times_, Start());
+  ASSERT_EQ(run.innovations.size(), 2 * times_.size());
+  double nis = 0.0;
+  for (const Innovation& innovation : run.innovations) nis += innovation.velocity * innovation.nis;
+  const double n = 3.0 * static_cast<double>(times_.size());
+  EXPECT_NEAR(nis / n, 1.0, kSigmas * std::sqrt(2.0 / n));
+  sim_.flight.config.gnss->use_velocity = false;
+  EXPECT_EQ(RunForwardFilter(sim_.flight, times_, Start()).innovations.size(), times_.size());
+}
+
+TEST_F(ForwardFilter, ComesBackAfterAHoleInTheInertialData) {
+  const double t0_s = times_[100] + 0.2, t1_s = times_[104] + 0.2;
+  std::erase_if(sim_.flight.imu->samples,
+                [&](const ImuSample& s) { return s.t_s > t0_s + 1e-6 && s.t_s < t1_s - 1e-6; });
+  sim_.flight.imu->gaps.push_back({t0_s, t1_s - 0.01});
+  const FilterRun run = RunForwardFilter(sim_.flight, times_, Start());
+  const Eigen::Matrix<double, 9, 1> e = NavError(run.last);
+  const Eigen::Matrix<double, 9, 9> P = run.last.covariance.topLeftCorner<9, 9>();
+  EXPECT_LT(e.dot(P.ldlt().solve(e)), kNavBound);
+}
+
+TEST_F(ForwardFilter, StartCovarianceHoldsTheModel) {
+  const ImuModel& model = sim_.flight.config.imu->model;
+  const FilterState state = Start();
+  ASSERT_EQ(state.gyro_bias.size(), model.gyro.processes.size());
+  ASSERT_EQ(state.covariance.rows(), 9 + 12);
+  const Eigen::VectorXd sigma = state.covariance.diagonal().cwiseSqrt();
+  EXPECT_DOUBLE_EQ(sigma[0], kSigmaAttitudeRad);
+  EXPECT_DOUBLE_EQ(sigma[3], kSigmaPositionM);
+  EXPECT_DOUBLE_EQ(sigma[6], kSigmaVelocityMps);
+  EXPECT_DOUBLE_EQ(sigma[9], model.gyro.processes[0].sigma);
+  EXPECT_DOUBLE_EQ(sigma[12], model.gyro.processes[1].sigma);
+  EXPECT_DOUBLE_EQ(sigma[15], model.accel.processes[0].sigma);
+}
+
+}  // namespace
+}  // namespace dn
