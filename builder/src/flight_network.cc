@@ -1,7 +1,6 @@
 #include <dn/builder/flight_network.h>
+#include <dn/effects/effect_table.h>
 #include <dn/factors/bias_process.h>
-#include <dn/factors/gnss_position.h>
-#include <dn/factors/gnss_velocity.h>
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/factors/prior.h>
@@ -10,23 +9,14 @@
 #include <cmath>
 #include <limits>
 
-#include "measurement_noise.h"
-
 namespace dn {
-
-using internal::MeasurementNoise;
-
 namespace {
 
-constexpr const char* kCheckGnss = "check its sigmas and gnss.sigma_scale";
-
-constexpr double kPpm = 1e-6;
-// With the time offset of the lidar free, pairs attach to a node at least this far before their
-// time tag.
-constexpr double kTimeOffsetMarginS = 0.05;
 // One bias step beyond which the first-order bias correction of an increment is worth replacing.
 constexpr double kGyroStepRadps = 30.0 / kDegPerRad / 3600.0;
 constexpr double kAccelStepMps2 = 5e-3 * kStandardGravityMps2;
+// The same of an effect, in its usual sizes.
+constexpr double kEffectStep = 10.0;
 
 Eigen::Vector3d Sum(const Network& net, const std::vector<BiasChain>& chains, double t_s) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -42,40 +32,72 @@ BlockLabel Label(const std::string& quantity, std::vector<std::string> component
 
 const std::vector<std::string> kXyz{"x", "y", "z"};
 
+BlockId AddVectorBlock(const std::string& name, const Eigen::VectorXd& value, Network* net) {
+  switch (value.size()) {
+    case 1:
+      return net->AddVector<1>(name, value).id;
+    case 2:
+      return net->AddVector<2>(name, value).id;
+    case 3:
+      return net->AddVector<3>(name, value).id;
+    default:
+      throw InvalidInput("effect '" + name + "' has " + std::to_string(value.size()) +
+                         " values, one to three can be estimated");
+  }
+}
+
+template <int N>
+FactorId AddPriorOfSize(BlockId block, const Eigen::VectorXd& center, const Eigen::VectorXd& sigma,
+                        Network* net) {
+  const Eigen::Matrix<double, N, 1> sigmas = sigma;
+  return net->Add(PriorVector<N>(center, Noise<N>::Sigma(sigmas)), Block<Vec<N>>{block});
+}
+
+FactorId AddPrior(BlockId block, const Eigen::VectorXd& center, const Eigen::VectorXd& sigma,
+                  Network* net) {
+  if (center.size() == 1) return AddPriorOfSize<1>(block, center, sigma, net);
+  if (center.size() == 2) return AddPriorOfSize<2>(block, center, sigma, net);
+  return AddPriorOfSize<3>(block, center, sigma, net);
+}
+
+/// Of an effect of the table, else of a user's own.
+BlockLabel LabelOf(const std::string& name, Eigen::Index size) {
+  const EffectSpec* spec = FindEffect(name);
+  const EstimableEffect* effect = FindEstimable(name);
+  if (spec == nullptr || effect == nullptr) return Label(name, {}, "", 1.0);
+  std::vector<std::string> components;
+  for (const EffectComponent& one : spec->components) components.push_back(one.name);
+  components.resize(static_cast<std::size_t>(size));
+  return Label(effect->quantity, components, spec->components[0].unit,
+               1.0 / spec->components[0].to_si);
+}
+
+/// Largest component of a change in usual sizes; of a user's own effect in units of its value.
+double InUsualSizes(const CalibrationValue& before, const Eigen::VectorXd& now) {
+  const EffectSpec* spec = FindEffect(before.name);
+  double largest = 0.0;
+  for (Eigen::Index k = 0; k < now.size(); ++k) {
+    const double usual = spec == nullptr ? 1.0
+                                         : spec->components[static_cast<std::size_t>(k)].typical *
+                                               spec->components[static_cast<std::size_t>(k)].to_si;
+    largest = std::max(largest, std::abs(now[k] - before.value[k]) / usual);
+  }
+  return largest;
+}
+
 }  // namespace
 
 Block<Vec<3>> BiasChain::At(double t_s) const { return blocks[NodeBefore(t_begin_s, t_s)]; }
-
-Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig& config,
-                                       const LocalFrame& frame) {
-  const Eigen::Matrix3d covariance_enu = epoch.covariance_enu_m2.value_or(
-      Eigen::Matrix3d(config.sigma_enu_m.cwiseAbs2().asDiagonal()));
-  const Eigen::Matrix3d R_m_enu = frame.R_m_enu(frame.ToMap(epoch.antenna));
-  return config.sigma_scale * config.sigma_scale * R_m_enu * covariance_enu * R_m_enu.transpose();
-}
-
-GnssVelocity MakeGnssVelocity(const GnssEpoch& epoch, const GnssConfig& config,
-                              const LocalFrame& frame, const Eigen::Vector3d& w_ib_b_radps,
-                              const Eigen::Matrix3d& added_covariance) {
-  const Eigen::Matrix3d R_m_enu = frame.R_m_enu(frame.ToMap(epoch.antenna));
-  const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * R_m_enu *
-                                     *epoch.velocity_covariance_enu * R_m_enu.transpose();
-  return {
-      R_m_enu * *epoch.velocity_enu_mps, w_ib_b_radps, frame.w_ie_m(),
-      MeasurementNoise(covariance + added_covariance, "the GNSS velocity", epoch.t_s, kCheckGnss)};
-}
-
-bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config) {
-  return config.use_velocity.value_or(true) && epoch.velocity_enu_mps.has_value() &&
-         epoch.velocity_covariance_enu.has_value();
-}
 
 FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                              const InitialStates& initial, const FlightNetworkOptions& options)
     : flight_(&flight), node_t_s_(node_t_s), options_(options) {
   const ImuModel& model = flight.config.imu->model;
   noise_ = {model.gyro.white, model.accel.white, options.position_floor_m};
-  AddMounting();
+  const CalibrationState calibration = initial.calibration.value_or(AssumedCalibration(flight));
+  AddMounting(calibration);
+  AddEffects(calibration);
+  AddPriors();
   AddNodes(initial);
   AddBiases(initial);
   AddInertialEdges();
@@ -88,55 +110,53 @@ bool FlightNetwork::Estimated(const std::string& unknown) const {
                      [&](const EstimateEntry& entry) { return entry.unknown == unknown; });
 }
 
-void FlightNetwork::AddMounting() {
-  const FlightConfig& config = flight_->config;
-  const Mounting mounting = config.lidar ? config.lidar->mounting : Mounting{};
-  const Eigen::Vector3d antenna_b_m =
-      config.gnss ? config.gnss->lever_arm_b_m : Eigen::Vector3d(Eigen::Vector3d::Zero());
-  boresight = net.AddLeftRotation("boresight", Exp(mounting.boresight_rad));
-  gnss_lever_arm = net.AddVector<3>("gnss_lever_arm", antenna_b_m);
-  lidar_lever_arm = net.AddVector<3>("lidar_lever_arm", mounting.lever_arm_b_m);
-  lidar_time_offset = net.AddVector<1>("lidar_time_offset", Eigen::Matrix<double, 1, 1>::Zero());
+void FlightNetwork::AddMounting(const CalibrationState& calibration) {
+  boresight = net.AddLeftRotation("boresight", calibration.q_boresight);
+  gnss_lever_arm = net.AddVector<3>("gnss_lever_arm", calibration.gnss_lever_arm_b_m);
+  lidar_lever_arm = net.AddVector<3>("lidar_lever_arm", calibration.lidar_lever_arm_b_m);
+  lidar_time_offset = net.AddVector<1>(
+      "lidar_time_offset", Eigen::Matrix<double, 1, 1>(calibration.lidar_time_offset_s));
   net.SetLabel(boresight.id, Label("boresight", {"roll", "pitch", "yaw"}, "deg", kDegPerRad));
   net.SetLabel(gnss_lever_arm.id, Label("GNSS lever arm", kXyz, "m", 1.0));
   net.SetLabel(lidar_lever_arm.id, Label("lidar lever arm", kXyz, "m", 1.0));
   net.SetLabel(lidar_time_offset.id, Label("lidar time offset", {"t"}, "s", 1.0));
-  net.Hold(boresight, !config.lidar || !Estimated("boresight"));
+  net.Hold(boresight, !flight_->config.lidar || !Estimated("boresight"));
   net.Hold(gnss_lever_arm, !Estimated("gnss_lever_arm"));
   net.Hold(lidar_lever_arm, !Estimated("lidar_lever_arm"));
   net.Hold(lidar_time_offset, !Estimated("lidar_time_offset"));
-  if (Estimated("gyro_scale_factor")) {
-    gyro_scale_factor =
-        net.AddVector<3>("gyro_scale_factor", Eigen::Vector3d(Eigen::Vector3d::Zero()));
-    net.SetLabel(gyro_scale_factor.id, Label("gyro scale factor", kXyz, "ppm", 1.0 / kPpm));
-  }
-  if (config.lidar && config.lidar->boresight_sigma_rad) {
-    const FactorId id =
-        net.Add(PriorLeftRotation(Exp(mounting.boresight_rad),
-                                  Noise<3>::Sigma(*config.lidar->boresight_sigma_rad)),
-                boresight);
-    net.Tag(id, "prior", std::numeric_limits<double>::quiet_NaN());
-  }
-  for (const char* unknown :
-       {"gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", "gyro_scale_factor"}) {
-    AddPriorOf(unknown);
-  }
 }
 
-void FlightNetwork::AddPriorOf(const std::string& unknown) {
-  for (const EstimateEntry& entry : flight_->config.estimate) {
-    if (entry.unknown != unknown || !entry.sigma) continue;
-    FactorId id;
-    if (unknown == "lidar_time_offset") {
-      id = net.Add(PriorVector<1>(net.Value(lidar_time_offset), Noise<1>::Sigma(*entry.sigma)),
-                   lidar_time_offset);
-    } else {
-      const Block<Vec<3>> block{net.Find(unknown)};
-      const double per_unit = unknown == "gyro_scale_factor" ? kPpm : 1.0;
-      id = net.Add(PriorVector<3>(net.Value(block), Noise<3>::Sigma(*entry.sigma * per_unit)),
-                   block);
-    }
-    net.Tag(id, "prior", std::numeric_limits<double>::quiet_NaN());
+void FlightNetwork::AddEffects(const CalibrationState& calibration) {
+  for (const CalibrationValue& one : calibration.effects) {
+    const BlockId id = AddVectorBlock(one.name, one.value, &net);
+    net.SetLabel(id, LabelOf(one.name, one.value.size()));
+    net.Hold(id, !Estimated(one.name));
+    effects.push_back({one.name, one.action, id});
+  }
+  linearised_ = calibration;
+}
+
+void FlightNetwork::AddPriors() {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const FlightConfig& config = flight_->config;
+  if (config.lidar && config.lidar->boresight_sigma_rad) {
+    const FactorId id =
+        net.Add(PriorLeftRotation(Exp(config.lidar->mounting.boresight_rad),
+                                  Noise<3>::Sigma(*config.lidar->boresight_sigma_rad)),
+                boresight);
+    net.Tag(id, "prior", nan);
+  }
+  const CalibrationState assumed = AssumedCalibration(*flight_);
+  for (const EstimateEntry& entry : config.estimate) {
+    if (entry.unknown == "boresight" || !entry.sigma) continue;
+    const BlockId block = net.Find(entry.unknown);
+    const Eigen::Index size = net.block(block).kind.stored_size;
+    Eigen::VectorXd center = Eigen::VectorXd::Zero(size);
+    if (entry.unknown == "gnss_lever_arm") center = assumed.gnss_lever_arm_b_m;
+    if (entry.unknown == "lidar_lever_arm") center = assumed.lidar_lever_arm_b_m;
+    const Eigen::VectorXd sigma =
+        Eigen::VectorXd::Constant(size, *entry.sigma / net.block(block).label.per_si);
+    net.Tag(AddPrior(block, center, sigma, &net), "prior", nan);
   }
 }
 
@@ -237,48 +257,81 @@ MapPose FlightNetwork::NodePose(std::size_t k) const {
   return {node.t_s, net.Value(node.q_mb), net.Value(node.p_mb), net.Value(node.v_m)};
 }
 
-ImuCorrection FlightNetwork::CorrectionAt(double t_s) const {
-  return {GyroBias(t_s), AccelBias(t_s)};
+CalibrationState FlightNetwork::Calibration() const {
+  CalibrationState state;
+  state.q_boresight = net.Value(boresight);
+  state.gnss_lever_arm_b_m = net.Value(gnss_lever_arm);
+  state.lidar_lever_arm_b_m = net.Value(lidar_lever_arm);
+  state.lidar_time_offset_s = net.Value(lidar_time_offset)[0];
+  for (const EffectBlock& effect : effects) {
+    const BlockRecord& block = net.block(effect.id);
+    state.effects.push_back(
+        {effect.name, effect.action,
+         Eigen::Map<const Eigen::VectorXd>(block.value.get(), block.kind.stored_size)});
+  }
+  return state;
 }
 
-std::shared_ptr<const FactorBase> FlightNetwork::MakeInertialFactor(std::size_t i) const {
+ImuCorrection FlightNetwork::CorrectionAt(double t_s) const {
+  return Calibration().ImuAt(GyroBias(t_s), AccelBias(t_s));
+}
+
+void FlightNetwork::AppendEffects(const std::vector<std::size_t>& indices,
+                                  std::vector<BlockId>* blocks) const {
+  for (const std::size_t k : indices) blocks->push_back(effects[k].id);
+}
+
+std::shared_ptr<const FactorBase> FlightNetwork::InertialFactor(
+    const InertialEdge& edge, const CalibrationState& calibration) const {
+  const std::size_t i = edge.node_i;
   const double t_s = node_t_s_[i];
-  const Eigen::Vector3d scale =
-      gyro_scale_free() ? net.Value(gyro_scale_factor) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d p_i = net.Value(nodes[i].p_mb);
   const Preintegrated increment =
-      Preintegrate(*flight_->imu, t_s, node_t_s_[i + 1], CorrectionAt(t_s), noise_, scale);
+      Preintegrate(*flight_->imu, t_s, node_t_s_[i + 1],
+                   calibration.ImuAt(GyroBias(t_s), AccelBias(t_s)), noise_);
   return std::make_shared<PreintegratedInertial>(
-      increment, flight_->frame, net.Value(nodes[i].p_mb), net.Value(nodes[i + 1].p_mb),
-      static_cast<int>(gyro_bias.size()), static_cast<int>(accel_bias.size()), gyro_scale_free());
+      increment, flight_->frame, p_i, net.Value(nodes[i + 1].p_mb),
+      static_cast<int>(gyro_bias.size()), static_cast<int>(accel_bias.size()),
+      AttractionBases(calibration, p_i));
 }
 
 void FlightNetwork::AddInertialEdges() {
+  const CalibrationState calibration = Calibration();
+  const std::vector<std::size_t> of_edge = EffectsOfInertial(calibration);
   for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
     if (HasGap(*flight_->imu, node_t_s_[i], node_t_s_[i + 1])) continue;
     std::vector<BlockId> blocks{nodes[i].q_mb.id,     nodes[i].p_mb.id,     nodes[i].v_m.id,
                                 nodes[i + 1].q_mb.id, nodes[i + 1].p_mb.id, nodes[i + 1].v_m.id};
     for (const BiasChain& chain : gyro_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
     for (const BiasChain& chain : accel_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
-    if (gyro_scale_free()) blocks.push_back(gyro_scale_factor.id);
-    const FactorId id = net.AddFactor(MakeInertialFactor(i), blocks);
-    net.Tag(id, "inertial", node_t_s_[i]);
-    inertial_edges.push_back({i, id});
+    AppendEffects(of_edge, &blocks);
+    InertialEdge edge{i, -1};
+    edge.id = net.AddFactor(InertialFactor(edge, calibration), blocks);
+    net.Tag(edge.id, "inertial", node_t_s_[i]);
+    inertial_edges.push_back(edge);
     linearised_gyro_bias_.push_back(GyroBias(node_t_s_[i]));
     linearised_accel_bias_.push_back(AccelBias(node_t_s_[i]));
   }
 }
 
-std::shared_ptr<const FactorBase> FlightNetwork::MakeVelocityFactor(const GnssEdge& edge) const {
+std::shared_ptr<const FactorBase> FlightNetwork::GnssPositionFactor(
+    const GnssEdge& edge, const CalibrationState& calibration) const {
   const GnssEpoch& epoch = flight_->gnss->epochs[edge.epoch];
-  const GnssConfig& config = *flight_->config.gnss;
-  const Preintegrated at_epoch =
-      IdentityIncrement(*flight_->imu, epoch.t_s, CorrectionAt(epoch.t_s));
-  return std::make_shared<GnssVelocity>(
-      MakeGnssVelocity(epoch, config, flight_->frame, at_epoch.w_end_b_radps));
+  return MakeGnssPositionFactor(*flight_, epoch, calibration,
+                                {NodePose(edge.node), {GyroBias(epoch.t_s), AccelBias(epoch.t_s)}});
+}
+
+std::shared_ptr<const FactorBase> FlightNetwork::GnssVelocityFactor(
+    const GnssEdge& edge, const CalibrationState& calibration) const {
+  const GnssEpoch& epoch = flight_->gnss->epochs[edge.epoch];
+  return MakeGnssVelocityFactor(*flight_, epoch, calibration,
+                                {NodePose(edge.node), {GyroBias(epoch.t_s), AccelBias(epoch.t_s)}});
 }
 
 void FlightNetwork::AddGnssEdges() {
   if (!flight_->gnss) return;
+  const CalibrationState calibration = Calibration();
+  const std::vector<std::size_t> of_edge = EffectsOfGnss(calibration);
   const GnssConfig& config = *flight_->config.gnss;
   const auto& epochs = flight_->gnss->epochs;
   for (std::size_t e = 0; e < epochs.size(); ++e) {
@@ -286,62 +339,46 @@ void FlightNetwork::AddGnssEdges() {
     const std::size_t k = NodeBefore(node_t_s_, epoch.t_s + 1e-6);
     if (std::abs(node_t_s_[k] - epoch.t_s) > 2e-6) continue;  // outside the network's span
     GnssEdge edge{k, e, -1, -1};
-    const Noise<3> noise = MeasurementNoise(GnssPositionCovariance(epoch, config, flight_->frame),
-                                            "the GNSS position", epoch.t_s, kCheckGnss);
-    edge.position = net.Add(GnssPosition(flight_->frame.ToMap(epoch.antenna), noise), nodes[k].q_mb,
-                            nodes[k].p_mb, gnss_lever_arm);
+    std::vector<BlockId> position{nodes[k].q_mb.id, nodes[k].p_mb.id, gnss_lever_arm.id};
+    std::vector<BlockId> velocity{nodes[k].q_mb.id, nodes[k].v_m.id, gnss_lever_arm.id};
+    if (!of_edge.empty()) {
+      position.push_back(nodes[k].v_m.id);
+      AppendEffects(of_edge, &position);
+      velocity = position;
+    }
+    edge.position = net.AddFactor(GnssPositionFactor(edge, calibration), position);
     net.Tag(edge.position, "gnss position", epoch.t_s);
     if (UsesVelocity(epoch, config)) {
-      edge.velocity = net.AddFactor(MakeVelocityFactor(edge),
-                                    {nodes[k].q_mb.id, nodes[k].v_m.id, gnss_lever_arm.id});
+      edge.velocity = net.AddFactor(GnssVelocityFactor(edge, calibration), velocity);
       net.Tag(edge.velocity, "gnss velocity", epoch.t_s);
     }
     gnss_edges.push_back(edge);
   }
 }
 
-std::shared_ptr<const FactorBase> FlightNetwork::MakePairFactor(const PairEdge& edge) const {
-  const LidarConfig& lidar = *flight_->config.lidar;
-  const double dt_nominal_s = net.Value(lidar_time_offset)[0];
-  const Eigen::Vector3d lever = net.Value(lidar_lever_arm);
-  const Eigen::Quaterniond q_boresight = net.Value(boresight);
-  const Eigen::Vector3d scale =
-      gyro_scale_free() ? net.Value(gyro_scale_factor) : Eigen::Vector3d(Eigen::Vector3d::Zero());
-  const auto make_end = [&](std::size_t k, double tag_s, const Eigen::Vector3d& u_s) {
-    const double t_s = tag_s - dt_nominal_s;
-    if (t_s < node_t_s_[k] - 1e-7) {
-      throw InvalidInput("lidar time offset: the estimate of " + std::to_string(dt_nominal_s) +
-                         " s exceeds the " + std::to_string(kTimeOffsetMarginS) +
-                         " s that can be estimated; correct the time tags of the pairs first");
-    }
-    LidarEnd end;
-    end.partial =
-        t_s - node_t_s_[k] > 1e-7
-            ? Preintegrate(*flight_->imu, node_t_s_[k], t_s, CorrectionAt(node_t_s_[k]), noise_,
-                           scale)
-            : IdentityIncrement(*flight_->imu, node_t_s_[k], CorrectionAt(node_t_s_[k]), scale);
-    end.u_s = u_s;
-    end.p_nominal_m = net.Value(nodes[k].p_mb);
-    return end;
+std::shared_ptr<const FactorBase> FlightNetwork::PairFactor(
+    const PairEdge& edge, const CalibrationState& calibration) const {
+  const auto biases = [&](std::size_t k) {
+    return ImuCorrection{GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k])};
   };
-  const LidarEnd i = make_end(edge.node_i, edge.pair.t_i_s, edge.pair.u_i_s);
-  const LidarEnd j = make_end(edge.node_j, edge.pair.t_j_s, edge.pair.u_j_s);
-  const auto arm = [&](const Eigen::Vector3d& u_s) {
-    return Eigen::Vector3d(lever + q_boresight * (lidar.mounting.R_bs_nominal * u_s));
+  return MakePairFactor(*flight_, calibration, noise_,
+                        {edge.pair, NodePose(edge.node_i), NodePose(edge.node_j),
+                         biases(edge.node_i), biases(edge.node_j)});
+}
+
+bool FlightNetwork::MovesLidarEpochs() const {
+  const auto moves = [](const EffectBlock& effect) {
+    const auto* lidar = std::get_if<std::shared_ptr<const LidarEffect>>(&effect.action);
+    return lidar != nullptr && (*lidar)->moves_epochs();
   };
-  Eigen::Matrix3d covariance = edge.pair.covariance_m2.value_or(
-      Eigen::Matrix3d(lidar.sigma_p_m * lidar.sigma_p_m * Eigen::Matrix3d::Identity()));
-  covariance += EndNoise(i, net.Value(nodes[edge.node_i].q_mb).toRotationMatrix(), arm(i.u_s));
-  covariance += EndNoise(j, net.Value(nodes[edge.node_j].q_mb).toRotationMatrix(), arm(j.u_s));
-  return std::make_shared<PointToPoint>(
-      flight_->frame, i, j, lidar.mounting.R_bs_nominal, dt_nominal_s,
-      MeasurementNoise(0.5 * (covariance + covariance.transpose()), "the point pair",
-                       edge.pair.t_i_s,
-                       "check its laser vectors and covariance, and the white noise of the IMU"));
+  return !net.block(lidar_time_offset.id).held ||
+         std::any_of(effects.begin(), effects.end(), moves);
 }
 
 void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
-  const double margin_s = net.block(lidar_time_offset.id).held ? -1e-7 : kTimeOffsetMarginS;
+  const double margin_s = MovesLidarEpochs() ? kLidarTimeMarginS : -1e-7;
+  const CalibrationState calibration = Calibration();
+  const std::vector<std::size_t> of_edge = EffectsOfPairs(calibration);
   for (const LidarPair& pair : pairs) {
     PairEdge edge;
     edge.pair = pair;
@@ -358,9 +395,11 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
     }
     const NodeBlocks& i = nodes[edge.node_i];
     const NodeBlocks& j = nodes[edge.node_j];
-    edge.id = net.AddFactor(MakePairFactor(edge),
-                            {i.q_mb.id, i.p_mb.id, i.v_m.id, j.q_mb.id, j.p_mb.id, j.v_m.id,
-                             boresight.id, lidar_lever_arm.id, lidar_time_offset.id});
+    std::vector<BlockId> blocks{i.q_mb.id,    i.p_mb.id,          i.v_m.id,
+                                j.q_mb.id,    j.p_mb.id,          j.v_m.id,
+                                boresight.id, lidar_lever_arm.id, lidar_time_offset.id};
+    AppendEffects(of_edge, &blocks);
+    edge.id = net.AddFactor(PairFactor(edge, calibration), blocks);
     net.Tag(edge.id, "lidar p2p", pair.t_i_s);
     pair_edges.push_back(edge);
   }
@@ -375,27 +414,35 @@ double FlightNetwork::BiasChange() const {
     change = std::max({change, gyro.cwiseAbs().maxCoeff() / kGyroStepRadps,
                        accel.cwiseAbs().maxCoeff() / kAccelStepMps2});
   }
+  const CalibrationState now = Calibration();
+  for (std::size_t k = 0; k < now.effects.size(); ++k) {
+    change =
+        std::max(change, InUsualSizes(linearised_.effects[k], now.effects[k].value) / kEffectStep);
+  }
   return change;
 }
 
 void FlightNetwork::Relinearise() {
+  linearised_ = Calibration();
   for (std::size_t e = 0; e < inertial_edges.size(); ++e) {
     const InertialEdge& edge = inertial_edges[e];
     linearised_gyro_bias_[e] = GyroBias(node_t_s_[edge.node_i]);
     linearised_accel_bias_[e] = AccelBias(node_t_s_[edge.node_i]);
-    net.ReplaceFactor(edge.id, MakeInertialFactor(edge.node_i));
+    net.ReplaceFactor(edge.id, InertialFactor(edge, linearised_));
   }
+  const bool with_effects = !EffectsOfGnss(linearised_).empty();
   for (const GnssEdge& edge : gnss_edges) {
-    if (edge.velocity >= 0) net.ReplaceFactor(edge.velocity, MakeVelocityFactor(edge));
+    if (with_effects) net.ReplaceFactor(edge.position, GnssPositionFactor(edge, linearised_));
+    if (edge.velocity >= 0) net.ReplaceFactor(edge.velocity, GnssVelocityFactor(edge, linearised_));
   }
-  for (const PairEdge& edge : pair_edges) net.ReplaceFactor(edge.id, MakePairFactor(edge));
+  for (const PairEdge& edge : pair_edges) net.ReplaceFactor(edge.id, PairFactor(edge, linearised_));
 }
 
 Eigen::Vector3d FlightNetwork::PairDifference(std::size_t k) const {
   const FactorRecord& record = net.factor(pair_edges[k].id);
   std::vector<const double*> x;
   for (const BlockId id : record.blocks) x.push_back(net.block(id).value.get());
-  const auto [x_i, x_j] = static_cast<const PointToPoint&>(*record.factor).Points(x.data());
+  const auto [x_i, x_j] = dynamic_cast<const PointPairFactor&>(*record.factor).Points(x.data());
   return x_i - x_j;
 }
 

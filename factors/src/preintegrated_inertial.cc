@@ -8,7 +8,14 @@
 namespace dn {
 namespace {
 
-std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases, bool with_gyro_scale) {
+BlockKind VectorKind(Eigen::Index size) {
+  const int n = static_cast<int>(size);
+  return {Parametrisation::kVector, n, n};
+}
+
+std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases,
+                             const std::vector<ImuEffectValue>& effects,
+                             const std::vector<AttractionBasis>& attraction) {
   if (num_gyro_biases < 0 || num_accel_biases < 0) {
     throw InvalidInput("inertial edge: the numbers of bias blocks are " +
                        std::to_string(num_gyro_biases) + " and " +
@@ -16,8 +23,10 @@ std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases, bool wit
   }
   std::vector<BlockKind> kinds{Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind,
                                Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind};
-  const int calibration = num_gyro_biases + num_accel_biases + (with_gyro_scale ? 1 : 0);
-  kinds.insert(kinds.end(), static_cast<std::size_t>(calibration), Vec<3>::kKind);
+  kinds.insert(kinds.end(), static_cast<std::size_t>(num_gyro_biases + num_accel_biases),
+               Vec<3>::kKind);
+  for (const ImuEffectValue& one : effects) kinds.push_back(VectorKind(one.value.size()));
+  for (const AttractionBasis& one : attraction) kinds.push_back(VectorKind(one.cols()));
   return kinds;
 }
 
@@ -40,12 +49,12 @@ PreintegratedInertial::PreintegratedInertial(const Preintegrated& increments,
                                              const Eigen::Vector3d& p_i_nominal_m,
                                              const Eigen::Vector3d& p_j_nominal_m,
                                              int num_gyro_biases, int num_accel_biases,
-                                             bool with_gyro_scale)
-    : DynamicFactor(9, Kinds(num_gyro_biases, num_accel_biases, with_gyro_scale)),
+                                             const std::vector<AttractionBasis>& attraction)
+    : DynamicFactor(9, Kinds(num_gyro_biases, num_accel_biases, increments.linearisation.effects,
+                             attraction)),
       increments_(increments),
       num_gyro_biases_(num_gyro_biases),
       num_accel_biases_(num_accel_biases),
-      with_gyro_scale_(with_gyro_scale),
       W_(SqrtInformation(increments)) {
   const double dt = increments.dt_s();
   if (!(dt > 0.0)) {
@@ -71,6 +80,10 @@ PreintegratedInertial::PreintegratedInertial(const Preintegrated& increments,
   p_p_i_ = -Eigen::Matrix3d::Identity() - dt * W - dt * dt / 3.0 * Gamma;
   p_p_j_ = C_ * (Eigen::Matrix3d::Identity() - dt * dt / 6.0 * Gamma);
   p_0_ = earth.origin_position_m - dt * dt * (G_i / 3.0 + C_ * G_j / 6.0);
+  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+  for (const AttractionBasis& D : attraction) {
+    attraction_.push_back({-0.5 * dt * (I + C_) * D, -dt * dt * (I / 3.0 + C_ / 6.0) * D});
+  }
 }
 
 bool PreintegratedInertial::Evaluate(double const* const* x, double* r, double** J) const {
@@ -92,15 +105,16 @@ void PreintegratedInertial::EvaluateJacobians(double const* const* x, double** J
   const Vec3 d_bg =
       SumOfBlocks(x + 6, num_gyro_biases_) - increments_.linearisation.gyro_bias_radps;
   Vec3 xi = increments_.J_q_bg * d_bg;
-  const int scale_block = 6 + num_gyro_biases_ + num_accel_biases_;
-  if (with_gyro_scale_) {
-    xi += increments_.J_q_sg * (Eigen::Map<const Vec3>(x[scale_block]) - increments_.gyro_scale);
-  }
+  xi += ByEffects(x).head<3>();
   const Eigen::Quaterniond dq = increments_.delta_q * Exp(xi);
   const Eigen::Quaterniond error = dq.conjugate() * Eigen::Quaterniond(R_ij);
   const Mat3 J_R = RightJacobianInverse(Log(error));
-  const Vec3 y_v = R_i_inverse * (C_ * v_j - v_i + v_p_i_ * p_i + v_p_j_ * p_j + v_0_);
-  const Vec3 y_p = R_i_inverse * (p_p_i_ * p_i + p_p_j_ * p_j + p_0_ - increments_.dt_s() * v_i);
+  Vec3 v_attraction = Vec3::Zero(), p_attraction = Vec3::Zero();
+  AddAttraction(x, &v_attraction, &p_attraction);
+  const Vec3 y_v =
+      R_i_inverse * (C_ * v_j - v_i + v_p_i_ * p_i + v_p_j_ * p_j + v_0_ + v_attraction);
+  const Vec3 y_p =
+      R_i_inverse * (p_p_i_ * p_i + p_p_j_ * p_j + p_0_ + p_attraction - increments_.dt_s() * v_i);
 
   const auto put = [&](int block, const Mat3& J_R_x, const Mat3& J_v_x, const Mat3& J_p_x) {
     if (J[block] == nullptr) return;
@@ -123,8 +137,30 @@ void PreintegratedInertial::EvaluateJacobians(double const* const* x, double** J
   for (int i = 0; i < num_accel_biases_; ++i) {
     put(6 + num_gyro_biases_ + i, zero, -increments_.J_v_ba, -increments_.J_p_ba);
   }
-  if (with_gyro_scale_) {
-    put(scale_block, J_R_xi * increments_.J_q_sg, -increments_.J_v_sg, -increments_.J_p_sg);
+  EvaluateEffectJacobians(x, J_R_xi, R_i_inverse, J);
+}
+
+void PreintegratedInertial::EvaluateEffectJacobians(double const* const* x,
+                                                    const Eigen::Matrix3d& J_R_xi,
+                                                    const Eigen::Matrix3d& R_i_inverse,
+                                                    double** J) const {
+  const auto put = [&](int block, const Eigen::Matrix<double, 9, Eigen::Dynamic>& unwhitened) {
+    if (J[block] == nullptr) return;
+    Put(block, x, J, (W_.triangularView<Eigen::Lower>() * unwhitened).eval());
+  };
+  Eigen::Index column = 0;
+  int block = first_effect();
+  for (const ImuEffectValue& one : increments_.linearisation.effects) {
+    Eigen::Matrix<double, 9, Eigen::Dynamic> J_r_e =
+        -increments_.J_effects.middleCols(column, one.value.size());
+    J_r_e.topRows<3>() = -J_R_xi * J_r_e.topRows<3>();
+    put(block++, J_r_e);
+    column += one.value.size();
+  }
+  for (const AttractionBracket& one : attraction_) {
+    Eigen::Matrix<double, 9, Eigen::Dynamic> J_r_g(9, one.v.cols());
+    J_r_g << Eigen::Matrix3Xd::Zero(3, one.v.cols()), R_i_inverse * one.v, R_i_inverse * one.p;
+    put(block++, J_r_g);
   }
 }
 

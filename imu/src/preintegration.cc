@@ -60,14 +60,13 @@ bool Adjoin(const ImuSample& before, const ImuSample& after) {
 
 double Middle(const ImuSample& sample) { return sample.t_s - 0.5 * sample.dt_s; }
 
-/// The corrected rates of a sample as a linear function of time with its mean, and the slope that
-/// has its first moment.
+/// The rates of a sample without their biases as a linear function of time with its mean, and the
+/// slope that has its first moment.
 class LinearSample {
  public:
-  LinearSample(const ImuData& imu, std::size_t k, const ImuCorrection& bias,
-               const Vector3d& inverse_scale)
+  LinearSample(const ImuData& imu, std::size_t k, const ImuCorrection& bias)
       : middle_s_(Middle(imu.samples[k])),
-        w_(inverse_scale.cwiseProduct(imu.samples[k].w_ib_b_radps - bias.gyro_bias_radps)),
+        w_(imu.samples[k].w_ib_b_radps - bias.gyro_bias_radps),
         f_(imu.samples[k].f_b_mps2 - bias.accel_bias_mps2) {
     const std::vector<ImuSample>& x = imu.samples;
     const std::size_t a = Before(x, k), b = After(x, k);
@@ -79,7 +78,6 @@ class LinearSample {
       AddSlope(x[a], x[b], kNearWeight);
       AddSlope(x[aa], x[bb], 1.0 - kNearWeight);
     }
-    w_slope_ = inverse_scale.cwiseProduct(w_slope_);
   }
 
   Vector3d Rate(double t_s) const { return w_ + (t_s - middle_s_) * w_slope_; }
@@ -112,6 +110,55 @@ class LinearSample {
   double middle_s_;
   Vector3d w_, f_;
   Vector3d w_slope_ = Vector3d::Zero(), f_slope_ = Vector3d::Zero();
+};
+
+/// Takes the effects of a correction out of pieces whose biases are subtracted.
+class EffectCorrector {
+ public:
+  explicit EffectCorrector(const std::vector<ImuEffectValue>& effects) : effects_(effects) {
+    for (const ImuEffectValue& one : effects) Check(one);
+    const Eigen::Index columns = kBiases + TotalComponents(effects);
+    reading_.J_w.resize(3, columns);
+    reading_.J_f.resize(3, columns);
+  }
+
+  bool empty() const { return effects_.empty(); }
+
+  /// At t_s; the derivatives of the result stay in reading().
+  void Correct(double t_s, Piece* piece) {
+    reading_.t_s = t_s;
+    reading_.w_b = piece->w;
+    reading_.f_b = piece->f;
+    reading_.J_w.setZero();
+    reading_.J_f.setZero();
+    reading_.J_w.leftCols<3>().diagonal().setConstant(-1.0);
+    reading_.J_f.middleCols<3>(3).diagonal().setConstant(-1.0);
+    Eigen::Index column = kBiases;
+    for (const ImuEffectValue& one : effects_) {
+      one.effect->Correct(one.value, column, &reading_);
+      column += one.value.size();
+    }
+    Eigen::Matrix<double, kBiases, 1> slope;
+    slope << piece->w_slope, piece->f_slope;
+    piece->w = reading_.w_b;
+    piece->f = reading_.f_b;
+    piece->w_slope = -reading_.J_w.leftCols<kBiases>() * slope;
+    piece->f_slope = -reading_.J_f.leftCols<kBiases>() * slope;
+  }
+
+  const ImuReading& reading() const { return reading_; }
+
+  static constexpr int kBiases = 6;  // columns of the biases, before those of the effects
+
+ private:
+  static void Check(const ImuEffectValue& one) {
+    if (one.value.size() == one.effect->components() && one.value.allFinite()) return;
+    throw InvalidInput("an effect of the inertial sensors needs " +
+                       std::to_string(one.effect->components()) + " finite values");
+  }
+
+  const std::vector<ImuEffectValue>& effects_;
+  ImuReading reading_;
 };
 
 /// The functions of the angle x that the exponential and its integrals are made of:
@@ -159,13 +206,13 @@ Matrix3d SkewProduct(const Vector3d& a, const Vector3d& b) {
 ///   E[psi psi^T] = P_qq I,  E[dv psi^T] = -[a]x,  E[dp psi^T] = -[b]x.
 class Integrator {
  public:
-  Integrator(const PreintegrationNoise& noise, const Vector3d& inverse_scale)
-      : inverse_scale_(inverse_scale),
-        gyro_psd_(noise.gyro_white_rad_per_sqrt_s * noise.gyro_white_rad_per_sqrt_s),
+  explicit Integrator(const PreintegrationNoise& noise)
+      : gyro_psd_(noise.gyro_white_rad_per_sqrt_s * noise.gyro_white_rad_per_sqrt_s),
         accel_psd_(noise.accel_white_mps_per_sqrt_s * noise.accel_white_mps_per_sqrt_s) {}
 
-  /// `added`: noise of this piece beyond the white noise of the sensor.
-  void Add(const Piece& piece, const Densities& added) {
+  /// `added`: noise of this piece beyond the white noise of the sensor; `reading`: how its rates
+  /// depend on biases and effects, null where there are no effects.
+  void Add(const Piece& piece, const Densities& added, const ImuReading* reading) {
     const double d = piece.dt_s;
     const double d3 = d * d * d / 12.0;
     const Matrix3d dR = dq_.toRotationMatrix();
@@ -185,8 +232,7 @@ class Integrator {
                               d3 * (dR * piece.f_slope - 0.5 * d * f_x_slope);
 
     AddCovariance(d, {gyro_psd_ + added.gyro, accel_psd_ + added.accel}, u, velocity, position);
-    AddBiasJacobians(d, dR, phi, u, velocity, position, g);
-    AddScaleJacobians(d, dR * piece.w.asDiagonal(), phi, u, velocity, position, g);
+    AddBiasJacobians(d, dR, phi, u, velocity, position, g, reading);
 
     dp_ += d * dv_ + position;
     dv_ += velocity;
@@ -207,15 +253,15 @@ class Integrator {
     const Matrix3d P_pq = -Skew(b_) * dR;
     out->covariance << P_qq_ * Matrix3d::Identity(), P_vq.transpose(), P_pq.transpose(), P_vq,
         P_vv_, P_pv_.transpose(), P_pq, P_pv_, P_pp_;
-    const auto D = inverse_scale_.asDiagonal();
-    out->J_q_bg = dR_inverse * bias_.q * D;
-    out->J_v_bg = bias_.v * D;
-    out->J_p_bg = bias_.p * D;
+    if (all_.q.cols() > 0) {
+      WriteSensitivities(dR_inverse, out);
+      return;
+    }
+    out->J_q_bg = dR_inverse * bias_.q;
+    out->J_v_bg = bias_.v;
+    out->J_p_bg = bias_.p;
     out->J_v_ba = J_v_ba_;
     out->J_p_ba = J_p_ba_;
-    out->J_q_sg = dR_inverse * scale_.q * D;
-    out->J_v_sg = scale_.v * D;
-    out->J_p_sg = scale_.p * D;
   }
 
  private:
@@ -249,52 +295,68 @@ class Integrator {
   }
 
   void AddBiasJacobians(double d, const Matrix3d& dR, const Vector3d& phi, const Vector3d& u,
-                        const Vector3d& velocity, const Vector3d& position,
-                        const AngleFunctions& g) {
+                        const Vector3d& velocity, const Vector3d& position, const AngleFunctions& g,
+                        const ImuReading* reading) {
     const Matrix3d phi_x_dR = Cross(phi, dR);
     const Matrix3d phi_x_phi_x_dR = Cross(phi, phi_x_dR);
-    J_p_ba_ += d * J_v_ba_ - d * d * (0.5 * dR + g.b * phi_x_dR + g.c * phi_x_phi_x_dR);
     const Matrix3d turned = dR + g.a * phi_x_dR + g.b * phi_x_phi_x_dR;  // left Jacobian times dR
+    const Matrix3d moved = 0.5 * dR + g.b * phi_x_dR + g.c * phi_x_phi_x_dR;
+    const Matrix3d u_x_dR = Cross(u, dR);
+    if (reading != nullptr) {
+      AddSensitivities(d, turned, moved, u_x_dR, velocity, position, *reading);
+      return;
+    }
+    J_p_ba_ += d * J_v_ba_ - d * d * moved;
     J_v_ba_ -= d * turned;
-    AddGyroSensitivity(d, -dR, -turned, u, velocity, position, &bias_);
+    // The terms within the piece (u) are of first order in its turn.
+    bias_.p += d * bias_.v - Cross(position, bias_.q) + d * d / 6.0 * u_x_dR;
+    bias_.v += 0.5 * d * u_x_dR - Cross(velocity, bias_.q);
+    bias_.q -= d * turned;
   }
 
-  void AddScaleJacobians(double d, const Matrix3d& dR_w, const Vector3d& phi, const Vector3d& u,
-                         const Vector3d& velocity, const Vector3d& position,
-                         const AngleFunctions& g) {
-    const Matrix3d phi_x = Cross(phi, dR_w);
-    const Matrix3d turned = dR_w + g.a * phi_x + g.b * Cross(phi, phi_x);
-    AddGyroSensitivity(d, -dR_w, -turned, u, velocity, position, &scale_);
+  // The same for any parameters on which rate and specific force depend.
+  void AddSensitivities(double d, const Matrix3d& turned, const Matrix3d& moved,
+                        const Matrix3d& u_x_dR, const Vector3d& velocity, const Vector3d& position,
+                        const ImuReading& reading) {
+    if (all_.q.cols() == 0) {
+      for (Eigen::Matrix3Xd* K : {&all_.q, &all_.v, &all_.p}) K->setZero(3, reading.J_w.cols());
+    }
+    const Matrix3d S_velocity = Skew(velocity), S_position = Skew(position);
+    const Matrix3d v_w = 0.5 * d * u_x_dR, p_w = d * d / 6.0 * u_x_dR;
+    const Matrix3d v_f = d * turned, p_f = d * d * moved;
+    all_.p += d * all_.v;
+    all_.p.noalias() -= S_position * all_.q;
+    all_.p.noalias() -= p_w * reading.J_w;
+    all_.p.noalias() += p_f * reading.J_f;
+    all_.v.noalias() -= S_velocity * all_.q;
+    all_.v.noalias() -= v_w * reading.J_w;
+    all_.v.noalias() += v_f * reading.J_f;
+    all_.q.noalias() += v_f * reading.J_w;
   }
 
-  // rate: derivative of the mean rate in begin axes; the terms within the piece (u) are of first
-  // order in its turn.
-  static void AddGyroSensitivity(double d, const Matrix3d& rate, const Matrix3d& turned,
-                                 const Vector3d& u, const Vector3d& velocity,
-                                 const Vector3d& position, Sensitivity* K) {
-    const Matrix3d u_x_rate = Cross(u, rate);
-    K->p += d * K->v - Cross(position, K->q) - d * d / 6.0 * u_x_rate;
-    K->v += -Cross(velocity, K->q) - 0.5 * d * u_x_rate;
-    K->q += d * turned;
+  void WriteSensitivities(const Matrix3d& dR_inverse, Preintegrated* out) const {
+    out->J_q_bg = dR_inverse * all_.q.leftCols<3>();
+    out->J_v_bg = all_.v.leftCols<3>();
+    out->J_p_bg = all_.p.leftCols<3>();
+    out->J_v_ba = all_.v.middleCols<3>(3);
+    out->J_p_ba = all_.p.middleCols<3>(3);
+    const Eigen::Index n = all_.q.cols() - EffectCorrector::kBiases;
+    out->J_effects.resize(9, n);
+    out->J_effects << dR_inverse * all_.q.rightCols(n), all_.v.rightCols(n), all_.p.rightCols(n);
   }
 
-  Vector3d inverse_scale_;
   double gyro_psd_, accel_psd_;
   double P_qq_ = 0.0;  // of each component of psi
   Eigen::Quaterniond dq_ = Eigen::Quaterniond::Identity();
   Vector3d dv_ = Vector3d::Zero(), dp_ = Vector3d::Zero();
   Vector3d a_ = Vector3d::Zero(), b_ = Vector3d::Zero();
   Matrix3d P_vv_ = Matrix3d::Zero(), P_pv_ = Matrix3d::Zero(), P_pp_ = Matrix3d::Zero();
-  Sensitivity bias_, scale_;
+  Sensitivity bias_;
   Matrix3d J_v_ba_ = Matrix3d::Zero(), J_p_ba_ = Matrix3d::Zero();
+  struct {
+    Eigen::Matrix3Xd q, v, p;
+  } all_;  // of biases and effects, where there are effects
 };
-
-Vector3d InverseScale(const Vector3d& gyro_scale) {
-  if (!(gyro_scale.array() > -1.0).all() || !gyro_scale.allFinite()) {
-    throw InvalidInput("gyro scale factor must be finite and above -1");
-  }
-  return (Vector3d::Ones() + gyro_scale).cwiseInverse();
-}
 
 void CheckBias(const ImuCorrection& bias, double t_s) {
   const bool gyro = bias.gyro_bias_radps.allFinite();
@@ -330,36 +392,36 @@ void CheckInside(const ImuData& imu, double t0_s, double t1_s) {
                      ": the IMU data have a gap that ends at " + Seconds(after.t_s - after.dt_s));
 }
 
-Preintegrated Frame(double t0_s, double t1_s, const ImuCorrection& bias,
-                    const Vector3d& gyro_scale) {
+Preintegrated Frame(double t0_s, double t1_s, const ImuCorrection& correction) {
   Preintegrated out;
   out.t_begin_s = t0_s;
   out.t_end_s = t1_s;
-  out.linearisation = bias;
-  out.gyro_scale = gyro_scale;
+  out.linearisation = correction;
+  out.J_effects.setZero(9, TotalComponents(correction.effects));
   return out;
 }
 
-void WriteEnd(const LinearSample& sample, Preintegrated* out) {
-  out->w_end_b_radps = sample.Rate(out->t_end_s);
-  out->f_end_b_mps2 = sample.Force(out->t_end_s);
+void WriteEnd(const LinearSample& sample, EffectCorrector* corrector, Preintegrated* out) {
+  Piece end = sample.Part(out->t_end_s, out->t_end_s);
+  if (!corrector->empty()) corrector->Correct(out->t_end_s, &end);
+  out->w_end_b_radps = end.w;
+  out->f_end_b_mps2 = end.f;
 }
 
 }  // namespace
 
 Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
-                           const ImuCorrection& bias, const PreintegrationNoise& noise,
-                           const Vector3d& gyro_scale) {
+                           const ImuCorrection& correction, const PreintegrationNoise& noise) {
   if (!(t_end_s > t_begin_s)) {
     throw InvalidInput("inertial increments: the end " + Seconds(t_end_s) +
                        " is not after the begin " + Seconds(t_begin_s));
   }
   CheckInside(imu, t_begin_s, t_end_s);
-  CheckBias(bias, t_begin_s);
+  CheckBias(correction, t_begin_s);
   CheckNoise(noise);
-  const Vector3d inverse_scale = InverseScale(gyro_scale);
-  Preintegrated out = Frame(t_begin_s, t_end_s, bias, gyro_scale);
-  Integrator integrator(noise, inverse_scale);
+  Preintegrated out = Frame(t_begin_s, t_end_s, correction);
+  Integrator integrator(noise);
+  EffectCorrector corrector(correction.effects);
   BridgeNoise bridge_noise(imu, t_begin_s);
 
   std::size_t k = SampleRange(imu, t_begin_s, t_end_s).first;
@@ -369,9 +431,12 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
     if (sample.t_s - sample.dt_s > t_s + kTimeTolerance_s) ThrowGap(t_begin_s, t_end_s, sample);
     const bool last = sample.t_s >= t_end_s || k + 1 == imu.samples.size();
     const double stop_s = last ? t_end_s : sample.t_s;
-    const LinearSample linear(imu, k, bias, inverse_scale);
-    integrator.Add(linear.Part(t_s, stop_s), bridge_noise.Of(sample));
-    if (last) WriteEnd(linear, &out);
+    const LinearSample linear(imu, k, correction);
+    Piece piece = linear.Part(t_s, stop_s);
+    if (!corrector.empty()) corrector.Correct(t_s + 0.5 * (stop_s - t_s), &piece);
+    integrator.Add(piece, bridge_noise.Of(sample),
+                   corrector.empty() ? nullptr : &corrector.reading());
+    if (last) WriteEnd(linear, &corrector, &out);
     t_s = stop_s;
   }
   integrator.Write(&out);
@@ -380,18 +445,17 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
   return out;
 }
 
-Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& bias,
-                                const Vector3d& gyro_scale) {
+Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& correction) {
   CheckInside(imu, t_s, t_s);
-  CheckBias(bias, t_s);
+  CheckBias(correction, t_s);
   const auto after =
       std::lower_bound(imu.samples.begin(), imu.samples.end(), t_s - kTimeTolerance_s,
                        [](const ImuSample& sample, double t) { return sample.t_s < t; });
   if (after->t_s - after->dt_s > t_s + kTimeTolerance_s) ThrowGap(t_s, t_s, *after);
-  Preintegrated out = Frame(t_s, t_s, bias, gyro_scale);
-  WriteEnd(LinearSample(imu, static_cast<std::size_t>(after - imu.samples.begin()), bias,
-                        InverseScale(gyro_scale)),
-           &out);
+  Preintegrated out = Frame(t_s, t_s, correction);
+  EffectCorrector corrector(correction.effects);
+  WriteEnd(LinearSample(imu, static_cast<std::size_t>(after - imu.samples.begin()), correction),
+           &corrector, &out);
   return out;
 }
 
@@ -422,9 +486,7 @@ Preintegrated Compose(const Preintegrated& a, const Preintegrated& b) {
   out.J_p_bg = a.J_p_bg + dt * a.J_v_bg - A_p * a.J_q_bg + A * b.J_p_bg;
   out.J_v_ba = a.J_v_ba + A * b.J_v_ba;
   out.J_p_ba = a.J_p_ba + dt * a.J_v_ba + A * b.J_p_ba;
-  out.J_q_sg = B_inverse * a.J_q_sg + b.J_q_sg;
-  out.J_v_sg = a.J_v_sg - A_v * a.J_q_sg + A * b.J_v_sg;
-  out.J_p_sg = a.J_p_sg + dt * a.J_v_sg - A_p * a.J_q_sg + A * b.J_p_sg;
+  out.J_effects = F * a.J_effects + G * b.J_effects;
   return out;
 }
 

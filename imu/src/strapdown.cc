@@ -55,17 +55,18 @@ Eigen::Matrix3d AttractionGradient(const LocalFrame& frame, const Eigen::Vector3
   return gradient;
 }
 
-MapPose Propagate(const LocalFrame& frame, const MapPose& start, const Preintegrated& increments) {
+MapPose Propagate(const LocalFrame& frame, const MapPose& start, const Preintegrated& increments,
+                  const Eigen::Vector3d& added_mps2) {
   const double dt = increments.dt_s();
   const EarthStep earth = EarthStep::Make(frame, dt);
   const Eigen::Vector3d& w = frame.w_ie_m();
   const Eigen::Matrix3d C_inverse = earth.C.transpose();
-  const Eigen::Vector3d G_begin = frame.Attraction(start.p_mb);
+  const Eigen::Vector3d G_begin = frame.Attraction(start.p_mb) + added_mps2;
 
   const Eigen::Vector3d predicted =
       C_inverse * (start.p_mb + (start.v_m + w.cross(start.p_mb)) * dt - earth.origin_position_m +
                    0.5 * dt * dt * G_begin + start.q_mb * increments.delta_p);
-  const Eigen::Vector3d G_end = frame.Attraction(predicted);
+  const Eigen::Vector3d G_end = frame.Attraction(predicted) + added_mps2;
 
   MapPose end;
   end.t_s = increments.t_end_s;

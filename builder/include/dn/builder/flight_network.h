@@ -1,7 +1,8 @@
 #pragma once
 
+#include <dn/builder/calibration_state.h>
+#include <dn/builder/edge_factors.h>
 #include <dn/builder/node_grid.h>
-#include <dn/factors/gnss_velocity.h>
 #include <dn/flight/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>
@@ -34,11 +35,19 @@ struct BiasChain {
   Block<Vec<3>> At(double t_s) const;
 };
 
-/// Starting values of the trajectory and of the biases.
+/// An effect that is a block of the network.
+struct EffectBlock {
+  std::string name;
+  EffectAction action;
+  BlockId id = -1;
+};
+
+/// Starting values of the trajectory, of the biases and of the calibration.
 struct InitialStates {
   std::vector<MapPose> nodes;  ///< one per node time
   Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
   Eigen::Vector3d accel_bias_mps2 = Eigen::Vector3d::Zero();
+  std::optional<CalibrationState> calibration = {};  ///< absent: AssumedCalibration of the flight
 };
 
 struct FlightNetworkOptions {
@@ -53,7 +62,8 @@ struct FlightNetworkOptions {
 /// other.
 ///
 /// Block names: "q_mb/<k>", "p_mb/<k>", "v_m/<k>"; "gyro_bias/<process>/<k>", "accel_bias/...";
-/// "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", "gyro_scale_factor".
+/// "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", and every other effect of
+/// `estimate` by its name.
 /// Factor groups: "inertial", "gnss position", "gnss velocity", "lidar p2p", "bias process",
 /// "prior".
 class FlightNetwork {
@@ -67,19 +77,40 @@ class FlightNetwork {
   /// trajectory that is good already: the noise of the partial increments is evaluated once.
   void AddPairs(const std::vector<LidarPair>& pairs);
 
-  /// Integrates every increment anew at the present biases (and time offset, and gyro scale), and
-  /// moves the gravity expansion to the present positions.
+  /// Integrates every increment anew at the present biases and calibration, and moves the gravity
+  /// expansion to the present positions.
   void Relinearise();
 
-  /// The largest change of a bias since the increments were integrated, in units of 30 deg/h (gyro)
-  /// and 5 mg (accelerometer): a hundredth of it is far below the noise of any increment.
+  /// The largest change of a bias or an effect since the increments were integrated, in units of 30
+  /// deg/h (gyro), 5 mg (accelerometer) and ten usual sizes (effects): a hundredth of it is far
+  /// below the noise of any increment.
   double BiasChange() const;
+
+  /// All calibration values at present.
+  CalibrationState Calibration() const;
+
+  /// The correction of the inertial samples at t_s by the present biases and calibration.
+  ImuCorrection CorrectionAt(double t_s) const;
 
   /// Sum of the processes of an axis at t_s.
   Eigen::Vector3d GyroBias(double t_s) const;
   Eigen::Vector3d AccelBias(double t_s) const;
 
   MapPose NodePose(std::size_t k) const;
+
+  /// The factor of an edge for another calibration, at the present trajectory and biases: with its
+  /// blocks, then the effects of the calibration in the order of EffectsOf...
+  struct InertialEdge;
+  struct GnssEdge;
+  struct PairEdge;
+  std::shared_ptr<const FactorBase> InertialFactor(const InertialEdge& edge,
+                                                   const CalibrationState& calibration) const;
+  std::shared_ptr<const FactorBase> GnssPositionFactor(const GnssEdge& edge,
+                                                       const CalibrationState& calibration) const;
+  std::shared_ptr<const FactorBase> GnssVelocityFactor(const GnssEdge& edge,
+                                                       const CalibrationState& calibration) const;
+  std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
+                                               const CalibrationState& calibration) const;
 
   /// The two points of pair edge k in m with the present unknowns: p_i - p_j, m.
   Eigen::Vector3d PairDifference(std::size_t k) const;
@@ -95,7 +126,7 @@ class FlightNetwork {
   Block<Vec<3>> gnss_lever_arm;
   Block<Vec<3>> lidar_lever_arm;
   Block<Vec<1>> lidar_time_offset;
-  Block<Vec<3>> gyro_scale_factor;
+  std::vector<EffectBlock> effects;  ///< in the order of EstimableEffects
 
   struct InertialEdge {
     std::size_t node_i = 0;
@@ -120,7 +151,7 @@ class FlightNetwork {
   long pairs_in_imu_gaps = 0;      ///< left out: no inertial data lead to one of their epochs
 
  private:
-  void AddMounting();
+  void AddMounting(const CalibrationState& calibration);
   void AddNodes(const InitialStates& initial);
   void AddBiases(const InitialStates& initial);
   void AddBiasChain(const BiasProcess& process, const std::string& name, bool gyro,
@@ -128,13 +159,10 @@ class FlightNetwork {
   void AddInertialEdges();
   void AddGnssEdges();
   bool Estimated(const std::string& unknown) const;
-  void AddPriorOf(const std::string& unknown);
-
-  ImuCorrection CorrectionAt(double t_s) const;
-  std::shared_ptr<const FactorBase> MakeInertialFactor(std::size_t i) const;
-  std::shared_ptr<const FactorBase> MakeVelocityFactor(const GnssEdge& edge) const;
-  std::shared_ptr<const FactorBase> MakePairFactor(const PairEdge& edge) const;
-  bool gyro_scale_free() const { return gyro_scale_factor.id >= 0; }
+  void AddEffects(const CalibrationState& calibration);
+  void AddPriors();
+  void AppendEffects(const std::vector<std::size_t>& indices, std::vector<BlockId>* blocks) const;
+  bool MovesLidarEpochs() const;
 
   const Flight* flight_;
   std::vector<double> node_t_s_;
@@ -142,22 +170,7 @@ class FlightNetwork {
   PreintegrationNoise noise_;
   std::vector<Eigen::Vector3d> linearised_gyro_bias_;  ///< per inertial edge
   std::vector<Eigen::Vector3d> linearised_accel_bias_;
+  CalibrationState linearised_;
 };
-
-/// Noise of a GNSS epoch's position in the mapping frame: the file's covariance or the flight's
-/// default, scaled, rotated from the ENU of the point.
-Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig& config,
-                                       const LocalFrame& frame);
-
-/// Velocity edge of a GNSS epoch that has one: covariance scaled and rotated as for the position.
-/// w_ib_b_radps: bias-corrected angular rate at the epoch, for the lever arm; added_covariance in
-/// (m/s)^2.
-GnssVelocity MakeGnssVelocity(const GnssEpoch& epoch, const GnssConfig& config,
-                              const LocalFrame& frame, const Eigen::Vector3d& w_ib_b_radps,
-                              const Eigen::Matrix3d& added_covariance = Eigen::Matrix3d::Zero());
-
-/// Whether the velocity of an epoch is used: by the configuration, else when it is there with its
-/// sigma.
-bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config);
 
 }  // namespace dn

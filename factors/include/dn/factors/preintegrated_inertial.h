@@ -8,19 +8,24 @@
 #include <dn/rotation.h>
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace dn {
 
+/// Attraction (m/s^2, map axes) beyond the normal one per unit of the values of one effect.
+using AttractionBasis = Eigen::Matrix3Xd;
+
 /// Inertial increments between two nodes on the rotating Earth, in the exact inertial form.
 ///
-///   r_R = Log( Exp(J_q_bg d_bg + J_q_sg d_sg)^T dR^T R_i^T C R_j )
-///   r_v = R_i^T [ C V_j - V_i - dt/2 (G_i + C G_j) ]              - dv - J_v_bg d_bg - J_v_ba d_ba
+///   r_R = Log( Exp(J_q_bg d_bg + J_q_e d_e)^T dR^T R_i^T C R_j )
+///   r_v = R_i^T [ C V_j - V_i - dt/2 (G_i + C G_j) ]  - dv - J_v_bg d_bg - J_v_ba d_ba - J_v_e d_e
 ///   r_p = R_i^T [ C rho_j - rho_i - V_i dt - dt^2 (G_i/3 + C G_j/6) ]     - dp - ...  (alike)
 ///   r   = W (r_R, r_v, r_p)                                                    [9], unitless
 ///
 /// with rho = r0 + p, V = v + w x rho, C = Exp(w dt) (see EarthStep), W^T W the inverse of the
 /// increments' covariance, and d_bg = (sum of the gyro bias blocks) - linearisation, d_ba alike,
-/// d_sg = s_g - gyro_scale of the increments.
+/// d_e = e - the values of the effects at which the increments were integrated. G gains D g for
+/// every effect on the attraction, D its AttractionBasis.
 ///
 ///   block       | symbol | stored | tangent | meaning
 ///   ------------|--------|--------|---------|-----------------------------------------------
@@ -29,7 +34,8 @@ namespace dn {
 ///     2, 5      | v_m    |   3    |    3    | velocity with respect to the Earth in map, m/s
 ///     6 ..      | b_g    |   3    |    3    | one per gyro bias process, body, rad/s
 ///     then      | b_a    |   3    |    3    | one per accelerometer bias process, body, m/s^2
-///     last      | s_g    |   3    |    3    | gyro scale factor per axis, unitless (optional)
+///     then      | e      |   n    |    n    | one per effect of the increments' linearisation, SI
+///     last      | g      |   n    |    n    | one per effect on the attraction, SI
 ///
 /// The attraction is linear about the nominal positions: G(p) = G(p_nominal) + Gamma (p -
 /// p_nominal); the error is below 1e-9 m/s^2 within 30 m and 1e-6 m/s^2 within 1 km of them.
@@ -42,11 +48,13 @@ namespace dn {
 /// Source: Forster et al. 2017, eq. (45), in the inertial frame of Brossard et al. 2021.
 class PreintegratedInertial final : public DynamicFactor {
  public:
+  /// The blocks of the effects are those of increments.linearisation.effects and of `attraction`.
   /// Throws InvalidInput when the increments' covariance is not positive definite, their interval
   /// is not positive, a nominal position is not finite, or a number of biases is negative.
   PreintegratedInertial(const Preintegrated& increments, const LocalFrame& frame,
                         const Eigen::Vector3d& p_i_nominal_m, const Eigen::Vector3d& p_j_nominal_m,
-                        int num_gyro_biases, int num_accel_biases, bool with_gyro_scale = false);
+                        int num_gyro_biases, int num_accel_biases,
+                        const std::vector<AttractionBasis>& attraction = {});
 
   const Preintegrated& increments() const { return increments_; }
 
@@ -61,27 +69,27 @@ class PreintegratedInertial final : public DynamicFactor {
                       increments_.linearisation.gyro_bias_radps.template cast<T>();
     const Vec3 d_ba = SumOfBlocks(x + 6 + num_gyro_biases_, num_accel_biases_) -
                       increments_.linearisation.accel_bias_mps2.template cast<T>();
-    Vec3 d_sg = Vec3::Zero();
-    if (with_gyro_scale_) {
-      d_sg = Eigen::Map<const Vec3>(x[6 + num_gyro_biases_ + num_accel_biases_]) -
-             increments_.gyro_scale.template cast<T>();
-    }
+    const Eigen::Matrix<T, 9, 1> by_effects = ByEffects(x);
 
-    const Vec3 xi = Times(increments_.J_q_bg, d_bg) + Times(increments_.J_q_sg, d_sg);
+    const Vec3 xi = Times(increments_.J_q_bg, d_bg) + by_effects.template head<3>();
     const Quat dq = increments_.delta_q.template cast<T>() * Exp(xi);
     const Quat q_ij = q_i.conjugate() * (q_C_.template cast<T>() * q_j);
     const Vec3 r_R = Log(Quat(dq.conjugate() * q_ij));
 
-    const Vec3 y_v = q_i.conjugate() * Vec3(Times(C_, v_j) - v_i + Times(v_p_i_, p_i) +
-                                            Times(v_p_j_, p_j) + v_0_.template cast<T>());
-    const Vec3 y_p = q_i.conjugate() * Vec3(T(-increments_.dt_s()) * v_i + Times(p_p_i_, p_i) +
-                                            Times(p_p_j_, p_j) + p_0_.template cast<T>());
+    Vec3 v_attraction = Vec3::Zero(), p_attraction = Vec3::Zero();
+    AddAttraction(x, &v_attraction, &p_attraction);
+    const Vec3 y_v =
+        q_i.conjugate() * Vec3(Times(C_, v_j) - v_i + Times(v_p_i_, p_i) + Times(v_p_j_, p_j) +
+                               v_0_.template cast<T>() + v_attraction);
+    const Vec3 y_p =
+        q_i.conjugate() * Vec3(T(-increments_.dt_s()) * v_i + Times(p_p_i_, p_i) +
+                               Times(p_p_j_, p_j) + p_0_.template cast<T>() + p_attraction);
     const Vec3 r_v = y_v - increments_.delta_v.template cast<T>() -
                      Times(increments_.J_v_bg, d_bg) - Times(increments_.J_v_ba, d_ba) -
-                     Times(increments_.J_v_sg, d_sg);
+                     by_effects.template segment<3>(3);
     const Vec3 r_p = y_p - increments_.delta_p.template cast<T>() -
                      Times(increments_.J_p_bg, d_bg) - Times(increments_.J_p_ba, d_ba) -
-                     Times(increments_.J_p_sg, d_sg);
+                     by_effects.template tail<3>();
 
     Eigen::Matrix<T, 9, 1> stacked;
     stacked << r_R, r_v, r_p;
@@ -99,18 +107,58 @@ class PreintegratedInertial final : public DynamicFactor {
     for (int i = 0; i < count; ++i) sum += Eigen::Map<const Eigen::Matrix<T, 3, 1>>(x[i]);
     return sum;
   }
+  /// What the effects of the increments add to them, tangent order.
+  template <class T>
+  Eigen::Matrix<T, 9, 1> ByEffects(T const* const* x) const {
+    Eigen::Matrix<T, 9, 1> sum = Eigen::Matrix<T, 9, 1>::Zero();
+    Eigen::Index column = 0;
+    int block = first_effect();
+    for (const ImuEffectValue& one : increments_.linearisation.effects) {
+      for (Eigen::Index c = 0; c < one.value.size(); ++c, ++column) {
+        const T d = x[block][c] - one.value[c];
+        sum += increments_.J_effects.col(column).template cast<T>() * d;
+      }
+      ++block;
+    }
+    return sum;
+  }
+
+  /// What the effects on the attraction add to the brackets of r_v and r_p.
+  template <class T>
+  void AddAttraction(T const* const* x, Eigen::Matrix<T, 3, 1>* v,
+                     Eigen::Matrix<T, 3, 1>* p) const {
+    int block = first_attraction();
+    for (const AttractionBracket& one : attraction_) {
+      for (Eigen::Index c = 0; c < one.v.cols(); ++c) {
+        *v += one.v.col(c).template cast<T>() * x[block][c];
+        *p += one.p.col(c).template cast<T>() * x[block][c];
+      }
+      ++block;
+    }
+  }
+
   template <class Vector>
   static auto Times(const Eigen::Matrix3d& M, const Vector& v) {
     return Eigen::Matrix<typename Vector::Scalar, 3, 1>(M.template cast<typename Vector::Scalar>() *
                                                         v);
   }
 
+  /// d of the brackets of r_v and r_p with respect to the values of an effect on the attraction.
+  struct AttractionBracket {
+    Eigen::Matrix3Xd v, p;
+  };
+
+  int first_effect() const { return 6 + num_gyro_biases_ + num_accel_biases_; }
+  int first_attraction() const {
+    return first_effect() + static_cast<int>(increments_.linearisation.effects.size());
+  }
   void EvaluateJacobians(double const* const* x, double** J) const;
+  void EvaluateEffectJacobians(double const* const* x, const Eigen::Matrix3d& J_R_xi,
+                               const Eigen::Matrix3d& R_i_inverse, double** J) const;
 
   Preintegrated increments_;
   int num_gyro_biases_;
   int num_accel_biases_;
-  bool with_gyro_scale_;
   Eigen::Matrix<double, 9, 9> W_;
   Eigen::Matrix3d C_;
   Eigen::Quaterniond q_C_;
@@ -118,6 +166,7 @@ class PreintegratedInertial final : public DynamicFactor {
   // -v_i dt + p_p_i p_i + p_p_j p_j + p_0.
   Eigen::Matrix3d v_p_i_, v_p_j_, p_p_i_, p_p_j_;
   Eigen::Vector3d v_0_, p_0_;
+  std::vector<AttractionBracket> attraction_;
 };
 
 }  // namespace dn

@@ -1,17 +1,20 @@
 #pragma once
 
 #include <dn/imu/imu_data.h>
+#include <dn/imu/imu_effect.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <vector>
 
 namespace dn {
 
-/// Constants that correct the raw samples: corrected = (measured - bias) / (1 + scale), scale the
-/// gyro scale factor given to Preintegrate.
+/// Constants that correct the raw samples: the biases are subtracted first, then each effect in its
+/// turn is taken out, the one that comes last in the sensor first.
 struct ImuCorrection {
   Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
   Eigen::Vector3d accel_bias_mps2 = Eigen::Vector3d::Zero();
+  std::vector<ImuEffectValue> effects = {};
 };
 
 /// Inertial increments over [t_begin_s, t_end_s], integrated in the inertial frame that coincides
@@ -25,8 +28,11 @@ struct ImuCorrection {
 ///
 ///   delta_q(bg) = delta_q Exp(J_q_bg d_bg),  delta_v(bg, ba) = delta_v + J_v_bg d_bg + J_v_ba d_ba
 ///
-/// and delta_p alike. Source: Forster et al. 2017 (on-manifold preintegration) with the coning and
-/// sculling terms of a rate and a specific force that are linear in time within each sample.
+/// and delta_p alike; d d_e of the effects' values enters as the biases do, by the columns of
+/// J_effects (rows in the tangent order above). A gyro that takes its rate from specific force
+/// makes delta_q depend on the accelerometer bias; that one derivative is left out. Source: Forster
+/// et al. 2017 (on-manifold preintegration) with the coning and sculling terms of a rate and a
+/// specific force that are linear in time within each sample.
 struct Preintegrated {
   double t_begin_s = 0.0;
   double t_end_s = 0.0;
@@ -39,14 +45,9 @@ struct Preintegrated {
   Eigen::Matrix3d J_v_ba = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d J_p_bg = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d J_p_ba = Eigen::Matrix3d::Zero();
-  /// Derivatives with respect to the gyro scale factor s per axis (measured = (1 + s) true + bias)
-  /// at `gyro_scale`, same use.
-  Eigen::Matrix3d J_q_sg = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d J_v_sg = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d J_p_sg = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 9, Eigen::Dynamic> J_effects;  ///< of all values of linearisation.effects
   ImuCorrection linearisation;
-  Eigen::Vector3d gyro_scale = Eigen::Vector3d::Zero();
-  /// Bias-corrected angular rate and specific force at t_end_s (of the last sample's linear model).
+  /// Corrected angular rate and specific force at t_end_s (of the last sample's linear model).
   Eigen::Vector3d w_end_b_radps = Eigen::Vector3d::Zero();
   Eigen::Vector3d f_end_b_mps2 = Eigen::Vector3d::Zero();
 
@@ -65,21 +66,20 @@ struct PreintegrationNoise {
 /// neighbours on either side in the file (one, or one-sided, beside a gap and at the ends of the
 /// data), so that the parts of a split interval compose to the whole wherever it is split.
 ///
-/// gyro_scale: scale factor already corrected for. The white noise is a density: the covariance is
+/// The derivatives with respect to the effects of the correction come with the increments, at about
+/// 0.1 us per sample and effect. The white noise is a density: the covariance is
 /// that of continuous white noise and does not depend on the sampling. The errors of bridged holes
 /// (ImuBridge) enter as white noise within their samples.
 /// Throws InvalidInput when the interval is not positive, or not covered by samples without a gap
 /// (naming the times). An end may exceed the data by 1e-7 s (rounding of time tags).
 /// Linear in the number of samples, about 0.3 us each; finding the first is logarithmic.
 Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
-                           const ImuCorrection& bias, const PreintegrationNoise& noise,
-                           const Eigen::Vector3d& gyro_scale = Eigen::Vector3d::Zero());
+                           const ImuCorrection& correction, const PreintegrationNoise& noise);
 
 /// Increments of zero length at t_s: identity, zero covariance and Jacobians, and the corrected
 /// rate and specific force of the sample that ends at or contains t_s.
 /// Throws InvalidInput when no sample covers t_s.
-Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& bias,
-                                const Eigen::Vector3d& gyro_scale = Eigen::Vector3d::Zero());
+Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& correction);
 
 /// The increments of two adjoining intervals as one: a over [t0, t1], b over [t1, t2]. Both must
 /// have the same linearisation (not checked); position_floor enters twice.

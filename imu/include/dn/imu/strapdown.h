@@ -45,8 +45,10 @@ Eigen::Matrix3d AttractionGradient(const LocalFrame& frame, const Eigen::Vector3
 /// The pose and velocity at the end of the increments that begin at `start`: the equations of
 /// EarthStep solved for the end. The attraction at the end is that of the position predicted with
 /// the attraction at the begin (one pass: below 1e-6 m after 1 s at 100 m/s). start.t_s is not
-/// compared with the increments' begin; the result carries their end.
-MapPose Propagate(const LocalFrame& frame, const MapPose& start, const Preintegrated& increments);
+/// compared with the increments' begin; the result carries their end. added_mps2: attraction beyond
+/// the normal one, map axes.
+MapPose Propagate(const LocalFrame& frame, const MapPose& start, const Preintegrated& increments,
+                  const Eigen::Vector3d& added_mps2 = Eigen::Vector3d::Zero());
 
 /// Propagate as an affine function of position and velocity at the begin, with the attraction
 /// linear about p_nominal_m:

@@ -1,0 +1,175 @@
+#include <dn/error.h>
+#include <dn/factors/point_to_point_with_effects.h>
+
+namespace dn {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+std::vector<BlockKind> Kinds(const LidarEffects& lidar, const std::vector<ImuEffectValue>& imu,
+                             const std::vector<AttractionBasis>& attraction) {
+  std::vector<BlockKind> kinds{Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
+                               Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
+                               LeftRotation::kKind, Vec<3>::kKind, Vec<1>::kKind};
+  const auto add = [&](Eigen::Index size) {
+    const int n = static_cast<int>(size);
+    kinds.push_back({Parametrisation::kVector, n, n});
+  };
+  for (const auto& effect : lidar) add(effect->components());
+  for (const ImuEffectValue& one : imu) add(one.value.size());
+  for (const AttractionBasis& D : attraction) add(D.cols());
+  return kinds;
+}
+
+Matrix3d LeftJacobian(const Vector3d& phi) { return RightJacobian(Vector3d(-phi)); }
+
+Vector3d Difference(const LidarPoint::Derivatives& i, double ddt_i,
+                    const LidarPoint::Derivatives& j, double ddt_j) {
+  return (i.x - ddt_i * i.rate) - (j.x - ddt_j * j.rate);
+}
+
+}  // namespace
+
+PointToPointWithEffects::PointToPointWithEffects(const LocalFrame& frame, const LidarEnd& i,
+                                                 const LidarEnd& j, double tag_i_s, double tag_j_s,
+                                                 const Matrix3d& T_bs_nominal, LidarEffects lidar,
+                                                 std::vector<AttractionBasis> attraction,
+                                                 const Noise<3>& noise_m)
+    : DynamicFactor(3, Kinds(lidar, i.partial.linearisation.effects, attraction)),
+      lidar_(std::move(lidar)),
+      attraction_(std::move(attraction)),
+      T_bs_(T_bs_nominal),
+      W_(noise_m.sqrt_information()) {
+  internal::CheckPointPair(i, j, T_bs_nominal);
+  if (i.partial.J_effects.cols() != j.partial.J_effects.cols()) {
+    throw InvalidInput("point pair: the increments of its two ends have other inertial effects");
+  }
+  for (const ImuEffectValue& one : i.partial.linearisation.effects) {
+    imu_values_.push_back(one.value);
+  }
+  i_ = MakeEnd(frame, i, tag_i_s);
+  j_ = MakeEnd(frame, j, tag_j_s);
+}
+
+PointToPointWithEffects::End PointToPointWithEffects::MakeEnd(const LocalFrame& frame,
+                                                              const LidarEnd& end, double tag_s) {
+  return {LidarPoint(frame, end.partial, end.p_nominal_m), tag_s, end.partial.t_end_s, end.u_s,
+          end.partial.J_effects};
+}
+
+VectorXd PointToPointWithEffects::ImuChange(double const* const* x) const {
+  VectorXd change(i_.J_increments.cols());
+  Eigen::Index column = 0;
+  int block = first_imu_block();
+  for (const VectorXd& value : imu_values_) {
+    change.segment(column, value.size()) =
+        Eigen::Map<const VectorXd>(x[block++], value.size()) - value;
+    column += value.size();
+  }
+  return change;
+}
+
+Vector3d PointToPointWithEffects::AttractionOf(double const* const* x) const {
+  Vector3d sum = Vector3d::Zero();
+  int block = first_attraction_block();
+  for (const AttractionBasis& D : attraction_) {
+    sum += D * Eigen::Map<const VectorXd>(x[block++], D.cols());
+  }
+  return sum;
+}
+
+PointToPointWithEffects::EndAt PointToPointWithEffects::At(const End& end,
+                                                           double const* const* node,
+                                                           double const* const* x) const {
+  std::vector<VectorXd> values;
+  int block = 9;
+  for (const auto& effect : lidar_) {
+    values.emplace_back(Eigen::Map<const VectorXd>(x[block++], effect->components()));
+  }
+  EndAt at;
+  at.reading = Corrected(lidar_, values, end.tag_s, end.u_s);
+  at.theta = Log(Eigen::Quaterniond(x[6])) + at.reading.turn_b_rad;
+  const Eigen::Matrix<double, 9, 1> moved = end.J_increments * ImuChange(x);
+  at.turn = moved.head<3>();
+  at.point = end.point.Moved(moved, AttractionOf(x));
+  using Vec3 = Eigen::Map<const Vector3d>;
+  at.arguments = {Eigen::Quaterniond(node[0]),
+                  Vec3(node[1]),
+                  Vec3(node[2]),
+                  Exp(at.theta),
+                  Vec3(x[7]),
+                  T_bs_ * at.reading.u_s,
+                  x[8][0] + at.reading.delay_s - (end.tag_s - end.t_end_s)};
+  return at;
+}
+
+Matrix3Xd PointToPointWithEffects::ByEffects(const End& end, const EndAt& at,
+                                             const LidarPoint::Derivatives& of) const {
+  const Eigen::Index lidar = at.reading.J_u.cols(), imu = end.J_increments.cols();
+  Eigen::Index attraction = 0;
+  for (const AttractionBasis& D : attraction_) attraction += D.cols();
+  Matrix3Xd J(3, lidar + imu + attraction);
+  J.leftCols(lidar) =
+      of.a_b * (at.arguments.q_boresight.toRotationMatrix() * T_bs_) * at.reading.J_u -
+      of.rate * at.reading.J_delay + of.theta * LeftJacobian(at.theta) * at.reading.J_turn;
+  Eigen::Matrix<double, 3, 9> by_increments = at.point.ByIncrements(at.arguments);
+  by_increments.leftCols<3>() = (by_increments.leftCols<3>() * RightJacobian(at.turn)).eval();
+  J.middleCols(lidar, imu) = by_increments * end.J_increments;
+  Eigen::Index column = lidar + imu;
+  const Matrix3d by_attraction = at.point.ByAttraction(at.arguments.ddt_s);
+  for (const AttractionBasis& D : attraction_) {
+    J.middleCols(column, D.cols()) = by_attraction * D;
+    column += D.cols();
+  }
+  return J;
+}
+
+bool PointToPointWithEffects::Evaluate(double const* const* x, double* r, double** J) const {
+  const EndAt at_i = At(i_, x, x), at_j = At(j_, x + 3, x);
+  const LidarPoint::Derivatives i = at_i.point.DifferentiateAt(at_i.arguments);
+  const LidarPoint::Derivatives j = at_j.point.DifferentiateAt(at_j.arguments);
+  Eigen::Map<Vector3d> out(r);
+  out.noalias() = W_ * Difference(i, at_i.arguments.ddt_s, j, at_j.arguments.ddt_s);
+  if (J == nullptr) return true;
+
+  Put(0, x, J, Matrix3d(W_ * i.q));
+  Put(1, x, J, Matrix3d(W_ * i.p));
+  Put(2, x, J, Matrix3d(W_ * i.v));
+  Put(3, x, J, Matrix3d(-W_ * j.q));
+  Put(4, x, J, Matrix3d(-W_ * j.p));
+  Put(5, x, J, Matrix3d(-W_ * j.v));
+  const Matrix3d from_block = LeftJacobian(Log(Eigen::Quaterniond(x[6]))).inverse();
+  Put(6, x, J,
+      Matrix3d(W_ * (i.theta * LeftJacobian(at_i.theta) - j.theta * LeftJacobian(at_j.theta)) *
+               from_block));
+  Put(7, x, J, Matrix3d(W_ * (i.a_b - j.a_b)));
+  Put(8, x, J, Vector3d(-W_ * (i.rate - j.rate)));
+  const Matrix3Xd J_r_c = W_ * (ByEffects(i_, at_i, i) - ByEffects(j_, at_j, j));
+  Eigen::Index column = 0;
+  for (int block = 9; block < static_cast<int>(block_kinds().size()); ++block) {
+    const int size = block_kinds()[static_cast<std::size_t>(block)].stored_size;
+    Put(block, x, J, Matrix3Xd(J_r_c.middleCols(column, size)));
+    column += size;
+  }
+  return true;
+}
+
+std::pair<Vector3d, Vector3d> PointToPointWithEffects::Points(double const* const* x) const {
+  const auto point = [&](const EndAt& at) {
+    const LidarPoint::Arguments& a = at.arguments;
+    return at.point.At<double>(a.q_mb, a.p_mb, a.v_m, a.q_boresight, a.a_b, a.u_b, a.ddt_s);
+  };
+  return {point(At(i_, x, x)), point(At(j_, x + 3, x))};
+}
+
+std::pair<PairEndDerivatives, PairEndDerivatives> PointToPointWithEffects::DerivativesOfEnds(
+    double const* const* x) const {
+  const EndAt i = At(i_, x, x), j = At(j_, x + 3, x);
+  return {internal::DerivativesOfEnd(i.point, i.arguments, W_),
+          internal::DerivativesOfEnd(j.point, j.arguments, -W_)};
+}
+
+}  // namespace dn
