@@ -1,40 +1,241 @@
-#include "candidate_effects.h"
+#include <dn/calibration/candidate_effects.h>
+#include <dn/effects/effect_table.h>
+#include <dn/parallel.h>
 
 #include <algorithm>
+#include <functional>
 
 namespace dn {
+namespace {
 
-std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network) {
-  std::vector<CandidateEffect> effects;
-  internal::AddLidarCandidates(network, &effects);
-  internal::AddGnssCandidates(network, &effects);
-  internal::AddInertialCandidates(network, &effects);
-  std::erase_if(effects, [](const CandidateEffect& effect) { return effect.model.empty(); });
-  return effects;
-}
+constexpr std::size_t kMostSteps = 6;
 
-namespace internal {
-
-EffectModel ModelOfBlock(const Network& net, const std::vector<FactorId>& factors, BlockId block) {
-  EffectModel model;
-  if (!net.block(block).held) return model;
-  for (const FactorId id : factors) {
-    Eigen::VectorXd r;
-    std::vector<Eigen::MatrixXd> J;
-    if (!net.factor(id).active || !net.EvaluateFactor(id, &r, &J)) continue;
-    const std::vector<BlockId>& blocks = net.factor(id).blocks;
-    const auto at = std::find(blocks.begin(), blocks.end(), block);
-    if (at == blocks.end()) continue;
-    model.push_back({id, J[static_cast<std::size_t>(at - blocks.begin())]});
+/// Times between strips at which the mount may have slipped.
+std::vector<double> TimesOfSteps(std::vector<StripInterval> strips) {
+  std::sort(strips.begin(), strips.end(),
+            [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
+  std::vector<double> t_s;
+  for (std::size_t k = 1; k < strips.size(); ++k) {
+    t_s.push_back(0.5 * (strips[k - 1].t1_s + strips[k].t0_s));
   }
-  return model;
+  if (t_s.size() > kMostSteps) {
+    std::vector<double> some;
+    for (std::size_t k = 0; k < kMostSteps; ++k) some.push_back(t_s[k * t_s.size() / kMostSteps]);
+    return some;
+  }
+  return t_s;
 }
 
-std::vector<const double*> ValuesOf(const Network& net, FactorId factor) {
-  std::vector<const double*> x;
-  for (const BlockId id : net.factor(factor).blocks) x.push_back(net.block(id).value.get());
-  return x;
+/// Edges of one kind with the factor that they have under another calibration.
+struct EdgeKind {
+  std::vector<FactorId> edges;
+  std::vector<std::size_t> effects;  ///< in the order of the factor's last blocks
+  std::size_t own_blocks = 0;        ///< of the network's factor that are no effects; 0 for GNSS
+  std::vector<std::size_t> nodes;    ///< of GNSS edges
+  std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
+};
+
+/// Puts every candidate into the edges, at zero beside the present calibration.
+class Candidates {
+ public:
+  Candidates(const FlightNetwork& network, int threads)
+      : network_(network), threads_(threads), state_(network.Calibration()) {
+    for (const EstimableEffect& effect : EstimableEffects()) Add(effect);
+    of_state_.assign(state_.effects.size(), nullptr);
+  }
+
+  std::vector<CandidateEffect> Run() {
+    MatchStates();
+    AddInertial();
+    AddGnss();
+    AddPairs();
+    std::erase_if(found_, [](const CandidateEffect& effect) { return effect.model.empty(); });
+    return std::move(found_);
+  }
+
+ private:
+  void Add(const EstimableEffect& effect) {
+    const EffectSpec& spec = *FindEffect(effect.name);
+    const bool of_lidar = spec.sensor == EffectSensor::kLidar;
+    if (of_lidar ? network_.pair_edges.empty()
+                 : spec.sensor == EffectSensor::kGnss && network_.gnss_edges.empty()) {
+      return;
+    }
+    if (effect.make == nullptr) {
+      AddBlock(effect, of_lidar);
+    } else if (spec.timing == EffectTiming::kStart) {
+      for (const double t0_s : TimesOfSteps(FindStrips(network_.flight()))) {
+        AddAtZero(effect, {.flight = network_.flight(), .t0_s = t0_s});
+      }
+    } else if (spec.timing == EffectTiming::kFlight && !Estimated(effect.name)) {
+      AddAtZero(effect, {network_.flight()});
+    }
+  }
+
+  bool Estimated(const std::string& name) const {
+    return std::any_of(network_.effects.begin(), network_.effects.end(),
+                       [&](const EffectBlock& effect) { return effect.name == name; });
+  }
+
+  void AddAtZero(const EstimableEffect& effect, const EffectSite& site) {
+    found_.push_back(DescribeEffect(effect));
+    at_zero_.push_back(found_.size() - 1);
+    state_.Insert(
+        {effect.name, effect.make(site), Eigen::VectorXd::Zero(found_.back().typical.size())});
+  }
+
+  /// A held block as an effect: its change from the value at which it is held.
+  void AddBlock(const EstimableEffect& effect, bool of_lidar) {
+    const Network& net = network_.net;
+    const BlockId block = net.Find(effect.name);
+    if (!net.block(block).held) return;
+    CandidateEffect candidate = DescribeEffect(effect);
+    const auto add = [&](FactorId id) {
+      Eigen::VectorXd r;
+      std::vector<Eigen::MatrixXd> J;
+      if (id < 0 || !net.factor(id).active || !net.EvaluateFactor(id, &r, &J)) return;
+      const std::vector<BlockId>& blocks = net.factor(id).blocks;
+      const auto at = std::find(blocks.begin(), blocks.end(), block);
+      candidate.model.push_back({id, J[static_cast<std::size_t>(at - blocks.begin())]});
+    };
+    if (of_lidar) {
+      for (const FlightNetwork::PairEdge& edge : network_.pair_edges) add(edge.id);
+    } else {
+      for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
+        add(edge.position);
+        add(edge.velocity);
+      }
+    }
+    found_.push_back(std::move(candidate));
+  }
+
+  /// The candidate of each effect of the state. Both are in the order of EstimableEffects, the
+  /// network's own effects among the candidates'.
+  void MatchStates() {
+    auto next = at_zero_.begin();
+    for (std::size_t k = 0; k < state_.effects.size(); ++k) {
+      const bool own = OwnBlock(k) >= 0;
+      of_state_[k] = own ? nullptr : &found_[*next++];
+    }
+  }
+
+  /// The block of the network that an effect of the state is; -1 for a candidate.
+  BlockId OwnBlock(std::size_t k) const {
+    const CalibrationValue& value = state_.effects[k];
+    const bool first = k == 0 || state_.effects[k - 1].name != value.name;
+    for (const EffectBlock& effect : network_.effects) {
+      if (first && effect.name == value.name) return effect.id;
+    }
+    return -1;
+  }
+
+  void AddInertial() {
+    EdgeKind kind;
+    for (const auto& edge : network_.inertial_edges) kind.edges.push_back(edge.id);
+    kind.effects = EffectsOfInertial(state_);
+    kind.own_blocks = 6 + network_.gyro_bias.size() + network_.accel_bias.size();
+    kind.make = [&](std::size_t k) {
+      return network_.InertialFactor(network_.inertial_edges[k], state_);
+    };
+    Differentiate(kind);
+  }
+
+  void AddGnss() {
+    EdgeKind position, velocity;
+    std::vector<const FlightNetwork::GnssEdge*> with_velocity;
+    for (const auto& edge : network_.gnss_edges) {
+      position.edges.push_back(edge.position);
+      position.nodes.push_back(edge.node);
+      if (edge.velocity < 0) continue;
+      with_velocity.push_back(&edge);
+      velocity.edges.push_back(edge.velocity);
+      velocity.nodes.push_back(edge.node);
+    }
+    position.effects = velocity.effects = EffectsOfGnss(state_);
+    position.make = [&](std::size_t k) {
+      return network_.GnssPositionFactor(network_.gnss_edges[k], state_);
+    };
+    velocity.make = [&](std::size_t k) {
+      return network_.GnssVelocityFactor(*with_velocity[k], state_);
+    };
+    Differentiate(position);
+    Differentiate(velocity);
+  }
+
+  void AddPairs() {
+    EdgeKind kind;
+    for (const auto& edge : network_.pair_edges) kind.edges.push_back(edge.id);
+    kind.effects = EffectsOfPairs(state_);
+    kind.own_blocks = 9;
+    kind.make = [&](std::size_t k) { return network_.PairFactor(network_.pair_edges[k], state_); };
+    Differentiate(kind);
+  }
+
+  /// The values that the factor of an edge takes under the extended calibration.
+  std::vector<const double*> ValuesOf(const EdgeKind& kind, std::size_t k) const {
+    std::vector<const double*> x;
+    if (kind.own_blocks > 0) {
+      const std::vector<BlockId>& blocks = network_.net.factor(kind.edges[k]).blocks;
+      for (std::size_t b = 0; b < kind.own_blocks; ++b) x.push_back(Value(blocks[b]));
+    } else {
+      const NodeBlocks& node = network_.nodes[kind.nodes[k]];
+      x = {Value(node.q_mb.id), Value(node.p_mb.id), Value(network_.gnss_lever_arm.id),
+           Value(node.v_m.id)};
+    }
+    for (const std::size_t e : kind.effects) x.push_back(state_.effects[e].value.data());
+    return x;
+  }
+
+  const double* Value(BlockId id) const { return network_.net.block(id).value.get(); }
+
+  void Differentiate(const EdgeKind& kind) {
+    const bool any = std::any_of(kind.effects.begin(), kind.effects.end(),
+                                 [&](std::size_t e) { return of_state_[e] != nullptr; });
+    if (!any) return;
+    std::vector<std::vector<Eigen::MatrixXd>> J_of(kind.edges.size());
+    ParallelFor(static_cast<int>(kind.edges.size()), threads_, [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
+      if (!network_.net.factor(kind.edges[k]).active) return;
+      Eigen::VectorXd r;
+      if (!EvaluateInTangent(*kind.make(k), ValuesOf(kind, k), &r, &J_of[k])) J_of[k].clear();
+    });
+    for (std::size_t k = 0; k < J_of.size(); ++k) {
+      if (J_of[k].empty()) continue;
+      const std::size_t first = J_of[k].size() - kind.effects.size();
+      for (std::size_t e = 0; e < kind.effects.size(); ++e) {
+        CandidateEffect* candidate = of_state_[kind.effects[e]];
+        if (candidate == nullptr) continue;
+        candidate->model.push_back({kind.edges[k], std::move(J_of[k][first + e])});
+      }
+    }
+  }
+
+  const FlightNetwork& network_;
+  int threads_;
+  CalibrationState state_;
+  std::vector<CandidateEffect> found_;
+  std::vector<std::size_t> at_zero_;  // of found_, those in the state
+  std::vector<CandidateEffect*> of_state_;
+};
+
+}  // namespace
+
+CandidateEffect DescribeEffect(const EstimableEffect& effect) {
+  const std::vector<EffectComponent>& components = FindEffect(effect.name)->components;
+  CandidateEffect out;
+  out.name = effect.name;
+  out.unit = components[0].unit;
+  out.per_si = 1.0 / components[0].to_si;
+  out.typical.resize(static_cast<Eigen::Index>(components.size()));
+  for (std::size_t k = 0; k < components.size(); ++k) {
+    out.typical[static_cast<Eigen::Index>(k)] = components[k].typical * components[k].to_si;
+  }
+  out.remedy = effect.remedy;
+  return out;
 }
 
-}  // namespace internal
+std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network, int threads) {
+  return Candidates(network, threads).Run();
+}
+
 }  // namespace dn

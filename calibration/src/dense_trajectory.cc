@@ -5,29 +5,30 @@ namespace dn {
 namespace {
 
 // One leg from node i to node i + 1: poses at the sample epochs, corrected so that the leg closes.
-void AppendLeg(const FlightNetwork& network, std::size_t i, double min_spacing_s,
-               std::vector<MapPose>* out, std::vector<ImuCorrection>* biases) {
+void AppendLeg(const FlightNetwork& network, const CalibrationState& calibration, std::size_t i,
+               double min_spacing_s, std::vector<MapPose>* out,
+               std::vector<ImuCorrection>* corrections) {
   const Flight& flight = network.flight();
   const MapPose start = network.NodePose(i);
   const MapPose end = network.NodePose(i + 1);
-  const ImuCorrection bias{network.GyroBias(start.t_s), network.AccelBias(start.t_s)};
-  const Eigen::Vector3d scale = network.gyro_scale_factor.id >= 0
-                                    ? network.net.Value(network.gyro_scale_factor)
-                                    : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  const ImuCorrection correction =
+      calibration.ImuAt(network.GyroBias(start.t_s), network.AccelBias(start.t_s));
+  const Eigen::Vector3d attraction_mps2 = calibration.AttractionAt(start.p_mb);
   out->push_back(start);
-  biases->push_back(bias);
+  corrections->push_back(correction);
   const std::size_t first = out->size();
   MapPose pose = start;
   const auto [begin, past] = SampleRange(*flight.imu, start.t_s, end.t_s);
   const auto step_to = [&](double t_s) {
-    pose = Propagate(flight.frame, pose, Preintegrate(*flight.imu, pose.t_s, t_s, bias, {}, scale));
+    pose = Propagate(flight.frame, pose, Preintegrate(*flight.imu, pose.t_s, t_s, correction, {}),
+                     attraction_mps2);
   };
   for (std::size_t k = begin; k < past; ++k) {
     const double t_s = flight.imu->samples[k].t_s;
     if (t_s - pose.t_s < min_spacing_s - 1e-6 || end.t_s - t_s < 0.5 * min_spacing_s) continue;
     step_to(t_s);
     out->push_back(pose);
-    biases->push_back(bias);
+    corrections->push_back(correction);
   }
   step_to(end.t_s);
   const Eigen::Vector3d dphi = Log(Eigen::Quaterniond(pose.q_mb.conjugate() * end.q_mb));
@@ -46,16 +47,18 @@ void AppendLeg(const FlightNetwork& network, std::size_t i, double min_spacing_s
 
 std::vector<NavPoint> DenseTrajectory(const FlightNetwork& network, double min_spacing_s) {
   std::vector<MapPose> poses;
-  std::vector<ImuCorrection> biases;
+  std::vector<ImuCorrection> corrections;
+  const CalibrationState calibration = network.Calibration();
   std::size_t edge = 0;
   const auto& edges = network.inertial_edges;
   for (std::size_t i = 0; i < network.nodes.size(); ++i) {
     if (edge < edges.size() && edges[edge].node_i == i) {
-      AppendLeg(network, i, min_spacing_s, &poses, &biases);
+      AppendLeg(network, calibration, i, min_spacing_s, &poses, &corrections);
       ++edge;
     } else {
       poses.push_back(network.NodePose(i));
-      biases.push_back({network.GyroBias(poses.back().t_s), network.AccelBias(poses.back().t_s)});
+      const double t_s = poses.back().t_s;
+      corrections.push_back(calibration.ImuAt(network.GyroBias(t_s), network.AccelBias(t_s)));
     }
   }
   const Flight& flight = network.flight();
@@ -63,7 +66,7 @@ std::vector<NavPoint> DenseTrajectory(const FlightNetwork& network, double min_s
   points.reserve(poses.size());
   for (std::size_t k = 0; k < poses.size(); ++k) {
     NavPoint point = ToNavPoint(poses[k], flight.frame);
-    const Preintegrated here = IdentityIncrement(*flight.imu, point.t_s, biases[k]);
+    const Preintegrated here = IdentityIncrement(*flight.imu, point.t_s, corrections[k]);
     point.w_b_radps = here.w_end_b_radps;
     point.f_b_mps2 = here.f_end_b_mps2;
     points.push_back(point);

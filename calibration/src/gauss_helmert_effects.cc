@@ -108,10 +108,14 @@ class KeptPairs {
   }
 
   PairEnd EndOf(const GaussHelmertEnd& end, const Vector3d& v_phi, const Matrix3d& W) const {
-    PairEnd out = MakePairEnd(lidar_, q_boresight_, end.t_s,
-                              lidar_.mounting.R_bs_nominal.transpose() * end.u_b);
-    out.J_r_u = W * (end.q_mb * Exp(v_phi)).toRotationMatrix();
-    out.J_r_t = -W * velocity_.At(end.t_s, calibration_.problem.lever_arm_b_m + out.u_b);
+    const Matrix3d& R_bs = lidar_.mounting.R_bs_nominal;
+    const Vector3d s_b = calibration_.problem.lever_arm_b_m + q_boresight_ * end.u_b;
+    PairEnd out;
+    out.t_s = end.t_s;
+    out.u_s = R_bs.transpose() * end.u_b;
+    out.J_r_a = W * (end.q_mb * Exp(v_phi)).toRotationMatrix();
+    out.J_r_u = out.J_r_a * q_boresight_.toRotationMatrix() * R_bs;
+    out.J_r_t = -W * velocity_.At(end.t_s, s_b);
     return out;
   }
 
@@ -120,21 +124,6 @@ class KeptPairs {
   PointVelocity velocity_;
   Eigen::Quaterniond q_boresight_;
 };
-
-/// A mount that moves is not among them: it is an attitude error of the trajectory.
-std::vector<CandidateEffect> Candidates(const std::vector<PairEnds>& ends) {
-  std::vector<CandidateEffect> candidates;
-  candidates.push_back(
-      TimeOffset("check the time tags of the pair files against those of the trajectory, or "
-                 "estimate lidar_time_offset with the dynamic network",
-                 TimeOffsetModel(ends)));
-  candidates.push_back(
-      LeverArm("check the sign, axes and unit of lidar.lever_arm_m, or estimate lidar_lever_arm "
-               "with the dynamic network",
-               LeverArmModel(ends)));
-  AddEffectsOfScanner(ends, &candidates);
-  return candidates;
-}
 
 BoresightPrior PriorOfBoresight(const GaussHelmertCalibration& calibration) {
   BoresightPrior prior;
@@ -261,7 +250,7 @@ Vector3d AwayFromStated(const GaussHelmertCalibration& calibration) {
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration) {
   const KeptPairs pairs(flight, calibration);
-  const std::vector<CandidateEffect> candidates = Candidates(pairs.ends);
+  const std::vector<CandidateEffect> candidates = EffectsOfScanner(flight, pairs.ends);
   const LastingErrors errors(pairs.rows, strips, ErrorSqrt(calibration),
                              PriorOfBoresight(calibration), candidates);
   GaussHelmertEffects out;

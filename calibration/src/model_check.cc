@@ -60,7 +60,7 @@ class Checker {
         linearized_(network_.net, threads),
         groups_(internal::GroupComponents(network_, linearized_)),
         common_(internal::CommonErrorComponents(network_, linearized_)),
-        candidates_(CandidateEffects(network_)) {
+        candidates_(CandidateEffects(network_, threads)) {
     tests_ = static_cast<double>(groups_.size() + common_.size() + candidates_.size());
     Watch();
   }

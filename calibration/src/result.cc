@@ -56,6 +56,7 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
                       network.AccelBias(times.front()), sigma_attitude, sigma_m, 1.0);
   FilterOptions options;
   options.skipped_epochs = adjustment.gnss_rejected;
+  options.calibration = network.Calibration();
   const FilterRun run = RunForwardFilter(flight, times, start, options);
   const std::vector<std::string> axes{"east", "north", "up"};
   for (const bool velocity : {false, true}) {
@@ -300,16 +301,15 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
 std::vector<UnknownEstimate> ExtractUnknowns(const Adjustment& adjustment,
                                              const Marginals& marginals) {
   const FlightNetwork& network = *adjustment.network;
-  const FlightConfig& config = network.flight().config;
+  const CalibrationState at_assumed = AssumedCalibration(network.flight());
   std::vector<UnknownEstimate> estimates;
-  for (const EstimateEntry& entry : config.estimate) {
+  for (const EstimateEntry& entry : network.flight().config.estimate) {
     if (entry.unknown == "boresight") continue;
     const BlockId id = network.net.Find(entry.unknown);
     const BlockRecord& record = network.net.block(id);
     Eigen::VectorXd assumed = Eigen::VectorXd::Zero(record.kind.stored_size);
-    if (entry.unknown == "gnss_lever_arm") assumed = config.gnss->lever_arm_b_m;
-    if (entry.unknown == "lidar_lever_arm" && config.lidar)
-      assumed = config.lidar->mounting.lever_arm_b_m;
+    if (entry.unknown == "gnss_lever_arm") assumed = at_assumed.gnss_lever_arm_b_m;
+    if (entry.unknown == "lidar_lever_arm") assumed = at_assumed.lidar_lever_arm_b_m;
     const Eigen::VectorXd sigma = marginals.Covariance(id).diagonal().cwiseMax(0.0).cwiseSqrt();
     UnknownEstimate estimate{entry.unknown, record.label.unit, {}, {}};
     for (int i = 0; i < record.kind.stored_size; ++i) {

@@ -38,13 +38,6 @@ void CheckPointPair(const LidarEnd& i, const LidarEnd& j, const Eigen::Matrix3d&
   CheckEnd(j);
 }
 
-PairEndDerivatives DerivativesOfEnd(const LidarPoint& end, const LidarPoint::Arguments& at,
-                                    const Eigen::Matrix3d& J_r_x) {
-  const LidarPoint::Derivatives of = end.DifferentiateAt(at);
-  return {J_r_x * of.a_b, -J_r_x * of.rate, at.q_boresight * at.u_b, J_r_x * end.ByIncrements(at),
-          J_r_x * end.ByAttraction(at.ddt_s)};
-}
-
 }  // namespace internal
 
 PointToPoint::PointToPoint(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
@@ -95,12 +88,6 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> PointToPoint::Points(double const* c
     return end.At<double>(at.q_mb, at.p_mb, at.v_m, at.q_boresight, at.a_b, at.u_b, at.ddt_s);
   };
   return {point(i_, Arguments(x, u_i_b_, x)), point(j_, Arguments(x + 3, u_j_b_, x))};
-}
-
-std::pair<PairEndDerivatives, PairEndDerivatives> PointToPoint::DerivativesOfEnds(
-    double const* const* x) const {
-  return {internal::DerivativesOfEnd(i_, Arguments(x, u_i_b_, x), W_),
-          internal::DerivativesOfEnd(j_, Arguments(x + 3, u_j_b_, x), -W_)};
 }
 
 }  // namespace dn

@@ -165,11 +165,4 @@ std::pair<Vector3d, Vector3d> PointToPointWithEffects::Points(double const* cons
   return {point(At(i_, x, x)), point(At(j_, x + 3, x))};
 }
 
-std::pair<PairEndDerivatives, PairEndDerivatives> PointToPointWithEffects::DerivativesOfEnds(
-    double const* const* x) const {
-  const EndAt i = At(i_, x, x), j = At(j_, x + 3, x);
-  return {internal::DerivativesOfEnd(i.point, i.arguments, W_),
-          internal::DerivativesOfEnd(j.point, j.arguments, -W_)};
-}
-
 }  // namespace dn

@@ -1,17 +1,14 @@
+#include <dn/builder/edge_factors.h>
 #include <dn/builder/flight_network.h>
-#include <dn/navigation/forward_filter.h>
-#include <dn/interrupted.h>
-#include <dn/factors/gnss_position.h>
-#include <dn/factors/gnss_velocity.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/imu/strapdown.h>
+#include <dn/interrupted.h>
+#include <dn/navigation/forward_filter.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-
-#include "measurement_noise.h"
 
 namespace dn {
 namespace {
@@ -33,7 +30,10 @@ Eigen::Matrix3d Isotropic(double sigma) { return sigma * sigma * Eigen::Matrix3d
 class Filter {
  public:
   Filter(const Flight& flight, const FilterState& start, const FilterOptions& options)
-      : flight_(flight), options_(options), state_(start) {
+      : flight_(flight),
+        options_(options),
+        calibration_(options.calibration.value_or(AssumedCalibration(flight))),
+        state_(start) {
     const ImuModel& model = flight.config.imu->model;
     noise_ = {model.gyro.white, model.accel.white, FlightNetworkOptions{}.position_floor_m};
   }
@@ -50,33 +50,50 @@ class Filter {
   }
 
   void UpdatePosition(const GnssEpoch& epoch) {
-    const GnssConfig& config = *flight_.config.gnss;
-    const GnssPosition factor(
-        flight_.frame.ToMap(epoch.antenna),
-        internal::MeasurementNoise(GnssPositionCovariance(epoch, config, flight_.frame) +
-                                       Isotropic(options_.position_floor_m),
-                                   "the GNSS position", epoch.t_s,
-                                   "check its sigmas and gnss.sigma_scale"));
-    const std::vector<const double*> x{state_.pose.q_mb.coeffs().data(), state_.pose.p_mb.data(),
-                                       config.lever_arm_b_m.data()};
-    Update(factor, x, {0, 3, -1}, false);
+    const auto factor = MakeGnssPositionFactor(flight_, epoch, calibration_,
+                                               InputOf(Isotropic(options_.position_floor_m)));
+    UpdateGnss(*factor, {state_.pose.p_mb.data(), 3}, false);
   }
 
   void UpdateVelocity(const GnssEpoch& epoch) {
-    const GnssConfig& config = *flight_.config.gnss;
-    const Preintegrated here = IdentityIncrement(*flight_.imu, epoch.t_s, Correction());
-    const GnssVelocity factor = MakeGnssVelocity(epoch, config, flight_.frame, here.w_end_b_radps,
-                                                 Isotropic(options_.velocity_floor_mps));
-    const std::vector<const double*> x{state_.pose.q_mb.coeffs().data(), state_.pose.v_m.data(),
-                                       config.lever_arm_b_m.data()};
-    Update(factor, x, {0, 6, -1}, true);
+    const auto factor = MakeGnssVelocityFactor(flight_, epoch, calibration_,
+                                               InputOf(Isotropic(options_.velocity_floor_mps)));
+    UpdateGnss(*factor, {state_.pose.v_m.data(), 6}, true);
   }
 
   const FilterState& state() const { return state_; }
   FilterRun run;
 
  private:
-  ImuCorrection Correction() const { return {state_.TotalGyroBias(), state_.TotalAccelBias()}; }
+  GnssEdgeInput InputOf(const Eigen::Matrix3d& added_covariance) const {
+    return {state_.pose, {state_.TotalGyroBias(), state_.TotalAccelBias()}, added_covariance};
+  }
+
+  /// A part of the state and where it stands there.
+  struct StatePart {
+    const double* value;
+    Eigen::Index row;
+  };
+
+  /// `measured`: the part that a factor without effects takes.
+  void UpdateGnss(const FactorBase& factor, const StatePart& measured, bool velocity) {
+    const std::vector<std::size_t> effects = EffectsOfGnss(calibration_);
+    const MapPose& pose = state_.pose;
+    std::vector<const double*> x{pose.q_mb.coeffs().data(), measured.value,
+                                 calibration_.gnss_lever_arm_b_m.data()};
+    std::vector<Eigen::Index> rows{0, measured.row, -1};
+    if (!effects.empty()) {
+      x[1] = pose.p_mb.data();
+      rows[1] = 3;
+      x.push_back(pose.v_m.data());
+      rows.push_back(6);
+    }
+    for (const std::size_t k : effects) {
+      x.push_back(calibration_.effects[k].value.data());
+      rows.push_back(-1);
+    }
+    Update(factor, x, rows, velocity);
+  }
 
   void PredictOverGap(double t_s) {
     const double dt_s = t_s - state_.pose.t_s;
@@ -93,15 +110,21 @@ class Filter {
     const std::size_t ng = state_.gyro_bias.size();
     const std::size_t na = state_.accel_bias.size();
     const Preintegrated increment =
-        Preintegrate(*flight_.imu, state_.pose.t_s, t_s, Correction(), noise_);
-    const MapPose next = Propagate(flight_.frame, state_.pose, increment);
+        Preintegrate(*flight_.imu, state_.pose.t_s, t_s,
+                     calibration_.ImuAt(state_.TotalGyroBias(), state_.TotalAccelBias()), noise_);
+    const MapPose next = Propagate(flight_.frame, state_.pose, increment,
+                                   calibration_.AttractionAt(state_.pose.p_mb));
     const PreintegratedInertial factor(increment, flight_.frame, state_.pose.p_mb, next.p_mb,
-                                       static_cast<int>(ng), static_cast<int>(na));
+                                       static_cast<int>(ng), static_cast<int>(na),
+                                       AttractionBases(calibration_, state_.pose.p_mb));
     std::vector<const double*> x{
         state_.pose.q_mb.coeffs().data(), state_.pose.p_mb.data(), state_.pose.v_m.data(),
         next.q_mb.coeffs().data(),        next.p_mb.data(),        next.v_m.data()};
     for (const Eigen::Vector3d& bias : state_.gyro_bias) x.push_back(bias.data());
     for (const Eigen::Vector3d& bias : state_.accel_bias) x.push_back(bias.data());
+    for (const std::size_t k : EffectsOfInertial(calibration_)) {
+      x.push_back(calibration_.effects[k].value.data());
+    }
     Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
     EvaluateInTangent(factor, x, &r, &J);
@@ -195,6 +218,7 @@ class Filter {
 
   const Flight& flight_;
   FilterOptions options_;
+  CalibrationState calibration_;
   FilterState state_;
   PreintegrationNoise noise_;
 };

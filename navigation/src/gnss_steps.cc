@@ -108,7 +108,10 @@ Suspects AllSuspects(const FlightNetwork& network, const std::vector<Position>& 
   if (network.net.block(network.gnss_lever_arm.id).held) {
     add(GnssMisfit::Cause::kLeverArm, 0, LeverArm(positions));
   }
-  add(GnssMisfit::Cause::kTimeOffset, 0, LateTags(positions, 0));
+  const bool offset_estimated =
+      std::any_of(network.effects.begin(), network.effects.end(),
+                  [](const EffectBlock& effect) { return effect.name == "gnss_time_offset"; });
+  if (!offset_estimated) add(GnssMisfit::Cause::kTimeOffset, 0, LateTags(positions, 0));
   const std::size_t hop = std::max<std::size_t>(1, positions.size() / kClockSteps);
   for (std::size_t first = hop; first + kShortestRun <= positions.size(); first += hop) {
     add(GnssMisfit::Cause::kClockStep, first, LateTags(positions, first));

@@ -161,23 +161,6 @@ TEST_F(PointPair, PointsAreTheGroundPoint) {
 }
 
 // White noise on the samples against EndNoise: 2000 runs, 1.6 % sigma of a variance times four.
-// What both ends share is a block: lever arm, time offset, boresight.
-TEST_F(PointPair, DerivativesOfTheEndsAddUpToThoseOfTheBlocks) {
-  const PointToPoint factor = Factor(1.2, 1.4537, 4.0, 4.9012, 0.001);
-  const std::vector<VectorXd> x = Truth(1.2, 4.0, 0.003);
-  std::vector<const double*> pointers;
-  for (const VectorXd& block : x) pointers.push_back(block.data());
-  VectorXd r;
-  std::vector<Eigen::MatrixXd> J;
-  ASSERT_TRUE(EvaluateInTangent(factor, pointers, &r, &J));
-  const auto [i, j] = factor.DerivativesOfEnds(pointers.data());
-  const double scale = J[7].norm();
-  EXPECT_LT((i.J_r_u + j.J_r_u - J[7]).norm(), 1e-12 * scale);
-  EXPECT_LT((i.J_r_t + j.J_r_t - J[8]).norm(), 1e-10 * J[8].norm());
-  const Eigen::Matrix3d by_boresight = -i.J_r_u * Skew(i.u_b) - j.J_r_u * Skew(j.u_b);
-  EXPECT_LT((by_boresight - J[6]).norm(), 1e-12 * J[6].norm());
-}
-
 TEST_F(PointPair, EndNoiseIsThatOfMonteCarlo) {
   constexpr int kRuns = 2000;
   const double node_s = 1.0, t_s = 1.3;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/builder/calibration_effect.h>
 #include <dn/builder/flight_network.h>
 #include <dn/solvers/score_test.h>
 
@@ -19,13 +20,14 @@ struct CandidateEffect {
   EffectModel model;        ///< d residual / d component, SI
 };
 
+/// An effect of the estimator, without its model.
+CandidateEffect DescribeEffect(const EstimableEffect& effect);
+
 /// Every effect that the network can be tested for and has not among its unknowns: those of GNSS
-/// and of the inertial sensors, and of the lidar where the network has pairs.
+/// and of the inertial sensors, and of the lidar where the network has pairs. A step of the
+/// boresight is one candidate for every time between two strips.
 ///
-/// The derivatives are those of the assumed model at the present values. Effects on the raw
-/// inertial data enter by the means of rate and specific force over each edge: exact to first order
-/// for the attitude and velocity of an edge, which carry nearly all of their information. What they
-/// change in the partial increments of a pair is left out.
-std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network);
+/// The derivatives are those of the factors that estimate the effect, at the present values.
+std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network, int threads = 1);
 
 }  // namespace dn

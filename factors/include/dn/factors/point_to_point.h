@@ -10,16 +10,6 @@
 
 namespace dn {
 
-/// How the residual of a pair depends on what one end alone measures: the way in for effects that
-/// are no blocks of its factor.
-struct PairEndDerivatives {
-  Eigen::Matrix3d J_r_u;  ///< with respect to the laser vector in body axes, 1/m
-  Eigen::Vector3d J_r_t;  ///< to a late tag of this end (tag = t + dt), 1/s
-  Eigen::Vector3d u_b;    ///< laser vector in body, R_boresight T_bs u_s, m
-  Eigen::Matrix<double, 3, 9> J_r_increments;  ///< as LidarPoint::ByIncrements
-  Eigen::Matrix3d J_r_attraction;              ///< as LidarPoint::ByAttraction
-};
-
 /// A factor on a pair of points.
 class PointPairFactor {
  public:
@@ -27,9 +17,6 @@ class PointPairFactor {
 
   /// The two georeferenced points in map, m, at the given blocks (first x_i, then x_j).
   virtual std::pair<Eigen::Vector3d, Eigen::Vector3d> Points(double const* const* x) const = 0;
-
-  virtual std::pair<PairEndDerivatives, PairEndDerivatives> DerivativesOfEnds(
-      double const* const* x) const = 0;
 
  protected:
   PointPairFactor() = default;
@@ -41,9 +28,6 @@ namespace internal {
 
 /// Throws InvalidInput as PointToPoint does.
 void CheckPointPair(const LidarEnd& i, const LidarEnd& j, const Eigen::Matrix3d& T_bs_nominal);
-
-PairEndDerivatives DerivativesOfEnd(const LidarPoint& end, const LidarPoint::Arguments& at,
-                                    const Eigen::Matrix3d& J_r_x);
 
 }  // namespace internal
 
@@ -104,8 +88,6 @@ class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<
   bool Evaluate(double const* const* x, double* r, double** J) const override;
 
   std::pair<Eigen::Vector3d, Eigen::Vector3d> Points(double const* const* x) const override;
-  std::pair<PairEndDerivatives, PairEndDerivatives> DerivativesOfEnds(
-      double const* const* x) const override;
 
  private:
   LidarPoint::Arguments Arguments(double const* const* node, const Eigen::Vector3d& u_b,

@@ -40,8 +40,6 @@ class PointToPointWithEffects final : public DynamicFactor, public PointPairFact
   bool Evaluate(double const* const* x, double* r, double** J) const override;
 
   std::pair<Eigen::Vector3d, Eigen::Vector3d> Points(double const* const* x) const override;
-  std::pair<PairEndDerivatives, PairEndDerivatives> DerivativesOfEnds(
-      double const* const* x) const override;
 
  private:
   struct End {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <dn/builder/calibration_state.h>
 #include <dn/flight/flight.h>
 #include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace dn {
@@ -43,6 +45,7 @@ struct FilterOptions {
   double velocity_floor_mps = 0.0;
   std::vector<std::size_t> skipped_epochs;  ///< not used; indices into Flight::gnss, rising
   std::function<bool()> interrupted = {};   ///< polled at every time; true throws Interrupted
+  std::optional<CalibrationState> calibration = {};  ///< absent: AssumedCalibration of the flight
 };
 
 struct FilterRun {
