@@ -7,6 +7,7 @@ target_compile_options(dn_dev_flags INTERFACE
   # gcc 12 reports a false overlap or overflow for "text" + std::string (gcc bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>
   $<$<BOOL:${DN_WERROR}>:-Werror>)
 if(DN_SANITIZE)
   target_compile_options(dn_dev_flags INTERFACE

@@ -1,3 +1,4 @@
+#include <dn/builder/estimable.h>
 #include <dn/builder/flight_network.h>
 #include <dn/factors/bias_process.h>
 #include <dn/factors/gnss_position.h>
@@ -73,6 +74,7 @@ bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config) {
 FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                              const InitialStates& initial, const FlightNetworkOptions& options)
     : flight_(&flight), node_t_s_(node_t_s), options_(options) {
+  CheckEstimable(flight.config.estimate);
   const ImuModel& model = flight.config.imu->model;
   noise_ = {model.gyro.white, model.accel.white, options.position_floor_m};
   AddMounting();
@@ -125,15 +127,15 @@ void FlightNetwork::AddMounting() {
 
 void FlightNetwork::AddPriorOf(const std::string& unknown) {
   for (const EstimateEntry& entry : flight_->config.estimate) {
-    if (entry.unknown != unknown || !entry.sigma) continue;
+    const std::optional<Eigen::VectorXd> sigma = PriorSigma(entry);
+    if (entry.unknown != unknown || !sigma) continue;
     FactorId id;
     if (unknown == "lidar_time_offset") {
-      id = net.Add(PriorVector<1>(net.Value(lidar_time_offset), Noise<1>::Sigma(*entry.sigma)),
+      id = net.Add(PriorVector<1>(net.Value(lidar_time_offset), Noise<1>::Sigma((*sigma)[0])),
                    lidar_time_offset);
     } else {
       const Block<Vec<3>> block{net.Find(unknown)};
-      const double per_unit = unknown == "gyro_scale_factor" ? kPpm : 1.0;
-      id = net.Add(PriorVector<3>(net.Value(block), Noise<3>::Sigma(*entry.sigma * per_unit)),
+      id = net.Add(PriorVector<3>(net.Value(block), Noise<3>::Sigma(Eigen::Vector3d(*sigma))),
                    block);
     }
     net.Tag(id, "prior", std::numeric_limits<double>::quiet_NaN());
