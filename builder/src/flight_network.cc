@@ -148,15 +148,13 @@ void FlightNetwork::AddPriors() {
   }
   const CalibrationState assumed = AssumedCalibration(*flight_);
   for (const EstimateEntry& entry : config.estimate) {
-    if (entry.unknown == "boresight" || !entry.sigma) continue;
+    if (entry.unknown == "boresight" || entry.sigma.empty()) continue;
     const BlockId block = net.Find(entry.unknown);
     const Eigen::Index size = net.block(block).kind.stored_size;
     Eigen::VectorXd center = Eigen::VectorXd::Zero(size);
     if (entry.unknown == "gnss_lever_arm") center = assumed.gnss_lever_arm_b_m;
     if (entry.unknown == "lidar_lever_arm") center = assumed.lidar_lever_arm_b_m;
-    const Eigen::VectorXd sigma =
-        Eigen::VectorXd::Constant(size, *entry.sigma / net.block(block).label.per_si);
-    net.Tag(AddPrior(block, center, sigma, &net), "prior", nan);
+    net.Tag(AddPrior(block, center, *PriorSigma(entry), &net), "prior", nan);
   }
 }
 

@@ -65,7 +65,7 @@ class Candidates {
       AddBlock(effect, of_lidar);
     } else if (spec.timing == EffectTiming::kStart) {
       for (const double t0_s : TimesOfSteps(FindStrips(network_.flight()))) {
-        AddAtZero(effect, {.flight = network_.flight(), .t0_s = t0_s});
+        AddAtZero(effect, {network_.flight(), {.t0_s = t0_s}});
       }
     } else if (spec.timing == EffectTiming::kFlight && !Estimated(effect.name)) {
       AddAtZero(effect, {network_.flight()});

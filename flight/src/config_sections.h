@@ -1,10 +1,11 @@
 #pragma once
 
+#include <dn/config/yaml_value.h>
 #include <dn/flight/flight_config.h>
+#include <dn/flight/yaml_sections.h>
 
 #include "config_names.h"
 #include "config_units.h"
-#include "yaml_value.h"
 
 namespace dn::internal {
 
@@ -17,9 +18,6 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu);
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);
-
-/// Every effect name of the vocabulary shared by simulator, estimator and diagnosis.
-const std::vector<std::string>& EffectNames();
 
 /// How the bias processes of one sensor triad are spelt.
 struct ProcessKeys {

@@ -8,63 +8,72 @@ namespace dn {
 namespace internal {
 namespace {
 
-bool Contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+const char* const kBoresight = "boresight";
+
+const EffectSpec& FixedEffect(const YamlValue& value, const std::string& name) {
+  const EffectSpec* effect = FindEffect(name);
+  if (effect == nullptr) {
+    std::vector<std::string> known = EffectNames(EffectKind::kFixed);
+    known.emplace_back(kBoresight);
+    value.Fail("unknown name '" + name + "'; did you mean '" + NearestName(name, known) + "'?");
+  }
+  if (effect->kind == EffectKind::kStochastic) {
+    value.Fail("'" + name +
+               "' is random, which no unknown models: state it in the noise of its sensor");
+  }
+  if (effect->kind == EffectKind::kFault) {
+    value.Fail("'" + name + "' is a fault of the data, which no unknown models");
+  }
+  return *effect;
 }
 
-void CheckUnknown(const YamlValue& value, const std::string& name) {
-  std::vector<std::string> estimable = EstimableUnknowns();
-  estimable.insert(estimable.begin(), "boresight");
-  if (Contains(estimable, name)) return;
-  if (Contains(EffectNames(), name)) {
-    value.Fail("'" + name + "' is an effect, but not estimable by this version; estimable are " +
-               JoinNames(estimable));
+void ReadWord(const YamlValue& item, EstimateEntry* entry) {
+  entry->unknown = item.Name();
+  if (entry->unknown == kBoresight) return;
+  const std::string key = TimingKey(FixedEffect(item, entry->unknown).timing);
+  if (!key.empty()) {
+    item.Fail("'" + entry->unknown + "' needs " + key + ": {unknown: " + entry->unknown + ", " +
+              key + ": ...}");
   }
-  std::vector<std::string> known = EffectNames();
-  known.push_back("boresight");
-  value.Fail("unknown name '" + name + "'; did you mean '" + NearestName(name, known) +
-             "'? Estimable are " + JoinNames(estimable));
 }
 
-EstimateEntry ReadEntry(const YamlValue& item) {
-  EstimateEntry entry;
-  if (!item.IsMap()) {
-    entry.unknown = item.Name();
-    CheckUnknown(item, entry.unknown);
-    return entry;
+std::vector<double> ReadSigma(const YamlValue& value, const EffectSpec& effect) {
+  std::vector<double> sigma;
+  for (const YamlValue& item : value.Items()) sigma.push_back(item.Positive());
+  const std::size_t count = effect.components.size();
+  if (sigma.size() != 1 && sigma.size() != count) {
+    value.Fail("'" + effect.name + "' takes one number" +
+               (count == 1 ? "" : " or " + std::to_string(count)) + ", in " +
+               effect.components.front().unit);
   }
-  item.ExpectMap({"unknown", "sigma"});
-  entry.unknown = item["unknown"].Name();
-  CheckUnknown(item["unknown"], entry.unknown);
-  if (!item["sigma"]) return entry;
-  if (entry.unknown == "boresight") {
-    item["sigma"].Fail("the prior of the boresight is lidar.boresight_sigma_deg");
+  return sigma;
+}
+
+void ReadMap(const YamlValue& item, EstimateEntry* entry) {
+  item.ExpectMap({"unknown", "sigma", "window_s", "t0_s"});
+  entry->unknown = item["unknown"].Name();
+  if (entry->unknown == kBoresight) {
+    if (item["sigma"]) {
+      item["sigma"].Fail("the prior of the boresight is lidar.boresight_sigma_deg");
+    }
+    for (const char* key : {"window_s", "t0_s"}) {
+      if (item[key]) item[key].Fail("does not belong to 'boresight'");
+    }
+    return;
   }
-  entry.sigma = item["sigma"].Positive();
-  return entry;
+  const EffectSpec& effect = FixedEffect(item["unknown"], entry->unknown);
+  entry->times = ReadEffectTimes(item, effect);
+  if (item["sigma"]) entry->sigma = ReadSigma(item["sigma"], effect);
 }
 
 }  // namespace
 
-const std::vector<std::string>& EffectNames() {
-  static const std::vector<std::string> names{
-      "gnss_lever_arm",     "gnss_time_offset",    "gnss_correlated_noise",
-      "gnss_position_step", "gnss_noise_scale",    "gyro_scale_factor",
-      "accel_scale_factor", "gyro_misalignment",   "accel_misalignment",
-      "gyro_g_sensitivity", "gyro_bias_process",   "accel_bias_process",
-      "gyro_noise_scale",   "accel_noise_scale",   "imu_vibration",
-      "gravity_tilt",       "gravity_disturbance", "lidar_lever_arm",
-      "lidar_time_offset",  "lidar_time_drift",    "lidar_range_offset",
-      "lidar_range_scale",  "lidar_angle_scale",   "lidar_scan_cone",
-      "boresight_drift",    "boresight_step",      "p2p_noise_scale",
-      "p2p_outliers",       "p2p_range_noise",     "trajectory_attitude_offset"};
-  return names;
-}
-
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section) {
   std::vector<EstimateEntry> entries;
   for (const YamlValue& item : section.Items()) {
-    EstimateEntry entry = ReadEntry(item);
+    EstimateEntry entry;
+    entry.where = item.where();
+    item.IsMap() ? ReadMap(item, &entry) : ReadWord(item, &entry);
     const auto same = [&](const EstimateEntry& e) { return e.unknown == entry.unknown; };
     if (std::any_of(entries.begin(), entries.end(), same)) {
       item.Fail("'" + entry.unknown + "' is given twice");
@@ -76,8 +85,20 @@ std::vector<EstimateEntry> ReadEstimate(const YamlValue& section) {
 
 }  // namespace internal
 
-std::vector<std::string> EstimableUnknowns() {
-  return {"gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", "gyro_scale_factor"};
+std::optional<Eigen::VectorXd> PriorSigma(const EstimateEntry& entry) {
+  if (entry.sigma.empty()) return std::nullopt;
+  const EffectSpec* effect = FindEffect(entry.unknown);
+  if (effect == nullptr || effect->kind != EffectKind::kFixed) {
+    throw InvalidInput("estimate: '" + entry.unknown + "' is no fixed effect", entry.where);
+  }
+  const std::size_t count = effect->components.size();
+  if (entry.sigma.size() != 1 && entry.sigma.size() != count) {
+    throw InvalidInput("estimate: " + std::to_string(entry.sigma.size()) + " sigmas for the " +
+                           std::to_string(count) + " components of '" + entry.unknown + "'",
+                       entry.where);
+  }
+  const bool one = entry.sigma.size() == 1;
+  return ValueInSi(*effect, one ? std::vector<double>(count, entry.sigma.front()) : entry.sigma);
 }
 
 }  // namespace dn

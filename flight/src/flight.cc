@@ -7,14 +7,11 @@
 #include <chrono>
 
 #include "pair_coverage.h"
-#include "yaml_value.h"
 
 namespace dn {
 namespace {
 
 using internal::CoveredTime;
-using internal::ParseYaml;
-using internal::YamlValue;
 namespace fs = std::filesystem;
 
 bool IsFile(const fs::path& path) {

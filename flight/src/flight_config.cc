@@ -11,7 +11,6 @@
 namespace dn {
 namespace {
 
-using internal::YamlValue;
 namespace fs = std::filesystem;
 
 std::string ReadText(const fs::path& folder) {
@@ -129,7 +128,7 @@ std::string NameOfFolder(const fs::path& folder) {
 }  // namespace
 
 FlightConfig ParseFlightConfig(const std::string& text, const fs::path& folder) {
-  const YamlValue root = internal::ParseYaml(text, (folder / "flight.yaml").string());
+  const YamlValue root = ParseYaml(text, (folder / "flight.yaml").string());
   root.ExpectMap({"name", "body", "frame", "time_span_s", "strips", "strips_crs", "imu", "gnss",
                   "lidar", "trajectory", "gh", "estimate", "network"});
   FlightConfig config;

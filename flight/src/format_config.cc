@@ -150,12 +150,22 @@ void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
   out.Key(1, "sigma_y_deg", Number(trajectory.sigma_y_rad, &RadFromDeg));
 }
 
+std::string Estimate(const EstimateEntry& entry) {
+  const std::vector<double>& sigma = entry.sigma;
+  std::string more = FormatEffectTimes(entry.times);
+  if (sigma.size() == 1) more += ", sigma: " + Number(sigma.front());
+  if (sigma.size() > 1) {
+    more += ", sigma: " + List(Eigen::Map<const Eigen::VectorXd>(
+                              sigma.data(), static_cast<Eigen::Index>(sigma.size())));
+  }
+  return more.empty() ? entry.unknown : "{unknown: " + entry.unknown + more + "}";
+}
+
 void WriteEstimate(const std::vector<EstimateEntry>& entries, Writer& out) {
   std::string text;
   for (const EstimateEntry& entry : entries) {
     if (!text.empty()) text += ", ";
-    text += entry.sigma ? "{unknown: " + entry.unknown + ", sigma: " + Number(*entry.sigma) + "}"
-                        : entry.unknown;
+    text += Estimate(entry);
   }
   out.Key(0, "estimate", "[" + text + "]");
 }

@@ -1,6 +1,8 @@
 #include <dn/error.h>
 #include <dn/names.h>
 
+#include <filesystem>
+
 #include "config_sections.h"
 
 namespace dn::internal {
@@ -33,7 +35,7 @@ BiasProcess ReadProcess(const YamlValue& item, const ProcessKeys& keys) {
 }
 
 /// Overrides what the section gives explicitly; white noise comes from a preset or from here.
-void ReadSensor(const YamlValue& section, const ProcessKeys& keys, bool has_preset,
+void ReadSensor(const YamlValue& section, const ProcessKeys& keys, const YamlValue& preset,
                 SensorNoise& noise) {
   if (section) {
     section.ExpectMap({keys.white, "processes"});
@@ -45,10 +47,11 @@ void ReadSensor(const YamlValue& section, const ProcessKeys& keys, bool has_pres
       }
     }
   }
-  if (!has_preset && noise.white == 0.0) {
-    const YamlValue white = section ? section[keys.white] : section;
-    white.Fail(std::string("the white noise is missing: give ") + keys.white +
-               ", or name a preset with imu.grade (" + JoinNames(ImuPresetNames()) + ")");
+  if (!preset && noise.white == 0.0) {
+    const YamlValue place = section ? section[keys.white] : section;
+    place.Fail(std::string("the white noise is missing: give ") + keys.white +
+               ", or name a preset with " + preset.path() + " (" + JoinNames(ImuPresetNames()) +
+               ")");
   }
 }
 
@@ -60,28 +63,6 @@ bool SameNoise(const SensorNoise& a, const SensorNoise& b) {
     if (p.type != q.type || p.sigma != q.sigma || p.tau_s != q.tau_s) return false;
   }
   return true;
-}
-
-ImuModel ReadModel(const YamlValue& section, const std::optional<std::string>& grade) {
-  ImuModel preset;
-  if (grade) {
-    try {
-      preset = ImuPreset(*grade);
-    } catch (const InvalidConfig& e) {
-      section["grade"].Fail(e.what());
-    }
-  }
-  ImuModel model = preset;
-  ReadSensor(section["gyro"], GyroKeys(), grade.has_value(), model.gyro);
-  ReadSensor(section["accel"], AccelKeys(), grade.has_value(), model.accel);
-  const bool own_figures =
-      !SameNoise(model.gyro, preset.gyro) || !SameNoise(model.accel, preset.accel);
-  if (own_figures) {
-    model.name = grade ? *grade + " with own figures" : "own figures";
-    model.source = "flight.yaml";
-    model.approximate = false;
-  }
-  return model;
 }
 
 }  // namespace
@@ -108,8 +89,36 @@ ImuConfig ReadImuSection(const YamlValue& section) {
   if (section["sampling"]) imu.read.sampling = section["sampling"].Choice(ImuSamplingWords());
   if (section["max_gap_s"]) imu.read.max_gap_s = section["max_gap_s"].Positive();
   if (section["grade"]) imu.grade = section["grade"].Name();
-  imu.model = ReadModel(section, imu.grade);
+  imu.model = ReadImuNoise(section, "grade");
   return imu;
 }
 
 }  // namespace dn::internal
+
+namespace dn {
+
+ImuModel ReadImuNoise(const YamlValue& section, const std::string& preset_key) {
+  const YamlValue named = section[preset_key];
+  ImuModel preset;
+  if (named) {
+    const std::string name = named.Name();
+    try {
+      preset = ImuPreset(name);
+    } catch (const InvalidConfig& e) {
+      named.Fail(e.what());
+    }
+  }
+  ImuModel model = preset;
+  internal::ReadSensor(section["gyro"], internal::GyroKeys(), named, model.gyro);
+  internal::ReadSensor(section["accel"], internal::AccelKeys(), named, model.accel);
+  const bool own_figures = !internal::SameNoise(model.gyro, preset.gyro) ||
+                           !internal::SameNoise(model.accel, preset.accel);
+  if (own_figures) {
+    model.name = named ? named.Name() + " with own figures" : "own figures";
+    model.source = std::filesystem::path(section.where().file).filename().string();
+    model.approximate = false;
+  }
+  return model;
+}
+
+}  // namespace dn

@@ -61,13 +61,13 @@ Eigen::Vector3d ReadUnitVector(const YamlValue& value) {
   return std::abs(length - 1.0) <= kRoundOff ? axis : Eigen::Vector3d(axis / length);
 }
 
-void CheckAxes(const YamlValue& section, const LidarConfig& lidar) {
-  const double cosine = lidar.scan_axis_s.dot(lidar.nadir_axis_s);
+void CheckAxes(const YamlValue& section, const ScannerAxes& axes) {
+  const double cosine = axes.scan_axis_s.dot(axes.nadir_axis_s);
   if (std::abs(cosine) > kMaxCosineOfAxes) {
     section["nadir_axis"].Fail("must be perpendicular to scan_axis; their cosine is " +
                                Short(cosine));
   }
-  const double down = (lidar.mounting.R_bs_nominal * lidar.nadir_axis_s).z();
+  const double down = (axes.R_bs * axes.nadir_axis_s).z();
   if (!(down > 1e-6)) {
     section["nadir_axis"].Fail(
         "must point below the horizon when mounted; R_sensor_to_body takes it to a downward "
@@ -111,9 +111,10 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
     if (lidar.p2p.empty()) section["p2p"].Fail("must name at least one file");
   }
   if (section["pairs"]) lidar.pairs = ReadSelection(section["pairs"]);
-  Eigen::Matrix3d& R_bs = lidar.mounting.R_bs_nominal;
-  if (section["R_sensor_to_body"]) R_bs = ReadMountingMatrix(section["R_sensor_to_body"]);
-  if (body_is_flu) R_bs.bottomRows<2>() *= -1.0;
+  const ScannerAxes axes = ReadScannerAxes(section, body_is_flu);
+  lidar.mounting.R_bs_nominal = axes.R_bs;
+  lidar.scan_axis_s = axes.scan_axis_s;
+  lidar.nadir_axis_s = axes.nadir_axis_s;
   if (section["lever_arm_m"]) {
     lidar.mounting.lever_arm_b_m = to_frd(section["lever_arm_m"].Vector3());
   }
@@ -122,12 +123,25 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
         to_frd(section["boresight_deg"].Vector3().unaryExpr(&RadFromDeg));
   }
   lidar.boresight_sigma_rad = ReadBoresightSigma(section["boresight_sigma_deg"]);
-  if (section["scan_axis"]) lidar.scan_axis_s = ReadUnitVector(section["scan_axis"]);
-  if (section["nadir_axis"]) lidar.nadir_axis_s = ReadUnitVector(section["nadir_axis"]);
-  CheckAxes(section, lidar);
   ReadPairNoise(section, lidar);
   if (section["robust"]) lidar.robust = section["robust"].Choice(RobustWords());
   return lidar;
 }
 
 }  // namespace dn::internal
+
+namespace dn {
+
+ScannerAxes ReadScannerAxes(const YamlValue& section, bool body_is_flu) {
+  using internal::ReadUnitVector;
+  ScannerAxes axes;
+  const YamlValue matrix = section["R_sensor_to_body"];
+  if (matrix) axes.R_bs = internal::ReadMountingMatrix(matrix);
+  if (body_is_flu) axes.R_bs.bottomRows<2>() *= -1.0;
+  if (section["scan_axis"]) axes.scan_axis_s = ReadUnitVector(section["scan_axis"]);
+  if (section["nadir_axis"]) axes.nadir_axis_s = ReadUnitVector(section["nadir_axis"]);
+  internal::CheckAxes(section, axes);
+  return axes;
+}
+
+}  // namespace dn

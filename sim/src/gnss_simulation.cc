@@ -1,39 +1,79 @@
 #include "gnss_simulation.h"
 
+#include <dn/error.h>
 #include <dn/sim/random.h>
 
 #include <cmath>
 
 namespace dn {
+namespace {
 
-GnssData SimulateGnss(const GnssScenario& gnss, const Eigen::Vector3d& lever_arm_b_m,
-                      const TruthTrajectory& truth, std::uint64_t seed, double noise_scale) {
-  Random random(seed, "gnss");
-  const Eigen::Matrix3d position_covariance = gnss.sigma_enu_m.cwiseAbs2().asDiagonal();
-  const Eigen::Matrix3d velocity_covariance = kGnssVelocitySigma_enu_mps.cwiseAbs2().asDiagonal();
+using Eigen::Vector3d;
+
+/// Draws one epoch after the other.
+class Receiver {
+ public:
+  Receiver(const GnssScenario& gnss, const TruthTrajectory& truth, std::uint64_t seed, bool noise,
+           const ActiveEffects& effects)
+      : gnss_(gnss),
+        truth_(truth),
+        effects_(effects),
+        lever_arm_b_m_(gnss.lever_arm_b_m + effects.gnss_lever_arm_b_m),
+        noise_scale_(noise ? effects.gnss_noise_ratio : 0.0),
+        random_(seed, "gnss") {}
+
+  GnssEpoch At(double t_s) {
+    const TruthState state = truth_.State(t_s);
+    const Eigen::Matrix3d R_mb = state.pose.q_mb.toRotationMatrix();
+    const Vector3d antenna_m = state.pose.p_mb + R_mb * lever_arm_b_m_;
+    const Eigen::Matrix3d R_m_enu = truth_.frame().R_m_enu(antenna_m);
+    Vector3d error_enu = noise_scale_ * gnss_.sigma_enu_m.cwiseProduct(random_.Normal3());
+    for (const auto& more_enu_m : effects_.antenna_enu_m) error_enu += more_enu_m(t_s);
+    GnssEpoch epoch;
+    epoch.t_s = Tag(effects_.gnss_tags, t_s);
+    epoch.antenna = truth_.frame().ToGeodetic(antenna_m + R_m_enu * error_enu);
+    epoch.covariance_enu_m2 = gnss_.sigma_enu_m.cwiseAbs2().asDiagonal();
+    if (gnss_.velocity) {
+      const Vector3d v_m = state.pose.v_m + R_mb * state.w_mb_b.cross(lever_arm_b_m_);
+      epoch.velocity_enu_mps =
+          R_m_enu.transpose() * v_m +
+          noise_scale_ * kGnssVelocitySigma_enu_mps.cwiseProduct(random_.Normal3());
+      epoch.velocity_covariance_enu = kGnssVelocitySigma_enu_mps.cwiseAbs2().asDiagonal();
+    }
+    return epoch;
+  }
+
+ private:
+  const GnssScenario& gnss_;
+  const TruthTrajectory& truth_;
+  const ActiveEffects& effects_;
+  Vector3d lever_arm_b_m_;  // true
+  double noise_scale_;
+  Random random_;
+};
+
+}  // namespace
+
+GnssData SimulateGnss(const GnssScenario& gnss, const TruthTrajectory& truth, std::uint64_t seed,
+                      bool noise, const ActiveEffects& effects) {
+  Receiver receiver(gnss, truth, seed, noise, effects);
   GnssData data;
-  long line = 0;  // of GPS.txt
+  double before_s = truth.t_begin_s();
   const auto first = static_cast<long>(std::ceil(truth.t_begin_s() * gnss.rate_hz));
   for (long k = first; static_cast<double>(k) / gnss.rate_hz <= truth.t_end_s(); ++k) {
     const double t_s = static_cast<double>(k) / gnss.rate_hz;
-    const TruthState state = truth.State(t_s);
-    const Eigen::Matrix3d R_mb = state.pose.q_mb.toRotationMatrix();
-    const Eigen::Vector3d antenna_m = state.pose.p_mb + R_mb * lever_arm_b_m;
-    const Eigen::Matrix3d R_m_enu = truth.frame().R_m_enu(antenna_m);
-    const Eigen::Vector3d error_enu = noise_scale * gnss.sigma_enu_m.cwiseProduct(random.Normal3());
-    GnssEpoch epoch;
-    epoch.t_s = t_s;
-    epoch.line = ++line;
-    epoch.antenna = truth.frame().ToGeodetic(antenna_m + R_m_enu * error_enu);
-    epoch.covariance_enu_m2 = position_covariance;
-    if (gnss.velocity) {
-      const Eigen::Vector3d v_m = state.pose.v_m + R_mb * state.w_mb_b.cross(lever_arm_b_m);
-      epoch.velocity_enu_mps =
-          R_m_enu.transpose() * v_m +
-          noise_scale * kGnssVelocitySigma_enu_mps.cwiseProduct(random.Normal3());
-      epoch.velocity_covariance_enu = velocity_covariance;
+    GnssEpoch epoch = receiver.At(t_s);
+    if (InGap(effects.gnss_gaps, t_s)) continue;
+    if (!data.epochs.empty() && epoch.t_s <= data.epochs.back().t_s) {
+      RefuseStepBack(effects.gnss_tags, before_s, t_s);
     }
+    before_s = t_s;
+    epoch.line = static_cast<long>(data.epochs.size()) + 1;
     data.epochs.push_back(epoch);
+  }
+  if (data.epochs.empty() && !effects.gnss_gaps.empty()) {
+    const DataGap& gap = effects.gnss_gaps.front();
+    throw InvalidConfig(gap.effect + ": no GNSS epoch is left", gap.where);
   }
   return data;
 }

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "imu_effects.h"
+#include "imu_tags.h"
 
 namespace dn {
 namespace {
@@ -16,10 +16,20 @@ using Eigen::Vector3d;
 
 constexpr long kProgressSamples = 20000;
 
+/// Specific force with the actual gravity instead of the normal one.
+Vector3d ActualForce(const TruthState& state, const LocalFrame& frame,
+                     const ActiveEffects& effects) {
+  Vector3d f_b = state.f_b;
+  for (const auto& gravity_m : effects.gravity_m) {
+    f_b -= state.pose.q_mb.conjugate() * gravity_m(state.pose.p_mb, frame);
+  }
+  return f_b;
+}
+
 /// Mean rate and force between two states by Gauss-Lobatto quadrature with four points, two of them
 /// at the ends: exact for polynomials of degree five, as Gauss-Legendre is with three.
 void MeanBetween(const TruthTrajectory& truth, const TruthState& begin, const TruthState& end,
-                 const ImuEffects& effects, ImuSample& sample) {
+                 const ActiveEffects& effects, ImuSample& sample) {
   static const double kNode = 1.0 / std::sqrt(5.0);
   const double middle_s = 0.5 * (begin.pose.t_s + end.pose.t_s);
   const double half_s = 0.5 * (end.pose.t_s - begin.pose.t_s);
@@ -27,51 +37,42 @@ void MeanBetween(const TruthTrajectory& truth, const TruthState& begin, const Tr
   const TruthState late = truth.State(middle_s + kNode * half_s);
   sample.w_ib_b_radps = (begin.w_ib_b + end.w_ib_b + 5.0 * (early.w_ib_b + late.w_ib_b)) / 12.0;
   const auto force = [&](const TruthState& state) {
-    return effects.ActualForce(state, truth.frame());
+    return ActualForce(state, truth.frame(), effects);
   };
   sample.f_b_mps2 = (force(begin) + force(end) + 5.0 * (force(early) + force(late))) / 12.0;
 }
 
-/// White noise and bias processes of a triad.
+/// White noise and assumed bias processes of a triad.
 class TriadErrors {
  public:
-  // `extra` processes, beyond the assumed ones, have random numbers of their own.
-  TriadErrors(const SensorNoise& noise, double white_ratio, const std::vector<BiasProcess>& extra,
-              double dt_s, std::uint64_t seed, const std::string& name)
-      : white_(white_ratio * noise.white / std::sqrt(dt_s)),
-        random_(seed, name),
-        extra_random_(seed, name + " extra") {
-    Start(noise.processes, dt_s, random_, &processes_);
-    Start(extra, dt_s, extra_random_, &extra_processes_);
+  TriadErrors(const SensorNoise& noise, double white_ratio, double dt_s, std::uint64_t seed,
+              const std::string& name)
+      : white_(white_ratio * noise.white / std::sqrt(dt_s)), random_(seed, name) {
+    for (const BiasProcess& model : noise.processes) {
+      for (int axis = 0; axis < 3; ++axis) processes_.emplace_back(model, dt_s, random_);
+    }
   }
 
   Vector3d NextBias() {
-    return NextSum(processes_, random_) + NextSum(extra_processes_, extra_random_);
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t i = 0; i < processes_.size(); ++i) {
+      sum[static_cast<Eigen::Index>(i % 3)] += processes_[i].NextMean(random_);
+    }
+    return sum;
   }
   Vector3d NextWhite() { return white_ * random_.Normal3(); }
 
  private:
-  static void Start(const std::vector<BiasProcess>& models, double dt_s, Random& random,
-                    std::vector<ErrorProcess>* processes) {
-    for (const BiasProcess& model : models) {
-      for (int axis = 0; axis < 3; ++axis) processes->emplace_back(model, dt_s, random);
-    }
-  }
-
-  static Vector3d NextSum(std::vector<ErrorProcess>& processes, Random& random) {
-    Vector3d sum = Vector3d::Zero();
-    for (std::size_t i = 0; i < processes.size(); ++i) {
-      sum[static_cast<Eigen::Index>(i % 3)] += processes[i].NextMean(random);
-    }
-    return sum;
-  }
-
   double white_;
   Random random_;
-  Random extra_random_;
   std::vector<ErrorProcess> processes_;
-  std::vector<ErrorProcess> extra_processes_;
 };
+
+Vector3d Sum(const std::vector<std::function<Vector3d()>>& biases) {
+  Vector3d sum = Vector3d::Zero();
+  for (const auto& next : biases) sum += next();
+  return sum;
+}
 
 /// Interval lengths as a reader finds them: differences of the tags.
 void DescribeIntervals(ImuData& data, double nominal_dt_s) {
@@ -87,15 +88,12 @@ void DescribeIntervals(ImuData& data, double nominal_dt_s) {
 }  // namespace
 
 SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
-                         const ImuSimulation& options) {
+                         const ImuSimulation& options, const ActiveEffects& effects) {
   const ImuScenario& imu = scenario.imu;
-  ImuEffects effects(scenario, options.seed);
   const double dt_s = 1.0 / imu.rate_hz;
   const auto count = static_cast<long>((truth.t_end_s() - truth.t_begin_s()) * imu.rate_hz + 1e-6);
-  TriadErrors gyro(imu.model.gyro, effects.gyro_noise_ratio(), effects.gyro_processes(), dt_s,
-                   options.seed, "gyro");
-  TriadErrors accel(imu.model.accel, effects.accel_noise_ratio(), effects.accel_processes(), dt_s,
-                    options.seed, "accel");
+  TriadErrors gyro(imu.model.gyro, effects.gyro_noise_ratio, dt_s, options.seed, "gyro");
+  TriadErrors accel(imu.model.accel, effects.accel_noise_ratio, dt_s, options.seed, "accel");
   const auto tag_s = [&](long k) {
     return truth.t_begin_s() + static_cast<double>(k) / imu.rate_hz;
   };
@@ -115,20 +113,21 @@ SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
     MeanBetween(truth, begin, end, effects, sample);
     out.reference.push_back(ToNavPoint(end, truth.frame()));
     begin = end;
-    effects.Distort(&sample);
+    const ImuSample exact = sample;
+    for (const auto& distort : effects.triads) distort(exact, &sample);
     if (options.noise) {
-      out.gyro_bias_radps[i] = gyro.NextBias();
-      out.accel_bias_mps2[i] = accel.NextBias();
+      out.gyro_bias_radps[i] = gyro.NextBias() + Sum(effects.gyro_bias);
+      out.accel_bias_mps2[i] = accel.NextBias() + Sum(effects.accel_bias);
       sample.w_ib_b_radps += out.gyro_bias_radps[i] + gyro.NextWhite();
       sample.f_b_mps2 += out.accel_bias_mps2[i] + accel.NextWhite();
-      effects.Shake(&sample);
+      for (const auto& add_noise : effects.imu_noise) add_noise(&sample);
     }
     if (options.progress && k % kProgressSamples == 0) {
       options.progress(static_cast<double>(k) / static_cast<double>(count));
     }
   }
   DescribeIntervals(out.data, dt_s);
-  ApplyImuTagEffects(scenario, &out);
+  ApplyImuTagEffects(effects, &out);
   return out;
 }
 

@@ -10,6 +10,8 @@
 #include <functional>
 #include <vector>
 
+#include "active_effects.h"
+
 namespace dn {
 
 struct SimulatedImu {
@@ -28,6 +30,6 @@ struct ImuSimulation {
 /// Means of rate and specific force over (t_{k-1}, t_k], t_k = begin + k / rate, with the model's
 /// noise and the scenario's effects.
 SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
-                         const ImuSimulation& options);
+                         const ImuSimulation& options, const ActiveEffects& effects);
 
 }  // namespace dn

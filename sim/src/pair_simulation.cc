@@ -10,7 +10,6 @@
 #include <optional>
 #include <string>
 
-#include "pair_effects.h"
 #include "scanner.h"
 
 namespace dn {
@@ -164,49 +163,139 @@ std::vector<TwoSightings> Draw(const Overlap& overlap, const PairSampler& sample
   return drawn;
 }
 
+LidarSpan SpanOf(const std::vector<StripInterval>& strips) {
+  LidarSpan span{strips.front().t0_s, strips.front().t1_s};
+  for (const StripInterval& strip : strips) {
+    span = {std::min(span.first_s, strip.t0_s), std::max(span.last_s, strip.t1_s)};
+  }
+  return span;
+}
+
+LidarSpan SpanOf(const std::vector<LidarPair>& pairs) {
+  LidarSpan span{pairs.front().t_i_s, pairs.front().t_i_s};
+  for (const LidarPair& pair : pairs) {
+    span.first_s = std::min({span.first_s, pair.t_i_s, pair.t_j_s});
+    span.last_s = std::max({span.last_s, pair.t_i_s, pair.t_j_s});
+  }
+  return span;
+}
+
+/// Draws the pairs of a flight, as they are when the scanner is that of `span`.
+class PairSimulator {
+ public:
+  PairSimulator(const Scenario& scenario, const std::vector<StripInterval>& intervals,
+                const std::shared_ptr<const TruthTrajectory>& truth,
+                const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options,
+                const ActiveEffects& effects)
+      : scenario_(scenario),
+        strips_(Footprints(scenario, intervals, *truth, *terrain)),
+        truth_(truth),
+        terrain_(terrain),
+        options_(options),
+        effects_(effects) {}
+
+  /// With true epochs and vectors as measured.
+  PairData Run(const LidarSpan& span) const {
+    const Scanner scanner(scenario_.lidar, effects_, span, truth_, terrain_);
+    const PairSampler sampler(scanner, *terrain_);
+    PairData data;
+    for (const Overlap& overlap : SharedOut(sampler)) {
+      if (overlap.count == 0) continue;
+      Random random(options_.seed, "pair noise " + overlap.File());
+      for (const TwoSightings& sightings : Draw(overlap, sampler, options_.seed)) {
+        data.pairs.push_back(Measured(sightings, random));
+        data.pairs.back().file = static_cast<int>(data.files.size());
+      }
+      data.files.emplace_back(overlap.File());
+      if (options_.progress) {
+        options_.progress(static_cast<double>(data.pairs.size()) /
+                          static_cast<double>(scenario_.pairs.count));
+      }
+    }
+    return data;
+  }
+
+ private:
+  /// The overlaps in the order of their files, with the pairs of each.
+  std::vector<Overlap> SharedOut(const PairSampler& sampler) const {
+    std::vector<Overlap> overlaps = FindOverlaps(strips_, sampler, options_.seed);
+    if (overlaps.empty()) {
+      throw InvalidConfig(
+          "no two strips of scenario '" + scenario_.name +
+              "' see the same ground: bring its lines closer, or set pairs: {count: 0}",
+          scenario_.pairs.where);
+    }
+    Allocate(overlaps, scenario_.pairs.count);
+    std::sort(overlaps.begin(), overlaps.end(),
+              [](const Overlap& a, const Overlap& b) { return a.File() < b.File(); });
+    return overlaps;
+  }
+
+  double EndSigma(const TwoSightings& sightings) const {
+    if (!options_.noise) return 0.0;
+    const double mean_range_m = 0.5 * (sightings.i.u_s.norm() + sightings.j.u_s.norm());
+    double sigma_p_m = scenario_.pairs.sigma_p_m;
+    for (const auto& sigma_m : effects_.pair_sigma_m) sigma_p_m = sigma_m(sigma_p_m, mean_range_m);
+    return sigma_p_m / std::numbers::sqrt2;
+  }
+
+  Vector3d Measured(Vector3d u_s) const {
+    for (const auto& measured : effects_.laser_vector) u_s = measured(u_s);
+    return u_s;
+  }
+
+  LidarPair Measured(const TwoSightings& sightings, Random& random) const {
+    const double sigma_m = EndSigma(sightings);
+    LidarPair pair;
+    pair.t_i_s = sightings.i.t_s;
+    pair.t_j_s = sightings.j.t_s;
+    pair.u_i_s = Measured(sightings.i.u_s) + sigma_m * random.Normal3();
+    pair.u_j_s = Measured(sightings.j.u_s) + sigma_m * random.Normal3();
+    return pair;
+  }
+
+  const Scenario& scenario_;
+  std::vector<Strip> strips_;
+  std::shared_ptr<const TruthTrajectory> truth_;
+  std::shared_ptr<const Terrain> terrain_;
+  const PairSimulation& options_;
+  const ActiveEffects& effects_;
+};
+
+void Finish(const ActiveEffects& effects, PairData* data) {
+  const LidarSpan span = SpanOf(data->pairs);
+  const auto tag = [&](double t_s) {
+    double later_s = 0.0;
+    for (const auto& shift_s : effects.lidar_tag_shift_s) later_s += shift_s(t_s, span);
+    return t_s + later_s;
+  };
+  for (LidarPair& pair : data->pairs) {
+    pair.t_i_s = tag(pair.t_i_s);
+    pair.t_j_s = tag(pair.t_j_s);
+    for (const auto& spoil : effects.pairs) spoil(&pair);
+  }
+}
+
 }  // namespace
 
 PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval>& intervals,
                        const std::shared_ptr<const TruthTrajectory>& truth,
-                       const std::shared_ptr<const Terrain>& terrain,
-                       const PairSimulation& options) {
-  const Scanner scanner(scenario.lidar, options.lever_arm_b_m, truth, terrain);
-  const PairSampler sampler(scanner, *terrain);
-  const std::vector<Strip> strips = Footprints(scenario, intervals, *truth, *terrain);
-  std::vector<Overlap> overlaps = FindOverlaps(strips, sampler, options.seed);
-  if (overlaps.empty()) {
-    throw InvalidConfig(
-        "no two strips of scenario '" + scenario.name +
-            "' see the same ground: bring its lines closer, or set pairs: {count: 0}",
-        scenario.pairs.where);
+                       const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options,
+                       const ActiveEffects& effects) {
+  // Where the boresight changes, when a point is seen depends a little on when the pairs begin and
+  // end, and they on it.
+  constexpr int kMostRuns = 6;
+  constexpr double kSameSpan_s = 1e-7;
+  const PairSimulator simulator(scenario, intervals, truth, terrain, options, effects);
+  LidarSpan span = SpanOf(intervals);
+  PairData data = simulator.Run(span);
+  for (int run = 1; run < kMostRuns && !effects.boresight_rad.empty(); ++run) {
+    const LidarSpan drawn = SpanOf(data.pairs);
+    if (std::abs(drawn.middle_s() - span.middle_s()) < kSameSpan_s) break;
+    span = drawn;
+    data = simulator.Run(span);
   }
-  Allocate(overlaps, scenario.pairs.count);
-  std::sort(overlaps.begin(), overlaps.end(),
-            [](const Overlap& a, const Overlap& b) { return a.File() < b.File(); });
-
-  const double end_sigma_m = options.noise ? scenario.pairs.sigma_p_m / std::numbers::sqrt2 : 0.0;
-  PairData data;
-  for (const Overlap& overlap : overlaps) {
-    if (overlap.count == 0) continue;
-    Random random(options.seed, "pair noise " + overlap.File());
-    for (const TwoSightings& sightings : Draw(overlap, sampler, options.seed)) {
-      LidarPair pair;
-      pair.file = static_cast<int>(data.files.size());
-      pair.t_i_s = sightings.i.t_s + options.time_offset_s;
-      pair.t_j_s = sightings.j.t_s + options.time_offset_s;
-      const double mean_range_m = 0.5 * (sightings.i.u_s.norm() + sightings.j.u_s.norm());
-      const double sigma_m = end_sigma_m * PairNoiseRatio(scenario, mean_range_m);
-      pair.u_i_s = Distort(scenario, sightings.i.u_s) + sigma_m * random.Normal3();
-      pair.u_j_s = Distort(scenario, sightings.j.u_s) + sigma_m * random.Normal3();
-      data.pairs.push_back(pair);
-    }
-    data.files.emplace_back(overlap.File());
-    if (options.progress) {
-      options.progress(static_cast<double>(data.pairs.size()) /
-                       static_cast<double>(scenario.pairs.count));
-    }
-  }
-  ApplyPairEffects(scenario, options.seed, options.noise, &data);
+  Finish(effects, &data);
   return data;
 }
 

@@ -11,13 +11,13 @@
 #include <memory>
 #include <vector>
 
+#include "active_effects.h"
+
 namespace dn {
 
 struct PairSimulation {
   std::uint64_t seed = 1;
   bool noise = true;
-  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();  ///< of the scanner, true
-  double time_offset_s = 0.0;                               ///< tag = t + offset
   std::function<void(double fraction)> progress;
 };
 
@@ -26,7 +26,7 @@ struct PairSimulation {
 /// when no two strips overlap.
 PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval>& strips,
                        const std::shared_ptr<const TruthTrajectory>& truth,
-                       const std::shared_ptr<const Terrain>& terrain,
-                       const PairSimulation& options);
+                       const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options,
+                       const ActiveEffects& effects);
 
 }  // namespace dn

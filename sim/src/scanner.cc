@@ -10,6 +10,7 @@ using Eigen::Vector3d;
 
 constexpr double kOnPlane_m = 1e-9;
 constexpr double kSameTime_s = 1e-10;  // about one step of a double at a second of the week
+constexpr double kJump_m = 1e-4;
 constexpr int kMaxSteps = 60;
 constexpr double kNearSurface_m = 0.3;  // of range: what is this close does not hide the point
 
@@ -21,30 +22,49 @@ Eigen::Matrix3d Rotation(const Vector3d& phi) {
 
 }  // namespace
 
-Scanner::Scanner(const LidarScenario& lidar, const Vector3d& lever_arm_b_m,
+Scanner::Scanner(const LidarScenario& lidar, const ActiveEffects& effects, const LidarSpan& span,
                  std::shared_ptr<const TruthTrajectory> truth,
                  std::shared_ptr<const Terrain> terrain)
     : truth_(std::move(truth)),
       terrain_(std::move(terrain)),
-      R_bs_(Rotation(lidar.mounting.boresight_rad) * lidar.mounting.R_bs_nominal),
-      lever_arm_b_m_(lever_arm_b_m),
+      mounting_(lidar.mounting),
+      effects_(effects),
+      span_(span),
+      constant_R_bs_(Rotation(lidar.mounting.boresight_rad) * lidar.mounting.R_bs_nominal),
       scan_axis_s_(lidar.scan_axis_s.normalized()),
       nadir_axis_s_(lidar.nadir_axis_s.normalized()),
-      half_fov_rad_(0.5 * lidar.fov_rad) {}
+      sine_of_cone_(std::sin(effects.scan_cone_rad)),
+      half_fov_rad_(0.5 * lidar.fov_rad) {
+  mounting_.lever_arm_b_m += effects.lidar_lever_arm_b_m;
+}
+
+Eigen::Matrix3d Scanner::R_bs(double t_s) const {
+  if (effects_.boresight_rad.empty()) return constant_R_bs_;
+  Vector3d boresight_rad = mounting_.boresight_rad;
+  for (const auto& more_rad : effects_.boresight_rad) boresight_rad += more_rad(t_s, span_);
+  return Rotation(boresight_rad) * mounting_.R_bs_nominal;
+}
+
+/// How far the point lies ahead of the beams, toward +scan_axis.
+double Scanner::Ahead(const Vector3d& point_m, double t_s) const {
+  const Vector3d u_s = VectorTo(point_m, t_s);
+  const double ahead_m = u_s.dot(scan_axis_s_);
+  return sine_of_cone_ == 0.0 ? ahead_m : ahead_m - sine_of_cone_ * u_s.norm();
+}
 
 Vector3d Scanner::VectorTo(const Vector3d& point_m, double t_s) const {
   const MapPose pose = truth_->Pose(t_s);
   const Eigen::Matrix3d R_mb = pose.q_mb.toRotationMatrix();
-  return R_bs_.transpose() * (R_mb.transpose() * (point_m - pose.p_mb) - lever_arm_b_m_);
+  return R_bs(t_s).transpose() *
+         (R_mb.transpose() * (point_m - pose.p_mb) - mounting_.lever_arm_b_m);
 }
 
 std::optional<double> Scanner::SweepTime(const Vector3d& point_m, double t0_s, double t1_s) const {
-  const auto ahead_m = [&](double t_s) { return VectorTo(point_m, t_s).dot(scan_axis_s_); };
-  double g0 = ahead_m(t0_s), g1 = ahead_m(t1_s);
+  double g0 = Ahead(point_m, t0_s), g1 = Ahead(point_m, t1_s);
   if (g0 * g1 > 0.0) return std::nullopt;
   for (int step = 0; step < kMaxSteps && std::abs(t1_s - t0_s) > kSameTime_s; ++step) {
     const double t_s = t1_s - g1 * (t1_s - t0_s) / (g1 - g0);
-    const double g = ahead_m(t_s);
+    const double g = Ahead(point_m, t_s);
     if (std::abs(g) < kOnPlane_m) return t_s;
     if (g * g1 < 0.0) {
       t0_s = t1_s;
@@ -55,12 +75,13 @@ std::optional<double> Scanner::SweepTime(const Vector3d& point_m, double t0_s, d
     t1_s = t_s;
     g1 = g;
   }
+  if (std::abs(g1) > kJump_m) return std::nullopt;  // the boresight steps over the point
   return t1_s;
 }
 
 bool Scanner::Hidden(const Vector3d& point_m, double t_s) const {
   const MapPose pose = truth_->Pose(t_s);
-  const Vector3d origin_m = pose.p_mb + pose.q_mb * lever_arm_b_m_;
+  const Vector3d origin_m = pose.p_mb + pose.q_mb * mounting_.lever_arm_b_m;
   const Vector3d ray_m = point_m - origin_m;
   const double range_m = ray_m.norm();
   return terrain_->Intersect(origin_m, ray_m / range_m, range_m - kNearSurface_m).has_value();

@@ -8,9 +8,8 @@
 #include <cmath>
 #include <utility>
 
-#include "effects.h"
+#include "active_effects.h"
 #include "flight_plan.h"
-#include "gnss_effects.h"
 #include "gnss_simulation.h"
 #include "imu_simulation.h"
 #include "pair_simulation.h"
@@ -105,13 +104,14 @@ LidarConfig AssumedLidar(const Scenario& scenario, const PairData& pairs) {
   return lidar;
 }
 
-/// The true trajectory with its attitude turned by trajectory_attitude_offset; none without.
-std::optional<Trajectory> OffsetTrajectory(const Scenario& scenario, const Trajectory& reference) {
-  if (EffectsNamed(scenario, "trajectory_attitude_offset").empty()) return std::nullopt;
-  const Eigen::Quaterniond offset =
-      Exp(Eigen::Vector3d(kRadPerDeg * VectorEffect(scenario, "trajectory_attitude_offset")));
+/// The true trajectory with its attitude turned; none where no effect turns it.
+std::optional<Trajectory> TurnedTrajectory(const ActiveEffects& effects,
+                                           const Trajectory& reference) {
+  if (effects.trajectory_turn.empty()) return std::nullopt;
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  for (const Eigen::Quaterniond& more : effects.trajectory_turn) turn = turn * more;
   std::vector<NavPoint> points = reference.points();
-  for (NavPoint& point : points) point.q_nb = (point.q_nb * offset).normalized();
+  for (NavPoint& point : points) point.q_nb = (point.q_nb * turn).normalized();
   TrajectoryNotes notes;
   notes.velocity_from_file = true;
   return Trajectory(std::move(points), notes);
@@ -130,9 +130,9 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.seed = options.seed;
   out.frame = LocalFrame(scenario.origin);
   out.boresight_rad = scenario.lidar.mounting.boresight_rad;
-  out.gnss_lever_arm_b_m = scenario.gnss.lever_arm_b_m + VectorEffect(scenario, "gnss_lever_arm");
-  out.lidar_lever_arm_b_m =
-      scenario.lidar.mounting.lever_arm_b_m + VectorEffect(scenario, "lidar_lever_arm");
+  const ActiveEffects effects = MakeActiveEffects(scenario, options.seed, options.noise);
+  out.gnss_lever_arm_b_m = scenario.gnss.lever_arm_b_m + effects.gnss_lever_arm_b_m;
+  out.lidar_lever_arm_b_m = scenario.lidar.mounting.lever_arm_b_m + effects.lidar_lever_arm_b_m;
 
   report("trajectory")(0.0);
   CheckLimits(scenario, [](const auto&, const auto&) { return FileLocation(); });
@@ -149,23 +149,19 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.flight.config = AssumedConfig(scenario, out.strips);
   report("imu")(0.0);
   SimulatedImu imu =
-      SimulateImu(scenario, *out.truth, {options.seed, options.noise, report("imu")});
+      SimulateImu(scenario, *out.truth, {options.seed, options.noise, report("imu")}, effects);
   out.gyro_bias_radps = std::move(imu.gyro_bias_radps);
   out.accel_bias_mps2 = std::move(imu.accel_bias_mps2);
   out.flight.imu = std::move(imu.data);
   TrajectoryNotes notes;
   notes.velocity_from_file = true;
   out.flight.reference = Trajectory(std::move(imu.reference), notes);
-  out.flight.trajectory = OffsetTrajectory(scenario, *out.flight.reference);
+  out.flight.trajectory = TurnedTrajectory(effects, *out.flight.reference);
   report("gnss")(0.0);
-  out.flight.gnss = SimulateGnss(scenario.gnss, out.gnss_lever_arm_b_m, *out.truth, options.seed,
-                                 options.noise ? RatioEffect(scenario, "gnss_noise_scale") : 0.0);
-  ApplyGnssEffects(scenario, out.frame, options.seed, options.noise, &*out.flight.gnss);
+  out.flight.gnss = SimulateGnss(scenario.gnss, *out.truth, options.seed, options.noise, effects);
   if (scenario.pairs.count > 0) {
-    out.flight.pairs =
-        SimulatePairs(scenario, out.strips, out.truth, terrain,
-                      {options.seed, options.noise, out.lidar_lever_arm_b_m,
-                       ScalarEffect(scenario, "lidar_time_offset"), report("pairs")});
+    out.flight.pairs = SimulatePairs(scenario, out.strips, out.truth, terrain,
+                                     {options.seed, options.noise, report("pairs")}, effects);
     out.flight.config.lidar = AssumedLidar(scenario, *out.flight.pairs);
   }
   return out;

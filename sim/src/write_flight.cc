@@ -103,11 +103,7 @@ std::string TruthYaml(const SimulatedFlight& simulated) {
     if (effect.value.size() > 1) {
       text += ", value: " + YamlList(effect.value.data(), effect.value.size());
     }
-    if (effect.window_s) {
-      text += ", window_s: [" + FormatDouble(effect.window_s->first) + ", " +
-              FormatDouble(effect.window_s->second) + "]";
-    }
-    if (effect.t0_s) text += ", t0_s: " + FormatDouble(*effect.t0_s);
+    text += FormatEffectTimes(effect.times);
     text += "}";
   }
   return text + "\n";

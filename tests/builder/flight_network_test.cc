@@ -1,6 +1,6 @@
-#include <dn/navigation/alignment.h>
 #include <dn/builder/flight_network.h>
 #include <dn/error.h>
+#include <dn/navigation/alignment.h>
 #include <dn/solvers/solve.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <map>
 
-#include "testing/short_flights.h"
 #include "testing/expect_invalid.h"
+#include "testing/short_flights.h"
 
 namespace dn {
 namespace {
@@ -136,7 +136,7 @@ TEST(FlightNetwork, ResidualsAtTheTruthOfANoiseFreeFlightVanish) {
 
 TEST(FlightNetwork, UnknownsAreHeldUnlessEstimated) {
   Flight flight = Drone().flight;
-  flight.config.estimate = {{"gnss_lever_arm", 0.05}, {"gyro_scale_factor", 500.0}};
+  flight.config.estimate = {{"gnss_lever_arm", {0.05}}, {"gyro_scale_factor", {500.0}}};
   const FlightNetwork network = AtTruth(flight);
   const auto held = [&](BlockId id) { return network.net.block(id).held; };
   EXPECT_TRUE(held(network.boresight.id));
@@ -148,12 +148,24 @@ TEST(FlightNetwork, UnknownsAreHeldUnlessEstimated) {
   EXPECT_EQ(network.net.Value(network.gnss_lever_arm), flight.config.gnss->lever_arm_b_m);
 }
 
+TEST(FlightNetwork, RefusesToEstimateWhatItDoesNotHave) {
+  Flight flight = Drone().flight;
+  flight.config.estimate = {{"boresight"}, {"gravity_tilt", {}, {}, {"flight.yaml", 7, 3}}};
+  try {
+    AtTruth(flight);
+    ADD_FAILURE() << "not refused";
+  } catch (const InvalidConfig& e) {
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("'gravity_tilt' is an effect, but not estimable"));
+    EXPECT_EQ(e.where().line, 7);
+  }
+}
+
 TEST(FlightNetwork, PriorsAreAtTheAssumedValuesWithTheirSigmas) {
   Flight flight = Drone().flight;
   flight.config.estimate = {{"boresight", {}},
-                            {"lidar_lever_arm", 0.02},
-                            {"lidar_time_offset", 0.001},
-                            {"gyro_scale_factor", 500.0}};
+                            {"lidar_lever_arm", {0.02}},
+                            {"lidar_time_offset", {0.001}},
+                            {"gyro_scale_factor", {500.0}}};
   flight.config.lidar->boresight_sigma_rad = Eigen::Vector3d(0.01, 0.02, 0.03);
   FlightNetwork network = AtTruth(flight);
   network.net.SetValue(network.lidar_lever_arm,

@@ -138,8 +138,15 @@ TEST(FlightConfigErrors, SelectionWithoutItsParameter) {
 }
 
 TEST(FlightConfigErrors, Estimate) {
-  ExpectBad("estimate:\n  - boresight\n  - gravity_tilt\n",
-            "not estimable by this version; estimable are boresight, gnss_lever_arm", 3);
+  ExpectBad("estimate:\n  - boresight\n  - gyro_bias_process\n", "state it in the noise", 3);
+  ExpectBad("estimate: [gnss_outage]\n", "a fault of the data, which no unknown models", 1);
+  ExpectBad("estimate: [boresight_step]\n", "'boresight_step' needs t0_s", 1);
+  ExpectBad("estimate: [{unknown: boresight_step}]\n", "t0_s: is missing", 1);
+  ExpectBad("estimate: [{unknown: gnss_position_step, window_s: [3, 2]}]\n", "begin before end", 1);
+  ExpectBad("estimate: [{unknown: gravity_tilt, t0_s: 3}]\n", "does not belong to", 1);
+  ExpectBad("estimate: [{unknown: boresight, t0_s: 3}]\n", "does not belong to", 1);
+  ExpectBad("estimate: [{unknown: gravity_tilt, sigma: [1, 2, 3]}]\n", "one number or 2, in arcsec",
+            1);
   ExpectBad("estimate: [lidar_lever_am]\n", "did you mean 'lidar_lever_arm'?", 1);
   ExpectBad("estimate: [boresight, boresight]\n", "estimate[1]: 'boresight' is given twice", 1);
   ExpectBad("estimate: [{unknown: boresight, sigma: 1}]\n", "lidar.boresight_sigma_deg", 1);

@@ -62,7 +62,9 @@ lidar:
   robust: cauchy
 trajectory: {file: t.txt, sigma_xy_m: 0.0022, sigma_z_m: 0.0039, sigma_rp_deg: 0.00022, sigma_y_deg: 0.00058}
 gh: {rotation: small_angle, libor_compat: true}
-estimate: [boresight, {unknown: gnss_lever_arm, sigma: 0.05}, lidar_time_offset]
+estimate: [boresight, {unknown: gnss_lever_arm, sigma: 0.05}, lidar_time_offset,
+           {unknown: boresight_step, t0_s: 381500, sigma: [0.01, 0.02, 0.03]},
+           {unknown: gnss_position_step, window_s: [381400, 381450.5]}, gravity_tilt]
 network: {inertial: raw, node_rate_hz: 12.5}
 )";
 
@@ -150,6 +152,8 @@ void ExpectSameRest(const FlightConfig& a, const FlightConfig& b) {
   for (std::size_t i = 0; i < a.estimate.size(); ++i) {
     EXPECT_EQ(a.estimate[i].unknown, b.estimate[i].unknown);
     EXPECT_EQ(a.estimate[i].sigma, b.estimate[i].sigma);
+    EXPECT_EQ(a.estimate[i].times.window_s, b.estimate[i].times.window_s);
+    EXPECT_EQ(a.estimate[i].times.t0_s, b.estimate[i].times.t0_s);
   }
   EXPECT_EQ(a.network.inertial, b.network.inertial);
   EXPECT_EQ(a.network.node_rate_hz, b.network.node_rate_hz);
@@ -193,8 +197,30 @@ TEST(FlightConfig, ConvertsEveryKeyToSi) {
   EXPECT_NEAR(c.lidar->boresight_sigma_rad->y(), 0.2 * kDeg, kRelative);
   EXPECT_NEAR(c.trajectory->sigma_y_rad, 0.00058 * kDeg, kRelative);
   EXPECT_FALSE(c.gh.exponential);
-  EXPECT_EQ(c.estimate[1].sigma, std::optional<double>(0.05));
+  EXPECT_EQ(c.estimate[1].sigma, std::vector<double>{0.05});
+  EXPECT_EQ(c.estimate[3].times.t0_s, 381500.0);
+  EXPECT_EQ(c.estimate[4].times.window_s, std::pair(381400.0, 381450.5));
+  EXPECT_LT((*PriorSigma(c.estimate[3]) - kDeg * Eigen::Vector3d(0.01, 0.02, 0.03)).norm(), 1e-15);
+  EXPECT_EQ(*PriorSigma(c.estimate[1]), Eigen::Vector3d::Constant(0.05));
+  EXPECT_EQ(PriorSigma(c.estimate[2]), std::nullopt);
   EXPECT_EQ(c.network.inertial, NetworkConfig::Inertial::kRaw);
+}
+
+TEST(FlightConfig, EveryFixedEffectMayBeEstimatedWithAPrior) {
+  for (const EffectSpec& effect : EffectTable()) {
+    if (effect.kind != EffectKind::kFixed) continue;
+    const std::string key = TimingKey(effect.timing);
+    const std::string timing = key.empty()         ? ""
+                               : key == "window_s" ? ", window_s: [5, 6]"
+                                                   : ", t0_s: 5";
+    const FlightConfig config =
+        Parse("estimate: [{unknown: " + effect.name + ", sigma: 3" + timing + "}]\n");
+    ASSERT_EQ(config.estimate.size(), 1u);
+    const std::vector<double> three(effect.components.size(), 3.0);
+    EXPECT_EQ(*PriorSigma(config.estimate[0]), ValueInSi(effect, three)) << effect.name;
+    EXPECT_EQ(config.estimate[0].where.line, 1);
+    ExpectRoundTrip(config);
+  }
 }
 
 TEST(FlightConfig, ReadsBackWhatItFormats) {

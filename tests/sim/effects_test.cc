@@ -168,6 +168,8 @@ TEST_F(Effects, ClocksShiftTheTagsAndNothingElse) {
   for (std::size_t k = 0; k < Clean().flight.gnss->epochs.size(); ++k) {
     const double t_s = Clean().flight.gnss->epochs[k].t_s;
     ASSERT_NEAR(with.flight.gnss->epochs[k].t_s - t_s, t_s >= 381100.0 ? 0.11 : 0.01, 1e-9);
+    ASSERT_EQ(with.flight.gnss->epochs[k].antenna.lat_rad,
+              Clean().flight.gnss->epochs[k].antenna.lat_rad);
   }
   EachSample(with, [](const ImuSample& late, const ImuSample& clean, std::size_t) {
     ASSERT_NEAR(late.t_s - clean.t_s, clean.t_s >= 381150.0 ? 0.01 : 0.0, 1e-9);

@@ -81,7 +81,7 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
   EXPECT_EQ(Fault(kGood), "");
   long line = 0;
   EXPECT_THAT(Fault(Replace(kGood, "fov_deg", "fov_dg"), &line),
-              AllOf(HasSubstr("lidar.fov_dg"), HasSubstr("lidar.fov_deg")));
+              AllOf(HasSubstr("lidar: unknown key 'fov_dg'"), HasSubstr("'fov_deg'")));
   EXPECT_EQ(line, 6);
   EXPECT_THAT(Fault(kGood + "pars: {}\n"), AllOf(HasSubstr("'pars'"), HasSubstr("'pairs'")));
   EXPECT_THAT(Fault(Replace(kGood, "airins", "airinz")), HasSubstr("airins"));
@@ -95,9 +95,10 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(Fault(Replace(kGood, ", 200, 40]]", ", 200, -4]]")), HasSubstr("speed"));
   EXPECT_THAT(Fault(Replace(kGood, "lines: [[0, 0, 1000, 0, 200, 40]]", "warm_up_s: 3")),
               HasSubstr("at least one line"));
-  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0")), HasSubstr("positive"));
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0")),
+              HasSubstr("lidar.gsd_m: must be greater than 0"));
   EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, nadir_axis: [0, 0, -1]")),
-              HasSubstr("above the horizon"));
+              HasSubstr("must point below the horizon"));
   EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, nadir_axis: [1, 0, 0]")),
               HasSubstr("perpendicular"));
   EXPECT_THAT(Fault(Replace(kGood, "imu: {preset: airins}", "imu: {rate_hz: 200}")),
@@ -105,8 +106,10 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(Fault(kGood + "pairs: {count: 2.5}\n"), HasSubstr("whole number"));
   EXPECT_THAT(Fault(kGood + "strips: true\n"), HasSubstr("not simulated"));
   EXPECT_THAT(Fault("name: [x\n"), HasSubstr("not valid YAML"));
-  EXPECT_THAT(Fault("- 1\n"), HasSubstr("must be a map"));
-  EXPECT_THAT(Fault(""), HasSubstr("name"));
+  EXPECT_THAT(Fault("- 1\n"), HasSubstr("expected a map"));
+  EXPECT_THAT(Fault(""), HasSubstr("is empty"));
+  EXPECT_THAT(Fault(kGood + "name: y\n"), HasSubstr("given twice"));
+  EXPECT_THAT(Fault(Replace(kGood, "name: x\n", "")), HasSubstr("name: expected a word"));
 }
 
 TEST(ParseScenario, WhatNoMemoryHoldsIsRefusedWithItsPlace) {
@@ -131,8 +134,10 @@ TEST(ParseScenario, ChecksEffects) {
   EXPECT_EQ(Fault(with("{effect: gnss_lever_arm, value: [0, 0, 1]}")), "");
   EXPECT_THAT(Fault(with("{effect: gnss_lever_am, value: [0, 0, 1]}")),
               HasSubstr("gnss_lever_arm"));
-  EXPECT_THAT(Fault(with("{effect: lidar_scan_cone, value: 0.1}")),
-              AllOf(HasSubstr("not simulated by this version"), HasSubstr("lidar_time_offset")));
+  EXPECT_THAT(Fault(with("{effect: gnss_lever_arm}")),
+              HasSubstr("3 numbers (x [m], y [m], z [m])"));
+  EXPECT_THAT(Fault(with("{effect: lidar_scan_cone, value: 60}")),
+              AllOf(HasSubstr("effects[0].value: "), HasSubstr("between -45 and 45 deg, is 60")));
   EXPECT_THAT(Fault(with("{effect: imu_vibration, value: [1, 1]}")),
               AllOf(HasSubstr("window_s"), HasSubstr("is missing")));
   EXPECT_THAT(Fault(with("{effect: imu_gap, window_s: [5, 5]}")), HasSubstr("begin before end"));
@@ -145,8 +150,8 @@ TEST(ParseScenario, ChecksEffects) {
   EXPECT_THAT(Fault(with("{effect: gnss_lever_arm, value: [0, 1]}")), HasSubstr("3 numbers"));
   EXPECT_THAT(Fault(with("{effect: lidar_time_offset, value: [0, 1]}")), HasSubstr("1 number"));
   EXPECT_THAT(Fault(with("{effect: lidar_time_offset, value: 1, t0_s: 3}")), HasSubstr("t0_s"));
-  EXPECT_THAT(SimulatedEffects(), ::testing::IsSupersetOf({"gnss_lever_arm", "p2p_outliers"}));
-  EXPECT_THAT(SimulatedEffects(), ::testing::Not(::testing::Contains("lidar_scan_cone")));
+  EXPECT_THAT(Fault(with("{effect: imu_vibration, value: [1, -1], window_s: [5, 6]}")),
+              HasSubstr("sigma accel must not be negative"));
 }
 
 const std::string kEveryKey = R"(name: x

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/flight/estimate.h>
 #include <dn/geo/local_frame.h>
 #include <dn/gnss/gnss_data.h>
 #include <dn/imu/imu_data.h>
@@ -74,12 +75,6 @@ struct StripInterval {
   double t1_s = 0.0;
 };
 
-/// One entry of `estimate:`. sigma in the unit of the effect's value column (contract, section 5).
-struct EstimateEntry {
-  std::string unknown;
-  std::optional<double> sigma;
-};
-
 struct NetworkConfig {
   enum class Inertial { kPreintegrated, kRaw };
   Inertial inertial = Inertial::kPreintegrated;
@@ -100,26 +95,22 @@ struct FlightConfig {
   std::optional<LidarConfig> lidar;
   std::optional<TrajectoryConfig> trajectory;
   GhConfig gh;
-  std::vector<EstimateEntry> estimate{{"boresight", {}}};
+  std::vector<EstimateEntry> estimate{{.unknown = "boresight"}};
   NetworkConfig network;
 };
 
 /// Reads and checks FOLDER/flight.yaml. Throws InvalidConfig with file:line for a missing file, bad
 /// YAML, an unknown key (naming the nearest known one), a value of the wrong type, shape or range,
-/// an unknown preset or unknown to estimate. A missing section is not an error here: the command
-/// that needs it says so.
+/// an unknown preset, what is no fixed effect under `estimate`. A missing section is not an error
+/// here: the command that needs it says so.
 FlightConfig ReadFlightConfig(const std::filesystem::path& folder);
 
 /// The same for a text: that of `folder`/flight.yaml, which need not exist.
 FlightConfig ParseFlightConfig(const std::string& text, const std::filesystem::path& folder);
 
-/// The resolved configuration as YAML in the contract's form (config.resolved.yaml): reading it
+/// The resolved configuration as YAML (config.resolved.yaml): reading it
 /// back gives the same configuration. Body quantities are written in FRD with `body: FRD`, as all
 /// results are.
 std::string FormatFlightConfig(const FlightConfig& config);
-
-/// Names that `estimate:` accepts besides boresight (the effects of the contract's section 5 that
-/// are calibration unknowns of the network now).
-std::vector<std::string> EstimableUnknowns();
 
 }  // namespace dn

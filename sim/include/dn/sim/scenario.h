@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/error.h>
+#include <dn/flight/effect_times.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/imu_model.h>
 #include <dn/lidar/mounting.h>
@@ -10,7 +11,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace dn {
@@ -85,19 +85,12 @@ struct PairScenario {
   FileLocation where;      ///< of the section in the scenario
 };
 
-/// Something that the data contain and the assumed model lacks; docs/formats.md lists the names and
-/// the units of their values.
+/// An entry of `effects:`: something that the data contain and the assumed model lacks.
 struct Effect {
-  std::string name;
-  std::vector<double> value;
-  /// GPS seconds of week, first and last; for the effects that last for a while.
-  std::optional<std::pair<double, double>> window_s;
-  std::optional<double> t0_s;  ///< start, for those that begin at an instant
-  FileLocation where;          ///< of the entry in the scenario
-
-  bool During(double t_s) const {
-    return window_s && t_s >= window_s->first && t_s <= window_s->second;
-  }
+  std::string name;           ///< of EffectTable
+  std::vector<double> value;  ///< in the units of the table
+  EffectTimes times;
+  FileLocation where;  ///< of the entry in the scenario
 };
 
 /// Everything that `dn simulate` needs: the plan, the world and the sensors. SI, radian, body
@@ -117,9 +110,6 @@ struct Scenario {
 
 /// Names of the scenarios that come with the program.
 std::vector<std::string> ScenarioNames();
-
-/// Effects that this version can put into a flight.
-std::vector<std::string> SimulatedEffects();
 
 /// A shipped scenario by name, else a scenario file. Throws InvalidConfig when there is neither
 /// (naming the nearest shipped one), and as ParseScenario does.

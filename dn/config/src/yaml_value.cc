@@ -1,15 +1,15 @@
-#include "yaml_value.h"
-
+#include <dn/config/yaml_value.h>
 #include <dn/names.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 
-namespace dn::internal {
+namespace dn {
 namespace {
 
-/// No quantity of a flight, in the units of its keys, is beyond these; squares and inverses of what
+/// No quantity of a file, in the units of its keys, is beyond these; squares and inverses of what
 /// lies within stay numbers.
 constexpr double kLargest = 1e12;
 constexpr double kSmallestPositive = 1e-12;
@@ -38,8 +38,24 @@ std::string Shown(const std::string& text) {
 
 }  // namespace
 
+/// yaml-cpp's node; by default one that is not there.
+struct YamlValue::Node {
+  YAML::Node yaml{YAML::NodeType::Undefined};
+};
+
+YamlValue::YamlValue(Node node, std::string path, std::string file, FileLocation parent)
+    : node_(std::make_shared<const Node>(std::move(node))),
+      path_(std::move(path)),
+      file_(std::move(file)),
+      parent_(std::move(parent)) {}
+
+bool YamlValue::absent() const { return !node_->yaml.IsDefined() || node_->yaml.IsNull(); }
+bool YamlValue::IsMap() const { return node_->yaml.IsDefined() && node_->yaml.IsMap(); }
+bool YamlValue::IsScalar() const { return node_->yaml.IsDefined() && node_->yaml.IsScalar(); }
+const std::string& YamlValue::Scalar() const { return node_->yaml.Scalar(); }
+
 FileLocation YamlValue::where() const {
-  const YAML::Mark mark = node_.IsDefined() ? node_.Mark() : YAML::Mark::null_mark();
+  const YAML::Mark mark = node_->yaml.IsDefined() ? node_->yaml.Mark() : YAML::Mark::null_mark();
   if (mark.is_null()) return {file_, parent_.line, parent_.column};
   return {file_, LineOf(mark), ColumnOf(mark)};
 }
@@ -50,9 +66,9 @@ void YamlValue::Fail(const std::string& message) const {
 
 std::string YamlValue::Found() const {
   if (absent()) return "nothing";
-  if (node_.IsMap()) return "a map";
-  if (node_.IsSequence()) return "a list of " + std::to_string(node_.size());
-  return "'" + Shown(node_.Scalar()) + "'";
+  if (IsMap()) return "a map";
+  if (node_->yaml.IsSequence()) return "a list of " + std::to_string(node_->yaml.size());
+  return "'" + Shown(Scalar()) + "'";
 }
 
 void YamlValue::FailType(const std::string& wanted) const {
@@ -65,10 +81,10 @@ void YamlValue::FailChoice(const std::string& word, const std::vector<std::strin
 }
 
 void YamlValue::ExpectMap(const std::vector<std::string>& known) const {
-  if (!node_.IsMap()) FailType("a map of keys");
+  if (!IsMap()) FailType("a map of keys");
   std::vector<std::string> seen;
-  for (const auto& entry : node_) {
-    const YamlValue key(entry.first, path_, file_, where());
+  for (const auto& entry : node_->yaml) {
+    const YamlValue key({entry.first}, path_, file_, where());
     if (!entry.first.IsScalar()) key.Fail("a key must be a word");
     const std::string& name = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), name) == known.end()) {
@@ -82,30 +98,34 @@ void YamlValue::ExpectMap(const std::vector<std::string>& known) const {
   }
 }
 
+void YamlValue::ExpectMapOrNothing(const std::vector<std::string>& known) const {
+  if (!absent()) ExpectMap(known);
+}
+
 YamlValue YamlValue::operator[](const std::string& key) const {
-  const YAML::Node child = node_[key];
   const std::string path = path_.empty() ? key : path_ + "." + key;
-  if (!child.IsDefined()) return {YAML::Node(), path, file_, where()};
-  return {child, path, file_, where()};
+  if (!IsMap()) return {Node(), path, file_, where()};
+  const YAML::Node child = node_->yaml[key];
+  return {child.IsDefined() ? Node{child} : Node(), path, file_, where()};
 }
 
 std::vector<YamlValue> YamlValue::List() const {
-  if (!node_.IsSequence()) FailType("a list");
+  if (!node_->yaml.IsSequence()) FailType("a list");
   std::vector<YamlValue> items;
-  for (std::size_t i = 0; i < node_.size(); ++i) {
-    items.emplace_back(node_[i], path_ + "[" + std::to_string(i) + "]", file_, where());
+  for (std::size_t i = 0; i < node_->yaml.size(); ++i) {
+    items.push_back({{node_->yaml[i]}, path_ + "[" + std::to_string(i) + "]", file_, where()});
   }
   return items;
 }
 
 std::vector<YamlValue> YamlValue::Items() const {
-  if (node_.IsSequence()) return List();
+  if (node_->yaml.IsSequence()) return List();
   return {*this};
 }
 
 std::string YamlValue::Text() const {
-  if (absent() || !node_.IsScalar() || node_.Scalar().empty()) FailType("a word");
-  return node_.Scalar();
+  if (absent() || !IsScalar() || Scalar().empty()) FailType("a word");
+  return Scalar();
 }
 
 std::string YamlValue::Name() const {
@@ -117,52 +137,58 @@ std::string YamlValue::Name() const {
 }
 
 bool YamlValue::Bool() const {
-  if (!absent() && node_.IsScalar()) {
-    if (node_.Scalar() == "true") return true;
-    if (node_.Scalar() == "false") return false;
+  if (!absent() && IsScalar()) {
+    if (Scalar() == "true") return true;
+    if (Scalar() == "false") return false;
   }
   FailType("true or false");
 }
 
 double YamlValue::Number() const {
   double value = 0.0;
-  if (absent() || !node_.IsScalar() || !ParseAll(node_.Scalar(), value)) FailType("a number");
-  if (!std::isfinite(value)) Fail("must be finite, is " + Shown(node_.Scalar()));
+  if (absent() || !IsScalar() || !ParseAll(Scalar(), value)) FailType("a number");
+  if (!std::isfinite(value)) Fail("must be finite, is " + Shown(Scalar()));
   if (std::abs(value) > kLargest) Fail("must be within -1e12 and 1e12, is " + Found());
   return value;
 }
 
 double YamlValue::Positive() const {
   const double value = Number();
-  if (!(value > 0.0)) Fail("must be greater than 0, is " + Shown(node_.Scalar()));
+  if (!(value > 0.0)) Fail("must be greater than 0, is " + Shown(Scalar()));
   if (value < kSmallestPositive) Fail("must be at least 1e-12, is " + Found());
   return value;
 }
 
 double YamlValue::NotNegative() const {
   const double value = Number();
-  if (value < 0.0) Fail("must not be negative, is " + Shown(node_.Scalar()));
+  if (value < 0.0) Fail("must not be negative, is " + Shown(Scalar()));
   return value;
 }
 
 long long YamlValue::Integer(long long lowest) const {
   long long value = 0;
-  if (absent() || !node_.IsScalar() || !ParseAll(node_.Scalar(), value)) {
+  if (absent() || !IsScalar() || !ParseAll(Scalar(), value)) {
     FailType("a whole number");
   }
   if (value < lowest) {
-    Fail("must be at least " + std::to_string(lowest) + ", is " + Shown(node_.Scalar()));
+    Fail("must be at least " + std::to_string(lowest) + ", is " + Shown(Scalar()));
   }
   return value;
 }
 
 Eigen::VectorXd YamlValue::Numbers(Eigen::Index size) const {
-  if (!node_.IsSequence() || static_cast<Eigen::Index>(node_.size()) != size) {
+  if (!node_->yaml.IsSequence() || static_cast<Eigen::Index>(node_->yaml.size()) != size) {
     FailType("a list of " + std::to_string(size) + " numbers");
   }
   Eigen::VectorXd values(size);
   const std::vector<YamlValue> items = List();
   for (Eigen::Index i = 0; i < size; ++i) values[i] = items[static_cast<std::size_t>(i)].Number();
+  return values;
+}
+
+std::vector<double> YamlValue::NumberList() const {
+  std::vector<double> values;
+  for (const YamlValue& item : Items()) values.push_back(item.Number());
   return values;
 }
 
@@ -174,7 +200,7 @@ Eigen::Vector3d YamlValue::PositiveVector3() const {
 }
 
 Eigen::Matrix3d YamlValue::Matrix3() const {
-  if (!node_.IsSequence() || node_.size() != 3) FailType("a 3 x 3 matrix, as a list of 3 rows");
+  if (!node_->yaml.IsSequence() || node_->yaml.size() != 3) FailType("a 3 x 3 matrix, as a list of 3 rows");
   Eigen::Matrix3d matrix;
   const std::vector<YamlValue> rows = List();
   for (int i = 0; i < 3; ++i) matrix.row(i) = rows[static_cast<std::size_t>(i)].Vector3();
@@ -187,11 +213,11 @@ YamlValue ParseYaml(const std::string& text, const std::string& file) {
     if (!root.IsDefined() || root.IsNull()) {
       throw InvalidConfig("the configuration is empty", FileLocation{file, 1, 0});
     }
-    return YamlValue(root, "", file, {file, 1, 1});
+    return YamlValue({root}, "", file, {file, 1, 1});
   } catch (const YAML::Exception& e) {
     throw InvalidConfig("not valid YAML: " + e.msg,
                         FileLocation{file, LineOf(e.mark), e.mark.column + 1});
   }
 }
 
-}  // namespace dn::internal
+}  // namespace dn

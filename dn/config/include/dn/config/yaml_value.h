@@ -1,27 +1,22 @@
 #pragma once
 
 #include <dn/error.h>
-#include <yaml-cpp/yaml.h>
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace dn::internal {
+namespace dn {
 
 /// A value of a YAML file that knows its path of keys ("imu.gyro.white_deg_sqrt_h") and its file,
-/// so that every complaint names both, line and column. A key that is missing and one that is `~`
-/// are both absent.
+/// so that every complaint, an InvalidConfig, names both, line and column. A key that is missing
+/// and one that is `~` are both absent; whatever stands below something absent is absent, too, and
+/// has the place of the nearest map or list that is there.
 class YamlValue {
  public:
-  YamlValue(YAML::Node node, std::string path, std::string file, FileLocation parent = {})
-      : node_(std::move(node)),
-        path_(std::move(path)),
-        file_(std::move(file)),
-        parent_(std::move(parent)) {}
-
-  bool absent() const { return !node_.IsDefined() || node_.IsNull(); }
+  bool absent() const;
   explicit operator bool() const { return !absent(); }
   const std::string& path() const { return path_; }
 
@@ -31,8 +26,10 @@ class YamlValue {
 
   /// Throws unless this is a map with keys of `known`, none twice.
   void ExpectMap(const std::vector<std::string>& known) const;
-  bool IsMap() const { return node_.IsMap(); }
-  bool IsScalar() const { return node_.IsScalar(); }
+  /// The same for a section that may be left out.
+  void ExpectMapOrNothing(const std::vector<std::string>& known) const;
+  bool IsMap() const;
+  bool IsScalar() const;
 
   /// Value under a key of this map; absent when there is none.
   YamlValue operator[](const std::string& key) const;
@@ -54,6 +51,17 @@ class YamlValue {
   Eigen::Vector3d Vector3() const { return Numbers(3); }
   Eigen::Vector3d PositiveVector3() const;
   Eigen::Matrix3d Matrix3() const;
+  /// A list of numbers of any length, or one number.
+  std::vector<double> NumberList() const;
+
+  /// The same, or `otherwise` where this is absent.
+  bool BoolOr(bool otherwise) const { return absent() ? otherwise : Bool(); }
+  double NumberOr(double otherwise) const { return absent() ? otherwise : Number(); }
+  double PositiveOr(double otherwise) const { return absent() ? otherwise : Positive(); }
+  double NotNegativeOr(double otherwise) const { return absent() ? otherwise : NotNegative(); }
+  Eigen::Vector3d Vector3Or(const Eigen::Vector3d& otherwise) const {
+    return absent() ? otherwise : Vector3();
+  }
 
   /// One of several words; throws listing them.
   template <class T>
@@ -68,19 +76,24 @@ class YamlValue {
   }
 
  private:
+  struct Node;
+  friend YamlValue ParseYaml(const std::string& text, const std::string& file);
+
+  YamlValue(Node node, std::string path, std::string file, FileLocation parent);
   [[noreturn]] void FailType(const std::string& wanted) const;
   [[noreturn]] void FailChoice(const std::string& word,
                                const std::vector<std::string>& names) const;
   std::string Found() const;
+  const std::string& Scalar() const;  ///< its text; empty for what is no scalar
 
-  YAML::Node node_;
+  std::shared_ptr<const Node> node_;
   std::string path_;
   std::string file_;
   FileLocation parent_;  ///< where the map or list that should hold this stands
 };
 
-/// The top level of a YAML text. Throws InvalidConfig at the line of a syntax error, or when it is
-/// empty.
+/// The top level of a YAML text; `file` is what messages name. Throws InvalidConfig at the line of
+/// a syntax error, or when it is empty.
 YamlValue ParseYaml(const std::string& text, const std::string& file);
 
-}  // namespace dn::internal
+}  // namespace dn

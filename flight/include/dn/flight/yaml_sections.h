@@ -1,0 +1,30 @@
+#pragma once
+
+#include <dn/config/yaml_value.h>
+#include <dn/imu/imu_model.h>
+
+#include <Eigen/Core>
+#include <string>
+
+namespace dn {
+
+// Parts of flight.yaml that scenarios have, too.
+
+/// Noise of an inertial unit from the sections `gyro` and `accel` (white noise, processes) over the
+/// preset that `preset_key` names, if any. Throws InvalidConfig where neither gives the white
+/// noise.
+ImuModel ReadImuNoise(const YamlValue& section, const std::string& preset_key);
+
+/// How a scanner is mounted and how it turns.
+struct ScannerAxes {
+  Eigen::Matrix3d R_bs = Eigen::Matrix3d::Identity();  ///< `R_sensor_to_body`; body is FRD
+  Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();
+};
+
+/// `R_sensor_to_body`, `scan_axis` and `nadir_axis` of a section. body_is_flu: its body is
+/// forward-left-up. Throws InvalidConfig for what is no rotation, axes that are no unit vectors (to
+/// 1e-3) or not perpendicular (to half a degree), and a nadir axis above the horizon.
+ScannerAxes ReadScannerAxes(const YamlValue& section, bool body_is_flu);
+
+}  // namespace dn

@@ -1,0 +1,28 @@
+#include <dn/rotation.h>
+
+#include "effects/physics.h"
+
+namespace dn::effects {
+namespace {
+
+using Triad = Eigen::Vector3d ImuSample::*;
+
+/// Axes turned by the value see the true vector turned back.
+auto Turned(const EffectInput& input, Triad triad) {
+  const Eigen::Matrix3d turn = Exp(Eigen::Vector3d(-input.value)).toRotationMatrix();
+  return [turn, triad](const ImuSample&, ImuSample* sample) {
+    sample->*triad = turn * (sample->*triad);
+  };
+}
+
+}  // namespace
+
+void GyroMisalignment(const EffectInput& input, ActiveEffects* active) {
+  active->triads.emplace_back(Turned(input, &ImuSample::w_ib_b_radps));
+}
+
+void AccelMisalignment(const EffectInput& input, ActiveEffects* active) {
+  active->triads.emplace_back(Turned(input, &ImuSample::f_b_mps2));
+}
+
+}  // namespace dn::effects

@@ -1,0 +1,88 @@
+#include <dn/config/yaml_value.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dn {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const char* const kText =
+    "a: 1.5\n"
+    "b: {c: [1, 2, 3], d: ~}\n"
+    "list:\n"
+    "  - {x: +2}\n"
+    "  - word\n"
+    "yes: true\n";
+
+YamlValue Root() { return ParseYaml(kText, "file.yaml"); }
+
+/// "line:column message" of what is thrown; empty when nothing is.
+std::string Fault(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const InvalidConfig& e) {
+    EXPECT_EQ(e.where().file, "file.yaml");
+    return std::to_string(e.where().line) + ":" + std::to_string(e.where().column) + " " + e.what();
+  }
+  return "";
+}
+
+TEST(YamlValue, ReadsWhatIsThere) {
+  const YamlValue root = Root();
+  EXPECT_EQ(root["a"].Number(), 1.5);
+  EXPECT_EQ(root["b"]["c"].Vector3(), Eigen::Vector3d(1, 2, 3));
+  EXPECT_THAT(root["b"]["c"].NumberList(), ElementsAre(1, 2, 3));
+  EXPECT_THAT(root["a"].NumberList(), ElementsAre(1.5));
+  EXPECT_EQ(root["list"].List()[0]["x"].Integer(0), 2);
+  EXPECT_EQ(root["list"].List()[1].Text(), "word");
+  EXPECT_EQ(root["list"].List()[1].path(), "list[1]");
+  EXPECT_TRUE(root["yes"].BoolOr(false));
+}
+
+TEST(YamlValue, WhatIsAbsentHasNothingBelowAndThePlaceOfWhatHoldsIt) {
+  const YamlValue root = Root();
+  EXPECT_TRUE(root["z"].absent());
+  EXPECT_TRUE(root["b"]["d"].absent());
+  EXPECT_TRUE(root["z"]["y"]["x"].absent());
+  EXPECT_EQ(root["z"]["y"].NumberOr(7.0), 7.0);
+  EXPECT_EQ(root["z"].Vector3Or({1, 2, 3}), Eigen::Vector3d(1, 2, 3));
+  root["z"].ExpectMapOrNothing({"y"});
+  EXPECT_EQ(Fault([&] { root["b"]["e"].Number(); }), "2:4 b.e: expected a number, found nothing");
+  EXPECT_EQ(Fault([&] { root["b"]["e"]["f"].Text(); }),
+            "2:4 b.e.f: expected a word, found nothing");
+}
+
+TEST(YamlValue, ComplaintsNameKeyPathLineAndColumn) {
+  const YamlValue root = Root();
+  EXPECT_EQ(Fault([&] { root["b"]["c"].Number(); }),
+            "2:8 b.c: expected a number, found a list of 3");
+  EXPECT_EQ(Fault([&] { root["list"].List()[1].Number(); }),
+            "5:5 list[1]: expected a number, found 'word'");
+  EXPECT_EQ(Fault([&] {
+              root["b"].ExpectMap({"c", "dd"});
+            }),
+            "2:19 b: unknown key 'd'; did you mean 'c'?");
+  EXPECT_EQ(Fault([&] { root["a"].ExpectMapOrNothing({"c"}); }),
+            "1:4 a: expected a map of keys, found '1.5'");
+  EXPECT_EQ(Fault([&] { root["b"]["c"].Numbers(2); }),
+            "2:8 b.c: expected a list of 2 numbers, found a list of 3");
+  EXPECT_THAT(Fault([] { ParseYaml("a: [1\nb: 2\n", "file.yaml"); }), HasSubstr("not valid YAML"));
+  EXPECT_EQ(Fault([] { ParseYaml("", "file.yaml"); }), "1:0 the configuration is empty");
+}
+
+TEST(YamlValue, LooksUpWithoutChangingTheFile) {
+  const YamlValue root = Root();
+  const YamlValue b = root["b"];
+  EXPECT_TRUE(b["new"].absent());
+  b.ExpectMap({"c", "d"});
+  EXPECT_TRUE(b["new"].absent());
+}
+
+}  // namespace
+}  // namespace dn
