@@ -171,7 +171,8 @@ TEST(FlightNetwork, PriorsAreAtTheAssumedValuesWithTheirSigmas) {
   network.net.SetValue(network.lidar_lever_arm,
                        flight.config.lidar->mounting.lever_arm_b_m + Eigen::Vector3d(0.02, 0, 0));
   network.net.SetValue(network.lidar_time_offset, Eigen::Matrix<double, 1, 1>(0.003));
-  network.net.SetValue(network.gyro_scale_factor, Eigen::Vector3d(0.0, 2000e-6, 0.0));
+  const Block<Vec<3>> gyro_scale{network.net.Find("gyro_scale_factor")};
+  network.net.SetValue(gyro_scale, Eigen::Vector3d(0.0, 2000e-6, 0.0));
   network.net.SetValue(network.boresight, Exp(Eigen::Vector3d(0.0, 0.0, 0.15)));
   std::map<BlockId, double> norm;
   for (FactorId id = 0; id < network.net.num_factors(); ++id) {
@@ -183,7 +184,7 @@ TEST(FlightNetwork, PriorsAreAtTheAssumedValuesWithTheirSigmas) {
   }
   EXPECT_NEAR(norm[network.lidar_lever_arm.id], 1.0, 1e-9);
   EXPECT_NEAR(norm[network.lidar_time_offset.id], 3.0, 1e-9);
-  EXPECT_NEAR(norm[network.gyro_scale_factor.id], 4.0, 1e-9);
+  EXPECT_NEAR(norm[gyro_scale.id], 4.0, 1e-9);
   EXPECT_NEAR(norm[network.boresight.id], 5.0, 1e-9);
 }
 

@@ -31,20 +31,59 @@ struct EffectCase {
   std::string unknown;
   std::string value;  ///< as the scenario gives it
   std::vector<double> truth;
-  std::vector<double> prior_sigma;  ///< empty: none
+  std::vector<double> prior_sigma = {};  ///< empty: none
+  bool aircraft = false;
+  EffectTimes times = {};
 };
+
+SimulatedFlight FlyWith(const EffectCase& effect) {
+  const std::string entry = "effects: [{effect: " + effect.unknown + ", value: " + effect.value +
+                            FormatEffectTimes(effect.times) + "}]";
+  return Fly(effect.aircraft ? AircraftScenario(entry) : DroneScenario(entry), 8);
+}
+
+/// What the fit without the effect says of it: its estimate, and how it moves the boresight.
+struct Foretold {
+  Eigen::VectorXd estimate;
+  Eigen::Vector3d boresight_rad;
+};
+
+Foretold Foretell(const EffectCase& effect, const Calibration& without) {
+  const FlightNetwork& network = *without.adjustment.network;
+  Foretold best;
+  double most = -1.0;
+  std::vector<CandidateEffect> candidates = CandidateEffects(network);
+  if (effect.unknown == "gnss_position_step") {  // its window is not searched for
+    candidates = {StepInWindow(network, effect.times)};
+  }
+  for (const CandidateEffect& candidate : candidates) {
+    if (candidate.name != effect.unknown) continue;
+    const JointScore score =
+        ScoreEffects(network.net, without.marginals, {candidate.model}, {network.boresight.id});
+    const ScoreTest test = TestTogether(score, score.Components(0));
+    if (test.statistic <= most) continue;
+    most = test.statistic;
+    best.estimate = candidate.per_si * test.estimate;
+    best.boresight_rad = score.shift * test.estimate;
+  }
+  return best;
+}
 
 class EstimatesAnEffect : public ::testing::TestWithParam<EffectCase> {};
 
-TEST_P(EstimatesAnEffect, WithinItsSigmas) {
+TEST_P(EstimatesAnEffect, WithinItsSigmasAndAsForetold) {
   const EffectCase& effect = GetParam();
-  SimulatedFlight sim = Fly(
-      DroneScenario("effects: [{effect: " + effect.unknown + ", value: " + effect.value + "}]"), 8);
-  sim.flight.config.estimate = {{"boresight", {}}, {effect.unknown, effect.prior_sigma}};
-  const Calibration c(sim.flight);
+  SimulatedFlight sim = FlyWith(effect);
+  const Calibration without(sim.flight);
+  Flight estimating = sim.flight;
+  estimating.config.estimate = {
+      {"boresight", {}},
+      {.unknown = effect.unknown, .sigma = effect.prior_sigma, .times = effect.times}};
+  const Calibration c(estimating);
   const auto unknowns = ExtractUnknowns(c.adjustment, c.marginals);
   ASSERT_EQ(unknowns.size(), 1U);
   EXPECT_EQ(unknowns[0].name, effect.unknown);
+  EXPECT_EQ(unknowns[0].unit, FindEffect(effect.unknown)->components[0].unit);
   ASSERT_EQ(unknowns[0].value.size(), effect.truth.size());
   double information = 0.0;
   for (std::size_t i = 0; i < effect.truth.size(); ++i) {
@@ -57,15 +96,48 @@ TEST_P(EstimatesAnEffect, WithinItsSigmas) {
   }
   EXPECT_GT(information, 5.0) << "the flight tells the effect from none";
   const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);
-  for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(e[i]), kSigmas * c.boresight.sigma_rad()[i]);
+  const Eigen::Vector3d sigma = c.boresight.sigma_rad();
+  for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(e[i]), kSigmas * sigma[i]);
+
+  if (!effect.prior_sigma.empty()) return;  // the score knows no prior
+  constexpr double kFirstOrder = 0.05;
+  const Foretold foretold = Foretell(effect, without);
+  const Eigen::Vector3d moved = Log(
+      Eigen::Quaterniond(Exp(without.boresight.angles_rad) * Exp(c.boresight.angles_rad).conjugate()));
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(foretold.boresight_rad[i], moved[i], kFirstOrder * (moved.norm() + sigma[i])) << i;
+  }
+  for (std::size_t i = 0; i < effect.truth.size(); ++i) {
+    EXPECT_NEAR(foretold.estimate[static_cast<Eigen::Index>(i)], unknowns[0].value[i],
+                kFirstOrder * (std::abs(unknowns[0].value[i]) + unknowns[0].sigma[i]))
+        << "component " << i;
+  }
 }
+
+const EffectTimes kStep{.t0_s = 381160.0};
+const EffectTimes kWindow{.window_s = std::pair(381090.0, 381130.0)};
 
 INSTANTIATE_TEST_SUITE_P(
     Calibrate, EstimatesAnEffect,
     ::testing::Values(
-        EffectCase{"gnss_lever_arm", "[0.10, -0.06, 0.08]", {0.10, -0.06, 0.08}, {}},
-        EffectCase{"lidar_time_offset", "[0.01]", {0.01}, {}},
-        EffectCase{"gyro_scale_factor", "[1500, -800, 2000]", {1500.0, -800.0, 2000.0}, {}},
+        EffectCase{"gnss_lever_arm", "[0.10, -0.06, 0.08]", {0.10, -0.06, 0.08}},
+        EffectCase{"gnss_time_offset", "0.003", {0.003}},
+        EffectCase{"gnss_position_step", "[0.1, -0.2, 0.2]", {0.1, -0.2, 0.2}, {}, false, kWindow},
+        EffectCase{"lidar_time_offset", "0.01", {0.01}},
+        EffectCase{"lidar_time_drift", "40", {40.0}},
+        EffectCase{"lidar_range_offset", "0.2", {0.2}},
+        EffectCase{"lidar_range_scale", "2000", {2000.0}},
+        EffectCase{"lidar_angle_scale", "3000", {3000.0}},
+        EffectCase{"lidar_scan_cone", "0.3", {0.3}},
+        EffectCase{"boresight_drift", "[2, -1, 2]", {2.0, -1.0, 2.0}},
+        EffectCase{"boresight_step", "[0.2, -0.1, 0.1]", {0.2, -0.1, 0.1}, {}, false, kStep},
+        EffectCase{"gyro_scale_factor", "[1500, -800, 2000]", {1500.0, -800.0, 2000.0}},
+        EffectCase{"gyro_misalignment", "[5, 4, -3]", {5.0, 4.0, -3.0}},
+        EffectCase{"gyro_g_sensitivity", "[0.3, -0.3, 0.5]", {0.3, -0.3, 0.5}, {}, true},
+        EffectCase{"accel_scale_factor", "[0, 0, 2000]", {0.0, 0.0, 2000.0}, {}, true},
+        EffectCase{"accel_misalignment", "[2, -2, 1]", {2.0, -2.0, 1.0}, {}, true},
+        EffectCase{"gravity_tilt", "[60, -60]", {60.0, -60.0}, {}, true},
+        EffectCase{"gravity_disturbance", "500", {500.0}, {}, true},
         EffectCase{"lidar_lever_arm", "[0.15, -0.20, 0.05]", {0.15, -0.20, 0.05}, {0.2}}),
     [](const auto& tested) { return tested.param.unknown; });
 

@@ -109,7 +109,15 @@ TEST(PreintegratedInertial, JacobiansAgreeAtRandomStates) {
         Increments(motion, 3.0, 3.0 + length_s,
                    {testing::RandomVector(rng, 1e-3), testing::RandomVector(rng, 0.1)});
     const int num_gyro = static_cast<int>(seed % 3), num_accel = static_cast<int>(seed / 3 % 3);
-    const bool with_scale = seed % 2 == 1;
+    std::vector<AttractionBasis> attraction;
+    if (seed % 2 == 1) {  // two effects of the sensors, one on the attraction
+      pre.linearisation.effects = {{nullptr, testing::RandomVector(rng, 1e-3)},
+                                   {nullptr, testing::RandomVector(rng, 1e-3).head<1>()}};
+      pre.J_effects = Eigen::MatrixXd::NullaryExpr(9, 4, [&](auto, auto) {
+        return std::uniform_real_distribution<double>(-1, 1)(rng);
+      });
+      attraction = {Eigen::Matrix<double, 3, 2>::Ones()};
+    }
     // Numeric differentiation wants comparable sigmas; the whitening matrix is tested below.
     const Matrix9 A =
         Matrix9::Identity() + 0.1 * Matrix9::NullaryExpr([&](auto, auto) {
@@ -118,7 +126,7 @@ TEST(PreintegratedInertial, JacobiansAgreeAtRandomStates) {
     pre.covariance = A * A.transpose();
     const Vector3d p = testing::RandomVector(rng, 1e3);
     const PreintegratedInertial factor(pre, motion.frame, p, p + testing::RandomVector(rng, 60.0),
-                                       num_gyro, num_accel, with_scale);
+                                       num_gyro, num_accel, attraction);
     MapPose i{0.0, testing::RandomRotation(rng), p, testing::RandomVector(rng, 60.0)};
     MapPose j{0.0, testing::RandomRotation(rng), p + testing::RandomVector(rng, 60.0),
               testing::RandomVector(rng, 60.0)};
@@ -126,7 +134,11 @@ TEST(PreintegratedInertial, JacobiansAgreeAtRandomStates) {
     std::vector<VectorXd> x = States(i, j);
     for (int k = 0; k < num_gyro; ++k) x.push_back(testing::RandomVector(rng, 1e-2));
     for (int k = 0; k < num_accel; ++k) x.push_back(testing::RandomVector(rng, 0.1));
-    if (with_scale) x.push_back(testing::RandomVector(rng, 1e-3));
+    if (seed % 2 == 1) {
+      x.push_back(testing::RandomVector(rng, 0.1));
+      x.push_back(testing::RandomVector(rng, 0.1).head<1>());
+      x.push_back(testing::RandomVector(rng, 0.1).head<2>());
+    }
     testing::ExpectFactorConsistent(factor, x, testing::DynamicAutodiff(factor));
   }
 }
