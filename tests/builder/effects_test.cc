@@ -32,8 +32,7 @@ Flight LidarFlight() {
 }
 
 EffectAction Make(const std::string& name, const Flight& flight) {
-  return FindEstimable(name)->make(
-      {flight, {.window_s = std::pair(50.0, 250.0), .t0_s = 200.0}});
+  return FindEstimable(name)->make({flight, {.window_s = std::pair(50.0, 250.0), .t0_s = 200.0}});
 }
 
 template <class Effect>
@@ -84,8 +83,7 @@ TEST_P(OfInertial, DerivativesAgreeWithDifferences) {
     const ImuReading at = ImuAt(GetParam(), value, w, f);
     for (int c = 0; c < 9; ++c) {
       const Vector3d d = kStep * Vector3d::Unit(c % 3), none = Vector3d::Zero();
-      const Vector3d dw = c < 3 ? d : none, df = c >= 3 && c < 6 ? d : none,
-                     dv = c >= 6 ? d : none;
+      const Vector3d dw = c < 3 ? d : none, df = c >= 3 && c < 6 ? d : none, dv = c >= 6 ? d : none;
       const ImuReading plus = ImuAt(GetParam(), value + dv, w + dw, f + df);
       const ImuReading minus = ImuAt(GetParam(), value - dv, w - dw, f - df);
       const Vector3d numeric_w = (plus.w_b - minus.w_b) / (2.0 * kStep);
@@ -120,9 +118,9 @@ TEST(Effects, TakeOutWhatTheInertialSensorsAdd) {
 }
 
 TEST(Effects, ScaleFactorThatTurnsTheSensorOverIsRefused) {
-  EXPECT_THROW(ImuAt("gyro_scale_factor", Vector3d(0.0, -1.0, 0.0), Vector3d::Ones(),
-                     Vector3d::Ones()),
-               InvalidInput);
+  EXPECT_THROW(
+      ImuAt("gyro_scale_factor", Vector3d(0.0, -1.0, 0.0), Vector3d::Ones(), Vector3d::Ones()),
+      InvalidInput);
 }
 
 // The chain undoes misalignment, scale, g-sensitivity in the order opposite to that of the sensor,
@@ -167,8 +165,8 @@ TEST_P(OfLidar, DerivativesAgreeWithDifferences) {
       const LidarReading minus = LidarAt(GetParam(), value - d, tag_s, u_s);
       EXPECT_LE((at.J_u.col(c) - (plus.u_s - minus.u_s) / (2.0 * kStep)).norm(), 1e-6);
       EXPECT_NEAR(at.J_delay[c], (plus.delay_s - minus.delay_s) / (2.0 * kStep), 1e-5);
-      EXPECT_LE(
-          (at.J_turn.col(c) - (plus.turn_b_rad - minus.turn_b_rad) / (2.0 * kStep)).norm(), 1e-6);
+      EXPECT_LE((at.J_turn.col(c) - (plus.turn_b_rad - minus.turn_b_rad) / (2.0 * kStep)).norm(),
+                1e-6);
     }
   }
 }
@@ -219,8 +217,8 @@ TEST(Effects, TakeOutWhatTheScannerAdds) {
 TEST(Effects, ClockAndMountOfTheScannerMoveInTime) {
   const Vector3d u_s(100.0, 0.0, 0.0), value(0.01, -0.02, 0.03);
   const double t_s = 260.0, drift = 1e-3;
-  const LidarReading late = LidarAt("lidar_time_drift", VectorXd::Constant(1, drift),
-                                    t_s + drift * (t_s - 100.0), u_s);
+  const LidarReading late =
+      LidarAt("lidar_time_drift", VectorXd::Constant(1, drift), t_s + drift * (t_s - 100.0), u_s);
   EXPECT_NEAR(late.delay_s, drift * 160.0, 1e-12);
   EXPECT_LE((LidarAt("boresight_drift", value, t_s, u_s).turn_b_rad - 60.0 * value).norm(), 1e-12);
   EXPECT_EQ(LidarAt("boresight_step", value, 199.9, u_s).turn_b_rad, Vector3d::Zero());
@@ -251,7 +249,8 @@ TEST(Effects, GravityGainsTowardNorthAndEast) {
   const double g_mps2 = flight.frame.Gravity(origin).norm();
   const AttractionBasis tilt =
       std::get<AttractionField>(Make("gravity_tilt", flight))(origin) / g_mps2;
-  const AttractionBasis more = std::get<AttractionField>(Make("gravity_disturbance", flight))(origin);
+  const AttractionBasis more =
+      std::get<AttractionField>(Make("gravity_disturbance", flight))(origin);
   EXPECT_LE((tilt.col(0) - Vector3d::UnitY()).norm(), 1e-9);
   EXPECT_LE((tilt.col(1) - Vector3d::UnitX()).norm(), 1e-9);
   EXPECT_LE((more.col(0) + Vector3d::UnitZ()).norm(), 1e-5);
@@ -262,12 +261,9 @@ TEST(AssumedCalibration, HasTheEffectsOfEstimateAtZeroInTheOrderOfCorrections) {
   flight.config.gnss.emplace();
   flight.config.gnss->lever_arm_b_m = {1.0, 2.0, 3.0};
   flight.config.lidar->mounting.boresight_rad = {0.01, 0.0, 0.0};
-  flight.config.estimate = {{"boresight", {}},
-                            {"lidar_scan_cone", {}},
-                            {"gnss_lever_arm", {}},
-                            {"gravity_tilt", {}},
-                            {"gyro_misalignment", {}},
-                            {"accel_scale_factor", {}}};
+  flight.config.estimate = {{"boresight", {}},         {"lidar_scan_cone", {}},
+                            {"gnss_lever_arm", {}},    {"gravity_tilt", {}},
+                            {"gyro_misalignment", {}}, {"accel_scale_factor", {}}};
   const CalibrationState state = AssumedCalibration(flight);
   EXPECT_EQ(state.gnss_lever_arm_b_m, Vector3d(1.0, 2.0, 3.0));
   EXPECT_LE(state.q_boresight.angularDistance(Exp(Vector3d(0.01, 0.0, 0.0))), 1e-15);

@@ -1,6 +1,9 @@
+#include <dn/calibration/candidate_effects.h>
 #include <dn/calibration/result.h>
 #include <dn/calibration/result_files.h>
+#include <dn/effects/effect_table.h>
 #include <dn/error.h>
+#include <dn/solvers/score_test.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -40,6 +43,22 @@ SimulatedFlight FlyWith(const EffectCase& effect) {
   const std::string entry = "effects: [{effect: " + effect.unknown + ", value: " + effect.value +
                             FormatEffectTimes(effect.times) + "}]";
   return Fly(effect.aircraft ? AircraftScenario(entry) : DroneScenario(entry), 8);
+}
+
+/// A constant offset of the positions of a window.
+CandidateEffect StepInWindow(const FlightNetwork& network, const EffectTimes& times) {
+  constexpr std::size_t kPositionBlock = 1;
+  CandidateEffect step = DescribeEffect(*FindEstimable("gnss_position_step"));
+  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+    const GnssEpoch& epoch = network.flight().gnss->epochs[edge.epoch];
+    Eigen::VectorXd r;
+    std::vector<Eigen::MatrixXd> J;
+    if (!times.During(epoch.t_s) || !network.net.EvaluateFactor(edge.position, &r, &J)) continue;
+    const Eigen::Matrix3d R_m_enu =
+        network.flight().frame.R_m_enu(network.flight().frame.ToMap(epoch.antenna));
+    step.model.push_back({edge.position, Eigen::MatrixXd(-J[kPositionBlock] * R_m_enu)});
+  }
+  return step;
 }
 
 /// What the fit without the effect says of it: its estimate, and how it moves the boresight.
@@ -102,8 +121,8 @@ TEST_P(EstimatesAnEffect, WithinItsSigmasAndAsForetold) {
   if (!effect.prior_sigma.empty()) return;  // the score knows no prior
   constexpr double kFirstOrder = 0.05;
   const Foretold foretold = Foretell(effect, without);
-  const Eigen::Vector3d moved = Log(
-      Eigen::Quaterniond(Exp(without.boresight.angles_rad) * Exp(c.boresight.angles_rad).conjugate()));
+  const Eigen::Vector3d moved = Log(Eigen::Quaterniond(Exp(without.boresight.angles_rad) *
+                                                       Exp(c.boresight.angles_rad).conjugate()));
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(foretold.boresight_rad[i], moved[i], kFirstOrder * (moved.norm() + sigma[i])) << i;
   }

@@ -147,8 +147,7 @@ TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
   x[12] = Eigen::Vector2d(3e-3, 1e-3);
   const Preintegrated anew =
       Preintegrate(imu_, 1.0, 1.31, {{}, {}, {{scale_, moved_scale}}}, kNoise);
-  const MapPose end =
-      Propagate(motion_.frame, motion_.Pose(1.0), anew, Vector3d::Constant(4e-3));
+  const MapPose end = Propagate(motion_.frame, motion_.Pose(1.0), anew, Vector3d::Constant(4e-3));
   const Eigen::Quaterniond q_boresight(x[6].data());
   const Vector3d l_b = x[7] + q_boresight * (Mounting() * Vector3d(950.0, 10.0, 300.0));
   const Vector3d expected = end.p_mb + end.q_mb * l_b;
@@ -178,10 +177,10 @@ TEST_P(Antenna, JacobiansAgreeAtRandomStates) {
                              testing::RandomVector(rng, 5.0)};
     const GnssAntenna factor(GetParam(), testing::RandomVector(rng, 60.0), motion,
                              {std::make_shared<LateAndShifted>()}, Noise<3>::Sigma(0.5));
-    const std::vector<VectorXd> x{
-        State(testing::RandomRotation(rng)), testing::RandomVector(rng, 60.0),
-        testing::RandomVector(rng, 2.0), testing::RandomVector(rng, 60.0),
-        VectorXd(testing::RandomVector(rng, 0.3).head<2>())};
+    const std::vector<VectorXd> x{State(testing::RandomRotation(rng)),
+                                  testing::RandomVector(rng, 60.0), testing::RandomVector(rng, 2.0),
+                                  testing::RandomVector(rng, 60.0),
+                                  VectorXd(testing::RandomVector(rng, 0.3).head<2>())};
     testing::ExpectFactorConsistent(factor, x);
   }
 }
@@ -202,8 +201,8 @@ TEST(GnssAntenna, FollowsTheAntennaToALateTag) {
   const double tag_s = imu.samples[499].t_s, delay_s = 0.01;
   const MapPose at = flight.Pose(tag_s), then = flight.Pose(tag_s - delay_s);
   const Preintegrated here = IdentityIncrement(imu, tag_s, {});
-  const Vector3d a_m = at.q_mb * here.f_end_b_mps2 + flight.frame.Gravity(at.p_mb) -
-                       2.0 * w_ie.cross(at.v_m);
+  const Vector3d a_m =
+      at.q_mb * here.f_end_b_mps2 + flight.frame.Gravity(at.p_mb) - 2.0 * w_ie.cross(at.v_m);
   const MotionAtTag motion{tag_s, here.w_end_b_radps, w_ie, a_m};
   const VectorXd late = Eigen::Vector2d(delay_s, 0.25);
   const std::vector<VectorXd> x{State(at.q_mb), at.p_mb, lever_b, at.v_m, late};

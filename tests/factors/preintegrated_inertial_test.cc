@@ -113,9 +113,8 @@ TEST(PreintegratedInertial, JacobiansAgreeAtRandomStates) {
     if (seed % 2 == 1) {  // two effects of the sensors, one on the attraction
       pre.linearisation.effects = {{nullptr, testing::RandomVector(rng, 1e-3)},
                                    {nullptr, testing::RandomVector(rng, 1e-3).head<1>()}};
-      pre.J_effects = Eigen::MatrixXd::NullaryExpr(9, 4, [&](auto, auto) {
-        return std::uniform_real_distribution<double>(-1, 1)(rng);
-      });
+      pre.J_effects = Eigen::MatrixXd::NullaryExpr(
+          9, 4, [&](auto, auto) { return std::uniform_real_distribution<double>(-1, 1)(rng); });
       attraction = {Eigen::Matrix<double, 3, 2>::Ones()};
     }
     // Numeric differentiation wants comparable sigmas; the whitening matrix is tested below.
