@@ -103,6 +103,7 @@ SolveReport Solve(Network& network, const SolveOptions& options) {
   if (options.on_iteration) ceres_options.callbacks.push_back(&progress);
   ceres::Solver::Summary summary;
   ceres::Solve(ceres_options, &problem.problem(), &summary);
+  problem.RethrowFactorException();
   return MakeReport(network, summary);
 }
 
