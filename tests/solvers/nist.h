@@ -64,8 +64,7 @@ inline NistData ReadNist(const std::string& name) {
 /// Number of digits to which a value agrees with a certified one, 11 at most: as many as are
 /// certified.
 inline double AgreeingDigits(double value, double certified) {
-  const double error =
-      certified == 0.0 ? std::abs(value) : std::abs(value / certified - 1.0);
+  const double error = certified == 0.0 ? std::abs(value) : std::abs(value / certified - 1.0);
   if (std::isnan(error)) return 0.0;
   return std::min(11.0, -std::log10(std::max(error, 1e-300)));
 }
