@@ -114,7 +114,7 @@ class AutoFactor : public Factor<Derived, R, Kinds...> {
     static_assert(std::is_base_of_v<AutoFactor, Derived>,
                   "AutoFactor: the first argument must be the class that derives from it");
     const auto residual = [this](const auto* blocks, auto* out) {
-      return Call(blocks, out, std::index_sequence_for<Kinds...>{});
+      return this->Call(blocks, out, std::index_sequence_for<Kinds...>{});
     };
     if (J == nullptr) return residual(x, r);
     return Differentiate<R, Kinds::kSize...>(residual, x, r, J);

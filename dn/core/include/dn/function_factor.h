@@ -109,7 +109,7 @@ class FunctionFactor final : public Factor<FunctionFactor<Function, R, Kinds...>
 
   bool Evaluate(double const* const* x, double* r, double** J) const override {
     const auto residual = [this](const auto* blocks, auto* out) {
-      return Residual(blocks, out, std::index_sequence_for<Kinds...>{});
+      return this->Residual(blocks, out, std::index_sequence_for<Kinds...>{});
     };
     if (J == nullptr) return residual(x, r);
     return Differentiate<R, Kinds::kSize...>(residual, x, r, J);
