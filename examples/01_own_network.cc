@@ -30,7 +30,8 @@ int main() {
     std::printf("%s  height %.4f m  sigma %.2f mm\n", net.block(h.id).name.c_str(), net.Value(h),
                 1e3 * std::sqrt(marginals.Covariance(h)(0, 0)));
   }
-  std::printf("sigma0 %.2f of %ld redundant\n", report.final.sigma0(), report.final.redundancy());
+  std::printf("sigma0 %.2f of %ld redundant\n", report.adjusted.sigma0(),
+              report.adjusted.redundancy());
 
   net.Hold(a, false);
   try {

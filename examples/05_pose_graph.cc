@@ -63,8 +63,8 @@ int main(int argc, char** argv) {
     by_sigma[std::sqrt(marginals.Covariance(pose).bottomRightCorner<3, 3>().trace())] = i;
   }
   std::printf("%zu poses, %d factors, %d iterations, sigma0 %.3f of %ld redundant\n", poses.size(),
-              net.num_factors(), report.iterations, report.final.sigma0(),
-              report.final.redundancy());
+              net.num_factors(), report.iterations, report.adjusted.sigma0(),
+              report.adjusted.redundancy());
   for (const auto& [sigma_m, i] : {*++by_sigma.begin(), *by_sigma.rbegin()}) {
     const Eigen::Vector3d s = marginals.Covariance(poses[i]).diagonal().head<3>().cwiseSqrt();
     std::printf("pose %2d  sigma of the position %.3f m, of the rotation %.4f %.4f %.4f rad\n", i,

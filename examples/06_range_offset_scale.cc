@@ -47,7 +47,7 @@ int main() {
               1e6 * sigma_s, 1e6 * (kScale - 1.0));
   std::printf("correlation %.2f, sigma0 %.2f\n",
               marginals.Covariance(offset, scale)(0, 0) / (sigma_o * sigma_s),
-              report.final.sigma0());
+              report.adjusted.sigma0());
 
   net.RemoveFactor(known);
   try {

@@ -117,15 +117,14 @@ SolveReport SolveTwice(Network& network, ceres::Solver::Options options) {
   SolveReport second = Attempt(network, options);
   second.iterations += first.iterations;
   second.time_s += first.time_s;
-  if (second.interrupted) return second;
-  const std::string flat = check.FindFlat(network);
-  if (second.converged && flat.empty()) return second;
+  const bool better = second.converged || second.final_cost <= first.final_cost;
+  if (second.interrupted || (better && check.FindFlat(network).empty())) return second;
   if (first.final_cost < second.final_cost) {
     first_values.Restore(&network);
     second.final_cost = first.final_cost;
   }
   second.converged = false;
-  second.message = "ended where '" + (flat.empty() ? check.FindFlat(network) : flat) +
+  second.message = "ended where '" + check.FindFlat(network) +
                    "' no longer changes the residuals; start nearer to the solution, or give it a "
                    "prior";
   return second;
@@ -159,8 +158,8 @@ SolveReport Solve(Network& network, const SolveOptions& options) {
   if (options.on_iteration) ceres_options.callbacks.push_back(&progress);
   SolveReport report =
       options.second_attempt ? SolveTwice(network, ceres_options) : Attempt(network, ceres_options);
-  report.final = CountNetwork(network);
-  report.final.cost = report.final_cost;
+  report.adjusted = CountNetwork(network);
+  report.adjusted.cost = report.final_cost;
   return report;
 }
 

@@ -98,12 +98,12 @@ TEST(Solve, ReportsRedundancyAndSigma0) {
     net.Add([z](const auto& v) { return v - z; }, Noise<1>::Sigma(2.0), x);
   }
   const SolveReport report = Solve(net);
-  EXPECT_EQ(report.final.redundancy(), 2);
-  EXPECT_NEAR(report.final.sigma0(), std::sqrt((4.0 + 1.0 + 9.0) / 4.0 / 2.0), 1e-12);
-  EXPECT_NEAR(EvaluateCost(net).sigma0(), report.final.sigma0(), 1e-12);
+  EXPECT_EQ(report.adjusted.redundancy(), 2);
+  EXPECT_NEAR(report.adjusted.sigma0(), std::sqrt((4.0 + 1.0 + 9.0) / 4.0 / 2.0), 1e-12);
+  EXPECT_NEAR(EvaluateCost(net).sigma0(), report.adjusted.sigma0(), 1e-12);
   net.RemoveFactor(0);
   net.RemoveFactor(1);
-  EXPECT_TRUE(std::isnan(Solve(net).final.sigma0()));
+  EXPECT_TRUE(std::isnan(Solve(net).adjusted.sigma0()));
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ Problem Of(const std::string& name, double sigma_digits = kDigits) {
             fit.report = Solve(net);
             fit.value = net.Value(b);
             fit.sigma =
-                fit.report.final.sigma0() * MarginalCovariance(net, b).diagonal().cwiseSqrt();
+                fit.report.adjusted.sigma0() * MarginalCovariance(net, b).diagonal().cwiseSqrt();
             return fit;
           },
           sigma_digits};
@@ -53,7 +53,7 @@ Problem Of(const std::string& name, double sigma_digits = kDigits) {
 
 void ExpectCertified(const NistData& data, const Fit& fit, double sigma_digits) {
   EXPECT_TRUE(fit.report.converged) << fit.report.message;
-  EXPECT_EQ(fit.report.final.redundancy(), data.observations() - data.parameters());
+  EXPECT_EQ(fit.report.adjusted.redundancy(), data.observations() - data.parameters());
   for (std::size_t k = 0; k < data.certified.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double error = std::abs(fit.value[i] - data.certified[k]);

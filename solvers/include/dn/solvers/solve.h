@@ -63,7 +63,7 @@ struct SolveReport {
   int iterations = 0;        ///< accepted and rejected steps, of both attempts
   double initial_cost = 0.0;
   double final_cost = 0.0;
-  CostSummary final;  ///< the network as it was left: redundancy, sigma0
+  CostSummary adjusted;  ///< the network as it was left: redundancy, sigma0
   double time_s = 0.0;
   std::string message;  ///< why it stopped; names the factor when one is undefined
 };
