@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <ctime>
 #include <system_error>
@@ -124,6 +125,17 @@ CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blo
     at += size * size;
   }
   return result;
+}
+
+double LargestDifference(const std::vector<Eigen::MatrixXd>& a,
+                         const std::vector<Eigen::MatrixXd>& b) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const Eigen::VectorXd scale = b[k].diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd difference = scale.asDiagonal() * (a[k] - b[k]) * scale.asDiagonal();
+    largest = std::max(largest, difference.cwiseAbs().maxCoeff());
+  }
+  return largest;
 }
 
 }  // namespace dn::bench

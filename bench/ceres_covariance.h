@@ -20,4 +20,12 @@ struct CeresCovariance {
 CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blocks,
                                unsigned limit_s);
 
+/// Bound of LargestDifference: two double-precision factorisations (QR of J, Cholesky of J^T J) of
+/// the same Jacobian.
+inline constexpr double kSameCovariance = 1e-5;
+
+/// Largest difference of two covariances of the same blocks, in units of the sigmas.
+double LargestDifference(const std::vector<Eigen::MatrixXd>& a,
+                         const std::vector<Eigen::MatrixXd>& b);
+
 }  // namespace dn::bench

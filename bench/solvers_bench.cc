@@ -22,8 +22,6 @@ namespace dn::bench {
 namespace {
 
 constexpr unsigned kCeresLimit_s = 60;
-/// Two double-precision factorisations (QR of J, Cholesky of J^T J) of the same Jacobian.
-constexpr double kSameCovariance = 1e-5;
 constexpr double kStripJoin_s = 5.0;
 constexpr double kNodeRate_hz = 5.0;
 
@@ -117,18 +115,6 @@ void BM_WantedByMarginals(benchmark::State& state, bool all_nodes) {
 }
 BENCHMARK_CAPTURE(BM_WantedByMarginals, boresight, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_WantedByMarginals, all_nodes, true)->Unit(benchmark::kMillisecond);
-
-/// Largest difference of two covariances of the same blocks, in units of the sigmas.
-double LargestDifference(const std::vector<Eigen::MatrixXd>& a,
-                         const std::vector<Eigen::MatrixXd>& b) {
-  double largest = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    const Eigen::VectorXd scale = b[k].diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd difference = scale.asDiagonal() * (a[k] - b[k]) * scale.asDiagonal();
-    largest = std::max(largest, difference.cwiseAbs().maxCoeff());
-  }
-  return largest;
-}
 
 void BM_WantedByCeres(benchmark::State& state, bool all_nodes) {
   FlightNetwork& network = NetworkOf("5min");

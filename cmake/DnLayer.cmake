@@ -2,8 +2,12 @@
 #
 # One library per layer, each with its own include root, so that an include against the layer diagram
 # does not compile. Call it from the folder's own CMakeLists.txt; DIR is relative to the project root.
+# EXPORT names another set of exported targets than dnTargets, for a layer that a user asks for.
 function(dn_add_layer name)
-  cmake_parse_arguments(A "" "DIR" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(A "" "DIR;EXPORT" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  if(NOT A_EXPORT)
+    set(A_EXPORT dnTargets)
+  endif()
   list(TRANSFORM A_SOURCES PREPEND "${PROJECT_SOURCE_DIR}/${A_DIR}/src/")
   add_library(dn_${name} ${A_SOURCES})
   add_library(dn::${name} ALIAS dn_${name})
@@ -17,7 +21,8 @@ function(dn_add_layer name)
     PUBLIC ${A_PUBLIC}
     PRIVATE ${A_PRIVATE} $<BUILD_INTERFACE:dn_dev_flags>)
   dn_use_precompiled(dn_${name} dn_layer_headers)
-  install(TARGETS dn_${name} EXPORT dnTargets
+  add_dependencies(dn_libraries dn_${name})
+  install(TARGETS dn_${name} EXPORT ${A_EXPORT}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${A_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

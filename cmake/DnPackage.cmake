@@ -4,6 +4,9 @@ include(CMakePackageConfigHelpers)
 set(DN_CONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/dn)
 
 install(EXPORT dnTargets NAMESPACE dn:: DESTINATION ${DN_CONFIG_DIR})
+if(DN_WITH_PCL)
+  install(EXPORT dnPclTargets NAMESPACE dn:: DESTINATION ${DN_CONFIG_DIR})
+endif()
 
 configure_package_config_file(
   ${PROJECT_SOURCE_DIR}/cmake/dnConfig.cmake.in ${PROJECT_BINARY_DIR}/dnConfig.cmake

@@ -9,31 +9,13 @@
 #include <cmath>
 #include <cstdio>
 
-using Height = dn::Vec<1>;
-
-/// r = (h_to - h_from - difference) / sigma      [1], unitless; h, difference, sigma in m
-struct Levelling : dn::AutoFactor<Levelling, 1, Height, Height> {
-  double difference_m = 0.0, sigma_m = 0.001;
-
-  template <class T>
-  bool Residual(const T* h_from, const T* h_to, T* r) const {
-    r[0] = (h_to[0] - h_from[0] - difference_m) / sigma_m;
-    return true;
-  }
-};
-
 int main() {
   dn::Network net;
-  const auto benchmark = [&](const char* name, double height_m) {
-    return net.AddVector<1>(name, Eigen::Matrix<double, 1, 1>(height_m));
-  };
-  const auto a = benchmark("A", 100.0), b = benchmark("B", 0.0), c = benchmark("C", 0.0),
-             d = benchmark("D", 0.0);
-  const auto level = [&](dn::Block<Height> from, dn::Block<Height> to, double difference_m) {
-    Levelling f;
-    f.difference_m = difference_m;
-    f.sigma_m = 0.002;
-    net.Add(f, from, to);
+  const auto a = net.AddScalar("A", 100.0), b = net.AddScalar("B", 0.0),
+             c = net.AddScalar("C", 0.0), d = net.AddScalar("D", 0.0);
+  const auto level = [&](auto from, auto to, double difference_m) {
+    net.Add([=](const auto& h_from, const auto& h_to) { return h_to - h_from - difference_m; },
+            dn::Noise<1>::Sigma(0.002), from, to);
   };
   level(a, b, 1.002);
   level(b, c, 1.501);
@@ -44,10 +26,12 @@ int main() {
 
   const dn::SolveReport report = dn::Solve(net);
   const dn::Marginals marginals(net);
-  for (const auto& h : {b, c, d}) {
-    std::printf("%s  height %.4f m  sigma %.2f mm\n", net.block(h.id).name.c_str(), net.Value(h)[0],
+  for (const auto h : {b, c, d}) {
+    std::printf("%s  height %.4f m  sigma %.2f mm\n", net.block(h.id).name.c_str(), net.Value(h),
                 1e3 * std::sqrt(marginals.Covariance(h)(0, 0)));
   }
+  std::printf("sigma0 %.2f of %ld redundant\n", report.adjusted.sigma0(),
+              report.adjusted.redundancy());
 
   net.Hold(a, false);
   try {

@@ -1,4 +1,5 @@
 // An own factor: a laser return that lies on a known plane, and the boresight from such returns.
+// A class, as of a factor that several programs use; a function given to Add does the same.
 //
 // Prints the error of the estimate and its three standard deviations.
 #include <dn/network.h>

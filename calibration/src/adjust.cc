@@ -212,6 +212,7 @@ class Adjuster {
     options.max_iterations = max_iterations;
     options.initial_trust_region_radius = kTrustRegionRadius;
     options.function_tolerance = kCostTolerance;
+    options.second_attempt = false;  // the initial values are those of a filter
     options.on_iteration = [&](const IterationProgress& progress) {
       if (options_.progress) options_.progress(name, progress.iteration);
       return !(options_.interrupted && options_.interrupted());

@@ -4,6 +4,7 @@
 #include <ceres/loss_function.h>
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace dn::internal {
@@ -12,7 +13,9 @@ namespace {
 /// Lets Ceres evaluate a factor of the network.
 class FactorCost final : public ceres::CostFunction {
  public:
-  explicit FactorCost(const FactorBase& factor) : factor_(factor) {
+  FactorCost(const Network& network, FactorId id, FactorException* exception)
+      : network_(network), id_(id), exception_(exception) {
+    const FactorBase& factor = *network.factor(id).factor;
     set_num_residuals(factor.residual_size());
     for (const BlockKind& kind : factor.block_kinds()) {
       mutable_parameter_block_sizes()->push_back(kind.stored_size);
@@ -20,11 +23,19 @@ class FactorCost final : public ceres::CostFunction {
   }
 
   bool Evaluate(double const* const* x, double* r, double** J) const override {
-    return factor_.Evaluate(x, r, J);
+    if (exception_->present()) return false;
+    try {
+      return network_.EvaluateStored(id_, x, r, J);
+    } catch (...) {
+      exception_->Store(std::current_exception());
+      return false;
+    }
   }
 
  private:
-  const FactorBase& factor_;
+  const Network& network_;
+  FactorId id_;
+  FactorException* exception_;
 };
 
 std::unique_ptr<ceres::LossFunction> MakeLoss(const Loss& loss) {
@@ -47,41 +58,57 @@ ceres::Problem::Options Ownership() {
 
 }  // namespace
 
-bool RotationManifold::Plus(const double* x, const double* d, double* x_plus_d) const {
+bool BlockManifold::Plus(const double* x, const double* d, double* x_plus_d) const {
   dn::Plus(kind_, x, d, x_plus_d);
   return true;
 }
 
-bool RotationManifold::PlusJacobian(const double* x, double* J) const {
-  Eigen::Map<Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> out(J);
-  out = RotationPlusJacobian(kind_.parametrisation, x);
+bool BlockManifold::PlusJacobian(const double* x, double* J) const {
+  if (kind_.parametrisation == Parametrisation::kManifold) {
+    kind_.manifold->plus_jacobian(x, J);
+  } else {
+    Eigen::Map<Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> out(J);
+    out = RotationPlusJacobian(kind_.parametrisation, x);
+  }
   return true;
 }
 
-bool RotationManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
+bool BlockManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
   dn::Minus(kind_, y, x, y_minus_x);
   return true;
 }
 
-bool RotationManifold::MinusJacobian(const double* x, double* J) const {
-  Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> out(J);
-  out = 4.0 * RotationPlusJacobian(kind_.parametrisation, x).transpose();
+bool BlockManifold::MinusJacobian(const double* x, double* J) const {
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> out(
+      J, kind_.tangent_size, kind_.stored_size);
+  out = TangentLift(kind_, x);
   return true;
+}
+
+void FactorException::Store(std::exception_ptr exception) {
+  const std::scoped_lock lock(mutex_);
+  if (!exception_) exception_ = std::move(exception);
+  present_ = true;
+}
+
+void FactorException::Rethrow() const {
+  if (exception_) std::rethrow_exception(exception_);
 }
 
 CeresProblem::CeresProblem(Network& network) : problem_(Ownership()) {
   for (FactorId id = 0; id < network.num_factors(); ++id) {
-    if (network.factor(id).active) AddFactor(network, network.factor(id));
+    if (network.factor(id).active) AddFactor(network, id);
   }
 }
 
-void CeresProblem::AddFactor(Network& network, const FactorRecord& record) {
+void CeresProblem::AddFactor(Network& network, FactorId id) {
+  const FactorRecord& record = network.factor(id);
   std::vector<double*> values;
   for (const BlockId b : record.blocks) {
     AddBlock(network.block(b));
     values.push_back(network.block(b).value.get());
   }
-  auto cost = std::make_unique<FactorCost>(*record.factor);
+  auto cost = std::make_unique<FactorCost>(network, id, &exception_);
   problem_.AddResidualBlock(cost.release(), MakeLoss(record.loss).release(), values);
 }
 
@@ -93,15 +120,11 @@ void CeresProblem::AddBlock(BlockRecord& block) {
 }
 
 ceres::Manifold* CeresProblem::ManifoldOf(const BlockKind& kind) {
-  switch (kind.parametrisation) {
-    case Parametrisation::kRotationRight:
-      return &right_;
-    case Parametrisation::kRotationLeft:
-      return &left_;
-    case Parametrisation::kVector:
-      break;
+  if (kind.parametrisation == Parametrisation::kVector) return nullptr;
+  for (BlockManifold& manifold : manifolds_) {
+    if (manifold.kind() == kind) return &manifold;
   }
-  return nullptr;
+  return &manifolds_.emplace_back(kind);
 }
 
 }  // namespace dn::internal

@@ -4,22 +4,43 @@
 #include <ceres/problem.h>
 #include <dn/network.h>
 
+#include <atomic>
+#include <deque>
+#include <exception>
+#include <mutex>
+
 namespace dn::internal {
 
-/// A rotation block with the full-angle tangent of dn::Plus (Ceres's own has half the angle).
-class RotationManifold final : public ceres::Manifold {
+/// A block that is not a vector, with the tangent of dn::Plus (Ceres's own rotations have half the
+/// angle).
+class BlockManifold final : public ceres::Manifold {
  public:
-  explicit RotationManifold(const BlockKind& kind) : kind_(kind) {}
+  explicit BlockManifold(const BlockKind& kind) : kind_(kind) {}
 
-  int AmbientSize() const override { return 4; }
-  int TangentSize() const override { return 3; }
+  int AmbientSize() const override { return kind_.stored_size; }
+  int TangentSize() const override { return kind_.tangent_size; }
   bool Plus(const double* x, const double* d, double* x_plus_d) const override;
   bool PlusJacobian(const double* x, double* J) const override;
   bool Minus(const double* y, const double* x, double* y_minus_x) const override;
   bool MinusJacobian(const double* x, double* J) const override;
+  const BlockKind& kind() const { return kind_; }
 
  private:
   BlockKind kind_;
+};
+
+/// The exception of a factor, kept while Ceres, whose threads cannot pass one on, is running.
+class FactorException {
+ public:
+  bool present() const { return present_; }
+  void Store(std::exception_ptr exception);
+  /// Throws it, if there was one.
+  void Rethrow() const;
+
+ private:
+  std::atomic<bool> present_ = false;
+  std::mutex mutex_;
+  std::exception_ptr exception_;
 };
 
 /// The active factors of a network as a ceres::Problem on the network's own values. The network
@@ -30,13 +51,16 @@ class CeresProblem {
 
   ceres::Problem& problem() { return problem_; }
 
+  /// Throws what a factor threw during an evaluation.
+  void RethrowFactorException() const { exception_.Rethrow(); }
+
  private:
-  void AddFactor(Network& network, const FactorRecord& record);
+  void AddFactor(Network& network, FactorId id);
   void AddBlock(BlockRecord& block);
   ceres::Manifold* ManifoldOf(const BlockKind& kind);
 
-  RotationManifold right_{Rotation::kKind};
-  RotationManifold left_{LeftRotation::kKind};
+  FactorException exception_;
+  std::deque<BlockManifold> manifolds_;
   ceres::Problem problem_;
 };
 

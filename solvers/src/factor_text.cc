@@ -1,25 +1,46 @@
 #include "factor_text.h"
 
-#include <cmath>
-#include <cstdio>
+#include <algorithm>
+#include <vector>
 
 namespace dn {
+namespace {
 
-std::string DescribeFactor(const Network& network, FactorId id) {
-  const FactorRecord& record = network.factor(id);
-  std::string details = network.groups()[static_cast<std::size_t>(record.group)];
-  if (std::isfinite(record.t_s)) {
-    char time[48];
-    std::snprintf(time, sizeof(time), "%s%.3f s", details.empty() ? "" : ", ", record.t_s);
-    details += time;
-  }
-  std::string text = "factor ";
-  text += std::to_string(id);
-  if (!details.empty()) text.append(" (").append(details).append(")");
-  text += " on";
-  for (const BlockId b : record.blocks) text.append(" '").append(network.block(b).name).append("'");
-  return text;
+bool HasUnwritten(const Eigen::Ref<const Eigen::MatrixXd>& values) {
+  return std::any_of(values.reshaped().begin(), values.reshaped().end(), IsUnwritten);
 }
+
+/// "row 1 of its 3 residuals", where the factor says that it is defined and left it as it was; else
+/// empty.
+std::string UnwrittenPart(const Network& network, FactorId id) {
+  const FactorRecord& record = network.factor(id);
+  const auto rows = static_cast<Eigen::Index>(record.factor->residual_size());
+  std::vector<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> stored;
+  std::vector<const double*> x;
+  std::vector<double*> J;
+  for (const BlockId b : record.blocks) {
+    x.push_back(network.block(b).value.get());
+    stored.emplace_back(rows, network.block(b).kind.stored_size);
+    J.push_back(stored.back().data());
+  }
+  for (std::size_t i = 0; i < J.size(); ++i) J[i] = stored[i].data();
+  Eigen::VectorXd r(rows);
+  if (!network.EvaluateStored(id, x.data(), r.data(), J.data())) return "";
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    if (IsUnwritten(r[row])) {
+      return "row " + std::to_string(row) + " of its " + std::to_string(rows) +
+             " residuals (rows count from 0)";
+    }
+  }
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    if (HasUnwritten(stored[i])) {
+      return "its Jacobian of block '" + network.block(record.blocks[i]).name + "'";
+    }
+  }
+  return "";
+}
+
+}  // namespace
 
 FactorId FindUndefinedFactor(const Network& network) {
   Eigen::VectorXd r;
@@ -35,7 +56,12 @@ FactorId FindUndefinedFactor(const Network& network) {
 }
 
 std::string UndefinedFactorMessage(const Network& network, FactorId id) {
-  return DescribeFactor(network, id) +
+  const std::string where = network.DescribeFactor(id);
+  const std::string unwritten = UnwrittenPart(network, id);
+  if (!unwritten.empty()) {
+    return where + " does not write " + unwritten + ": correct its residual function";
+  }
+  return where +
          " is undefined or not finite at the current values; start nearer to the solution or leave "
          "this measurement out";
 }

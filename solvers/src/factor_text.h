@@ -6,13 +6,10 @@
 
 namespace dn {
 
-/// "factor 12 (gnss position, 381000.200 s)", for messages.
-std::string DescribeFactor(const Network& network, FactorId id);
-
 /// The first active factor that is undefined, or not finite, at the current values; -1 if none.
 FactorId FindUndefinedFactor(const Network& network);
 
-/// The message about such a factor.
+/// The message about such a factor; names what it does not write.
 std::string UndefinedFactorMessage(const Network& network, FactorId id);
 
 }  // namespace dn

@@ -189,19 +189,14 @@ void Linearization::EvaluateEdge(const Network& network, const Edge& edge) {
     J[i] = stored[i].data();
   }
   Eigen::VectorXd r(edge.rows);
-  const bool defined = record.factor->Evaluate(x.data(), r.data(), J.data());
+  const bool defined = network.EvaluateStored(edge.factor, x.data(), r.data(), J.data());
 
   Eigen::Map<Eigen::MatrixXd> out(values_.data() + edge.data, edge.rows, edge.cols);
   int column = 0;
   for (std::size_t i = 0; defined && i < n; ++i) {
     const BlockKind& kind = network.block(record.blocks[i]).kind;
     if (J[i] == nullptr) continue;
-    if (kind.parametrisation == Parametrisation::kVector) {
-      out.middleCols(column, kind.tangent_size) = stored[i];
-    } else {
-      out.middleCols<3>(column).noalias() =
-          stored[i].lazyProduct(RotationPlusJacobian(kind.parametrisation, x[i]));
-    }
+    StoredToTangent(kind, x[i], stored[i], out.middleCols(column, kind.tangent_size));
     column += kind.tangent_size;
   }
   if (!defined || !r.allFinite() || !out.allFinite()) {

@@ -6,14 +6,19 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <cmath>
+#include <string>
+#include <vector>
 
 #include "ceres_problem.h"
 #include "factor_text.h"
+#include "flat_check.h"
 #include "serial_blas.h"
 
 namespace dn {
 namespace {
+
+/// Steps in a row to where a factor is undefined, each a half of the one before or less.
+constexpr int kInvalidSteps = 20;
 
 /// Passes the progress on, and the wish to stop back.
 class ProgressCallback final : public ceres::IterationCallback {
@@ -53,10 +58,36 @@ ceres::Solver::Options CeresOptions(const SolveOptions& options) {
   ceres_options.gradient_tolerance = options.gradient_tolerance;
   ceres_options.initial_trust_region_radius = options.initial_trust_region_radius;
   ceres_options.logging_type = ceres::SILENT;
+  ceres_options.max_num_consecutive_invalid_steps = kInvalidSteps;
   return ceres_options;
 }
 
-SolveReport MakeReport(const Network& network, const ceres::Solver::Summary& summary) {
+/// Residuals and unknowns, without the cost.
+CostSummary CountNetwork(const Network& network) {
+  CostSummary summary;
+  std::vector<bool> used(static_cast<std::size_t>(network.num_blocks()), false);
+  for (FactorId id = 0; id < network.num_factors(); ++id) {
+    const FactorRecord& record = network.factor(id);
+    if (!record.active) continue;
+    summary.residuals += record.factor->residual_size();
+    for (const BlockId b : record.blocks) used[static_cast<std::size_t>(b)] = true;
+  }
+  for (BlockId b = 0; b < network.num_blocks(); ++b) {
+    const BlockRecord& block = network.block(b);
+    if (used[static_cast<std::size_t>(b)] && !block.held) {
+      summary.parameters += block.kind.tangent_size;
+    }
+  }
+  return summary;
+}
+
+/// One run of Ceres from the values of the network.
+SolveReport Attempt(Network& network, const ceres::Solver::Options& options) {
+  internal::CeresProblem problem(network);
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem.problem(), &summary);
+  problem.RethrowFactorException();
+
   SolveReport report;
   report.converged = summary.termination_type == ceres::CONVERGENCE;
   report.interrupted = summary.termination_type == ceres::USER_SUCCESS;
@@ -72,6 +103,31 @@ SolveReport MakeReport(const Network& network, const ceres::Solver::Summary& sum
                                     : "numerical failure: " + summary.message;
   }
   return report;
+}
+
+/// Solves, and where that ends on a flat once more from the initial values with a step that an
+/// unknown does not lengthen by losing its influence.
+SolveReport SolveTwice(Network& network, ceres::Solver::Options options) {
+  const FlatCheck check(network);
+  const SolveReport first = Attempt(network, options);
+  if (!first.converged || check.FindFlat(network).empty()) return first;
+  const NetworkValues first_values(network);
+  check.initial().Restore(&network);
+  options.min_lm_diagonal = 1.0;
+  SolveReport second = Attempt(network, options);
+  second.iterations += first.iterations;
+  second.time_s += first.time_s;
+  const bool better = second.converged || second.final_cost <= first.final_cost;
+  if (second.interrupted || (better && check.FindFlat(network).empty())) return second;
+  if (first.final_cost < second.final_cost) {
+    first_values.Restore(&network);
+    second.final_cost = first.final_cost;
+  }
+  second.converged = false;
+  second.message = "ended where '" + check.FindFlat(network) +
+                   "' no longer changes the residuals; start nearer to the solution, or give it a "
+                   "prior";
+  return second;
 }
 
 template <class T>
@@ -97,13 +153,14 @@ SolveReport Solve(Network& network, const SolveOptions& options) {
   options.Validate();
   const QuietLog quiet;
   const SerialBlas serial;
-  internal::CeresProblem problem(network);
   ceres::Solver::Options ceres_options = CeresOptions(options);
   ProgressCallback progress(options.on_iteration);
   if (options.on_iteration) ceres_options.callbacks.push_back(&progress);
-  ceres::Solver::Summary summary;
-  ceres::Solve(ceres_options, &problem.problem(), &summary);
-  return MakeReport(network, summary);
+  SolveReport report =
+      options.second_attempt ? SolveTwice(network, ceres_options) : Attempt(network, ceres_options);
+  report.adjusted = CountNetwork(network);
+  report.adjusted.cost = report.final_cost;
+  return report;
 }
 
 CostSummary EvaluateCost(const Network& network, int threads) {
@@ -118,22 +175,8 @@ CostSummary EvaluateCost(const Network& network, int threads) {
     }
     rho[static_cast<std::size_t>(id)] = EvaluateLoss(record.loss, r.squaredNorm()).rho;
   });
-
-  CostSummary summary;
-  std::vector<bool> used(static_cast<std::size_t>(network.num_blocks()), false);
-  for (FactorId id = 0; id < n; ++id) {
-    const FactorRecord& record = network.factor(id);
-    if (!record.active) continue;
-    summary.cost += 0.5 * rho[static_cast<std::size_t>(id)];
-    summary.residuals += record.factor->residual_size();
-    for (const BlockId b : record.blocks) used[static_cast<std::size_t>(b)] = true;
-  }
-  for (BlockId b = 0; b < network.num_blocks(); ++b) {
-    const BlockRecord& block = network.block(b);
-    if (used[static_cast<std::size_t>(b)] && !block.held) {
-      summary.parameters += block.kind.tangent_size;
-    }
-  }
+  CostSummary summary = CountNetwork(network);
+  for (const double value : rho) summary.cost += 0.5 * value;
   return summary;
 }
 

@@ -1,5 +1,6 @@
 #include <dn/block.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 namespace dn {
@@ -15,6 +16,8 @@ void Plus(const BlockKind& kind, const double* x, const double* d, double* x_plu
     for (int i = 0; i < kind.stored_size; ++i) x_plus_d[i] = x[i] + d[i];
     return;
   }
+  if (kind.parametrisation == Parametrisation::kManifold)
+    return kind.manifold->plus(x, d, x_plus_d);
   const Eigen::Quaterniond step = Exp(Eigen::Vector3d(Vec3(d)));
   const Eigen::Quaterniond q(x);
   const Eigen::Quaterniond result =
@@ -28,6 +31,8 @@ void Minus(const BlockKind& kind, const double* y, const double* x, double* y_mi
     for (int i = 0; i < kind.stored_size; ++i) y_minus_x[i] = y[i] - x[i];
     return;
   }
+  if (kind.parametrisation == Parametrisation::kManifold)
+    return kind.manifold->minus(y, x, y_minus_x);
   const Eigen::Quaterniond difference = kind.parametrisation == Parametrisation::kRotationRight
                                             ? Quat(x).conjugate() * Quat(y)
                                             : Quat(y) * Quat(x).conjugate();
@@ -49,7 +54,18 @@ Eigen::MatrixXd PlusJacobian(const BlockKind& kind, const double* x) {
   if (kind.parametrisation == Parametrisation::kVector) {
     return Eigen::MatrixXd::Identity(kind.stored_size, kind.stored_size);
   }
-  return RotationPlusJacobian(kind.parametrisation, x);
+  if (kind.parametrisation != Parametrisation::kManifold) {
+    return RotationPlusJacobian(kind.parametrisation, x);
+  }
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(kind.stored_size,
+                                                                           kind.tangent_size);
+  kind.manifold->plus_jacobian(x, J.data());
+  return J;
+}
+
+Eigen::MatrixXd TangentLift(const BlockKind& kind, const double* x) {
+  const Eigen::MatrixXd J = PlusJacobian(kind, x);
+  return (J.transpose() * J).llt().solve(J.transpose());
 }
 
 }  // namespace dn

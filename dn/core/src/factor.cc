@@ -6,16 +6,19 @@ bool EvaluateInTangent(const FactorBase& factor, const std::vector<const double*
                        Eigen::VectorXd* r, std::vector<Eigen::MatrixXd>* J) {
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const std::vector<BlockKind>& kinds = factor.block_kinds();
-  r->resize(factor.residual_size());
+  r->setConstant(factor.residual_size(), Unwritten());
   if (J == nullptr) return factor.Evaluate(x.data(), r->data(), nullptr);
   std::vector<RowMajor> stored;
   std::vector<double*> stored_data;
-  for (const BlockKind& kind : kinds) stored.emplace_back(factor.residual_size(), kind.stored_size);
+  for (const BlockKind& kind : kinds) {
+    stored.push_back(RowMajor::Constant(factor.residual_size(), kind.stored_size, Unwritten()));
+  }
   for (RowMajor& matrix : stored) stored_data.push_back(matrix.data());
   if (!factor.Evaluate(x.data(), r->data(), stored_data.data())) return false;
   J->clear();
   for (std::size_t i = 0; i < kinds.size(); ++i) {
-    J->push_back(stored[i] * PlusJacobian(kinds[i], x[i]));
+    J->emplace_back(factor.residual_size(), kinds[i].tangent_size);
+    StoredToTangent(kinds[i], x[i], stored[i], J->back());
   }
   return true;
 }

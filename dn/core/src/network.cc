@@ -3,18 +3,59 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <exception>
+#include <new>
 
 namespace dn {
+namespace {
+
+/// The given value, moved onto the manifold of the block.
+Eigen::VectorXd OnManifold(const BlockRecord& record, const double* value) {
+  const Eigen::Map<const Eigen::VectorXd> given(value, record.kind.stored_size);
+  if (record.kind.parametrisation == Parametrisation::kVector) return given;
+  if (record.kind.parametrisation != Parametrisation::kManifold) {
+    const double norm = given.norm();
+    if (!(norm > 1e-9))
+      throw InvalidInput("network: quaternion of block '" + record.name + "' has zero norm");
+    return given * (1.0 / norm);
+  }
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(record.kind.tangent_size);
+  Eigen::VectorXd x(record.kind.stored_size);
+  Plus(record.kind, value, zero.data(), x.data());
+  if (!x.allFinite() || !TangentLift(record.kind, x.data()).allFinite()) {
+    throw InvalidInput("network: value of block '" + record.name +
+                       "' is not on its manifold: Plus does not move it in every direction");
+  }
+  return x;
+}
+
+}  // namespace
+
+Network::Network(const Network& other)
+    : factors_(other.factors_), by_name_(other.by_name_), groups_(other.groups_) {
+  for (const BlockRecord& block : other.blocks_) {
+    const auto size = static_cast<std::size_t>(block.kind.stored_size);
+    blocks_.push_back(
+        {block.name, block.kind, std::make_unique<double[]>(size), block.held, block.label});
+    std::copy_n(block.value.get(), size, blocks_.back().value.get());
+  }
+}
+
+Network& Network::operator=(const Network& other) {
+  if (this != &other) *this = Network(other);
+  return *this;
+}
 
 Block<Rotation> Network::AddRotation(const std::string& name, const Eigen::Quaterniond& q) {
-  return {AddBlock(name, Rotation::kKind, q.coeffs().data())};
+  return {AddStored(name, Rotation::kKind, q.coeffs().data())};
 }
 
 Block<LeftRotation> Network::AddLeftRotation(const std::string& name, const Eigen::Quaterniond& q) {
-  return {AddBlock(name, LeftRotation::kKind, q.coeffs().data())};
+  return {AddStored(name, LeftRotation::kKind, q.coeffs().data())};
 }
 
-BlockId Network::AddBlock(const std::string& name, const BlockKind& kind, const double* value) {
+BlockId Network::AddStored(const std::string& name, const BlockKind& kind, const double* value) {
   const BlockId id = num_blocks();
   if (by_name_.contains(name)) throw InvalidInput("network: block name '" + name + "' is taken");
   blocks_.push_back({name,
@@ -37,14 +78,7 @@ void Network::SetRaw(BlockId id, const double* value) {
   const Eigen::Map<const Eigen::VectorXd> given(value, record.kind.stored_size);
   if (!given.allFinite())
     throw InvalidInput("network: value of block '" + record.name + "' is not finite");
-  double scale = 1.0;
-  if (record.kind.parametrisation != Parametrisation::kVector) {
-    const double norm = given.norm();
-    if (!(norm > 1e-9))
-      throw InvalidInput("network: quaternion of block '" + record.name + "' has zero norm");
-    scale = 1.0 / norm;
-  }
-  Eigen::Map<Eigen::VectorXd>(record.value.get(), record.kind.stored_size) = scale * given;
+  std::copy_n(OnManifold(record, value).data(), record.kind.stored_size, record.value.get());
 }
 
 FactorId Network::AddFactor(std::shared_ptr<const FactorBase> factor,
@@ -84,6 +118,13 @@ void Network::ReplaceFactor(FactorId id, std::shared_ptr<const FactorBase> facto
                        " has other blocks or another residual size");
   }
   record.factor = std::move(factor);
+}
+
+void Network::RemoveFactor(FactorId id) {
+  FactorRecord& record = factor_mutable(id);
+  record.factor.reset();
+  record.blocks.clear();
+  record.active = false;
 }
 
 void Network::Tag(FactorId id, const std::string& group, double t_s) {
@@ -144,7 +185,17 @@ const FactorRecord& Network::factor(FactorId id) const {
   return factors_[static_cast<std::size_t>(id)];
 }
 
-FactorRecord& Network::factor_mutable(FactorId id) { return const_cast<FactorRecord&>(factor(id)); }
+const FactorRecord& Network::factor_present(FactorId id) const {
+  const FactorRecord& record = factor(id);
+  if (record.factor == nullptr) {
+    throw InvalidInput("network: factor " + std::to_string(id) + " was removed");
+  }
+  return record;
+}
+
+FactorRecord& Network::factor_mutable(FactorId id) {
+  return const_cast<FactorRecord&>(factor_present(id));
+}
 
 int Network::num_free_parameters() const {
   int n = 0;
@@ -152,12 +203,59 @@ int Network::num_free_parameters() const {
   return n;
 }
 
+std::string Network::DescribeFactor(FactorId id) const {
+  const FactorRecord& record = factor(id);
+  std::string details = groups_[static_cast<std::size_t>(record.group)];
+  if (std::isfinite(record.t_s)) {
+    char time[48];
+    std::snprintf(time, sizeof(time), "%s%.3f s", details.empty() ? "" : ", ", record.t_s);
+    details += time;
+  }
+  std::string text = "factor ";
+  text += std::to_string(id);
+  if (!details.empty()) text.append(" (").append(details).append(")");
+  text += record.factor == nullptr ? ", removed" : " on";
+  for (const BlockId b : record.blocks) text.append(" '").append(block(b).name).append("'");
+  return text;
+}
+
+void Network::NameException(FactorId id) const {
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    std::throw_with_nested(InvalidInput(DescribeFactor(id) + " throws: " + error.what()));
+  } catch (...) {
+    std::throw_with_nested(InvalidInput(DescribeFactor(id) + " throws"));
+  }
+}
+
 bool Network::EvaluateFactor(FactorId id, Eigen::VectorXd* r,
                              std::vector<Eigen::MatrixXd>* J) const {
-  const FactorRecord& record = factor(id);
+  const FactorRecord& record = factor_present(id);
   std::vector<const double*> x;
   for (const BlockId b : record.blocks) x.push_back(block(b).value.get());
-  return EvaluateInTangent(*record.factor, x, r, J);
+  try {
+    return EvaluateInTangent(*record.factor, x, r, J);
+  } catch (...) {
+    NameException(id);
+  }
+}
+
+bool Network::EvaluateStored(FactorId id, double const* const* x, double* r, double** J) const {
+  const FactorBase& factor = *factor_present(id).factor;
+  const std::vector<BlockKind>& kinds = factor.block_kinds();
+  const int rows = factor.residual_size();
+  std::fill_n(r, rows, Unwritten());
+  for (std::size_t i = 0; J != nullptr && i < kinds.size(); ++i) {
+    if (J[i] != nullptr) std::fill_n(J[i], rows * kinds[i].stored_size, Unwritten());
+  }
+  try {
+    return factor.Evaluate(x, r, J);
+  } catch (...) {
+    NameException(id);
+  }
 }
 
 }  // namespace dn

@@ -1,5 +1,6 @@
-// A user's own project: an antenna located from distances to four ground stations, with a factor of
-// the user's own, on the installed package alone. Exits with 0 when the truth is recovered.
+// A user's own project: an antenna located from distances to four ground stations, with a factor
+// class of the user's own, on the installed package alone. Exits with 0 when the truth is
+// recovered.
 #include <dn/factor.h>
 #include <dn/geo/local_frame.h>
 #include <dn/network.h>

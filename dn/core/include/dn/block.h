@@ -13,6 +13,14 @@ enum class Parametrisation {
   kVector,         ///< x <- x + d
   kRotationRight,  ///< q <- q Exp(d), d a rotation vector in rad in the frame that q rotates from
   kRotationLeft,   ///< q <- Exp(d) q, d a rotation vector in rad in the frame that q rotates to
+  kManifold,       ///< by the functions of BlockKind::manifold: a pose, or a user's own
+};
+
+/// The functions of a block kind that is neither numbers nor a rotation.
+struct ManifoldFunctions {
+  void (*plus)(const double* x, const double* d, double* x_plus_d);
+  void (*minus)(const double* y, const double* x, double* y_minus_x);
+  void (*plus_jacobian)(const double* x, double* J);  ///< row-major, stored size x tangent size
 };
 
 /// A block kind known at run time.
@@ -20,6 +28,7 @@ struct BlockKind {
   Parametrisation parametrisation = Parametrisation::kVector;
   int stored_size = 0;
   int tangent_size = 0;
+  const ManifoldFunctions* manifold = nullptr;  ///< of kManifold only
 
   friend bool operator==(const BlockKind&, const BlockKind&) = default;
 };
@@ -28,6 +37,8 @@ struct BlockKind {
 /// q_mb <- q_mb Exp(dphi_b). For attitudes.
 struct Rotation {
   using Value = Eigen::Quaterniond;
+  template <class T>
+  using View = Eigen::Map<const Eigen::Quaternion<T>>;
   static constexpr int kSize = 4;
   static constexpr int kTangentSize = 3;
   static constexpr BlockKind kKind{Parametrisation::kRotationRight, 4, 3};
@@ -37,6 +48,8 @@ struct Rotation {
 /// whose covariance is then that of the reported angles about the body axes.
 struct LeftRotation {
   using Value = Eigen::Quaterniond;
+  template <class T>
+  using View = Eigen::Map<const Eigen::Quaternion<T>>;
   static constexpr int kSize = 4;
   static constexpr int kTangentSize = 3;
   static constexpr BlockKind kKind{Parametrisation::kRotationLeft, 4, 3};
@@ -46,13 +59,23 @@ struct LeftRotation {
 template <int N>
 struct Vec {
   using Value = Eigen::Matrix<double, N, 1>;
+  template <class T>
+  using View = Eigen::Map<const Eigen::Matrix<T, N, 1>>;
   static constexpr int kSize = N;
   static constexpr int kTangentSize = N;
   static constexpr BlockKind kKind{Parametrisation::kVector, N, N};
 };
 
-/// x (+) d in the parametrisation of `kind`; quaternions are normalised. Arrays of stored_size,
-/// tangent_size and stored_size.
+/// One real number, which is a plain number wherever it is seen.
+struct Scalar {
+  using Value = double;
+  static constexpr int kSize = 1;
+  static constexpr int kTangentSize = 1;
+  static constexpr BlockKind kKind{Parametrisation::kVector, 1, 1};
+};
+
+/// x (+) d in the parametrisation of `kind`; the quaternion of a rotation is normalised. Arrays of
+/// stored_size, tangent_size and stored_size.
 void Plus(const BlockKind& kind, const double* x, const double* d, double* x_plus_d);
 
 /// y (-) x, so that Plus(x, Minus(y, x)) = y.
@@ -61,7 +84,30 @@ void Minus(const BlockKind& kind, const double* y, const double* x, double* y_mi
 /// d Plus(x, d) / d d at d = 0, stored_size by tangent_size.
 Eigen::MatrixXd PlusJacobian(const BlockKind& kind, const double* x);
 
+/// A left inverse of PlusJacobian, tangent_size by stored_size: takes a Jacobian in the tangent to
+/// one in stored coordinates.
+Eigen::MatrixXd TangentLift(const BlockKind& kind, const double* x);
+
 /// The 4 x 3 PlusJacobian of a rotation block, without allocation.
 Eigen::Matrix<double, 4, 3> RotationPlusJacobian(Parametrisation parametrisation, const double* q);
+
+/// Writes a Jacobian with respect to stored coordinates into `out`, with respect to the tangent.
+template <class Stored, class Out>
+void StoredToTangent(const BlockKind& kind, const double* x,
+                     const Eigen::MatrixBase<Stored>& stored, Out&& out) {
+  switch (kind.parametrisation) {
+    case Parametrisation::kVector:
+      out = stored;
+      break;
+    case Parametrisation::kRotationRight:
+    case Parametrisation::kRotationLeft:
+      out.template leftCols<3>().noalias() =
+          stored.lazyProduct(RotationPlusJacobian(kind.parametrisation, x));
+      break;
+    case Parametrisation::kManifold:
+      out.noalias() = stored * PlusJacobian(kind, x);
+      break;
+  }
+}
 
 }  // namespace dn

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <ceres/internal/autodiff.h>
-#include <ceres/internal/parameter_dims.h>
+#include <dn/autodiff.h>
 #include <dn/block.h>
+#include <dn/manifold.h>
 
 #include <Eigen/Core>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -27,7 +28,9 @@ class FactorBase {
 
   /// Residual r and, where J and J[i] are not null, the Jacobians with respect to the *stored*
   /// coordinates of block i, row-major residual_size x stored_size. A Jacobian whose product with
-  /// the block's PlusJacobian is right is right: only that product is used.
+  /// the block's PlusJacobian is right is right: only that product is used. r and J come Unwritten:
+  /// what is left so, or is not finite, ends an adjustment with a message that names the factor. An
+  /// exception does the same, and reaches the caller as InvalidInput.
   virtual bool Evaluate(double const* const* x, double* r, double** J) const = 0;
 
  protected:
@@ -55,6 +58,12 @@ void PutJacobian(const BlockKind& kind, const double* x, const Eigen::MatrixBase
     out = J_r_x;
     return;
   }
+  if (kind.parametrisation == Parametrisation::kManifold) {
+    Eigen::Map<Eigen::Matrix<double, kRows, Eigen::Dynamic, Eigen::RowMajor>> out(J, J_r_x.rows(),
+                                                                                  kind.stored_size);
+    out.noalias() = J_r_x * TangentLift(kind, x);
+    return;
+  }
   // PlusJacobian has orthogonal columns of squared length 1/4: its pseudo-inverse is 4
   // PlusJacobian^T.
   using RowMajor = Eigen::Matrix<double, kRows, 4, Eigen::RowMajor>;
@@ -72,11 +81,12 @@ template <class Derived, int R, class... Kinds>
 class Factor : public FactorBase {
  public:
   static constexpr int kResiduals = R;
+  using Self = Derived;
   using BlockKinds = std::tuple<Kinds...>;
 
   int residual_size() const final { return R; }
   const std::vector<BlockKind>& block_kinds() const final {
-    static const std::vector<BlockKind> kinds{Kinds::kKind...};
+    static const std::vector<BlockKind> kinds{KindOf<Kinds>()...};
     return kinds;
   }
 
@@ -88,7 +98,7 @@ class Factor : public FactorBase {
     static_assert(Matrix::RowsAtCompileTime == R, "Put: the Jacobian needs one row per residual");
     static_assert(Matrix::ColsAtCompileTime == Kind::kTangentSize,
                   "Put: the Jacobian needs one column per tangent coordinate of the block");
-    if (J != nullptr) PutJacobian(Kind::kKind, x[I], J_r_xI, J[I]);
+    if (J != nullptr) PutJacobian(KindOf<Kind>(), x[I], J_r_xI, J[I]);
   }
 };
 
@@ -96,31 +106,29 @@ class Factor : public FactorBase {
 ///
 /// Derive as `struct MyFactor : dn::AutoFactor<MyFactor, R, Kinds...>` and write
 /// `template <class T> bool Residual(const T* x0, ..., T* r) const`. That is the whole of a custom
-/// factor.
+/// factor; Network::Add takes a plain function, too.
 template <class Derived, int R, class... Kinds>
 class AutoFactor : public Factor<Derived, R, Kinds...> {
  public:
   bool Evaluate(double const* const* x, double* r, double** J) const override {
-    const Call call{static_cast<const Derived*>(this)};
-    constexpr auto kIndices = std::index_sequence_for<Kinds...>{};
-    if (J == nullptr) return CallPlain(call, x, r, kIndices);
-    using Dims = ceres::internal::StaticParameterDims<Kinds::kSize...>;
-    return ceres::internal::AutoDifferentiate<R, Dims>(call, x, R, r, J);
+    static_assert(std::is_base_of_v<AutoFactor, Derived>,
+                  "AutoFactor: the first argument must be the class that derives from it");
+    const auto residual = [this](const auto* blocks, auto* out) {
+      return this->Call(blocks, out, std::index_sequence_for<Kinds...>{});
+    };
+    if (J == nullptr) return residual(x, r);
+    return Differentiate<R, Kinds::kSize...>(residual, x, r, J);
   }
 
  private:
-  struct Call {
-    const Derived* factor;
-    template <class... Args>
-    bool operator()(Args... args) const {
-      return factor->Residual(args...);
-    }
-  };
-
-  template <std::size_t... I>
-  static bool CallPlain(const Call& call, double const* const* x, double* r,
-                        std::index_sequence<I...>) {
-    return call(x[I]..., r);
+  template <class T, std::size_t... I>
+  bool Call(const T* const* x, T* r, std::index_sequence<I...>) const {
+    const auto& derived = static_cast<const Derived&>(*this);
+    static_assert(
+        requires { derived.Residual(x[I]..., r); },
+        "AutoFactor: the factor needs `template <class T> bool Residual(const T* x0, ..., "
+        "T* r) const`, one x per block");
+    return derived.Residual(x[I]..., r);
   }
 };
 
@@ -135,6 +143,13 @@ class DynamicFactor : public FactorBase {
   DynamicFactor(int residual_size, std::vector<BlockKind> kinds)
       : residual_size_(residual_size), kinds_(std::move(kinds)) {}
 
+  /// Stored size of each block.
+  std::vector<int> stored_sizes() const {
+    std::vector<int> sizes;
+    for (const BlockKind& kind : kinds_) sizes.push_back(kind.stored_size);
+    return sizes;
+  }
+
   /// Writes the tangent Jacobian of block i, skipping null requests.
   template <class Matrix>
   void Put(int i, double const* const* x, double** J,
@@ -145,6 +160,30 @@ class DynamicFactor : public FactorBase {
  private:
   int residual_size_;
   std::vector<BlockKind> kinds_;
+};
+
+/// A DynamicFactor that only states its residual, differentiated automatically.
+///
+/// Derive as `struct MyFactor : dn::DynamicAutoFactor<MyFactor>`, pass residual size and kinds to
+/// its constructor, and write `template <class T> bool Residual(const T* const* x, T* r) const`,
+/// x[i] the numbers of block i.
+template <class Derived>
+class DynamicAutoFactor : public DynamicFactor {
+ public:
+  using Self = Derived;
+
+  bool Evaluate(double const* const* x, double* r, double** J) const override {
+    static_assert(std::is_base_of_v<DynamicAutoFactor, Derived>,
+                  "DynamicAutoFactor: the argument must be the class that derives from it");
+    const auto residual = [this](const auto* blocks, auto* out) {
+      return static_cast<const Derived&>(*this).Residual(blocks, out);
+    };
+    if (J == nullptr) return residual(x, r);
+    return DifferentiateDynamic(residual, stored_sizes(), residual_size(), x, r, J);
+  }
+
+ protected:
+  using DynamicFactor::DynamicFactor;
 };
 
 }  // namespace dn

@@ -3,6 +3,9 @@
 #include <dn/block.h>
 #include <dn/error.h>
 #include <dn/factor.h>
+#include <dn/function_factor.h>
+#include <dn/manifold.h>
+#include <dn/pose.h>
 
 #include <deque>
 #include <limits>
@@ -11,6 +14,7 @@
 #include <tuple>
 #include <type_traits>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace dn {
@@ -29,6 +33,11 @@ struct Loss {
   enum class Type { kNone, kHuber, kCauchy };
   Type type = Type::kNone;
   double width = 1.0;
+
+  /// Quadratic within k sigma, linear beyond.
+  static Loss Huber(double k) { return {Type::kHuber, k}; }
+  /// Grows with the logarithm beyond k sigma: a gross error loses its influence.
+  static Loss Cauchy(double k) { return {Type::kCauchy, k}; }
 };
 
 /// What a block is in the words of the field: used by reports and by the diagnosis of a rank
@@ -50,7 +59,7 @@ struct BlockRecord {
   BlockLabel label;
 };
 
-/// A factor as the network holds it.
+/// A factor as the network holds it; without factor and blocks, and inactive, once removed.
 struct FactorRecord {
   std::shared_ptr<const FactorBase> factor;
   std::vector<BlockId> blocks;
@@ -65,13 +74,17 @@ struct FactorRecord {
 /// It describes the problem only; dn::Solve and dn::Marginals (layer solvers) work on it. Blocks
 /// and factors of a user's own kind are first-class: they solve, and appear by name in every
 /// report.
+///
+/// A copy has values, losses and states of its own, and the same ids, so that handles serve both;
+/// factors, which never change, are shared.
 class Network {
  public:
   Network() = default;
   Network(Network&&) = default;
   Network& operator=(Network&&) = default;
-  Network(const Network&) = delete;
-  Network& operator=(const Network&) = delete;
+  Network(const Network& other);
+  Network& operator=(const Network& other);
+  ~Network() = default;
 
   /// Adds a rotation perturbed from the right. q is normalised. Throws InvalidInput if the name is
   /// taken, or q is not finite or has zero norm.
@@ -83,15 +96,70 @@ class Network {
   /// Adds N real numbers. Throws InvalidInput if the name is taken or a value is not finite.
   template <int N>
   Block<Vec<N>> AddVector(const std::string& name, const Eigen::Matrix<double, N, 1>& value) {
-    return {AddBlock(name, Vec<N>::kKind, value.data())};
+    return {AddStored(name, Vec<N>::kKind, value.data())};
+  }
+
+  /// Adds one real number. Throws as AddVector.
+  Block<Scalar> AddScalar(const std::string& name, double value) {
+    return {AddStored(name, Scalar::kKind, &value)};
+  }
+
+  /// Adds a pose: rotation and translation in one block. Throws as AddRotation and AddVector.
+  Block<Pose> AddPose(const std::string& name, const Transform<double>& pose) {
+    return AddBlock<Pose>(name, pose);
+  }
+
+  /// Adds a block of any kind, such as a ManifoldKind of your own: AddBlock<Direction>("north", x).
+  /// The value is moved onto its manifold by a Plus of zero. Throws as AddVector, and InvalidInput
+  /// for a value that Plus does not move in every direction.
+  template <class Kind>
+  Block<Kind> AddBlock(const std::string& name, const std::type_identity_t<ValueOf<Kind>>& value) {
+    double x[Kind::kSize];
+    StoreValue<Kind>(value, x);
+    return {AddStored(name, KindOf<Kind>(), x)};
   }
 
   /// Adds a factor on blocks; a block of the wrong kind does not compile.
   template <class F, class... Kinds>
   FactorId Add(F factor, Block<Kinds>... blocks) {
-    static_assert(std::is_same_v<std::tuple<Kinds...>, typename F::BlockKinds>,
-                  "Network::Add: the blocks do not match the factor's block table, see its header");
-    return AddFactor(std::make_shared<F>(std::move(factor)), {blocks.id...});
+    static_assert(std::is_base_of_v<FactorBase, F>,
+                  "Network::Add: this is not a factor; a function is added with the noise of what "
+                  "it returns: Add(function, Noise<R>::Sigma(..), blocks...)");
+    if constexpr (std::is_base_of_v<FactorBase, F>) {
+      static_assert(std::is_base_of_v<typename F::Self, F>,
+                    "Network::Add: the first argument of the factor's base class Factor or "
+                    "AutoFactor is not the factor itself");
+      static_assert(
+          std::is_same_v<std::tuple<Kinds...>, typename F::BlockKinds>,
+          "Network::Add: the blocks do not match the factor's block table, see its header");
+      return AddFactor(std::make_shared<F>(std::move(factor)), {blocks.id...});
+    }
+  }
+
+  /// Adds the factor r = W f(blocks), W of the noise, Jacobians by automatic differentiation:
+  ///
+  ///   net.Add([=](const auto& p) { return (p - station).norm() - distance; },
+  ///           dn::Noise<1>::Sigma(0.02), antenna);
+  ///
+  /// `function` takes one `const auto&` per block: a vector or quaternion (Eigen maps) of T, a T
+  /// for a Scalar, a Transform<T> for a Pose, what View says for a kind of your own; T is double or
+  /// ceres::Jet. It returns R numbers: a T, or an Eigen vector of fixed size (.eval() an
+  /// expression), or a std::optional of one, empty where the model is undefined. Other shapes do
+  /// not compile.
+  template <class Function, int R, class... Kinds>
+  FactorId Add(Function function, const Noise<R>& noise, Block<Kinds>... blocks) {
+    using F = FunctionFactor<Function, R, Kinds...>;
+    return AddFactor(std::make_shared<F>(std::move(function), noise), {blocks.id...});
+  }
+
+  /// The same for any number of blocks of one kind, which the function takes as one list x:
+  /// x.size() and x[i].
+  template <class Function, int R, class Kind>
+  FactorId Add(Function function, const Noise<R>& noise, const std::vector<Block<Kind>>& blocks) {
+    using F = ListFunctionFactor<Function, R, Kind>;
+    std::vector<BlockId> ids;
+    for (const Block<Kind> b : blocks) ids.push_back(b.id);
+    return AddFactor(std::make_shared<F>(std::move(function), noise, blocks.size()), ids);
   }
 
   /// Adds a factor whose blocks are known at run time. Throws InvalidInput when number or kinds do
@@ -101,6 +169,10 @@ class Network {
   /// Replaces the factor (same block kinds and residual size), for instance after
   /// re-preintegration.
   void ReplaceFactor(FactorId id, std::shared_ptr<const FactorBase> factor);
+
+  /// Removes a factor for good. The ids of all others stay as they are, and its own is not used
+  /// again.
+  void RemoveFactor(FactorId id);
 
   /// Keeps a block at its value, or frees it again.
   void Hold(BlockId id, bool held = true) { block(id).held = held; }
@@ -121,20 +193,18 @@ class Network {
   /// Current value of a block. Throws InvalidInput for a handle of another network's block, where
   /// that shows.
   template <class Kind>
-  typename Kind::Value Value(Block<Kind> b) const {
-    CheckKind(b.id, Kind::kKind);
-    return typename Kind::Value(Eigen::Map<const typename Kind::Value>(block(b.id).value.get()));
+  ValueOf<Kind> Value(Block<Kind> b) const {
+    CheckKind(b.id, KindOf<Kind>());
+    return ValueOf<Kind>(ViewOf<Kind>(std::as_const(*this).block(b.id).value.get()));
   }
 
   /// Sets the value of a block; quaternions are normalised. Throws InvalidInput if not finite.
   template <class Kind>
-  void SetValue(Block<Kind> b, const typename Kind::Value& value) {
-    CheckKind(b.id, Kind::kKind);
-    if constexpr (std::is_same_v<typename Kind::Value, Eigen::Quaterniond>) {
-      SetRaw(b.id, value.coeffs().data());
-    } else {
-      SetRaw(b.id, value.data());
-    }
+  void SetValue(Block<Kind> b, const std::type_identity_t<ValueOf<Kind>>& value) {
+    CheckKind(b.id, KindOf<Kind>());
+    double x[Kind::kSize];
+    StoreValue<Kind>(value, x);
+    SetRaw(b.id, x);
   }
   void SetRaw(BlockId id, const double* value);
 
@@ -142,23 +212,34 @@ class Network {
   BlockId Find(const std::string& name) const;
 
   int num_blocks() const { return static_cast<int>(blocks_.size()); }
+  /// Removed ones among them: one past the highest id.
   int num_factors() const { return static_cast<int>(factors_.size()); }
   const BlockRecord& block(BlockId id) const;
   BlockRecord& block(BlockId id);
   const FactorRecord& factor(FactorId id) const;
   const std::vector<std::string>& groups() const { return groups_; }
 
+  /// "factor 12 (gnss position, 381000.200 s) on 'attitude/3' 'position/3'", for messages.
+  std::string DescribeFactor(FactorId id) const;
+
   /// Sum of the tangent sizes of the blocks that are not held.
   int num_free_parameters() const;
 
   /// Evaluates one factor at the current values: whitened residual and, if wanted, tangent
-  /// Jacobians (one matrix per block). Returns false where the model is undefined.
+  /// Jacobians (one matrix per block). Returns false where the model is undefined. Throws
+  /// InvalidInput for a removed factor, and naming the factor where it throws.
   bool EvaluateFactor(FactorId id, Eigen::VectorXd* r,
                       std::vector<Eigen::MatrixXd>* J = nullptr) const;
 
+  /// FactorBase::Evaluate of one factor at values x of its blocks, with r and J set to Unwritten()
+  /// before. Throws as EvaluateFactor.
+  bool EvaluateStored(FactorId id, double const* const* x, double* r, double** J) const;
+
  private:
-  BlockId AddBlock(const std::string& name, const BlockKind& kind, const double* value);
+  BlockId AddStored(const std::string& name, const BlockKind& kind, const double* value);
   FactorRecord& factor_mutable(FactorId id);
+  const FactorRecord& factor_present(FactorId id) const;
+  [[noreturn]] void NameException(FactorId id) const;
   void CheckKind(BlockId id, const BlockKind& kind) const;
 
   std::deque<BlockRecord> blocks_;

@@ -37,13 +37,12 @@ class Noise {
 
   /// Full covariance, symmetric (to 1e-9 of the two standard deviations) and positive definite.
   static Noise Covariance(const Matrix& covariance) {
-    const Eigen::LLT<Matrix> llt(covariance);
-    if (!covariance.allFinite() || !IsSymmetric(covariance) || llt.info() != Eigen::Success ||
-        !(Matrix(llt.matrixL()).diagonal().minCoeff() > 0.0)) {
-      throw InvalidInput("covariance of dimension " + std::to_string(N) +
-                         " is not symmetric, positive definite and finite");
-    }
-    return Noise(llt.matrixL().solve(Matrix::Identity()));
+    return Noise(Factored(covariance, "covariance").matrixL().solve(Matrix::Identity()));
+  }
+
+  /// Full information matrix, the inverse of the covariance; conditions as of Covariance.
+  static Noise Information(const Matrix& information) {
+    return Noise(Matrix(Factored(information, "information matrix").matrixU()));
   }
 
   /// W, the square-root information matrix.
@@ -63,11 +62,21 @@ class Noise {
     }
   }
 
-  static bool IsSymmetric(const Matrix& covariance) {
+  static Eigen::LLT<Matrix> Factored(const Matrix& M, const char* what) {
+    Eigen::LLT<Matrix> llt(M);
+    if (!M.allFinite() || !IsSymmetric(M) || llt.info() != Eigen::Success ||
+        !(Matrix(llt.matrixL()).diagonal().minCoeff() > 0.0)) {
+      throw InvalidInput(std::string(what) + " of dimension " + std::to_string(N) +
+                         " is not symmetric, positive definite and finite");
+    }
+    return llt;
+  }
+
+  static bool IsSymmetric(const Matrix& M) {
     for (int i = 0; i < N; ++i) {
       for (int j = 0; j < i; ++j) {
-        const double scale = std::sqrt(std::abs(covariance(i, i) * covariance(j, j)));
-        if (!(std::abs(covariance(i, j) - covariance(j, i)) <= 1e-9 * scale)) return false;
+        const double scale = std::sqrt(std::abs(M(i, i) * M(j, j)));
+        if (!(std::abs(M(i, j) - M(j, i)) <= 1e-9 * scale)) return false;
       }
     }
     return true;

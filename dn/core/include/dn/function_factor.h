@@ -1,0 +1,154 @@
+#pragma once
+
+#include <dn/factor.h>
+#include <dn/noise.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace dn {
+
+/// Blocks of one kind as a function sees them that was given a std::vector of blocks: size(), and
+/// [i] is block i as ViewOf shows it.
+template <class Kind, class T>
+class BlockViews {
+ public:
+  BlockViews(const T* const* x, int size) : x_(x), size_(size) {}
+  int size() const { return size_; }
+  auto operator[](int i) const { return ViewOf<Kind, T>(x_[i]); }
+
+ private:
+  const T* const* x_;
+  int size_;
+};
+
+namespace internal {
+
+template <class Result>
+struct IsOptional : std::false_type {};
+template <class Result>
+struct IsOptional<std::optional<Result>> : std::true_type {};
+
+template <class Result>
+constexpr bool IsExpression() {
+  return !std::is_base_of_v<Eigen::PlainObjectBase<Result>, Result>;
+}
+
+/// Compares the two sizes, so that both stand in the compiler's message.
+template <int kReturned, int kNoise>
+struct SizesOf {
+  static_assert(kReturned == kNoise,
+                "Network::Add: the function returns another number of residuals than its Noise<R> "
+                "has: see SizesOf<returned, R> in this message");
+  static constexpr bool kEqual = kReturned == kNoise;
+};
+
+/// Residuals of a function's result before whitening; false where it is std::nullopt.
+template <int R, class T, class Result>
+bool Unpack(const Result& result, std::array<T, R>* f) {
+  if constexpr (IsOptional<Result>::value) {
+    return result.has_value() && Unpack<R, T>(*result, f);
+  } else if constexpr (std::is_base_of_v<Eigen::EigenBase<Result>, Result>) {
+    static_assert(
+        !IsExpression<Result>(),
+        "Network::Add: the function returns an Eigen expression, which may refer to values "
+        "that no longer exist: end it with .eval()");
+    static_assert(std::is_same_v<typename Result::Scalar, T>,
+                  "Network::Add: the result of the function does not depend on the blocks' type of "
+                  "numbers, so it cannot be differentiated");
+    static_assert(Result::SizeAtCompileTime != Eigen::Dynamic && Result::ColsAtCompileTime == 1,
+                  "Network::Add: the function must return a number or a vector of fixed size");
+    static_assert(SizesOf<Result::SizeAtCompileTime, R>::kEqual);
+    for (int i = 0; i < R; ++i) (*f)[static_cast<std::size_t>(i)] = result[i];
+    return true;
+  } else {
+    static_assert(
+        std::is_convertible_v<Result, T>,
+        "Network::Add: the function must return a number or a vector of fixed size (Eigen, "
+        "or std::optional of one)");
+    static_assert(std::is_same_v<Result, T>,
+                  "Network::Add: the result of the function does not depend on the blocks' type of "
+                  "numbers, so it cannot be differentiated");
+    static_assert(SizesOf<1, R>::kEqual);
+    (*f)[0] = result;
+    return true;
+  }
+}
+
+/// r = W result; zeros of W cost nothing.
+template <int R, class T, class Result>
+bool Whiten(const Eigen::Matrix<double, R, R>& W, const Result& result, T* r) {
+  std::array<T, R> f;
+  if (!Unpack<R, T>(result, &f)) return false;
+  for (int i = 0; i < R; ++i) {
+    r[i] = T(0.0);
+    for (int j = 0; j < R; ++j) {
+      if (W(i, j) != 0.0) r[i] += W(i, j) * f[static_cast<std::size_t>(j)];
+    }
+  }
+  return true;
+}
+
+}  // namespace internal
+
+/// The factor of a function: r = W f(blocks), differentiated automatically. See Network::Add.
+template <class Function, int R, class... Kinds>
+class FunctionFactor final : public Factor<FunctionFactor<Function, R, Kinds...>, R, Kinds...> {
+  static_assert(std::is_invocable_v<const Function&, decltype(ViewOf<Kinds>(
+                                                         static_cast<const double*>(nullptr)))...>,
+                "Network::Add: the function cannot be called with these blocks: it takes one const "
+                "auto& per block, in their order");
+
+ public:
+  FunctionFactor(Function function, const Noise<R>& noise)
+      : function_(std::move(function)), W_(noise.sqrt_information()) {}
+
+  bool Evaluate(double const* const* x, double* r, double** J) const override {
+    const auto residual = [this](const auto* blocks, auto* out) {
+      return this->Residual(blocks, out, std::index_sequence_for<Kinds...>{});
+    };
+    if (J == nullptr) return residual(x, r);
+    return Differentiate<R, Kinds::kSize...>(residual, x, r, J);
+  }
+
+ private:
+  template <class T, std::size_t... I>
+  bool Residual(const T* const* x, T* r, std::index_sequence<I...>) const {
+    return internal::Whiten<R, T>(W_, function_(ViewOf<Kinds>(x[I])...), r);
+  }
+
+  Function function_;
+  Eigen::Matrix<double, R, R> W_;
+};
+
+/// The same of any number of blocks of one kind: the function takes their BlockViews.
+template <class Function, int R, class Kind>
+class ListFunctionFactor final : public DynamicFactor {
+  static_assert(std::is_invocable_v<const Function&, const BlockViews<Kind, double>&>,
+                "Network::Add: the function must take the list of blocks as one const auto&");
+
+ public:
+  ListFunctionFactor(Function function, const Noise<R>& noise, std::size_t num_blocks)
+      : DynamicFactor(R, std::vector<BlockKind>(num_blocks, KindOf<Kind>())),
+        function_(std::move(function)),
+        W_(noise.sqrt_information()) {}
+
+  bool Evaluate(double const* const* x, double* r, double** J) const override {
+    const auto n = static_cast<int>(block_kinds().size());
+    const auto residual = [this, n]<class T>(const T* const* blocks, T* out) {
+      return internal::Whiten<R, T>(W_, function_(BlockViews<Kind, T>(blocks, n)), out);
+    };
+    if (J == nullptr) return residual(x, r);
+    return DifferentiateDynamic(residual, stored_sizes(), R, x, r, J);
+  }
+
+ private:
+  Function function_;
+  Eigen::Matrix<double, R, R> W_;
+};
+
+}  // namespace dn

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <ceres/jet.h>
+#include <dn/block.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <concepts>
+#include <type_traits>
+
+namespace dn {
+
+/// A manifold of a user's own, to be used as a block kind as it is: kSize stored numbers, moved by
+/// kTangentSize. Covariances refer to the d of its Plus.
+///
+///   struct Direction {  // a unit vector in the plane, moved by an angle in rad
+///     static constexpr int kSize = 2, kTangentSize = 1;
+///     template <class T>
+///     static void Plus(const T* x, const T* d, T* x_plus_d);                       // Plus(x, 0) =
+///     x static void Minus(const double* y, const double* x, double* y_minus_x);      // its
+///     inverse
+///   };
+///
+/// A Plus that is not a template needs PlusJacobian(const double* x, double* J) beside it: d Plus /
+/// d d at d = 0, row-major kSize x kTangentSize. `using Value` and `template <class T> using View`
+/// (constructed from a pointer) are what Network::Value and functions given to Network::Add see,
+/// where they are not to be vectors.
+template <class M>
+concept ManifoldKind = requires(const double* x, double* y) {
+  { M::kSize } -> std::convertible_to<int>;
+  { M::kTangentSize } -> std::convertible_to<int>;
+  M::Plus(x, x, y);
+  M::Minus(x, x, y);
+};
+
+namespace internal {
+
+template <class Kind>
+concept BuiltInKind = requires {
+  Kind::kKind;
+};
+
+/// d Plus / d d of a manifold whose Plus is a template.
+template <class M>
+void DifferentiatePlus(const double* x, double* J) {
+  using Jet = ceres::Jet<double, M::kTangentSize>;
+  Jet x_jet[M::kSize], d[M::kTangentSize], x_plus_d[M::kSize];
+  for (int i = 0; i < M::kSize; ++i) x_jet[i] = Jet(x[i]);
+  for (int k = 0; k < M::kTangentSize; ++k) d[k] = Jet(0.0, k);
+  M::Plus(x_jet, d, x_plus_d);
+  for (int i = 0; i < M::kSize; ++i) {
+    for (int k = 0; k < M::kTangentSize; ++k) J[i * M::kTangentSize + k] = x_plus_d[i].v[k];
+  }
+}
+
+template <class M>
+void ManifoldPlusJacobian(const double* x, double* J) {
+  if constexpr (requires { M::PlusJacobian(x, J); }) {
+    M::PlusJacobian(x, J);
+  } else {
+    DifferentiatePlus<M>(x, J);
+  }
+}
+
+template <class M>
+inline constexpr ManifoldFunctions kManifoldFunctions{
+    [](const double* x, const double* d, double* x_plus_d) { M::Plus(x, d, x_plus_d); },
+    [](const double* y, const double* x, double* y_minus_x) { M::Minus(y, x, y_minus_x); },
+    [](const double* x, double* J) { ManifoldPlusJacobian<M>(x, J); }};
+
+template <class Kind>
+struct ValueOf {
+  using type = Eigen::Matrix<double, Kind::kSize, 1>;
+};
+template <class Kind>
+requires requires { typename Kind::Value; }
+struct ValueOf<Kind> {
+  using type = typename Kind::Value;
+};
+
+}  // namespace internal
+
+/// The run-time kind of a block kind: dn's own, or a ManifoldKind.
+template <class Kind>
+constexpr BlockKind KindOf() {
+  if constexpr (internal::BuiltInKind<Kind>) {
+    return Kind::kKind;
+  } else {
+    static_assert(ManifoldKind<Kind>,
+                  "a block kind needs kSize, kTangentSize, Plus and Minus: see dn/manifold.h");
+    return {Parametrisation::kManifold, Kind::kSize, Kind::kTangentSize,
+            &internal::kManifoldFunctions<Kind>};
+  }
+}
+
+/// What Network::Value gives for a block kind.
+template <class Kind>
+using ValueOf = typename internal::ValueOf<Kind>::type;
+
+/// What a function that is given to Network::Add sees of a block with the numbers x.
+template <class Kind, class T>
+auto ViewOf(const T* x) {
+  if constexpr (std::is_same_v<ValueOf<Kind>, double>) {
+    return *x;
+  } else if constexpr (requires { typename Kind::template View<T>; }) {
+    return typename Kind::template View<T>(x);
+  } else {
+    return Eigen::Map<const Eigen::Matrix<T, Kind::kSize, 1>>(x);
+  }
+}
+
+/// Copies the stored numbers of a value to x.
+template <class Kind>
+void StoreValue(const ValueOf<Kind>& value, double* x) {
+  if constexpr (std::is_same_v<ValueOf<Kind>, double>) {
+    *x = value;
+  } else if constexpr (requires { value.coeffs().data(); }) {
+    std::copy_n(value.coeffs().data(), Kind::kSize, x);
+  } else if constexpr (requires { value.Store(x); }) {
+    value.Store(x);
+  } else {
+    std::copy_n(value.data(), Kind::kSize, x);
+  }
+}
+
+}  // namespace dn

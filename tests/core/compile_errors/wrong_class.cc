@@ -1,0 +1,25 @@
+// says: the first argument of the factor's base class
+#include <dn/network.h>
+
+struct First : dn::AutoFactor<First, 1, dn::Vec<3>> {
+  template <class T>
+  bool Residual(const T* x, T* r) const {
+    r[0] = x[0];
+    return true;
+  }
+};
+
+struct Copied : dn::AutoFactor<First, 1, dn::Vec<3>> {
+  template <class T>
+  bool Residual(const T* x, T* r) const {
+    r[0] = x[1];
+    return true;
+  }
+};
+
+int main() {
+  dn::Network net;
+  const auto p = net.AddVector<3>("p", Eigen::Vector3d::Zero());
+  net.Add(First{}, p);
+  net.Add(Copied{}, p);  // wrong
+}

@@ -1,0 +1,151 @@
+#include "solvers/nist.h"
+
+#include <dn/solvers/marginals.h>
+#include <dn/solvers/solve.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace dn {
+namespace {
+
+using namespace testing;
+
+// Digits to which the certified values are met by the options as they are.
+constexpr double kDigits = 6.0;
+// Lanczos1 is without noise: its residuals, and so its standard deviations, are of the rounding of
+// the data to 13 digits.
+constexpr double kDigitsOfRounding = 3.0;
+// Parameters far below their own standard deviation have no digits to agree: 1 +- 2e7 in Wampler5.
+constexpr double kInSigma = 1e-6;
+
+struct Fit {
+  SolveReport report;
+  Eigen::VectorXd value;
+  Eigen::VectorXd sigma;  ///< of the residuals' own scatter
+};
+
+struct Problem {
+  std::string name;
+  std::function<Fit(const NistData&, const std::vector<double>& start)> fit;
+  double sigma_digits = kDigits;
+};
+
+template <class Model, int kPredictors = 1>
+Problem Of(const std::string& name, double sigma_digits = kDigits) {
+  return {name,
+          [](const NistData& data, const std::vector<double>& start) {
+            Network net;
+            const auto b = AddNist<Model, kPredictors>(data, start, &net);
+            Fit fit;
+            fit.report = Solve(net);
+            fit.value = net.Value(b);
+            fit.sigma =
+                fit.report.adjusted.sigma0() * MarginalCovariance(net, b).diagonal().cwiseSqrt();
+            return fit;
+          },
+          sigma_digits};
+}
+
+void ExpectCertified(const NistData& data, const Fit& fit, double sigma_digits) {
+  EXPECT_TRUE(fit.report.converged) << fit.report.message;
+  EXPECT_EQ(fit.report.adjusted.redundancy(), data.observations() - data.parameters());
+  for (std::size_t k = 0; k < data.certified.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const double error = std::abs(fit.value[i] - data.certified[k]);
+    EXPECT_TRUE(AgreeingDigits(fit.value[i], data.certified[k]) >= kDigits ||
+                error <= kInSigma * data.sigma[k])
+        << "parameter " << k << " is " << fit.value[i] << ", certified " << data.certified[k];
+    EXPECT_GE(AgreeingDigits(fit.sigma[i], data.sigma[k]), sigma_digits)
+        << "sigma " << k << " is " << fit.sigma[i] << ", certified " << data.sigma[k];
+  }
+}
+
+class NonLinear : public ::testing::TestWithParam<Problem> {};
+
+TEST_P(NonLinear, MeetsTheCertifiedValuesFromBothStarts) {
+  const NistData data = ReadNist(GetParam().name);
+  ASSERT_EQ(data.starts.size(), 2u);
+  for (std::size_t s = 0; s < 2; ++s) {
+    SCOPED_TRACE("start " + std::to_string(s + 1));
+    ExpectCertified(data, GetParam().fit(data, data.starts[s]), GetParam().sigma_digits);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Nist, NonLinear,
+    ::testing::Values(Of<Exponential>("misra1a"), Of<Chwirut>("chwirut2"), Of<Chwirut>("chwirut1"),
+                      Of<Lanczos>("lanczos3"), Of<Gauss>("gauss1"), Of<Gauss>("gauss2"),
+                      Of<Power>("danwood"), Of<Misra1b>("misra1b"), Of<Kirby2>("kirby2"),
+                      Of<Cubics>("hahn1"), Of<Nelson, 2>("nelson"), Of<Mgh17>("mgh17"),
+                      Of<Lanczos>("lanczos1", kDigitsOfRounding), Of<Lanczos>("lanczos2"),
+                      Of<Gauss>("gauss3"), Of<Misra1c>("misra1c"), Of<Misra1d>("misra1d"),
+                      Of<Roszman1>("roszman1"), Of<Enso>("enso"), Of<Mgh09>("mgh09"),
+                      Of<Cubics>("thurber"), Of<Exponential>("boxbod"), Of<Rat42>("rat42"),
+                      Of<Mgh10>("mgh10"), Of<Eckerle4>("eckerle4"), Of<Rat43>("rat43"),
+                      Of<Bennett5>("bennett5")),
+    [](const auto& test) { return test.param.name; });
+
+class Linear : public ::testing::TestWithParam<Problem> {};
+
+TEST_P(Linear, MeetsTheCertifiedValuesFromZero) {
+  const NistData data = ReadNist(GetParam().name);
+  const std::vector<double> zero(data.certified.size(), 0.0);
+  ExpectCertified(data, GetParam().fit(data, zero), GetParam().sigma_digits);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Nist, Linear,
+    ::testing::Values(Of<Polynomial<1>>("norris"), Of<Polynomial<2>>("pontius"),
+                      Of<Proportion>("noint1"), Of<Proportion>("noint2"), Of<Longley, 6>("longley"),
+                      Of<Polynomial<5>>("wampler1"), Of<Polynomial<5>>("wampler2"),
+                      Of<Polynomial<5>>("wampler3"), Of<Polynomial<5>>("wampler4"),
+                      Of<Polynomial<5>>("wampler5")),
+    [](const auto& test) { return test.param.name; });
+
+// A polynomial of degree 10 over -9 .. -3: its columns agree to 1e-15 of their length, so that the
+// normal equations hold nothing of the last direction. That is said.
+TEST(Filip, IsRefused) {
+  const NistData data = ReadNist("filip");
+  const std::vector<double> zero(data.certified.size(), 0.0);
+  EXPECT_THROW(Of<Polynomial<10>>("filip").fit(data, zero), RankDeficient);
+}
+
+// From (1, 1) a first solution lets the rate of BoxBOD run to where the exponential has died away.
+TEST(Solve, SaysThatItEndedOnAFlat) {
+  const NistData data = ReadNist("boxbod");
+  Network once, twice;
+  const auto b = AddNist<Exponential>(data, data.starts[0], &once);
+  AddNist<Exponential>(data, data.starts[0], &twice);
+  const SolveReport first = Solve(once, {.second_attempt = false});
+  const SolveReport second = Solve(twice);
+  EXPECT_GT(once.Value(b)[1], 10.0);  // sigma of the rate: 1e40
+  EXPECT_TRUE(second.converged);
+  EXPECT_LT(second.final_cost, 0.2 * first.final_cost);
+  EXPECT_GT(second.iterations, first.iterations);
+}
+
+// A decay of a negative quantity is measured as a positive one: the faster the better, without end.
+TEST(Solve, AFlatThatRemainsIsNotConvergence) {
+  Network net;
+  const auto level = net.AddScalar("level", 1.0), rate = net.AddScalar("rate", 1.0);
+  for (const double t : {1.0, 2.0, 3.0}) {
+    const auto decay = [t](const auto& a, const auto& k) {
+      using std::exp;
+      return a * exp(-k * t) + 0.5;
+    };
+    net.Add(decay, Noise<1>::Sigma(0.01), level, rate);
+  }
+  net.Hold(level);
+  const SolveReport report = Solve(net);
+  EXPECT_FALSE(report.converged);
+  EXPECT_NE(report.message.find("'rate' no longer changes the residuals"), std::string::npos)
+      << report.message;
+}
+
+}  // namespace
+}  // namespace dn
