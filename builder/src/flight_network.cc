@@ -1,4 +1,5 @@
 #include <dn/builder/flight_network.h>
+#include <dn/builder/measurement_noise.h>
 #include <dn/factors/bias_process.h>
 #include <dn/factors/gnss_position.h>
 #include <dn/factors/gnss_velocity.h>
@@ -9,8 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "measurement_noise.h"
 
 namespace dn {
 

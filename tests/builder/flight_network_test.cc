@@ -1,6 +1,6 @@
-#include <dn/navigation/alignment.h>
 #include <dn/builder/flight_network.h>
 #include <dn/error.h>
+#include <dn/navigation/alignment.h>
 #include <dn/solvers/solve.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <map>
 
-#include "testing/short_flights.h"
 #include "testing/expect_invalid.h"
+#include "testing/short_flights.h"
 
 namespace dn {
 namespace {
