@@ -1,7 +1,10 @@
 #include "gauss_helmert_assessment.h"
 
+#include <dn/report/distributions.h>
 #include <dn/rotation.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -124,9 +127,15 @@ std::string AboutStrips(const StripDiversity& diversity) {
       diversity.strips == 3 ? ", parallel and at one height" : "");
 }
 
-/// P(chi2_3 > x).
-double ChiSquareTail3(double x) {
-  return std::erfc(std::sqrt(0.5 * x)) + std::sqrt(2.0 * x / std::numbers::pi) * std::exp(-0.5 * x);
+/// C_a - C_b, floored in the metric of C_a.
+Eigen::Matrix3d CovarianceOfDifference(const Eigen::Matrix3d& C_a, const Eigen::Matrix3d& C_b) {
+  constexpr double kLeast = 0.1;
+  const Eigen::Matrix3d L = C_a.llt().matrixL();
+  const Eigen::Matrix3d L_inverse = L.inverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+      Eigen::Matrix3d::Identity() - L_inverse * C_b * L_inverse.transpose());
+  const Eigen::Matrix3d G = L * eigen.eigenvectors();
+  return G * eigen.eigenvalues().cwiseMax(kLeast).asDiagonal() * G.transpose();
 }
 
 }  // namespace
@@ -196,9 +205,9 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
 MethodDifference Compare(const BoresightResult& a, const BoresightResult& b) {
   MethodDifference out;
   out.difference_rad = Log(Eigen::Quaterniond(Exp(a.angles_rad) * Exp(b.angles_rad).conjugate()));
-  out.covariance_rad2 = a.covariance_rad2 + b.covariance_rad2;
+  out.covariance_rad2 = CovarianceOfDifference(a.covariance_rad2, b.covariance_rad2);
   out.mahalanobis2 = out.difference_rad.dot(out.covariance_rad2.inverse() * out.difference_rad);
-  out.p_value = ChiSquareTail3(out.mahalanobis2);
+  out.p_value = ChiSquareTail(out.mahalanobis2, 3.0);
   return out;
 }
 
@@ -207,12 +216,13 @@ void AssessAgainstNetwork(const BoresightResult& network, GaussHelmertCalibratio
   const MethodDifference difference = Compare(boresight, network);
   const bool contradicts = difference.p_value < kThreeSigma;
   if (contradicts && boresight.verdict == "calibrated") boresight.verdict = "absorbed";
-  boresight.reasons.push_back(Format(
-      "differs from the dynamic network by %s (p = %.2g): %s",
-      Triple(difference.difference_rad).c_str(), difference.p_value,
-      contradicts ? "more than both sigmas explain, so the trajectory holds an attitude error "
-                    "beyond its stated sigma, and the network's angles are the mounting's"
-                  : "within both sigmas"));
+  boresight.reasons.push_back(
+      Format("differs from the dynamic network by %s (p = %.2g): %s",
+             Triple(difference.difference_rad).c_str(), difference.p_value,
+             contradicts
+                 ? "more than their covariances explain, so the trajectory holds an attitude error "
+                   "beyond its stated sigma, and the network's angles are the mounting's"
+                 : "within what their covariances explain"));
 }
 
 }  // namespace dn

@@ -13,6 +13,7 @@
 namespace dn::internal {
 namespace {
 
+/// Against what the stated errors of the trajectory, which last, make of the misclosures.
 GroupCheck MisclosuresOf(const GaussHelmertCalibration& calibration) {
   const AdjustmentFigures& figures = calibration.figures;
   const auto redundancy = static_cast<double>(figures.redundancy);
@@ -20,8 +21,9 @@ GroupCheck MisclosuresOf(const GaussHelmertCalibration& calibration) {
   group.name = "lidar p2p";
   group.observations = 3 * figures.correspondences;
   group.redundancy = redundancy;
-  group.variance_ratio = group.ratio_beside_effects = figures.chi2 / std::max(1.0, redundancy);
-  const double above = ChiSquareTail(figures.chi2, std::max(1.0, redundancy));
+  const double chi2 = figures.chi2 / calibration.scatter.expected_ratio;
+  group.variance_ratio = group.ratio_beside_effects = chi2 / std::max(1.0, redundancy);
+  const double above = ChiSquareTail(chi2, std::max(1.0, redundancy));
   group.p_value = std::min(1.0, 2.0 * std::min(above, 1.0 - above));
   return group;
 }
@@ -58,7 +60,8 @@ ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterv
   if (const auto prior = PriorOf(calibration)) check.priors.push_back(*prior);
   check.effects = found.effects;
   check.groups.front().ratio_beside_effects *= found.share_left;
-  check.sigma0_beside_effects = calibration.figures.sigma0 * std::sqrt(found.share_left);
+  check.sigma0_beside_effects =
+      calibration.figures.sigma0 * std::sqrt(found.share_left / calibration.scatter.expected_ratio);
   check.p_value = check.groups.front().p_value;
   for (const PriorCheck& prior : check.priors) {
     check.p_value = std::min(check.p_value, prior.p_value);

@@ -3,23 +3,18 @@
 #include <dn/calibration/pose_interpolator.h>
 #include <dn/error.h>
 #include <dn/geo/median_step.h>
-#include <dn/geo/text_table.h>
-#include <dn/geo/trajectory_covariance.h>
 #include <dn/parallel.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 
 #include "gauss_helmert_assessment.h"
 #include "gauss_helmert_check.h"
-#include "turn_position.h"
 
 namespace dn {
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
@@ -30,45 +25,6 @@ constexpr std::size_t kChunk = 2048;  // pairs of a task
 double Since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
-
-// Sigmas of trajectory_sigma.txt by time.
-class SigmaFile {
- public:
-  explicit SigmaFile(const fs::path& file) : table_(ReadTextTable(file, {10})) {
-    ContinueAndCheckTimes(table_, keep_);
-    for (const std::size_t i : keep_) {
-      const double* row = table_.row(i);
-      if (std::any_of(row + 1, row + 10, [](double sigma) { return !(sigma > 0.0); })) {
-        throw InvalidInput("a standard deviation is not positive",
-                           FileLocation{file.string(), table_.lines[i], 0});
-      }
-    }
-  }
-
-  void At(double t_s, Vector3d* sigma_ned_m, Vector3d* sigma_rph_rad) const {
-    const auto after =
-        std::upper_bound(keep_.begin(), keep_.end(), t_s,
-                         [&](double t, std::size_t i) { return t < table_.row(i)[0]; });
-    const double first_s = table_.row(keep_.front())[0], last_s = table_.row(keep_.back())[0];
-    if (after == keep_.begin() || t_s > last_s) {
-      throw InvalidInput("the pair epoch " + FormatDouble(t_s) +
-                             " s lies outside the standard deviations of the trajectory (" +
-                             FormatDouble(first_s) + " s to " + FormatDouble(last_s) +
-                             " s); give those of the same run, or remove the file",
-                         FileLocation{table_.file.string(), 0, 0});
-    }
-    const double* b = table_.row(after == keep_.end() ? keep_.back() : *after);
-    const double* a = table_.row(*(after - 1));
-    const double s = b[0] > a[0] ? (t_s - a[0]) / (b[0] - a[0]) : 0.0;
-    const auto at = [&](int column) { return (1.0 - s) * a[column] + s * b[column]; };
-    *sigma_ned_m = Vector3d(at(2), at(1), at(3));
-    *sigma_rph_rad = Vector3d(at(7), at(8), at(9)) * kRadPerDeg;
-  }
-
- private:
-  TextTable table_;
-  std::vector<std::size_t> keep_;
-};
 
 // How far cubic and linear interpolation of the attitude are apart.
 struct Deviation {
@@ -162,67 +118,6 @@ GaussHelmertOptions MakeOptions(const FlightConfig& config, int threads) {
   return options;
 }
 
-std::optional<fs::path> BesideTrajectory(const Flight& flight, const char* name) {
-  const fs::path file =
-      (flight.config.folder / flight.config.trajectory->file).replace_filename(name);
-  std::error_code none;
-  if (!fs::is_regular_file(file, none)) return std::nullopt;
-  return file;
-}
-
-// Every pair lies in a strip of the covariance, or as close to one as its epochs are to each other.
-bool Covers(const TrajectoryCovariance& covariance, const GaussHelmertProblem& problem) {
-  double spacing_s = 0.0;
-  for (std::size_t k = 1; k < covariance.t_s.size(); ++k) {
-    if (covariance.strip[k] != covariance.strip[k - 1]) continue;
-    spacing_s = std::max(spacing_s, covariance.t_s[k] - covariance.t_s[k - 1]);
-  }
-  const auto covered = [&](double t_s) {
-    const auto after = std::upper_bound(covariance.t_s.begin(), covariance.t_s.end(), t_s);
-    const bool near_after = after != covariance.t_s.end() && *after - t_s <= spacing_s;
-    return near_after || (after != covariance.t_s.begin() && t_s - *(after - 1) <= spacing_s);
-  };
-  return std::all_of(problem.pairs.begin(), problem.pairs.end(), [&](const GaussHelmertPair& pair) {
-    return covered(pair.i.t_s) && covered(pair.j.t_s);
-  });
-}
-
-// The standard deviations and the covariance are the output of one run.
-void CheckOneRun(const TrajectoryCovariance& covariance, const SigmaFile& sigma_file,
-                 const fs::path& file) {
-  constexpr double kTolerance = 0.01;
-  for (std::size_t k = 0; k < covariance.t_s.size(); ++k) {
-    Vector3d sigma_ned_m, sigma_rph_rad;
-    sigma_file.At(covariance.t_s[k], &sigma_ned_m, &sigma_rph_rad);
-    const auto at = static_cast<Eigen::Index>(6 * k);
-    const double sigma_up_m = std::sqrt(covariance.covariance(at + 2, at + 2));
-    if (std::abs(sigma_up_m - sigma_ned_m.z()) > kTolerance * sigma_ned_m.z()) {
-      throw InvalidInput("it is of another run than trajectory_sigma.txt: sigma up at " +
-                             FormatDouble(covariance.t_s[k]) + " s is " + FormatDouble(sigma_up_m) +
-                             " m here, " + FormatDouble(sigma_ned_m.z()) +
-                             " m there; remove it, or smooth the flight again",
-                         FileLocation{file.string(), 0, 0});
-    }
-  }
-}
-
-PoseCovariance InMap(const Flight& flight, const TrajectoryCovariance& stated,
-                     const fs::path& file) {
-  PoseCovariance out{stated.t_s, stated.strip, stated.covariance};
-  for (std::size_t k = 0; k < out.t_s.size(); ++k) {
-    const NavPoint& point = flight.trajectory->PointFrom(out.t_s[k]);
-    internal::TurnPosition(flight.frame.R_m_enu(flight.frame.ToMap(point.position)), k,
-                           &out.covariance);
-  }
-  try {
-    out.Validate();
-  } catch (const InvalidConfig& error) {
-    throw InvalidInput(std::string(error.what()) + "; smooth the flight again, or remove the file",
-                       FileLocation{file.string(), 0, 0});
-  }
-  return out;
-}
-
 void CheckTrajectory(const Flight& flight) {
   if (!flight.trajectory || !flight.trajectory->notes().adjusted_with_lidar) return;
   throw InvalidInput(
@@ -247,7 +142,7 @@ TrajectoryScatterOptions MakeScatterOptions(const TrajectoryAccuracy& accuracy,
   options.covariance = accuracy.covariance;
   options.sigma_ned_m = accuracy.sigma_ned_m;
   options.sigma_rph_rad = accuracy.sigma_rph_rad;
-  options.of_whole_error = accuracy.of_whole_error;
+  options.stated_by = accuracy.stated_by;
   for (const StripInterval& strip : strips) options.strip_begin_s.push_back(strip.t0_s);
   std::sort(options.strip_begin_s.begin(), options.strip_begin_s.end());
   return options;
@@ -305,42 +200,6 @@ GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight, int threads,
     *interpolation = Describe(flight, deviation);
   }
   return problem;
-}
-
-TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
-                                          const GaussHelmertProblem& problem) {
-  std::optional<SigmaFile> sigma_file;
-  if (const auto file = BesideTrajectory(flight, "trajectory_sigma.txt")) sigma_file.emplace(*file);
-  TrajectoryAccuracy accuracy;
-  accuracy.source = sigma_file ? "trajectory_sigma.txt" : "the section trajectory of flight.yaml";
-  accuracy.of_whole_error = sigma_file.has_value();
-  if (const auto file = BesideTrajectory(flight, "trajectory_covariance.txt"); file && sigma_file) {
-    const TrajectoryCovariance stated = ReadTrajectoryCovariance(*file);
-    if (Covers(stated, problem)) {
-      CheckOneRun(stated, *sigma_file, *file);
-      accuracy.covariance = InMap(flight, stated, *file);
-      accuracy.source = "trajectory_covariance.txt";
-    }
-  }
-  Vector3d position2 = Vector3d::Zero(), attitude2 = Vector3d::Zero();
-  const auto add = [&](const GaussHelmertEnd& end) {
-    Vector3d sigma_ned_m = end.sigma_ned_m, sigma_rph_rad = end.sigma_rph_rad;
-    if (sigma_file) sigma_file->At(end.t_s, &sigma_ned_m, &sigma_rph_rad);
-    const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
-    const Eigen::Matrix3d F = BodyFromEulerRates(down_b) * sigma_rph_rad.asDiagonal();
-    position2 += sigma_ned_m.cwiseAbs2();
-    attitude2 += sigma_rph_rad.cwiseAbs2();
-    accuracy.attitude_covariance_rad2 += F * F.transpose();
-  };
-  for (const GaussHelmertPair& pair : problem.pairs) {
-    add(pair.i);
-    add(pair.j);
-  }
-  const double n = 2.0 * static_cast<double>(problem.pairs.size());
-  accuracy.sigma_ned_m = (position2 / n).cwiseSqrt();
-  accuracy.sigma_rph_rad = (attitude2 / n).cwiseSqrt();
-  accuracy.attitude_covariance_rad2 /= n;
-  return accuracy;
 }
 
 GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,

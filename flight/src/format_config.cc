@@ -148,6 +148,7 @@ void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
   out.Key(1, "sigma_z_m", Number(trajectory.sigma_z_m));
   out.Key(1, "sigma_rp_deg", Number(trajectory.sigma_rp_rad, &RadFromDeg));
   out.Key(1, "sigma_y_deg", Number(trajectory.sigma_y_rad, &RadFromDeg));
+  out.Key(1, "sigma_file", trajectory.sigma_file.empty() ? "~" : Quote(trajectory.sigma_file));
 }
 
 std::string Estimate(const EstimateEntry& entry) {

@@ -24,9 +24,11 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
 }
 
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section) {
-  section.ExpectMap({"file", "sigma_xy_m", "sigma_z_m", "sigma_rp_deg", "sigma_y_deg"});
+  section.ExpectMap(
+      {"file", "sigma_xy_m", "sigma_z_m", "sigma_rp_deg", "sigma_y_deg", "sigma_file"});
   TrajectoryConfig trajectory;
   if (section["file"]) trajectory.file = section["file"].Text();
+  if (section["sigma_file"]) trajectory.sigma_file = section["sigma_file"].Text();
   if (section["sigma_xy_m"]) trajectory.sigma_xy_m = section["sigma_xy_m"].Positive();
   if (section["sigma_z_m"]) trajectory.sigma_z_m = section["sigma_z_m"].Positive();
   if (section["sigma_rp_deg"]) {

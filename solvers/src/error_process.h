@@ -21,11 +21,9 @@ struct ErrorProcess {
 struct ErrorModel {
   ErrorProcess position;
   ErrorProcess attitude;
-  double constant_share = 0.0;  ///< of the variance of the attitude: constant over the flight
   /// The tilt keeps its direction in the navigation frame when the aircraft turns: roll and pitch
   /// errors of opposite strips are opposite. Else the aircraft takes them along.
   bool tilt_in_nav = false;
-  double prior_weight = 1.0;
 };
 
 }  // namespace dn::internal

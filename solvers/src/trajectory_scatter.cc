@@ -6,7 +6,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,31 +30,30 @@ using internal::NodeSums;
 using internal::TimeNodes;
 
 constexpr double kLongestTau_s = 1000.0;  // that is reported
-constexpr double kVaryingTaus_s[] = {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
+// Of errors of which nothing is known.
+constexpr double kAnyTaus_s[] = {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
 // What a smoother leaves. Positions: GNSS renews them within seconds to tens of seconds. Attitude:
 // gyros carry it over tens to hundreds of seconds, as a tilt that stays in the navigation frame
-// when the aircraft turns, unless the turn makes it observable; and what no turn shows is constant.
+// when the aircraft turns, unless the turn makes it observable.
 constexpr double kPositionTaus_s[] = {5.0, 25.0};
 constexpr ErrorProcess kAttitudeErrors[] = {{ErrorProcess::Kind::kGaussMarkov, 30.0},
                                             {ErrorProcess::Kind::kGaussMarkov, 100.0},
                                             {ErrorProcess::Kind::kGaussMarkov, 300.0},
                                             {ErrorProcess::Kind::kPerStrip}};
-/// Of the variance of the attitude, with its prior weight: turns separate tilt from bias and leave
-/// little that is constant; without any, all of it may be.
+/// Share of the attitude's variance that is constant over the flight, with its prior weight. Of a
+/// proportion of which nothing is known Jeffreys' prior is 1 / (pi sqrt(x (1 - x))); these are the
+/// nodes and weights of its Gauss-Lobatto quadrature (Chebyshev).
 struct ConstantShare {
   double share, weight;
 };
-constexpr ConstantShare kConstantShares[] = {{0.0, 3.0}, {0.5, 1.0}, {1.0, 2.0}};
+constexpr ConstantShare kConstantShares[] = {{0.0, 0.25}, {0.5, 0.5}, {1.0, 0.25}};
 constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
 constexpr double kRatioPriorOctaves = 1.5;
-/// Log-normal prior of s_a, in octaves.
-struct ScalePrior {
-  double mean, sigma;
-};
-constexpr ScalePrior kScaleOfVaryingPart{-1.0, 1.0};
-constexpr ScalePrior kScaleOfWholeError{0.0, 0.4};
-// Of (s_a / s0)^2, in octaves: from an error without any effect to one of 32 times the stated
-// sigma.
+// Log-normal prior of the scale of what is stated, in octaves (1 sigma): a smoother knows it within
+// a factor of 1.3, a data sheet within 2. The mean of the variance is what is stated.
+constexpr double kSmootherOctaves = 0.4;
+constexpr double kDataSheetOctaves = 1.0;
+// Of (s / s0)^2, in octaves: from an error without any effect to one of 32 times the stated sigma.
 constexpr int kFirstRhoOctave = -16;
 constexpr int kLastRhoOctave = 10;
 constexpr int kRhoStepsPerOctave = 4;
@@ -88,56 +89,70 @@ TridiagonalFigures Evaluate(const VectorXd& diagonal, const VectorXd& sub, const
   return out;
 }
 
-/// One point of the grid over (s_p, s_a, tau).
+/// One point of the grid over (s_p, s_a, share, processes).
 struct GridPoint {
+  double log_prior = 0.0;
   double log_posterior = 0.0;
-  double s_p = 0.0, s_a = 0.0;
+  double s_p = 0.0, s_a = 0.0;  ///< sigma of positions and attitudes / the stated one
+  double constant_share = 0.0;  ///< of the variance of the attitudes
   std::size_t effect = 0;
 };
 
-/// Of what varies in the attitude; 0 if nothing does.
+/// What errors of unit size do to the boresight.
+struct ErrorEffect {
+  Matrix3d position_rad2 = Matrix3d::Zero();
+  Matrix3d attitude_rad2 = Matrix3d::Zero();
+  double tau_s = 0.0;  ///< of the attitude errors; 0: none that vary
+  /// What they add to the expected sum of squares of the misclosures: tr(H_P C).
+  double position_chi2 = 0.0, attitude_chi2 = 0.0;
+};
+
+/// The tridiagonal form of the misclosures' information about the varying errors of unit size.
+struct Information {
+  VectorXd diagonal, sub, c;
+};
+
+/// How the sizes of positions and attitudes, and what is constant of the latter, belong to the
+/// unit of an Information: s_p = position s, s_a = attitude s.
+struct Sizes {
+  double position = 1.0, attitude = 1.0, constant_share = 0.0;
+  double log_weight = 0.0;
+};
+
 double TauOf(const ErrorModel& model) {
-  if (model.constant_share == 1.0) return 0.0;
   return model.attitude.kind == ErrorProcess::Kind::kGaussMarkov ? model.attitude.tau_s
                                                                  : kLongestTau_s;
 }
 
-/// What errors of unit size do to the boresight.
-struct ErrorEffect {
-  Matrix3d position_rad2, attitude_rad2;
-  double tau_s = 0.0;  ///< of the attitude errors
-  double constant_share = 0.0;
-  double log_weight = 0.0;  ///< prior
-};
-
-std::vector<ErrorModel> ModelsOfVaryingErrors() {
-  std::vector<ErrorModel> models;
-  for (const double tau_s : kVaryingTaus_s) {
-    const ErrorProcess process{ErrorProcess::Kind::kGaussMarkov, tau_s};
-    models.push_back({process, process});
-  }
-  return models;
-}
-
-std::vector<ErrorModel> ModelsOfWholeErrors() {
+std::vector<ErrorModel> ModelsOfSmoothers() {
   std::vector<ErrorModel> models;
   for (const double tau_s : kPositionTaus_s) {
     const ErrorProcess position{ErrorProcess::Kind::kGaussMarkov, tau_s};
-    for (const auto& [share, weight] : kConstantShares) {
-      for (const ErrorProcess& attitude : kAttitudeErrors) {
-        models.push_back({position, attitude, share, true, weight});
-        if (share == 1.0) break;  // whatever the process
-      }
-    }
+    for (const ErrorProcess& attitude : kAttitudeErrors)
+      models.push_back({position, attitude, true});
   }
   return models;
 }
+
+std::vector<ErrorModel> ModelsOfAnything() {
+  const ErrorProcess position{ErrorProcess::Kind::kGaussMarkov, kPositionTaus_s[1]};
+  std::vector<ErrorModel> models;
+  for (const ErrorProcess& attitude : kAttitudeErrors) models.push_back({position, attitude, true});
+  for (const double tau_s : kAnyTaus_s) {
+    const ErrorProcess process{ErrorProcess::Kind::kGaussMarkov, tau_s};
+    models.push_back({process, process, false});
+  }
+  return models;
+}
+
+double Squared(double x) { return x * x; }
 
 class ScatterEstimator {
  public:
   ScatterEstimator(double redundancy, const TimeNodes& nodes, const NodeSums& sums,
-                   bool whole_error)
-      : whole_error_(whole_error),
+                   StatedBy stated_by)
+      : by_smoother_(stated_by == StatedBy::kSmoother),
+        octaves_(by_smoother_ ? kSmootherOctaves : kDataSheetOctaves),
         nu_(redundancy),
         nodes_(nodes),
         heading_rad_(sums.heading_rad),
@@ -147,20 +162,23 @@ class ScatterEstimator {
         chi2_(sums.chi2 - sums.g.dot(sums.N.llt().solve(sums.g))) {}
 
   TrajectoryScatter Run() {
-    for (const ErrorModel& model : whole_error_ ? ModelsOfWholeErrors() : ModelsOfVaryingErrors()) {
-      Add(model);
+    for (const ErrorModel& model : by_smoother_ ? ModelsOfSmoothers() : ModelsOfAnything()) {
+      AddVarying(model);
+    }
+    for (const double tau_s : kPositionTaus_s) {
+      AddConstantAttitude({ErrorProcess::Kind::kGaussMarkov, tau_s});
     }
     return Average();
   }
 
-  /// With errors of the covariance C, or larger ones by a scale.
+  /// With errors of the covariance C, or its multiple.
   TrajectoryScatter Run(const MatrixXd& C) {
-    least_scale_ = 1.0;
-    effects_.push_back({Matrix3d::Zero(), effect_.transpose() * C * effect_});
+    effects_.push_back({Matrix3d::Zero(), effect_.transpose() * C * effect_, 0.0, 0.0,
+                        H_P_.cwiseProduct(C).sum()});
     const VectorXd sigma = C.diagonal().cwiseSqrt();
     const MatrixXd R = sigma.cwiseInverse().asDiagonal() * C * sigma.cwiseInverse().asDiagonal();
     const MatrixXd L = sigma.asDiagonal() * Root(R);
-    AddRatio(0.0, L.transpose() * (H_P_ * L), L.transpose() * b_);
+    AddPoints(Reduce(L.transpose() * (H_P_ * L), L.transpose() * b_), {{}});
     return Average();
   }
 
@@ -178,8 +196,7 @@ class ScatterEstimator {
   MatrixXd AttitudeCovariance(const ErrorModel& model) {
     const int T = nodes_.size();
     MatrixXd C = MatrixXd::Zero(3 * T, 3 * T);
-    if (model.constant_share == 1.0) return C;
-    const MatrixXd K = (1.0 - model.constant_share) * Unit(model.attitude);
+    const MatrixXd& K = Unit(model.attitude);
     for (int c = 0; c < 3; ++c) C.block(c * T, c * T, T, T) = K;
     if (!model.tilt_in_nav) return C;
     for (int n = 0; n < T; ++n) {
@@ -200,21 +217,17 @@ class ScatterEstimator {
     return Eigen::LLT<MatrixXd>(C + kRounding * I).matrixL();
   }
 
-  void Add(const ErrorModel& model) {
+  void AddVarying(const ErrorModel& model) {
     const int T = nodes_.size();
-    const MatrixXd& K = Unit(model.position);
     const MatrixXd C = AttitudeCovariance(model);
-    ErrorEffect effect{Matrix3d::Zero(), Matrix3d::Zero(), TauOf(model), model.constant_share,
-                       std::log(model.prior_weight)};
-    for (int c = 0; c < 3; ++c) {
-      const auto G = effect_.middleRows(c * T, T);
-      effect.position_rad2 += G.transpose() * K * G;
-    }
     const auto G = effect_.bottomRows(3 * T);
+    ErrorEffect effect = EffectOfPosition(model.position);
     effect.attitude_rad2 = G.transpose() * C * G;
+    effect.attitude_chi2 = H_P_.bottomRightCorner(3 * T, 3 * T).cwiseProduct(C).sum();
+    effect.tau_s = TauOf(model);
     effects_.push_back(effect);
 
-    const MatrixXd L_p = Root(K), L_a = Root(C);
+    const MatrixXd L_p = Root(Unit(model.position)), L_a = Root(C);
     const auto position = [&](int c) { return Eigen::seqN(c * T, T); };
     const auto attitude = Eigen::lastN(3 * T);
     MatrixXd M(6 * T, 6 * T);
@@ -229,84 +242,161 @@ class ScatterEstimator {
     }
     M(attitude, Eigen::all).noalias() = L_a.transpose() * HL(attitude, Eigen::all);
     c(attitude).noalias() = L_a.transpose() * b_(attitude);
-    if (whole_error_) {  // a smoother states both, position and attitude
-      AddRatio(0.0, M, c);
-      return;
-    }
-    for (const double log2_ratio : kLog2Ratios) AddRatio(log2_ratio, M, c);
+    AddSizes(M, c);
   }
 
-  void AddRatio(double log2_ratio, MatrixXd M, VectorXd c) {
+  // A smoother states position and attitude alike; what varies of the attitude is the smaller, the
+  // larger its constant share. By a data sheet one says nothing of the other.
+  void AddSizes(const MatrixXd& M, const VectorXd& c) {
+    if (!by_smoother_) {
+      for (const double log2_ratio : kLog2Ratios) {
+        const double position = std::exp2(log2_ratio);
+        std::vector<Sizes> sizes;
+        for (const auto& [share, weight] : kConstantShares) {
+          if (share < 1.0) sizes.push_back(SizesOf(position, share, weight));
+        }
+        AddPoints(Reduce(Scaled(M, position), Scaled(c, position)), sizes);
+      }
+      return;
+    }
+    for (const auto& [share, weight] : kConstantShares) {
+      if (share == 1.0) continue;
+      const double position = 1.0 / std::sqrt(1.0 - share);
+      AddPoints(Reduce(Scaled(M, position), Scaled(c, position)),
+                {SizesOf(position, share, weight)});
+    }
+  }
+
+  static Sizes SizesOf(double position, double share, double weight) {
+    return {position, 1.0 / std::sqrt(1.0 - share), share, std::log(weight)};
+  }
+
+  // The attitude's error is constant over the flight, and leaves no trace.
+  void AddConstantAttitude(const ErrorProcess& position) {
     const int T = nodes_.size();
-    const double ratio = std::exp2(log2_ratio);
-    M.topRows(3 * T) *= ratio;
-    M.leftCols(3 * T) *= ratio;
-    c.head(3 * T) *= ratio;
+    effects_.push_back(EffectOfPosition(position));
+    const MatrixXd L = Root(Unit(position));
+    MatrixXd M(3 * T, 3 * T);
+    VectorXd c(3 * T);
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) {
+        M.block(a * T, b * T, T, T) = L.transpose() * H_P_.block(a * T, b * T, T, T) * L;
+      }
+      c.segment(a * T, T) = L.transpose() * b_.segment(a * T, T);
+    }
+    // As many models as of a varying one together.
+    const auto& [share, weight] = std::end(kConstantShares)[-1];
+    const double log_weight =
+        std::log(weight * static_cast<double>(by_smoother_ ? std::size(kAttitudeErrors)
+                                                           : ModelsOfAnything().size() /
+                                                                 std::size(kPositionTaus_s)));
+    std::vector<Sizes> sizes;
+    if (by_smoother_) sizes.push_back({1.0, 1.0, share, log_weight});
+    if (!by_smoother_) {
+      for (const double log2_ratio : kLog2Ratios) {
+        sizes.push_back({1.0, std::exp2(-log2_ratio), share, log_weight});
+      }
+    }
+    AddPoints(Reduce(M, c), sizes);
+  }
+
+  ErrorEffect EffectOfPosition(const ErrorProcess& process) {
+    const int T = nodes_.size();
+    const MatrixXd& K = Unit(process);
+    ErrorEffect effect;
+    for (int c = 0; c < 3; ++c) {
+      const auto G = effect_.middleRows(c * T, T);
+      effect.position_rad2 += G.transpose() * K * G;
+      effect.position_chi2 += H_P_.block(c * T, c * T, T, T).cwiseProduct(K).sum();
+    }
+    return effect;
+  }
+
+  MatrixXd Scaled(MatrixXd M, double position) const {
+    const int T = nodes_.size();
+    M.topRows(3 * T) *= position;
+    M.leftCols(3 * T) *= position;
+    return M;
+  }
+  VectorXd Scaled(VectorXd c, double position) const {
+    c.head(3 * nodes_.size()) *= position;
+    return c;
+  }
+
+  static Information Reduce(const MatrixXd& M, const VectorXd& c) {
     const Eigen::Tridiagonalization<MatrixXd> tridiagonal(M);
-    const VectorXd diagonal = tridiagonal.diagonal();
-    const VectorXd sub = tridiagonal.subDiagonal();
-    const VectorXd turned = tridiagonal.matrixQ().adjoint() * c;
-    const auto squared = [](double x) { return x * x; };
-    const ScalePrior& scale = whole_error_ ? kScaleOfWholeError : kScaleOfVaryingPart;
+    return {tridiagonal.diagonal(), tridiagonal.subDiagonal(), tridiagonal.matrixQ().adjoint() * c};
+  }
+
+  // For errors of any size s of the last effect.
+  void AddPoints(const Information& information, const std::vector<Sizes>& sizes) {
     for (int step = kRhoStepsPerOctave * kFirstRhoOctave;
          step <= kRhoStepsPerOctave * kLastRhoOctave; ++step) {
       const double rho = std::exp2(static_cast<double>(step) / kRhoStepsPerOctave);
-      const TridiagonalFigures figures = Evaluate(diagonal, sub, turned, rho);
+      const TridiagonalFigures figures =
+          Evaluate(information.diagonal, information.sub, information.c, rho);
       // What the correlated errors explain cannot exceed all there is, but for rounding.
       const double s0_2 = std::max(chi2_ - figures.explained, 1e-6 * chi2_) / nu_;
-      GridPoint point;
-      point.effect = effects_.size() - 1;
-      point.s_a = std::sqrt(rho * s0_2);
-      point.s_p = ratio * point.s_a;
       const double log_likelihood = -0.5 * (nu_ * std::log(s0_2 * nu_ / chi2_) + figures.log_det);
-      const double log_prior = effects_.back().log_weight -
-                               0.5 * squared(log2_ratio / kRatioPriorOctaves) -
-                               0.5 * squared((std::log2(point.s_a) - scale.mean) / scale.sigma);
-      point.log_posterior = log_likelihood + log_prior;
-      grid_.push_back(point);
-      log_prior_.push_back(log_prior);
+      for (const Sizes& size : sizes) {
+        GridPoint point;
+        point.effect = effects_.size() - 1;
+        point.s_p = size.position * std::sqrt(rho * s0_2);
+        point.s_a = size.attitude * std::sqrt(rho * s0_2);
+        point.constant_share = size.constant_share;
+        point.log_prior = size.log_weight + LogPrior(point);
+        point.log_posterior = log_likelihood + point.log_prior;
+        grid_.push_back(point);
+      }
     }
   }
 
+  double LogPrior(const GridPoint& point) const {
+    const double mean = -Squared(octaves_) * std::numbers::ln2;  // of log2 s: that of s^2 is 1
+    const double scale = -0.5 * Squared((std::log2(point.s_a) - mean) / octaves_);
+    if (by_smoother_) return scale;
+    return scale - 0.5 * Squared(std::log2(point.s_p / point.s_a) / kRatioPriorOctaves);
+  }
+
   TrajectoryScatter Average() const {
-    const auto log_sum = [](const auto& values, const auto& get) {
+    const auto log_sum = [&](double GridPoint::*value) {
       double largest = -std::numeric_limits<double>::infinity();
-      for (const auto& value : values) largest = std::max(largest, get(value));
+      for (const GridPoint& point : grid_) largest = std::max(largest, point.*value);
       double sum = 0.0;
-      for (const auto& value : values) sum += std::exp(get(value) - largest);
+      for (const GridPoint& point : grid_) sum += std::exp(point.*value - largest);
       return largest + std::log(sum);
     };
-    const double evidence = log_sum(grid_, [](const GridPoint& p) { return p.log_posterior; });
-    const double prior = log_sum(log_prior_, [](double p) { return p; });
+    const double evidence = log_sum(&GridPoint::log_posterior);
     TrajectoryScatter scatter;
-    scatter.constant_share = 0.0;
     double s_a2 = 0.0, s_p2 = 0.0, log_tau = 0.0, varying = 0.0;
     for (const GridPoint& point : grid_) {
       const double weight = std::exp(point.log_posterior - evidence);
-      s_a2 += weight * point.s_a * point.s_a;
-      s_p2 += weight * point.s_p * point.s_p;
+      const double p2 = Squared(point.s_p), a2 = Squared(point.s_a);
+      s_a2 += weight * a2;
+      s_p2 += weight * p2;
+      scatter.constant_share += weight * point.constant_share * a2;
       const ErrorEffect& effect = effects_[point.effect];
-      scatter.constant_share += weight * effect.constant_share * point.s_a * point.s_a;
+      scatter.expected_ratio +=
+          weight * (effect.position_chi2 + (1.0 - point.constant_share) * effect.attitude_chi2) /
+          nu_;
       if (effect.tau_s > 0.0) {
         varying += weight;
         log_tau += weight * std::log(effect.tau_s);
       }
-      const double s_p = std::max(point.s_p, least_scale_);
-      const double s_a = std::max(point.s_a, least_scale_);
       scatter.covariance_rad2 +=
-          weight * (s_p * s_p * effect.position_rad2 + s_a * s_a * effect.attitude_rad2);
+          weight *
+          (p2 * effect.position_rad2 + (1.0 - point.constant_share) * a2 * effect.attitude_rad2);
     }
     scatter.attitude_ratio = std::sqrt(s_a2);
     scatter.position_ratio = std::sqrt(s_p2);
     if (varying > 0.0) scatter.tau_s = std::exp(log_tau / varying);
-    scatter.evidence_nats = evidence - prior;
-    if (!whole_error_) scatter.constant_share = 1.0;  // beside the varying part
+    scatter.evidence_nats = evidence - log_sum(&GridPoint::log_prior);
     scatter.nodes = nodes_.size();
     return scatter;
   }
 
-  bool whole_error_;
-  double least_scale_ = 0.0;  // that is relied on
+  bool by_smoother_;
+  double octaves_;  // of the scale's prior
   double nu_;
   const TimeNodes& nodes_;
   VectorXd heading_rad_;
@@ -317,7 +407,6 @@ class ScatterEstimator {
   std::vector<std::pair<ErrorProcess, MatrixXd>> covariances_;
   std::vector<ErrorEffect> effects_;
   std::vector<GridPoint> grid_;
-  std::vector<double> log_prior_;
 };
 
 /// With an epoch in the middle of each two of a strip. What gyros leave of an attitude is a random
@@ -422,7 +511,7 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
   const auto estimator = [&](const TimeNodes& nodes) {
     return ScatterEstimator(static_cast<double>(result.redundancy), nodes,
                             internal::SumOverPairs(problem, result, model, options, nodes),
-                            options.of_whole_error || options.covariance);
+                            options.covariance ? StatedBy::kSmoother : options.stated_by);
   };
   if (options.covariance) {
     const PoseCovariance stated = Refined(*options.covariance);

@@ -131,7 +131,7 @@ TEST(GaussHelmertFlight, AgreesWithTheNetworkOnATrueTrajectory) {
   EXPECT_GT(difference.p_value, 1e-3);
   AssessAgainstNetwork(network.boresight, &gh);
   EXPECT_EQ(gh.boresight.verdict, "calibrated");
-  EXPECT_THAT(gh.boresight.reasons, Contains(HasSubstr("within both sigmas")));
+  EXPECT_THAT(gh.boresight.reasons, Contains(HasSubstr("within what their covariances explain")));
 }
 
 TEST(GaussHelmertFlight, TheNetworkExposesAnUnstatedConstant) {
@@ -147,7 +147,8 @@ TEST(GaussHelmertFlight, TheNetworkExposesAnUnstatedConstant) {
 
 TEST(GaussHelmertFlight, PValueOfADifference) {
   BoresightResult a, b;
-  a.covariance_rad2 = b.covariance_rad2 = 0.5 * Eigen::Matrix3d::Identity();
+  a.covariance_rad2 = 1.5 * Eigen::Matrix3d::Identity();
+  b.covariance_rad2 = 0.5 * Eigen::Matrix3d::Identity();
   EXPECT_NEAR(Compare(a, b).p_value, 1.0, 1e-12);
   // A left perturbation of sqrt(7.815): 5 % of chi-square with three degrees of freedom.
   a.angles_rad = Vector3d(std::sqrt(7.815), 0, 0);
@@ -155,6 +156,16 @@ TEST(GaussHelmertFlight, PValueOfADifference) {
   EXPECT_NEAR(difference.mahalanobis2, 7.815, 1e-9);
   EXPECT_NEAR(difference.p_value, 0.05, 1e-4);
   EXPECT_NEAR(difference.sigma_rad().x(), 1.0, 1e-12);
+}
+
+TEST(GaussHelmertFlight, ADifferenceIsNeverBetterKnownThanATenthOfTheVariance) {
+  BoresightResult a, b;
+  a.covariance_rad2 = Vector3d(1.0, 1.0, 1.0).asDiagonal();
+  b.covariance_rad2 = Vector3d(1.2, 0.99, 0.36).asDiagonal();
+  const Vector3d sigma = Compare(a, b).sigma_rad();
+  EXPECT_NEAR(sigma.x(), std::sqrt(0.1), 1e-12);
+  EXPECT_NEAR(sigma.y(), std::sqrt(0.1), 1e-12);
+  EXPECT_NEAR(sigma.z(), 0.8, 1e-12);
 }
 
 // ---- Standard deviations of the trajectory -----------------------------------------------------
@@ -283,6 +294,41 @@ TEST(TrajectoryAccuracy, ComesWithTheCovarianceThatCoversThePairs) {
       WithCovarianceFile(FormatTrajectoryCovariance(PerStrip({{"1", 380100, 380110}}))).Read();
   EXPECT_FALSE(other.covariance);
   EXPECT_EQ(other.source, "trajectory_sigma.txt");
+}
+
+// Without standard deviations beside it, it has its own.
+TEST(TrajectoryAccuracy, ACovarianceStandsAlone) {
+  const std::vector<StripInterval> strips = FindStrips(TruthFlight(false).flight);
+  WithCovarianceFile flight(FormatTrajectoryCovariance(PerStrip(strips)));
+  std::filesystem::remove(flight.folder.path() / "trajectory_sigma.txt");
+  const TrajectoryAccuracy accuracy = flight.Read();
+  ASSERT_TRUE(accuracy.covariance);
+  EXPECT_LE((accuracy.sigma_ned_m - Vector3d(0.01, 0.01, 0.02)).norm(), 1e-9);
+  EXPECT_LE((accuracy.sigma_rph_rad - Vector3d(7.1e-5, 7.1e-5, 1e-4)).norm(), 3e-6);
+}
+
+TEST(TrajectoryAccuracy, ComesFromTheFileThatIsNamed) {
+  const std::string text =
+      SigmaText(380000, 382000, ", 0.05, 0.05, 0.05, 0.1, 0.1, 0.1, 0.004, 0.005, 0.006");
+  WithSigmaFile flight(SigmaText(380000, 382000, kGoodSigmas));
+  flight.folder.Write("other.txt", text);
+  flight.truth.flight.config.trajectory->sigma_file = "other.txt";
+  const TrajectoryAccuracy accuracy = flight.Read();
+  EXPECT_EQ(accuracy.source, "other.txt");
+  EXPECT_LE((accuracy.sigma_ned_m - Vector3d::Constant(0.05)).norm(), 1e-12);
+  // A covariance that does not cover the pairs is no use, and was asked for.
+  flight.folder.Write("covariance.txt",
+                      FormatTrajectoryCovariance(PerStrip({{"1", 380100, 380110}})));
+  flight.truth.flight.config.trajectory->sigma_file = "covariance.txt";
+  ExpectInvalidIn([&] { flight.Read(); }, "does not cover the pairs", "covariance.txt");
+}
+
+TEST(TrajectoryAccuracy, SeveralSmrmsgMustBeNamed) {
+  WithSigmaFile flight(SigmaText(380000, 382000, kGoodSigmas));
+  std::filesystem::remove(flight.folder.path() / "trajectory_sigma.txt");
+  flight.folder.Write("smrmsg_1.out", "");
+  flight.folder.Write("smrmsg_2.out", "");
+  ExpectInvalidIn([&] { flight.Read(); }, "trajectory.sigma_file", "");
 }
 
 TEST(TrajectoryAccuracy, ACovarianceThatCannotBeIsNamed) {

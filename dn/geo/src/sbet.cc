@@ -4,13 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <string>
 
-#include "time_continuation.h"
+#include "little_endian_records.h"
 #include "trajectory_io.h"
 
 namespace dn {
@@ -18,83 +15,18 @@ namespace internal {
 namespace {
 
 constexpr std::size_t kColumns = 17;
-constexpr std::size_t kRecordBytes = 8 * kColumns;
-constexpr std::array<const char*, kColumns> kColumnNames{
-    "time",           "latitude",       "longitude", "height",  "velocity x",   "velocity y",
-    "velocity z",     "roll",           "pitch",     "heading", "wander angle", "acceleration x",
-    "acceleration y", "acceleration z", "rate x",    "rate y",  "rate z"};
+constexpr RecordFormat<kColumns> kSbet{
+    "SBET",
+    {"time", "latitude", "longitude", "height", "velocity x", "velocity y", "velocity z", "roll",
+     "pitch", "heading", "wander angle", "acceleration x", "acceleration y", "acceleration z",
+     "rate x", "rate y", "rate z"}};
 
 /// The file's velocities count as confirmed by its positions up to this difference.
 constexpr double kVelocityAgreementMps = 0.1;
 
-using Record = std::array<double, kColumns>;
+using SbetRecord = Record<kColumns>;
 
-double DecodeLittleEndian(const char* bytes) {
-  std::uint64_t bits = 0;
-  for (int i = 7; i >= 0; --i) bits = (bits << 8) | static_cast<unsigned char>(bytes[i]);
-  return std::bit_cast<double>(bits);
-}
-
-void AppendLittleEndian(double value, std::string& out) {
-  auto bits = std::bit_cast<std::uint64_t>(value);
-  for (int i = 0; i < 8; ++i, bits >>= 8) out.push_back(static_cast<char>(bits & 0xFF));
-}
-
-std::string NameOfRecord(std::size_t index) { return "record " + std::to_string(index + 1); }
-
-/// All records, checked to be complete and finite.
-std::vector<Record> DecodeRecords(const std::string& content, const FileLocation& where) {
-  if (content.empty()) throw InvalidInput("SBET file is empty", where);
-  const std::size_t n = content.size() / kRecordBytes;
-  if (content.size() % kRecordBytes != 0) {
-    throw InvalidInput("SBET file is truncated: " + NameOfRecord(n) + " has " +
-                           std::to_string(content.size() % kRecordBytes) + " of " +
-                           std::to_string(kRecordBytes) + " bytes",
-                       where);
-  }
-  std::vector<Record> records(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t c = 0; c < kColumns; ++c) {
-      const double value = DecodeLittleEndian(content.data() + i * kRecordBytes + 8 * c);
-      if (!std::isfinite(value)) {
-        throw InvalidInput(
-            std::string(kColumnNames[c]) + " of SBET " + NameOfRecord(i) + " is not finite", where);
-      }
-      records[i][c] = value;
-    }
-  }
-  return records;
-}
-
-/// Removes repeated records and continues times over rollovers; returns the number removed.
-long SettleTimes(std::vector<Record>& records, const FileLocation& where) {
-  using Verdict = TimeContinuation::Verdict;
-  TimeContinuation times;
-  std::vector<Record> kept(records.size());
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    kept[n] = records[i];
-    try {
-      CheckSecondsOfWeek(records[i][0], where);
-    } catch (const InvalidInput& e) {
-      throw InvalidInput("SBET " + NameOfRecord(i) + ": " + e.what(), where);
-    }
-    const Verdict verdict = times.Next(kept[n].data(), kColumns);
-    if (verdict == Verdict::kNotIncreasing) {
-      throw InvalidInput("time " + FormatDouble(records[i][0]) + " s of SBET " + NameOfRecord(i) +
-                             " does not increase: the record before has " +
-                             FormatDouble(times.last_s() - times.offset_s()) + " s",
-                         where);
-    }
-    if (verdict == Verdict::kKeep) ++n;
-  }
-  const auto dropped = static_cast<long>(records.size() - n);
-  kept.resize(n);
-  records = std::move(kept);
-  return dropped;
-}
-
-void CheckPositions(const std::vector<Record>& records, const FileLocation& where) {
+void CheckPositions(const std::vector<SbetRecord>& records, const FileLocation& where) {
   for (std::size_t i = 0; i < records.size(); ++i) {
     try {
       CheckGeodetic({records[i][1], records[i][2], records[i][3]});
@@ -106,12 +38,12 @@ void CheckPositions(const std::vector<Record>& records, const FileLocation& wher
   }
 }
 
-bool HasLidarMark(const std::vector<Record>& records) {
+bool HasLidarMark(const std::vector<SbetRecord>& records) {
   return std::all_of(records.begin(), records.end(),
-                     [](const Record& c) { return c[10] == 0.0 && std::signbit(c[10]); });
+                     [](const SbetRecord& c) { return c[10] == 0.0 && std::signbit(c[10]); });
 }
 
-NavPoint PointOfRecord(const Record& c) {
+NavPoint PointOfRecord(const SbetRecord& c) {
   NavPoint point;
   point.t_s = c[0];
   point.position = {c[1], c[2], c[3]};
@@ -134,11 +66,11 @@ constexpr std::array<VelocityConvention, 4> kConventions{{{1, 1, "y right, z dow
                                                           {-1, 1, "y left, z down"},
                                                           {-1, -1, "y left, z up"}}};
 
-std::vector<Eigen::Vector3d> VelocitiesNed(const std::vector<Record>& records,
+std::vector<Eigen::Vector3d> VelocitiesNed(const std::vector<SbetRecord>& records,
                                            const VelocityConvention& convention) {
   std::vector<Eigen::Vector3d> v_ned;
   v_ned.reserve(records.size());
-  for (const Record& c : records) {
+  for (const SbetRecord& c : records) {
     const double cos_a = std::cos(c[10]), sin_a = std::sin(c[10]);
     const double vx = c[4], vy = convention.y_sign * c[5];
     // True azimuth = azimuth in the wander frame - wander angle.
@@ -148,7 +80,7 @@ std::vector<Eigen::Vector3d> VelocitiesNed(const std::vector<Record>& records,
 }
 
 /// Fills the points' velocities from the file or, failing that, from the positions.
-void SettleVelocities(const std::vector<Record>& records, std::vector<NavPoint>& points,
+void SettleVelocities(const std::vector<SbetRecord>& records, std::vector<NavPoint>& points,
                       TrajectoryNotes& notes) {
   std::vector<Eigen::Vector3d> best_v_ned;
   const char* best_text = nullptr;
@@ -181,15 +113,15 @@ void SettleVelocities(const std::vector<Record>& records, std::vector<NavPoint>&
 
 Trajectory ReadSbet(const std::filesystem::path& file) {
   const FileLocation where{file.string(), 0, 0};
-  std::vector<Record> records = DecodeRecords(ReadWholeFile(file), where);
+  std::vector<SbetRecord> records = DecodeRecords(ReadWholeFile(file), kSbet, where);
   CheckPositions(records, where);
   TrajectoryNotes notes;
   notes.adjusted_with_lidar = HasLidarMark(records);
-  notes.repeated_rows_dropped = SettleTimes(records, where);
+  notes.repeated_rows_dropped = SettleTimes(kSbet, where, &records);
   if (records.size() < 2) throw InvalidInput("SBET file has only one epoch, needs two", where);
   std::vector<NavPoint> points;
   points.reserve(records.size());
-  for (const Record& record : records) points.push_back(PointOfRecord(record));
+  for (const SbetRecord& record : records) points.push_back(PointOfRecord(record));
   SettleVelocities(records, points, notes);
   return Trajectory(std::move(points), std::move(notes));
 }
@@ -198,27 +130,27 @@ Trajectory ReadSbet(const std::filesystem::path& file) {
 
 std::string FormatSbet(const std::vector<NavPoint>& points, bool adjusted_with_lidar) {
   std::string out;
-  out.reserve(points.size() * internal::kRecordBytes);
+  out.reserve(8 * internal::kColumns * points.size());
   for (const NavPoint& point : points) {
     const Eigen::Vector3d rph_rad = RollPitchHeading(point.q_nb);
     const double wander_rad = adjusted_with_lidar ? -0.0 : 0.0;
-    const internal::Record record{point.t_s,
-                                  point.position.lat_rad,
-                                  point.position.lon_rad,
-                                  point.position.h_m,
-                                  point.v_ned_mps.x(),
-                                  point.v_ned_mps.y(),
-                                  point.v_ned_mps.z(),
-                                  rph_rad.x(),
-                                  rph_rad.y(),
-                                  rph_rad.z(),
-                                  wander_rad,
-                                  point.f_b_mps2.x(),
-                                  point.f_b_mps2.y(),
-                                  point.f_b_mps2.z(),
-                                  point.w_b_radps.x(),
-                                  point.w_b_radps.y(),
-                                  point.w_b_radps.z()};
+    const internal::SbetRecord record{point.t_s,
+                                      point.position.lat_rad,
+                                      point.position.lon_rad,
+                                      point.position.h_m,
+                                      point.v_ned_mps.x(),
+                                      point.v_ned_mps.y(),
+                                      point.v_ned_mps.z(),
+                                      rph_rad.x(),
+                                      rph_rad.y(),
+                                      rph_rad.z(),
+                                      wander_rad,
+                                      point.f_b_mps2.x(),
+                                      point.f_b_mps2.y(),
+                                      point.f_b_mps2.z(),
+                                      point.w_b_radps.x(),
+                                      point.w_b_radps.y(),
+                                      point.w_b_radps.z()};
     for (const double value : record) internal::AppendLittleEndian(value, out);
   }
   return out;

@@ -21,11 +21,8 @@ struct TrajectoryAccuracy {
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
   /// Mean covariance of the attitude in body axes, rad^2: that of an error constant in body.
   Eigen::Matrix3d attitude_covariance_rad2 = Eigen::Matrix3d::Zero();
-  std::string source;  ///< "trajectory_covariance.txt", "trajectory_sigma.txt" or "the section
-                       ///< trajectory of flight.yaml"
-  /// The sigmas are a smoother's own, of the whole error at an epoch, varying part and constant
-  /// one; those of the section `trajectory` are taken as of either.
-  bool of_whole_error = false;
+  std::string source;  ///< name of the file, or "the section trajectory of flight.yaml"
+  StatedBy stated_by = StatedBy::kDataSheet;
   /// From `trajectory_covariance.txt` where there is one, at the epochs of all pairs: how the
   /// errors of the smoother correlate in time.
   std::optional<PoseCovariance> covariance = {};
@@ -58,7 +55,7 @@ struct GaussHelmertCalibration {
   TrajectoryScatter scatter;
   TrajectoryAccuracy accuracy;
   /// Of the attitude error that is constant over the flight, rad^2 in body: the share of the
-  /// trajectory's attitude covariance that the pairs do not show to vary (of_whole_error), or all.
+  /// trajectory's attitude covariance that the pairs do not show to vary.
   Eigen::Matrix3d constant_rad2 = Eigen::Matrix3d::Zero();
   PoseInterpolation interpolation;
   StripDiversity diversity;
@@ -84,10 +81,11 @@ struct GaussHelmertFlightOptions {
 GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight, int threads = 1,
                                             PoseInterpolation* interpolation = nullptr);
 
-/// From `trajectory_sigma.txt` beside the trajectory's file where there is one (the columns that
-/// `dn smooth` writes), with `trajectory_covariance.txt` (where it covers the pairs), else from the
-/// section `trajectory`. Throws InvalidInput naming the epoch when the file does not cover the
-/// pairs, or a sigma is not positive; when the two files are of different runs.
+/// From what the smoother wrote beside the trajectory's file: `trajectory_covariance.txt` (where it
+/// covers the pairs) and `trajectory_sigma.txt`, as `dn smooth` writes them, or POSPac's smrmsg;
+/// from the one that trajectory.sigma_file names; or else from the section `trajectory`. Throws
+/// InvalidInput naming the epoch when the file does not cover the pairs, or a sigma is not
+/// positive; when the two files are of different runs.
 TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelmertProblem& problem);
 
 /// Boresight of a flight with a trajectory and pairs by the Gauss-Helmert adjustment. lidar.robust:
@@ -117,15 +115,17 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
 /// Difference of two results of one flight.
 struct MethodDifference {
   Eigen::Vector3d difference_rad = Eigen::Vector3d::Zero();   ///< a - b, a left perturbation
-  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();  ///< sum of the two
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();  ///< of the difference
   double mahalanobis2 = 0.0;                                  ///< d^T C^-1 d
   double p_value = 1.0;  ///< of it, chi-square with three degrees of freedom
 
   Eigen::Vector3d sigma_rad() const { return covariance_rad2.diagonal().cwiseSqrt(); }
 };
 
-/// The two share their pairs: the sum of the covariances is an upper bound of that of the
-/// difference as long as their errors correlate positively.
+/// `b` uses all that `a` does, and more (the dynamic network: all data at once), and is efficient
+/// where its model holds. Its error is then uncorrelated with the difference, which hence has the
+/// covariance C_a - C_b. No direction of it is taken for less than a tenth of C_a: better C_a
+/// itself is not known. Source: Hausman (1978), corollary 2.6.
 MethodDifference Compare(const BoresightResult& a, const BoresightResult& b);
 
 /// Turns the verdict of a Gauss-Helmert result to `absorbed` where the dynamic network of the same

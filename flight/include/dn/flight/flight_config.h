@@ -58,6 +58,7 @@ struct LidarConfig {
 
 struct TrajectoryConfig {
   std::string file = "trajectory.out";
+  std::string sigma_file;  ///< of its accuracy; empty: what lies beside the trajectory
   double sigma_xy_m = 0.03;
   double sigma_z_m = 0.05;
   double sigma_rp_rad = 0.003 * 3.14159265358979323846 / 180.0;

@@ -21,16 +21,21 @@ struct PoseCovariance {
   void Validate() const;
 };
 
+/// Who states the sigmas of a trajectory.
+enum class StatedBy {
+  kSmoother,   ///< of this flight: known within a factor of 1.3, position and attitude alike
+  kDataSheet,  ///< of the sensor, or a guess: each within a factor of 2
+};
+
 struct TrajectoryScatterOptions {
   /// Where a smoother states how its errors correlate: nothing else below is used.
   std::optional<PoseCovariance> covariance = {};
   /// What the trajectory states about itself: sigma of position north, east, down and of roll,
-  /// pitch, heading, whatever part of it is constant over the flight. Sets the scale of the prior.
+  /// pitch, heading, of the whole error at an epoch. How much of it is constant over the flight is
+  /// estimated.
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
-  /// The stated sigmas are of the whole error at an epoch, as a smoother's posterior is: how much
-  /// of it is constant over the flight is then estimated, too.
-  bool of_whole_error = false;
+  StatedBy stated_by = StatedBy::kSmoother;
   /// Begins of the strips, ascending: errors may end in the turns before them. If empty, a pause
   /// of 5 s among the epochs of the pairs is a turn.
   std::vector<double> strip_begin_s = {};
@@ -44,13 +49,14 @@ struct TrajectoryScatterOptions {
 struct TrajectoryScatter {
   /// Of the boresight, rad^2: beyond the white part (covariance_scaled_rad2 of the adjustment).
   Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
-  double attitude_ratio = 0.0;  ///< rms of the correlated attitude errors / the stated sigma
+  double attitude_ratio = 0.0;  ///< rms of the attitude errors / the stated sigma
   double position_ratio = 0.0;  ///< the same of the positions
-  /// Share of the stated attitude variance that is left for an error constant over the flight:
-  /// 1 where the stated sigmas are of either part; the posterior mean of what is constant with
-  /// of_whole_error; 0 with a covariance, which holds it.
-  double constant_share = 1.0;
+  /// Variance of an attitude error constant over the flight / the stated variance: posterior mean;
+  /// 0 with a covariance, which holds it.
+  double constant_share = 0.0;
   double tau_s = 0.0;  ///< correlation time, geometric mean over what fits; 0: stated, or constant
+  /// Expected chi2 / redundancy of the adjustment, with errors of the stated size that last.
+  double expected_ratio = 1.0;
   double evidence_nats = 0.0;  ///< log of (likelihood with / without correlated errors)
   int nodes = 0;
 };
@@ -83,27 +89,26 @@ struct TrajectoryScatter {
 ///
 ///   C(s_p, s_a, tau) = N^-1 N_e^T [ K_tau x diag(s_p^2, s_a^2) ] N_e N^-1.
 ///
-/// The result is the mean of C over the posterior of (s_p, s_a, tau): what few strips cannot tell
-/// widens it instead of being ignored. Prior: s_a is half of what is stated, within a factor of 2
-/// (1 sigma, log-normal); s_p / s_a is 1, within a factor of 3; tau 3 s to 1000 s, uniform in its
-/// logarithm.
+/// The result is the mean of C over the posterior of (s_p, s_a, processes): what few strips cannot
+/// tell widens it instead of being ignored.
 ///
-/// An error that is the same all over the flight leaves no trace in w (the boresight absorbs it)
-/// and is not in the result: see ReliableCovariance. Where the stated sigmas are of the whole
-/// error, varying and constant part share them: s_p = s_a is 1 within a factor of 1.3; positions
-/// correlate for 5 or 25 s; attitudes for 30, 100 or 300 s, with the tilt fixed to the navigation
-/// frame (roll and pitch errors change sign from a strip to the opposite one), or over a strip and
-/// not beyond its turns; none, half or all of the attitude's variance is constant (3 : 1 : 2).
-/// Strips that disagree by what is stated rule the last out; strips that agree, or too few pairs to
-/// tell, leave it.
+/// The stated variance is that of the whole error at an epoch. A share x of the attitude's is
+/// constant over the flight: it leaves no trace in w (the boresight absorbs it), and x s_a^2 is
+/// reported as constant_share, see ReliableCovariance; the processes have the rest. Prior of x:
+/// Jeffreys' of a proportion, 1 / (pi sqrt(x (1 - x))), by its Gauss-Lobatto nodes 0, 1/2, 1 with
+/// weights 1 : 2 : 1. Prior of s_a: log-normal within a factor of 1.3 (a smoother's; s_p = s_a) or
+/// 2 (a data sheet's; s_p / s_a is 1 within a factor of 3), with the mean of s_a^2 at 1.
+/// Processes, equally likely: positions correlate for 5 or 25 s; attitudes for 30, 100 or 300 s,
+/// with the tilt fixed to the navigation frame (roll and pitch errors change sign from a strip to
+/// the opposite one), or over a strip and not beyond its turns; by a data sheet also any from 3 s
+/// to 1000 s, fixed to the body. How the strips disagree decides between these, as far as it can.
 ///
 /// Where the covariance of the errors over time is stated, C is that of the stated errors, times
-/// their scale s^2 by the same likelihood (prior: 1 within a factor of 1.3) where s exceeds 1;
-/// nothing is guessed. Its epochs are refined once: between two of them an error bends like a
-/// random walk.
+/// their scale s^2 by the same likelihood and the prior of a smoother; nothing is guessed. Its
+/// epochs are refined once: between two of them an error bends like a random walk.
 ///
-/// Cost: linear in the pairs, and 18 to 30 tridiagonalisations of order 6 x nodes (0.3 s at 64
-/// nodes).
+/// Cost: linear in the pairs, and 18 to 52 tridiagonalisations of order 6 x nodes (0.3 to
+/// 0.6 s at 64 nodes).
 /// Throws InvalidConfig for bad options, InvalidInput when the result does not belong to the
 /// problem.
 TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
@@ -117,9 +122,8 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
 ///
 /// f is sigma0^2 but for a handful of pairs, whose sigma0 says little: there the assumed noise
 /// counts as ten observations of its own (mean of the inverse chi-square posterior).
-/// constant_rad2: C_attitude, covariance of the trajectory's attitude in body axes by its own
-/// account. Where that account is of the whole error at an epoch (a smoother's posterior), the
-/// varying part is in it already: give constant_share of it (TrajectoryScatter).
+/// constant_rad2: C_attitude, constant_share times the covariance of the trajectory's attitude in
+/// body axes by its own account.
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
                                    const TrajectoryScatter& scatter,
                                    const Eigen::Matrix3d& constant_rad2);

@@ -1,0 +1,217 @@
+#include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/error.h>
+#include <dn/geo/accuracy_series.h>
+#include <dn/geo/text_table.h>
+#include <dn/geo/trajectory_covariance.h>
+#include <dn/rotation.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "turn_position.h"
+
+namespace dn {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr const char* kCovarianceName = "trajectory_covariance.txt";
+constexpr const char* kSigmaName = "trajectory_sigma.txt";
+
+/// What a trajectory's smoother wrote about it.
+struct AccuracyFiles {
+  std::optional<fs::path> covariance, series;
+  bool named = false;  ///< by the configuration
+};
+
+std::string Lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// POSPac's smrmsg in a folder: of "sbet_<name>.out" it is "smrmsg_<name>.out", else the only one.
+std::optional<fs::path> FindSmrmsg(const fs::path& trajectory) {
+  std::string partner = Lower(trajectory.filename().string());
+  const std::size_t at = partner.find("sbet");
+  if (at != std::string::npos) partner.replace(at, 4, "smrmsg");
+  std::vector<fs::path> found;
+  std::error_code none;
+  const fs::path folder = trajectory.has_parent_path() ? trajectory.parent_path() : fs::path(".");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
+    const std::string name = Lower(entry.path().filename().string());
+    if (entry.path().extension() != ".out" || name.find("smrmsg") == std::string::npos) continue;
+    if (name == partner) return entry.path();
+    found.push_back(entry.path());
+  }
+  if (found.size() > 1) {
+    throw InvalidInput("several files named smrmsg lie beside the trajectory " +
+                           trajectory.string() + "; name the one that belongs to it with the key " +
+                           "trajectory.sigma_file",
+                       FileLocation{folder.string(), 0, 0});
+  }
+  return found.empty() ? std::nullopt : std::optional(found.front());
+}
+
+std::optional<fs::path> IfThere(const fs::path& file) {
+  std::error_code none;
+  return fs::is_regular_file(file, none) ? std::optional(file) : std::nullopt;
+}
+
+AccuracyFiles FindFiles(const Flight& flight) {
+  const TrajectoryConfig& config = *flight.config.trajectory;
+  AccuracyFiles files;
+  if (!config.sigma_file.empty()) {
+    files.named = true;
+    const fs::path file = flight.config.folder / config.sigma_file;
+    const bool joint = file.filename().string().find("covariance") != std::string::npos;
+    (joint ? files.covariance : files.series) = file;
+    return files;
+  }
+  const fs::path trajectory = flight.config.folder / config.file;
+  files.covariance = IfThere(fs::path(trajectory).replace_filename(kCovarianceName));
+  files.series = IfThere(fs::path(trajectory).replace_filename(kSigmaName));
+  if (!files.series) files.series = FindSmrmsg(trajectory);
+  return files;
+}
+
+/// Every pair lies in a strip of the covariance, or as close to one as its epochs are to each
+/// other.
+bool Covers(const TrajectoryCovariance& covariance, const GaussHelmertProblem& problem) {
+  double spacing_s = 0.0;
+  for (std::size_t k = 1; k < covariance.t_s.size(); ++k) {
+    if (covariance.strip[k] != covariance.strip[k - 1]) continue;
+    spacing_s = std::max(spacing_s, covariance.t_s[k] - covariance.t_s[k - 1]);
+  }
+  const auto covered = [&](double t_s) {
+    const auto after = std::upper_bound(covariance.t_s.begin(), covariance.t_s.end(), t_s);
+    const bool near_after = after != covariance.t_s.end() && *after - t_s <= spacing_s;
+    return near_after || (after != covariance.t_s.begin() && t_s - *(after - 1) <= spacing_s);
+  };
+  return std::all_of(problem.pairs.begin(), problem.pairs.end(), [&](const GaussHelmertPair& pair) {
+    return covered(pair.i.t_s) && covered(pair.j.t_s);
+  });
+}
+
+/// The standard deviations and the covariance are the output of one run.
+void CheckOneRun(const TrajectoryCovariance& covariance, const AccuracySeries& series,
+                 const fs::path& file) {
+  constexpr double kTolerance = 0.01;
+  for (std::size_t k = 0; k < covariance.t_s.size(); ++k) {
+    const double sigma_down_m = series.At(covariance.t_s[k]).sigma_ned_m.z();
+    const auto at = static_cast<Eigen::Index>(6 * k);
+    const double sigma_up_m = std::sqrt(covariance.covariance(at + 2, at + 2));
+    if (std::abs(sigma_up_m - sigma_down_m) > kTolerance * sigma_down_m) {
+      throw InvalidInput(
+          "it is of another run than the standard deviations beside it: sigma up at " +
+              FormatDouble(covariance.t_s[k]) + " s is " + FormatDouble(sigma_up_m) + " m here, " +
+              FormatDouble(sigma_down_m) + " m there; remove it, or smooth the flight again",
+          FileLocation{file.string(), 0, 0});
+    }
+  }
+}
+
+PoseCovariance InMap(const Flight& flight, const TrajectoryCovariance& stated,
+                     const fs::path& file) {
+  PoseCovariance out{stated.t_s, stated.strip, stated.covariance};
+  for (std::size_t k = 0; k < out.t_s.size(); ++k) {
+    const NavPoint& point = flight.trajectory->PointFrom(out.t_s[k]);
+    internal::TurnPosition(flight.frame.R_m_enu(flight.frame.ToMap(point.position)), k,
+                           &out.covariance);
+  }
+  try {
+    out.Validate();
+  } catch (const InvalidConfig& error) {
+    throw InvalidInput(std::string(error.what()) + "; smooth the flight again, or remove the file",
+                       FileLocation{file.string(), 0, 0});
+  }
+  return out;
+}
+
+/// Root mean squares over epochs.
+class MeanAccuracy {
+ public:
+  void Add(const EpochAccuracy& epoch, const Vector3d& down_b) {
+    const Matrix3d F = BodyFromEulerRates(down_b) * epoch.sigma_rph_rad.asDiagonal();
+    Add(epoch, Matrix3d(F * F.transpose()));
+  }
+  void Add(const EpochAccuracy& epoch, const Matrix3d& attitude_rad2) {
+    position2_ += epoch.sigma_ned_m.cwiseAbs2();
+    attitude2_ += epoch.sigma_rph_rad.cwiseAbs2();
+    covariance_rad2_ += attitude_rad2;
+    n_ += 1.0;
+  }
+  void To(TrajectoryAccuracy* accuracy) const {
+    accuracy->sigma_ned_m = (position2_ / n_).cwiseSqrt();
+    accuracy->sigma_rph_rad = (attitude2_ / n_).cwiseSqrt();
+    accuracy->attitude_covariance_rad2 = covariance_rad2_ / n_;
+  }
+
+ private:
+  Vector3d position2_ = Vector3d::Zero(), attitude2_ = Vector3d::Zero();
+  Matrix3d covariance_rad2_ = Matrix3d::Zero();
+  double n_ = 0.0;
+};
+
+void AddPairs(const GaussHelmertProblem& problem, const std::optional<AccuracySeries>& series,
+              MeanAccuracy* mean) {
+  for (const GaussHelmertPair& pair : problem.pairs) {
+    for (const GaussHelmertEnd* end : {&pair.i, &pair.j}) {
+      const EpochAccuracy stated{end->t_s, end->sigma_ned_m, end->sigma_rph_rad};
+      mean->Add(series ? series->At(end->t_s) : stated,
+                end->q_mb.conjugate() * (end->q_mn * Vector3d::UnitZ()));
+    }
+  }
+}
+
+/// Of a joint covariance without a series of standard deviations: its own, at its epochs.
+void AddEpochs(const Flight& flight, const TrajectoryCovariance& stated, MeanAccuracy* mean) {
+  for (std::size_t k = 0; k < stated.t_s.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(6 * k);
+    const Vector3d enu2 = stated.covariance.diagonal().segment<3>(at);
+    const Matrix3d attitude = stated.covariance.block<3, 3>(at + 3, at + 3);
+    const NavPoint& point = flight.trajectory->PointFrom(stated.t_s[k]);
+    const Vector3d down_b = point.q_nb.conjugate() * Vector3d::UnitZ();
+    const Matrix3d E = BodyFromEulerRates(down_b).inverse();
+    mean->Add({stated.t_s[k], Vector3d(enu2.y(), enu2.x(), enu2.z()).cwiseSqrt(),
+               (E * attitude * E.transpose()).diagonal().cwiseSqrt()},
+              attitude);
+  }
+}
+
+}  // namespace
+
+TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
+                                          const GaussHelmertProblem& problem) {
+  const AccuracyFiles files = FindFiles(flight);
+  std::optional<AccuracySeries> series;
+  if (files.series) series.emplace(*files.series);
+  TrajectoryAccuracy accuracy;
+  accuracy.stated_by = series ? StatedBy::kSmoother : StatedBy::kDataSheet;
+  accuracy.source =
+      series ? files.series->filename().string() : "the section trajectory of flight.yaml";
+  MeanAccuracy mean;
+  if (files.covariance) {
+    const TrajectoryCovariance stated = ReadTrajectoryCovariance(*files.covariance);
+    if (Covers(stated, problem)) {
+      if (series) CheckOneRun(stated, *series, *files.covariance);
+      if (!series) AddEpochs(flight, stated, &mean);
+      accuracy.covariance = InMap(flight, stated, *files.covariance);
+      accuracy.source = files.covariance->filename().string();
+      accuracy.stated_by = StatedBy::kSmoother;
+    } else if (files.named) {
+      throw InvalidInput("it does not cover the pairs; smooth the flight again",
+                         FileLocation{files.covariance->string(), 0, 0});
+    }
+  }
+  if (series || !accuracy.covariance) AddPairs(problem, series, &mean);
+  mean.To(&accuracy);
+  return accuracy;
+}
+
+}  // namespace dn

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <dn/error.h>
+#include <dn/geo/text_table.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "time_continuation.h"
+
+namespace dn::internal {
+
+/// A file of little-endian doubles, N to a record, of which the first is the time.
+template <std::size_t N>
+struct RecordFormat {
+  const char* name;  ///< as messages call the file
+  std::array<const char*, N> columns;
+};
+
+template <std::size_t N>
+using Record = std::array<double, N>;
+
+inline double DecodeLittleEndian(const char* bytes) {
+  std::uint64_t bits = 0;
+  for (int i = 7; i >= 0; --i) bits = (bits << 8) | static_cast<unsigned char>(bytes[i]);
+  return std::bit_cast<double>(bits);
+}
+
+inline void AppendLittleEndian(double value, std::string& out) {
+  auto bits = std::bit_cast<std::uint64_t>(value);
+  for (int i = 0; i < 8; ++i, bits >>= 8) out.push_back(static_cast<char>(bits & 0xFF));
+}
+
+inline std::string NameOfRecord(std::size_t index) { return "record " + std::to_string(index + 1); }
+
+/// All records, checked to be complete and finite.
+template <std::size_t N>
+std::vector<Record<N>> DecodeRecords(const std::string& content, const RecordFormat<N>& format,
+                                     const FileLocation& where) {
+  constexpr std::size_t kRecordBytes = 8 * N;
+  const std::string name = format.name;
+  if (content.empty()) throw InvalidInput(name + " file is empty", where);
+  const std::size_t n = content.size() / kRecordBytes;
+  if (content.size() % kRecordBytes != 0) {
+    throw InvalidInput(name + " file is truncated: " + NameOfRecord(n) + " has " +
+                           std::to_string(content.size() % kRecordBytes) + " of " +
+                           std::to_string(kRecordBytes) + " bytes",
+                       where);
+  }
+  std::vector<Record<N>> records(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t c = 0; c < N; ++c) {
+      const double value = DecodeLittleEndian(content.data() + i * kRecordBytes + 8 * c);
+      if (!std::isfinite(value)) {
+        throw InvalidInput(std::string(format.columns[c]) + " of " + name + " " + NameOfRecord(i) +
+                               " is not finite",
+                           where);
+      }
+      records[i][c] = value;
+    }
+  }
+  return records;
+}
+
+/// Removes repeated records and continues times over rollovers; returns the number removed.
+template <std::size_t N>
+long SettleTimes(const RecordFormat<N>& format, const FileLocation& where,
+                 std::vector<Record<N>>* records) {
+  using Verdict = TimeContinuation::Verdict;
+  const std::string name = std::string(format.name) + " ";
+  TimeContinuation times;
+  std::vector<Record<N>> kept(records->size());
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < records->size(); ++i) {
+    kept[n] = (*records)[i];
+    try {
+      CheckSecondsOfWeek(kept[n][0], where);
+    } catch (const InvalidInput& e) {
+      throw InvalidInput(name + NameOfRecord(i) + ": " + e.what(), where);
+    }
+    const Verdict verdict = times.Next(kept[n].data(), N);
+    if (verdict == Verdict::kNotIncreasing) {
+      throw InvalidInput("time " + FormatDouble((*records)[i][0]) + " s of " + name +
+                             NameOfRecord(i) + " does not increase: the record before has " +
+                             FormatDouble(times.last_s() - times.offset_s()) + " s",
+                         where);
+    }
+    if (verdict == Verdict::kKeep) ++n;
+  }
+  const auto dropped = static_cast<long>(records->size() - n);
+  kept.resize(n);
+  *records = std::move(kept);
+  return dropped;
+}
+
+}  // namespace dn::internal
