@@ -81,7 +81,7 @@ TEST(CliSimulate, AScenarioWithAnUnknownKeyIsRefused) {
   folder.Write("wrong.yaml", ContentOf(ShortScenario()) + "pears: {count: 4}\n");
   const ProgramRun run = SimulateInto(folder.path() / "f", folder.path() / "wrong.yaml", "1");
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("unknown key 'pears'; the nearest known one is 'pairs'"));
+  EXPECT_THAT(run.err, HasSubstr("unknown key 'pears'; did you mean 'pairs'?"));
   EXPECT_THAT(run.err, HasSubstr("wrong.yaml:"));
 }
 

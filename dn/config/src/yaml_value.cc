@@ -200,7 +200,8 @@ Eigen::Vector3d YamlValue::PositiveVector3() const {
 }
 
 Eigen::Matrix3d YamlValue::Matrix3() const {
-  if (!node_->yaml.IsSequence() || node_->yaml.size() != 3) FailType("a 3 x 3 matrix, as a list of 3 rows");
+  if (!node_->yaml.IsSequence() || node_->yaml.size() != 3)
+    FailType("a 3 x 3 matrix, as a list of 3 rows");
   Eigen::Matrix3d matrix;
   const std::vector<YamlValue> rows = List();
   for (int i = 0; i < 3; ++i) matrix.row(i) = rows[static_cast<std::size_t>(i)].Vector3();

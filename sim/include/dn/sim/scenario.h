@@ -73,8 +73,8 @@ struct LidarScenario {
   Mounting mounting;  ///< lever arm: assumed; boresight: the true one
   Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
   Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();
-  double fov_rad = 0.0;  ///< full angle
-  double pulse_rate_hz = 0.0;
+  double fov_rad = 0.0;        ///< full angle
+  double pulse_rate_hz = 0.0;  ///< of point clouds, which are not simulated; as the divergence
   double gsd_m = 0.0;
   double beam_divergence_rad = 0.0;
 };

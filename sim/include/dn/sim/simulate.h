@@ -17,8 +17,8 @@ namespace dn {
 struct SimulateOptions {
   std::uint64_t seed =
       1;  ///< of noise, turbulence and the choice of pairs; the terrain has its own
-  /// false: noise and biases of every sensor are zero; effects stay, and flight.yaml still holds
-  /// the assumed model.
+  /// false: noise and biases of every sensor are zero, stochastic effects are left out; fixed
+  /// effects and faults stay, and flight.yaml still holds the assumed model.
   bool noise = true;
   /// Called with the stage ("trajectory", "imu", "gnss", "pairs") and its fraction done.
   std::function<void(const std::string& stage, double fraction)> progress = nullptr;
