@@ -1,4 +1,5 @@
 #include <dn/builder/flight_network.h>
+#include <dn/builder/measurement_noise.h>
 #include <dn/factors/bias_process.h>
 #include <dn/factors/gnss_position.h>
 #include <dn/factors/gnss_velocity.h>
@@ -10,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-#include "measurement_noise.h"
+#include "factor_groups.h"
 
 namespace dn {
 
@@ -115,7 +116,7 @@ void FlightNetwork::AddMounting() {
         net.Add(PriorLeftRotation(Exp(mounting.boresight_rad),
                                   Noise<3>::Sigma(*config.lidar->boresight_sigma_rad)),
                 boresight);
-    net.Tag(id, "prior", std::numeric_limits<double>::quiet_NaN());
+    net.Tag(id, internal::PriorGroup(), std::numeric_limits<double>::quiet_NaN());
   }
   for (const char* unknown :
        {"gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", "gyro_scale_factor"}) {
@@ -136,7 +137,7 @@ void FlightNetwork::AddPriorOf(const std::string& unknown) {
       id = net.Add(PriorVector<3>(net.Value(block), Noise<3>::Sigma(*entry.sigma * per_unit)),
                    block);
     }
-    net.Tag(id, "prior", std::numeric_limits<double>::quiet_NaN());
+    net.Tag(id, internal::PriorGroup(), std::numeric_limits<double>::quiet_NaN());
   }
 }
 
@@ -212,10 +213,10 @@ void FlightNetwork::AddBiasChain(const BiasProcess& process, const std::string& 
     const double first_s = std::max(chain.t_mid_s.front() - chain.t_begin_s.front(), 1e-3);
     net.Tag(net.Add(PriorVector<3>(zero, Noise<3>::Sigma(process.sigma * std::sqrt(first_s))),
                     chain.blocks.front()),
-            "prior", chain.t_mid_s.front());
+            internal::PriorGroup(), chain.t_mid_s.front());
   } else {
     net.Tag(net.Add(PriorVector<3>(zero, Noise<3>::Sigma(process.sigma)), chain.blocks.front()),
-            "prior", chain.t_mid_s.front());
+            internal::PriorGroup(), chain.t_mid_s.front());
   }
   for (std::size_t k = 0; k + 1 < chain.blocks.size(); ++k) {
     const double dt_s = chain.t_mid_s[k + 1] - chain.t_mid_s[k];
@@ -224,7 +225,7 @@ void FlightNetwork::AddBiasChain(const BiasProcess& process, const std::string& 
             ? net.Add(GaussMarkovEdge(process.sigma, process.tau_s, dt_s), chain.blocks[k],
                       chain.blocks[k + 1])
             : net.Add(RandomWalkEdge(process.sigma, dt_s), chain.blocks[k], chain.blocks[k + 1]);
-    net.Tag(id, "bias process", chain.t_mid_s[k]);
+    net.Tag(id, internal::BiasProcessGroup(gyro), chain.t_mid_s[k]);
   }
   chains->push_back(std::move(chain));
 }
@@ -261,7 +262,7 @@ void FlightNetwork::AddInertialEdges() {
     for (const BiasChain& chain : accel_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
     if (gyro_scale_free()) blocks.push_back(gyro_scale_factor.id);
     const FactorId id = net.AddFactor(MakeInertialFactor(i), blocks);
-    net.Tag(id, "inertial", node_t_s_[i]);
+    net.Tag(id, internal::InertialGroup(), node_t_s_[i]);
     inertial_edges.push_back({i, id});
     linearised_gyro_bias_.push_back(GyroBias(node_t_s_[i]));
     linearised_accel_bias_.push_back(AccelBias(node_t_s_[i]));
@@ -290,11 +291,11 @@ void FlightNetwork::AddGnssEdges() {
                                             "the GNSS position", epoch.t_s, kCheckGnss);
     edge.position = net.Add(GnssPosition(flight_->frame.ToMap(epoch.antenna), noise), nodes[k].q_mb,
                             nodes[k].p_mb, gnss_lever_arm);
-    net.Tag(edge.position, "gnss position", epoch.t_s);
+    net.Tag(edge.position, internal::GnssPositionGroup(), epoch.t_s);
     if (UsesVelocity(epoch, config)) {
       edge.velocity = net.AddFactor(MakeVelocityFactor(edge),
                                     {nodes[k].q_mb.id, nodes[k].v_m.id, gnss_lever_arm.id});
-      net.Tag(edge.velocity, "gnss velocity", epoch.t_s);
+      net.Tag(edge.velocity, internal::GnssVelocityGroup(), epoch.t_s);
     }
     gnss_edges.push_back(edge);
   }
@@ -361,7 +362,7 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
     edge.id = net.AddFactor(MakePairFactor(edge),
                             {i.q_mb.id, i.p_mb.id, i.v_m.id, j.q_mb.id, j.p_mb.id, j.v_m.id,
                              boresight.id, lidar_lever_arm.id, lidar_time_offset.id});
-    net.Tag(edge.id, "lidar p2p", pair.t_i_s);
+    net.Tag(edge.id, internal::PairGroup(), pair.t_i_s);
     pair_edges.push_back(edge);
   }
 }

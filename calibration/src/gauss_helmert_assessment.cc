@@ -1,5 +1,6 @@
 #include "gauss_helmert_assessment.h"
 
+#include <dn/report/distributions.h>
 #include <dn/rotation.h>
 
 #include <Eigen/LU>
@@ -124,11 +125,6 @@ std::string AboutStrips(const StripDiversity& diversity) {
       diversity.strips == 3 ? ", parallel and at one height" : "");
 }
 
-/// P(chi2_3 > x).
-double ChiSquareTail3(double x) {
-  return std::erfc(std::sqrt(0.5 * x)) + std::sqrt(2.0 * x / std::numbers::pi) * std::exp(-0.5 * x);
-}
-
 }  // namespace
 
 namespace internal {
@@ -198,7 +194,7 @@ MethodDifference Compare(const BoresightResult& a, const BoresightResult& b) {
   out.difference_rad = Log(Eigen::Quaterniond(Exp(a.angles_rad) * Exp(b.angles_rad).conjugate()));
   out.covariance_rad2 = a.covariance_rad2 + b.covariance_rad2;
   out.mahalanobis2 = out.difference_rad.dot(out.covariance_rad2.inverse() * out.difference_rad);
-  out.p_value = ChiSquareTail3(out.mahalanobis2);
+  out.p_value = ChiSquareTail(out.mahalanobis2, 3.0);
   return out;
 }
 

@@ -7,7 +7,7 @@ namespace dn {
 
 std::string DescribeFactor(const Network& network, FactorId id) {
   const FactorRecord& record = network.factor(id);
-  std::string details = network.groups()[static_cast<std::size_t>(record.group)];
+  std::string details = network.group(id).name;
   if (std::isfinite(record.t_s)) {
     char time[48];
     std::snprintf(time, sizeof(time), "%s%.3f s", details.empty() ? "" : ", ", record.t_s);

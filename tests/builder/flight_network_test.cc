@@ -1,6 +1,6 @@
-#include <dn/navigation/alignment.h>
 #include <dn/builder/flight_network.h>
 #include <dn/error.h>
+#include <dn/navigation/alignment.h>
 #include <dn/solvers/solve.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <map>
 
-#include "testing/short_flights.h"
 #include "testing/expect_invalid.h"
+#include "testing/short_flights.h"
 
 namespace dn {
 namespace {
@@ -40,7 +40,7 @@ FlightNetwork AtTruth(const Flight& flight, const FlightNetworkOptions& options 
 std::map<std::string, long> GroupCounts(const Network& net) {
   std::map<std::string, long> counts;
   for (FactorId id = 0; id < net.num_factors(); ++id) {
-    ++counts[net.groups()[static_cast<std::size_t>(net.factor(id).group)]];
+    ++counts[net.group(id).name];
   }
   return counts;
 }

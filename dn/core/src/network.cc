@@ -86,10 +86,16 @@ void Network::ReplaceFactor(FactorId id, std::shared_ptr<const FactorBase> facto
   record.factor = std::move(factor);
 }
 
-void Network::Tag(FactorId id, const std::string& group, double t_s) {
+void Network::Tag(FactorId id, const FactorGroup& group, double t_s) {
+  FactorRecord& record = factor_mutable(id);
+  const auto residuals = static_cast<std::size_t>(record.factor->residual_size());
+  if (!group.rows.empty() && group.rows.size() != residuals) {
+    throw InvalidInput("network: group '" + group.name + "' names " +
+                       std::to_string(group.rows.size()) + " residuals, factor " +
+                       std::to_string(id) + " has " + std::to_string(residuals));
+  }
   auto it = std::find(groups_.begin(), groups_.end(), group);
   if (it == groups_.end()) it = groups_.insert(groups_.end(), group);
-  FactorRecord& record = factor_mutable(id);
   record.group = static_cast<int>(it - groups_.begin());
   record.t_s = t_s;
 }
