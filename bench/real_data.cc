@@ -174,7 +174,7 @@ void PredictWithheld(const fs::path& folder) {
     const Eigen::Vector3d e = antenna_m - smoothed.flight.frame.ToMap(epoch.antenna);
     error.Add(e);
     worst = worst.cwiseMax(e.cwiseAbs());
-    nis += PredictFactor(network.net, edge.position, smoothed.marginals).statistic / 3.0;
+    nis += PredictFactor(smoothed.marginals, edge.position).statistic / 3.0;
   }
   const Eigen::Vector3d r = error.rms();
   fmt::print(

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 
+#include "factor_groups.h"
+
 namespace dn {
 namespace {
 
@@ -144,7 +146,7 @@ void FlightNetwork::AddPriors() {
         net.Add(PriorLeftRotation(Exp(config.lidar->mounting.boresight_rad),
                                   Noise<3>::Sigma(*config.lidar->boresight_sigma_rad)),
                 boresight);
-    net.Tag(id, "prior", nan);
+    net.Tag(id, internal::PriorGroup(), nan);
   }
   const CalibrationState assumed = AssumedCalibration(*flight_);
   for (const EstimateEntry& entry : config.estimate) {
@@ -154,7 +156,7 @@ void FlightNetwork::AddPriors() {
     Eigen::VectorXd center = Eigen::VectorXd::Zero(size);
     if (entry.unknown == "gnss_lever_arm") center = assumed.gnss_lever_arm_b_m;
     if (entry.unknown == "lidar_lever_arm") center = assumed.lidar_lever_arm_b_m;
-    net.Tag(AddPrior(block, center, *PriorSigma(entry), &net), "prior", nan);
+    net.Tag(AddPrior(block, center, *PriorSigma(entry), &net), internal::PriorGroup(), nan);
   }
 }
 
@@ -230,10 +232,10 @@ void FlightNetwork::AddBiasChain(const BiasProcess& process, const std::string& 
     const double first_s = std::max(chain.t_mid_s.front() - chain.t_begin_s.front(), 1e-3);
     net.Tag(net.Add(PriorVector<3>(zero, Noise<3>::Sigma(process.sigma * std::sqrt(first_s))),
                     chain.blocks.front()),
-            "prior", chain.t_mid_s.front());
+            internal::PriorGroup(), chain.t_mid_s.front());
   } else {
     net.Tag(net.Add(PriorVector<3>(zero, Noise<3>::Sigma(process.sigma)), chain.blocks.front()),
-            "prior", chain.t_mid_s.front());
+            internal::PriorGroup(), chain.t_mid_s.front());
   }
   for (std::size_t k = 0; k + 1 < chain.blocks.size(); ++k) {
     const double dt_s = chain.t_mid_s[k + 1] - chain.t_mid_s[k];
@@ -242,7 +244,7 @@ void FlightNetwork::AddBiasChain(const BiasProcess& process, const std::string& 
             ? net.Add(GaussMarkovEdge(process.sigma, process.tau_s, dt_s), chain.blocks[k],
                       chain.blocks[k + 1])
             : net.Add(RandomWalkEdge(process.sigma, dt_s), chain.blocks[k], chain.blocks[k + 1]);
-    net.Tag(id, "bias process", chain.t_mid_s[k]);
+    net.Tag(id, internal::BiasProcessGroup(gyro), chain.t_mid_s[k]);
   }
   chains->push_back(std::move(chain));
 }
@@ -305,7 +307,7 @@ void FlightNetwork::AddInertialEdges() {
     AppendEffects(of_edge, &blocks);
     InertialEdge edge{i, -1};
     edge.id = net.AddFactor(InertialFactor(edge, calibration), blocks);
-    net.Tag(edge.id, "inertial", node_t_s_[i]);
+    net.Tag(edge.id, internal::InertialGroup(), node_t_s_[i]);
     inertial_edges.push_back(edge);
     linearised_gyro_bias_.push_back(GyroBias(node_t_s_[i]));
     linearised_accel_bias_.push_back(AccelBias(node_t_s_[i]));
@@ -345,10 +347,10 @@ void FlightNetwork::AddGnssEdges() {
       velocity = position;
     }
     edge.position = net.AddFactor(GnssPositionFactor(edge, calibration), position);
-    net.Tag(edge.position, "gnss position", epoch.t_s);
+    net.Tag(edge.position, internal::GnssPositionGroup(), epoch.t_s);
     if (UsesVelocity(epoch, config)) {
       edge.velocity = net.AddFactor(GnssVelocityFactor(edge, calibration), velocity);
-      net.Tag(edge.velocity, "gnss velocity", epoch.t_s);
+      net.Tag(edge.velocity, internal::GnssVelocityGroup(), epoch.t_s);
     }
     gnss_edges.push_back(edge);
   }
@@ -398,7 +400,7 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
                                 boresight.id, lidar_lever_arm.id, lidar_time_offset.id};
     AppendEffects(of_edge, &blocks);
     edge.id = net.AddFactor(PairFactor(edge, calibration), blocks);
-    net.Tag(edge.id, "lidar p2p", pair.t_i_s);
+    net.Tag(edge.id, internal::PairGroup(), pair.t_i_s);
     pair_edges.push_back(edge);
   }
 }

@@ -1,9 +1,9 @@
 #include "effect_screen.h"
 
 #include <dn/report/distributions.h>
+#include <dn/symmetric_eigen.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -148,10 +148,9 @@ double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& com
   constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
   const Eigen::MatrixXd A =
       typical.asDiagonal() * score.A(components, components) * typical.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-  const Eigen::VectorXd c =
-      eigen.eigenvectors().transpose() * typical.cwiseProduct(score.s(components));
-  const Eigen::VectorXd d = eigen.eigenvalues().cwiseMax(0.0);
+  const SymmetricEigen eigen(A);
+  const Eigen::VectorXd c = eigen.vectors.transpose() * typical.cwiseProduct(score.s(components));
+  const Eigen::VectorXd d = eigen.values.cwiseMax(0.0);
   double log_of_each[5];
   for (int g = 0; g < 5; ++g) {
     log_of_each[g] = std::log(kWeights[g]);

@@ -62,13 +62,7 @@ ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterv
   check.groups.front().ratio_beside_effects *= found.share_left;
   check.sigma0_beside_effects =
       calibration.figures.sigma0 * std::sqrt(found.share_left / calibration.scatter.expected_ratio);
-  check.p_value = check.groups.front().p_value;
-  for (const PriorCheck& prior : check.priors) {
-    check.p_value = std::min(check.p_value, prior.p_value);
-  }
-  for (const EffectCheck& effect : check.effects) {
-    check.p_value = std::min(check.p_value, effect.p_value);
-  }
+  check.p_value = check.SmallestPValue();
   AddFindings(calibration, &check);
   return check;
 }

@@ -1,89 +1,57 @@
 #include <dn/calibration/candidate_effects.h>
 #include <dn/calibration/model_check.h>
 #include <dn/report/distributions.h>
-#include <dn/solvers/linearized_network.h>
+#include <dn/solvers/fit_check.h>
 #include <dn/solvers/prediction.h>
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <utility>
 
+#include "common_errors.h"
 #include "effect_screen.h"
 #include "model_findings.h"
-#include "residual_components.h"
 
 namespace dn {
 namespace {
 
-using internal::ResidualComponent;
-
-constexpr int kSamples = 32;
-constexpr int kSamplesAtOnce = 8;
-constexpr unsigned kSeed = 20240501;
 constexpr int kWatchedNodes = 8;
 // What averaging over the size of an error costs, against its likeliest size.
 constexpr double kPriceOfASizeNats = 2.0;
 
-/// Mean and variance of a quadratic form under the model.
-struct Moments {
-  double mean = 0.0;
-  double variance = 0.0;
-
-  /// Of the chi-square variable with the same ratio of the two, as few as the samples leave
-  /// possible: their variance is uncertain by this much, and one square is the least.
-  double Dof() const {
-    const double dof = 2.0 * mean * mean / variance;
-    const double uncertainty = std::sqrt((2.0 + 12.0 / dof) / (kSamples - 1));
-    return std::max(1.0, dof / (1.0 + 2.0 * uncertainty));
-  }
-};
-
-double UpperTail(double energy, const Moments& moments) {
-  if (!(moments.variance > 0.0) || !(moments.mean > 0.0)) return 1.0;
-  const double dof = moments.Dof();
-  return ChiSquareTail(dof * energy / moments.mean, dof);
-}
-
-double LowerTail(double energy, const Moments& moments) {
-  if (!(moments.variance > 0.0) || !(moments.mean > 0.0)) return 1.0;
-  const double dof = moments.Dof();
-  return ChiSquareCdf(dof * energy / moments.mean, dof);
-}
-
 class Checker {
  public:
   Checker(const Adjustment& adjustment, const Marginals& marginals,
-          const TrajectoryResult& trajectory, int threads)
+          const TrajectoryResult& trajectory)
       : network_(*adjustment.network),
         marginals_(marginals),
         trajectory_(trajectory),
-        linearized_(network_.net, threads),
-        groups_(internal::GroupComponents(network_, linearized_)),
-        common_(internal::CommonErrorComponents(network_, linearized_)),
+        linearized_(marginals.linearized()),
+        forms_(ChannelForms(linearized_)),
+        num_channels_(forms_.size()),
         candidates_(CandidateEffects(network_, threads)) {
-    tests_ = static_cast<double>(groups_.size() + common_.size() + candidates_.size());
+    for (ResidualForm& common : internal::CommonErrorForms(network_, linearized_)) {
+      forms_.push_back(std::move(common));
+    }
+    tests_ = static_cast<double>(forms_.size() + candidates_.size());
     Watch();
   }
 
   ModelCheck Run() {
     CheckPriors();
-    SampleMoments();
+    moments_ = MomentsOf(marginals_, forms_);
     FindEffects();
     const Eigen::VectorXd left = ResidualBesideEffects();
     check_.sigma0_beside_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
     CheckCommonErrors(left);
-    for (const auto& group : check_.groups) Note(group.p_value);
-    for (const auto& common : check_.common_errors) Note(common.p_value);
-    for (const auto& effect : check_.effects) Note(effect.p_value);
-    for (const auto& prior : check_.priors) Note(prior.p_value);
+    check_.p_value = check_.SmallestPValue();
     return std::move(check_);
   }
 
  private:
   double ForFamily(double p_value) const { return std::min(1.0, p_value * tests_); }
-  void Note(double p_value) { check_.p_value = std::min(check_.p_value, p_value); }
 
   /// The unknowns whose move counts: the boresight, else poses along the trajectory.
   void Watch() {
@@ -116,112 +84,64 @@ class Checker {
     return move.cwiseQuotient(watched_sigma_).cwiseAbs().maxCoeff();
   }
 
-  void SampleMoments() {
-    const std::size_t n = groups_.size() + common_.size();
-    std::vector<std::vector<double>> energies(n);
-    std::mt19937_64 generator(kSeed);
-    std::normal_distribution<double> normal;
-    for (int k = 0; k < kSamples; k += kSamplesAtOnce) {
-      Eigen::MatrixXd E(linearized_.rows(), kSamplesAtOnce);
-      for (Eigen::Index i = 0; i < E.size(); ++i) E.data()[i] = normal(generator);
-      E = linearized_.Project(E, marginals_);
-      for (int c = 0; c < kSamplesAtOnce; ++c) {
-        for (std::size_t i = 0; i < n; ++i) energies[i].push_back(Component(i).Energy(E.col(c)));
-      }
-    }
-    for (const std::vector<double>& sample : energies) {
-      Moments moments;
-      for (const double energy : sample) moments.mean += energy / kSamples;
-      for (const double energy : sample) {
-        moments.variance += std::pow(energy - moments.mean, 2) / (kSamples - 1);
-      }
-      moments_.push_back(moments);
-    }
-  }
-
-  const ResidualComponent& Component(std::size_t i) const {
-    return i < groups_.size() ? groups_[i] : common_[i - groups_.size()];
-  }
-
   void CheckGroups(const Eigen::VectorXd& beside_effects) {
-    std::vector<double> redundancy(static_cast<std::size_t>(linearized_.rows()), 0.0);
-    std::vector<double> t_s(redundancy.size(), 0.0);
-    std::size_t next = 0;
-    for (const LinearizedNetwork::FactorRows& rows : linearized_.factors()) {
-      while (next < trajectory_.fits.size() && trajectory_.fits[next].factor != rows.factor) ++next;
-      if (next == trajectory_.fits.size()) break;
-      for (int k = 0; k < rows.count; ++k) {
-        const std::size_t row = static_cast<std::size_t>(rows.first) + static_cast<std::size_t>(k);
-        redundancy[row] = trajectory_.fits[next].redundancy[k];
-        t_s[row] = network_.net.factor(rows.factor).t_s;
-      }
-    }
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
+    for (std::size_t g = 0; g < num_channels_; ++g) {
+      const ChannelFit fit =
+          DescribeChannel(linearized_, forms_[g], moments_[g], trajectory_.redundancy);
       GroupCheck group;
-      group.name = groups_[g].name;
-      for (std::size_t row = 0; row < redundancy.size(); ++row) {
-        if (groups_[g].label[row] < 0) continue;
-        ++group.observations;
-        group.redundancy += redundancy[row];
-        const double residual = linearized_.residual()[static_cast<Eigen::Index>(row)];
-        const double standardised = residual / std::sqrt(std::max(redundancy[row], 1e-12));
-        if (redundancy[row] > kFittedAway &&
-            std::abs(standardised) > std::abs(group.worst_standardised)) {
-          group.worst_standardised = standardised;
-          group.worst_t_s = t_s[row];
-        }
-      }
-      const double energy = groups_[g].Energy(linearized_.residual());
-      group.variance_ratio = energy / std::max(group.redundancy, 1e-12);
+      group.name = fit.name;
+      group.observations = fit.observations;
+      group.redundancy = fit.redundancy;
+      group.variance_ratio = fit.variance_ratio;
       group.ratio_beside_effects =
-          groups_[g].Energy(beside_effects) / std::max(group.redundancy, 1e-12);
-      const Moments moments{group.redundancy, moments_[g].variance};
-      group.p_value =
-          ForFamily(2.0 * std::min(UpperTail(energy, moments), LowerTail(energy, moments)));
+          forms_[g].Energy(beside_effects) / std::max(group.redundancy, 1e-12);
+      group.p_value = ForFamily(fit.p_value);
+      group.worst_t_s = fit.worst.row.t_s;
+      group.worst_standardised = fit.worst.standardised;
       check_.groups.push_back(std::move(group));
     }
   }
 
   void CheckCommonErrors(const Eigen::VectorXd& beside_effects) {
-    for (std::size_t c = 0; c < common_.size(); ++c) {
-      const Moments& moments = moments_[groups_.size() + c];
+    for (std::size_t c = num_channels_; c < forms_.size(); ++c) {
+      const FormMoments& moments = moments_[c];
       CommonErrorCheck common;
-      common.name = common_[c].name;
-      common.group = common_[c].group;
-      const double energy = common_[c].Energy(linearized_.residual());
+      common.name = forms_[c].name;
+      common.group = forms_[c].channel;
+      const double energy = forms_[c].Energy(linearized_.residual());
       common.ratio = energy / std::max(moments.mean, 1e-300);
-      common.p_value = ForFamily(UpperTail(energy, moments));
+      common.p_value = ForFamily(moments.UpperTail(energy));
       if (moments.variance > 0.0 && common.ratio > 1.0) {
         common.log_evidence =
             0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) - kPriceOfASizeNats;
       }
-      const double left = common_[c].Energy(beside_effects);
-      common.explained = ForFamily(UpperTail(left, moments)) > internal::kFamilyLevel;
+      const double left = forms_[c].Energy(beside_effects);
+      common.explained = ForFamily(moments.UpperTail(left)) > internal::kFamilyLevel;
       const double variance =
           moments.variance > 0.0 ? 2.0 * (left - moments.mean) / moments.variance : 0.0;
       common.sigma = std::sqrt(std::max(0.0, variance));
       const Eigen::VectorXd move =
-          common_[c].SumByLabel(gain_).colwise().norm().transpose() * common.sigma;
+          forms_[c].SumByLabel(gain_).colwise().norm().transpose() * common.sigma;
       common.damage = InSigmas(move);
-      common.worst = WorstLabel(common_[c]);
+      if (common.p_value <= internal::kFamilyLevel) common.worst = WorstLabel(forms_[c]);
       check_.common_errors.push_back(std::move(common));
     }
   }
 
   /// The label whose residuals agree most in their sign.
-  std::string WorstLabel(const ResidualComponent& component) const {
-    const Eigen::VectorXd sum = component.SumByLabel(linearized_.residual());
+  std::string WorstLabel(const ResidualForm& form) const {
+    const Eigen::VectorXd sum = form.SumByLabel(linearized_.residual());
     const Eigen::VectorXd count =
-        component.SumByLabel(Eigen::VectorXd::Ones(linearized_.rows())).cwiseSqrt();
+        form.SumByLabel(Eigen::VectorXd::Ones(linearized_.rows())).cwiseSqrt();
     Eigen::Index worst = 0;
     sum.cwiseQuotient(count).cwiseAbs().maxCoeff(&worst);
-    return component.label_name[static_cast<std::size_t>(worst)];
+    return form.label_name[static_cast<std::size_t>(worst)];
   }
 
   void FindEffects() {
     std::vector<EffectModel> models;
     for (const CandidateEffect& candidate : candidates_) models.push_back(candidate.model);
-    const JointScore score = ScoreEffects(network_.net, marginals_, models, watched_);
+    const JointScore score = ScoreEffects(marginals_, models, watched_);
     screen_ =
         internal::ScreenEffects(candidates_, score, {tests_, watched_sigma_, check_.of_boresight});
     check_.effects = screen_.effects;
@@ -230,52 +150,46 @@ class Checker {
   /// What the residuals would be with the effects found among the unknowns.
   Eigen::VectorXd ResidualBesideEffects() const {
     if (screen_.chosen.empty()) return linearized_.residual();
-    std::vector<int> first_row(static_cast<std::size_t>(network_.net.num_factors()), -1);
-    for (const LinearizedNetwork::FactorRows& rows : linearized_.factors()) {
-      first_row[static_cast<std::size_t>(rows.factor)] = rows.first;
-    }
     Eigen::VectorXd added = Eigen::VectorXd::Zero(linearized_.rows());
     Eigen::Index at = 0;
     for (const std::size_t k : screen_.chosen) {
       const Eigen::Index q = candidates_[k].typical.size();
       for (const EffectPart& part : candidates_[k].model) {
-        const int first = first_row[static_cast<std::size_t>(part.factor)];
-        if (first >= 0)
-          added.segment(first, part.L.rows()) += part.L * screen_.joint.segment(at, q);
+        const auto rows = linearized_.RowsOf(part.factor);
+        if (!rows) continue;
+        added.segment(rows->first, rows->count) +=
+            std::sqrt(rows->weight) * part.L * screen_.joint.segment(at, q);
       }
       at += q;
     }
-    return linearized_.residual() + linearized_.Project(added, marginals_);
+    return linearized_.residual() + marginals_.Project(added);
   }
 
   void CheckPriors() {
     for (const LinearizedNetwork::FactorRows& rows : linearized_.factors()) {
-      const FactorRecord& record = network_.net.factor(rows.factor);
-      const BlockRecord& block = network_.net.block(record.blocks.front());
-      const bool is_prior =
-          network_.net.groups()[static_cast<std::size_t>(record.group)] == "prior";
-      if (!is_prior || std::isfinite(record.t_s)) continue;
-      const Prediction prediction = PredictFactor(network_.net, rows.factor, marginals_);
+      const bool is_prior = linearized_.group(rows.factor).kind == FactorGroup::Kind::kPrior;
+      if (!is_prior || std::isfinite(linearized_.t_s(rows.factor))) continue;
+      const BlockRecord& block =
+          network_.net.block(network_.net.factor(rows.factor).blocks.front());
+      const Prediction prediction = PredictFactor(marginals_, rows.factor);
       if (!prediction.determined) continue;
       const double p = ChiSquareTail(prediction.statistic, rows.count);
       check_.priors.push_back({block.name, prediction.statistic, rows.count, ForFamily(p)});
     }
   }
 
-  // A residual of less redundancy says nothing by itself.
-  static constexpr double kFittedAway = 1e-6;
-
   const FlightNetwork& network_;
   const Marginals& marginals_;
   const TrajectoryResult& trajectory_;
-  LinearizedNetwork linearized_;
-  std::vector<ResidualComponent> groups_, common_;
+  const LinearizedNetwork& linearized_;
+  std::vector<ResidualForm> forms_;  // of the channels, then of common errors
+  std::size_t num_channels_;
   std::vector<CandidateEffect> candidates_;
   double tests_ = 1.0;
   std::vector<BlockId> watched_;
   Eigen::VectorXd watched_sigma_;
   Eigen::MatrixXd gain_;  // rows x watched coordinates
-  std::vector<Moments> moments_;
+  std::vector<FormMoments> moments_;
   internal::EffectScreen screen_;
   ModelCheck check_;
 };
@@ -283,10 +197,22 @@ class Checker {
 }  // namespace
 
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
-                      const TrajectoryResult& trajectory, int threads) {
-  ModelCheck check = Checker(adjustment, marginals, trajectory, threads).Run();
+                      const TrajectoryResult& trajectory) {
+  ModelCheck check = Checker(adjustment, marginals, trajectory).Run();
   internal::AddFindings(adjustment, trajectory, &check);
   return check;
+}
+
+double ModelCheck::SmallestPValue() const {
+  double smallest = 1.0;
+  const auto note = [&](const auto& tests) {
+    for (const auto& test : tests) smallest = std::min(smallest, test.p_value);
+  };
+  note(groups);
+  note(common_errors);
+  note(effects);
+  note(priors);
+  return smallest;
 }
 
 bool ModelCheck::contradicted() const {

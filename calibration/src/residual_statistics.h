@@ -1,21 +1,17 @@
 #pragma once
 
-#include <dn/calibration/result.h>
-#include <dn/network.h>
 #include <dn/report/statistics.h>
-#include <dn/solvers/marginals.h>
+#include <dn/solvers/linearized_network.h>
 
+#include <Eigen/Core>
 #include <vector>
 
 namespace dn {
 
-/// Whitened residuals and redundancy numbers of every active factor, by id. `marginals` must have
-/// its selected inverse.
-std::vector<FactorFit> FitOfFactors(const Network& net, const Marginals& marginals);
-
-/// Whitened residuals after the fit, per sensor and axis in time order, with the variance that
-/// their redundancy lets them have.
-std::vector<SeriesStatistics> ResidualStatistics(const Network& net,
-                                                 const std::vector<FactorFit>& fits);
+/// Whitened residuals after the fit, per group of factors and axis in time order, with the variance
+/// that their redundancy lets them have; measurements first, then processes, each in the order of
+/// their first tags. `redundancy`: RedundancyNumbers of every row.
+std::vector<SeriesStatistics> ResidualStatistics(const LinearizedNetwork& linearized,
+                                                 const Eigen::VectorXd& redundancy);
 
 }  // namespace dn

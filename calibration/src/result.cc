@@ -1,5 +1,6 @@
 #include <dn/calibration/result.h>
 #include <dn/geo/text_table.h>
+#include <dn/solvers/prediction.h>
 #include <dn/solvers/solve.h>
 
 #include <Eigen/Eigenvalues>
@@ -258,8 +259,8 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
     result.biases.push_back(bias);
   }
   result.figures = Figures(adjustment);
-  result.fits = FitOfFactors(network.net, marginals);
-  result.residuals = ResidualStatistics(network.net, result.fits);
+  result.redundancy = RedundancyNumbers(marginals);
+  result.residuals = ResidualStatistics(marginals.linearized(), result.redundancy);
   AddInnovations(adjustment, &result);
   WarnOfInnovations(&result);
   return result;

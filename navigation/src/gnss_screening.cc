@@ -29,10 +29,10 @@ std::vector<GnssScreening::Judged> GnssScreening::Judge(const FlightNetwork& net
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
     const FactorId id = edge.*which;
     if (id < 0) continue;
-    const Prediction prediction = PredictFactor(network.net, id, marginals);
-    if (prediction.determined) {
-      judged.push_back({id, prediction.statistic, network.net.factor(id).active});
-    }
+    const Prediction prediction = PredictFactor(marginals, id);
+    if (!prediction.determined) continue;
+    const bool active = marginals.linearized().RowsOf(id).has_value();
+    judged.push_back({id, prediction.statistic, active});
   }
   return judged;
 }

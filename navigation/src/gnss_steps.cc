@@ -1,6 +1,5 @@
 #include <dn/navigation/gnss_steps.h>
 #include <dn/navigation/robust_scale.h>
-#include <dn/solvers/robust_loss.h>
 #include <dn/solvers/score_test.h>
 
 #include <algorithm>
@@ -30,17 +29,19 @@ struct Position {
   double weight = 1.0;  // of the robust loss
 };
 
-std::vector<Position> ActivePositions(const FlightNetwork& network) {
+std::vector<Position> ActivePositions(const FlightNetwork& network,
+                                      const LinearizedNetwork& linearized) {
   constexpr std::size_t kPositionBlock = 1, kLeverArmBlock = 2;
   std::vector<Position> positions;
   for (std::size_t e = 0; e < network.gnss_edges.size(); ++e) {
     const FactorId id = network.gnss_edges[e].position;
     Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
-    if (!network.net.factor(id).active || !network.net.EvaluateFactor(id, &r, &J)) continue;
+    const auto rows = linearized.RowsOf(id);
+    if (!rows || !network.net.EvaluateFactor(id, &r, &J)) continue;
     positions.push_back({e, id, J[kPositionBlock], J[kLeverArmBlock],
                          network.NodePose(network.gnss_edges[e].node).v_m, r.squaredNorm(),
-                         EvaluateLoss(network.net.factor(id).loss, r.squaredNorm()).rho_prime});
+                         rows->weight});
   }
   return positions;
 }
@@ -127,12 +128,8 @@ double Moved(const EffectModel& effect, const Eigen::VectorXd& estimate) {
 /// The run whose common offset is the most significant one.
 class JumpSearch {
  public:
-  JumpSearch(const FlightNetwork& network, const Marginals& marginals,
-             const std::vector<Position>& positions)
-      : network_(network),
-        marginals_(marginals),
-        positions_(positions),
-        least_(kCertain * Scale(positions)) {}
+  JumpSearch(const Marginals& marginals, const std::vector<Position>& positions)
+      : marginals_(marginals), positions_(positions), least_(kCertain * Scale(positions)) {}
 
   void Try(const std::vector<Run>& runs) {
     std::vector<EffectModel> effects;
@@ -143,7 +140,7 @@ class JumpSearch {
       }
       effects.push_back(std::move(effect));
     }
-    const std::vector<ScoreTest> tests = TestEffects(network_.net, marginals_, effects);
+    const std::vector<ScoreTest> tests = TestEffects(marginals_, effects);
     for (std::size_t i = 0; i < runs.size(); ++i) {
       const bool real = Moved(effects[i], tests[i].estimate) > kRealSigmas;
       if (tests[i].statistic <= least_ || !real) continue;
@@ -174,7 +171,6 @@ class JumpSearch {
   const std::optional<GnssJump>& best() const { return best_; }
 
  private:
-  const FlightNetwork& network_;
   const Marginals& marginals_;
   const std::vector<Position>& positions_;
   double least_;
@@ -186,9 +182,9 @@ class JumpSearch {
 
 std::optional<GnssJump> FindGnssJump(const FlightNetwork& network, const Marginals& marginals,
                                      const std::vector<FactorId>& ends) {
-  const std::vector<Position> positions = ActivePositions(network);
+  const std::vector<Position> positions = ActivePositions(network, marginals.linearized());
   if (positions.size() < 2 * kShortestRun) return std::nullopt;
-  JumpSearch search(network, marginals, positions);
+  JumpSearch search(marginals, positions);
   search.Try(RunsBetween(positions, ends));
   search.Refine();
   return search.best();
@@ -196,10 +192,10 @@ std::optional<GnssJump> FindGnssJump(const FlightNetwork& network, const Margina
 
 std::optional<GnssMisfit> ExplainGnssMisfit(const FlightNetwork& network,
                                             const Marginals& marginals) {
-  const std::vector<Position> positions = ActivePositions(network);
+  const std::vector<Position> positions = ActivePositions(network, marginals.linearized());
   if (positions.size() < 2 * kShortestRun) return std::nullopt;
   const Suspects suspects = AllSuspects(network, positions);
-  const std::vector<ScoreTest> tests = TestEffects(network.net, marginals, suspects.effects);
+  const std::vector<ScoreTest> tests = TestEffects(marginals, suspects.effects);
   double excess = -3.0 * static_cast<double>(positions.size());
   for (const Position& position : positions) excess += position.weight * position.norm2;
   double least = std::max(kCertain * Scale(positions), kExplainedShare * excess);

@@ -1,10 +1,11 @@
 #include <dn/error.h>
 #include <dn/parallel.h>
-#include <dn/solvers/linearized_network.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
-#include "normal_equations.h"
+#include "linearized_impl.h"
 
 namespace dn {
 namespace {
@@ -17,34 +18,142 @@ void ExpectRows(Eigen::Index rows, Eigen::Index expected, const char* what) {
 
 }  // namespace
 
-struct LinearizedNetwork::Impl {
-  Impl(const Network& network, int threads)
-      : layout(network), linearization(network, layout, threads) {}
-
-  UnknownLayout layout;
-  Linearization linearization;
-};
-
-LinearizedNetwork::LinearizedNetwork(const Network& network, int threads)
-    : impl_(std::make_unique<Impl>(network, threads)), threads_(threads) {
-  for (const Linearization::Edge& edge : impl_->linearization.edges()) {
-    factors_.push_back({edge.factor, edge.first_row, edge.rows});
+LinearizedNetwork::Impl::Impl(const Network& network, int num_threads)
+    : threads(num_threads),
+      layout(network),
+      linearization(network, layout, threads),
+      groups(network.groups()) {
+  for (FactorId id = 0; id < network.num_factors(); ++id) {
+    const FactorRecord& record = network.factor(id);
+    factors.push_back({-1, record.group, record.t_s});
+    if (!record.active && record.factor) idle[id] = {record.factor, record.blocks};
+  }
+  for (const Linearization::Edge& edge : linearization.edges()) {
+    factors[static_cast<std::size_t>(edge.factor)].edge = static_cast<int>(factor_rows.size());
+    factor_rows.push_back({edge.factor, edge.first_row, edge.rows, edge.weight});
+  }
+  for (BlockId b = 0; b < network.num_blocks(); ++b) {
+    const BlockRecord& block = network.block(b);
+    blocks.push_back({block.name, block.kind, block.held, block.label, values.size()});
+    values.insert(values.end(), block.value.get(), block.value.get() + block.kind.stored_size);
   }
 }
 
-LinearizedNetwork::~LinearizedNetwork() = default;
-LinearizedNetwork::LinearizedNetwork(LinearizedNetwork&&) noexcept = default;
-LinearizedNetwork& LinearizedNetwork::operator=(LinearizedNetwork&&) noexcept = default;
+const LinearizedNetwork::Impl::BlockInfo& LinearizedNetwork::Impl::block(BlockId b) const {
+  if (b < 0 || b >= static_cast<int>(blocks.size())) {
+    throw InvalidInput("linearised network: no block with id " + std::to_string(b));
+  }
+  return blocks[static_cast<std::size_t>(b)];
+}
+
+const LinearizedNetwork::Impl::FactorInfo& LinearizedNetwork::Impl::factor(FactorId id) const {
+  if (id < 0 || id >= static_cast<int>(factors.size())) {
+    throw InvalidInput("linearised network: no factor with id " + std::to_string(id));
+  }
+  return factors[static_cast<std::size_t>(id)];
+}
+
+const LinearizedNetwork::Impl::IdleFactor& LinearizedNetwork::Impl::idle_factor(
+    FactorId id) const {
+  const auto found = idle.find(id);
+  if (found == idle.end()) {
+    throw InvalidInput("linearised network: factor " + std::to_string(id) + " was removed");
+  }
+  return found->second;
+}
+
+int LinearizedNetwork::Impl::residual_size(FactorId id) const {
+  const int edge = factor(id).edge;
+  return edge >= 0 ? factor_rows[static_cast<std::size_t>(edge)].count
+                   : idle_factor(id).factor->residual_size();
+}
+
+LinearizedNetwork::Factor LinearizedNetwork::Impl::OfEdge(const Linearization::Edge& edge) const {
+  Factor factor;
+  factor.weight = edge.weight;
+  const double per_row = edge.weight > 0.0 ? 1.0 / std::sqrt(edge.weight) : 0.0;
+  factor.residual = per_row * linearization.residual().segment(edge.first_row, edge.rows);
+  int column = 0;
+  for (int b = 0; b < edge.num_blocks; ++b) {
+    const int p = linearization.positions(edge)[b];
+    const int size = layout.size_of(p);
+    factor.jacobian.emplace_back(layout.blocks[static_cast<std::size_t>(p)],
+                                 per_row * linearization.jacobian(edge).middleCols(column, size));
+    column += size;
+  }
+  return factor;
+}
+
+LinearizedNetwork::Factor LinearizedNetwork::Impl::OfIdle(const IdleFactor& of, FactorId id) const {
+  std::vector<const double*> x;
+  for (const BlockId b : of.blocks) x.push_back(values.data() + block(b).value);
+  Factor factor;
+  std::vector<Eigen::MatrixXd> J;
+  if (!EvaluateInTangent(*of.factor, x, &factor.residual, &J)) {
+    throw InvalidInput("linearised network: factor " + std::to_string(id) +
+                       ", which is not active, is undefined at these values");
+  }
+  for (std::size_t b = 0; b < J.size(); ++b) {
+    if (!block(of.blocks[b]).held) factor.jacobian.emplace_back(of.blocks[b], std::move(J[b]));
+  }
+  return factor;
+}
+
+LinearizedNetwork::LinearizedNetwork(const Network& network, int threads)
+    : impl_(std::make_shared<Impl>(network, threads)) {}
 
 int LinearizedNetwork::parameters() const { return impl_->layout.size(); }
 
+const Eigen::VectorXd& LinearizedNetwork::residual() const {
+  return impl_->linearization.residual();
+}
+
+const std::vector<BlockId>& LinearizedNetwork::unknowns() const { return impl_->layout.blocks; }
+
 int LinearizedNetwork::FirstColumn(BlockId block) const {
-  const int position = impl_->layout.position_of.at(static_cast<std::size_t>(block));
+  impl_->block(block);
+  const int position = impl_->layout.position_of[static_cast<std::size_t>(block)];
   return position < 0 ? -1 : impl_->layout.offset[static_cast<std::size_t>(position)];
 }
 
-const Eigen::VectorXd& LinearizedNetwork::residual() const {
-  return impl_->linearization.residual();
+const std::vector<LinearizedNetwork::FactorRows>& LinearizedNetwork::factors() const {
+  return impl_->factor_rows;
+}
+
+std::optional<LinearizedNetwork::FactorRows> LinearizedNetwork::RowsOf(FactorId factor) const {
+  const int edge = impl_->factor(factor).edge;
+  if (edge < 0) return std::nullopt;
+  return impl_->factor_rows[static_cast<std::size_t>(edge)];
+}
+
+const FactorGroup& LinearizedNetwork::group(FactorId factor) const {
+  return impl_->groups[static_cast<std::size_t>(impl_->factor(factor).group)];
+}
+
+double LinearizedNetwork::t_s(FactorId factor) const { return impl_->factor(factor).t_s; }
+
+LinearizedNetwork::Row LinearizedNetwork::RowAt(Eigen::Index row) const {
+  if (row < 0 || row >= rows()) {
+    throw InvalidInput("linearised network: no row " + std::to_string(row) + " of " +
+                       std::to_string(rows()));
+  }
+  const auto past = std::upper_bound(
+      factors().begin(), factors().end(), row,
+      [](Eigen::Index wanted, const FactorRows& rows) { return wanted < rows.first; });
+  const FactorRows& rows = *std::prev(past);
+  const int residual = static_cast<int>(row) - rows.first;
+  const FactorGroup& of = group(rows.factor);
+  return {rows.factor, residual, of.Channel(residual), of.Axis(residual), t_s(rows.factor)};
+}
+
+LinearizedNetwork::Factor LinearizedNetwork::FactorAt(FactorId factor) const {
+  const int edge = impl_->factor(factor).edge;
+  if (edge < 0) return impl_->OfIdle(impl_->idle_factor(factor), factor);
+  return impl_->OfEdge(impl_->linearization.edges()[static_cast<std::size_t>(edge)]);
+}
+
+const double* LinearizedNetwork::StoredValue(BlockId block) const {
+  return impl_->values.data() + impl_->block(block).value;
 }
 
 Eigen::MatrixXd LinearizedNetwork::Times(const Eigen::MatrixXd& X) const {
@@ -52,7 +161,7 @@ Eigen::MatrixXd LinearizedNetwork::Times(const Eigen::MatrixXd& X) const {
   const Linearization& linearization = impl_->linearization;
   const UnknownLayout& layout = impl_->layout;
   Eigen::MatrixXd E = Eigen::MatrixXd::Zero(rows(), X.cols());
-  ParallelFor(static_cast<int>(linearization.edges().size()), threads_, [&](int e) {
+  ParallelFor(static_cast<int>(linearization.edges().size()), impl_->threads, [&](int e) {
     const Linearization::Edge& edge = linearization.edges()[static_cast<std::size_t>(e)];
     const auto J = linearization.jacobian(edge);
     int column = 0;
@@ -85,11 +194,6 @@ Eigen::MatrixXd LinearizedNetwork::TransposeTimes(const Eigen::MatrixXd& E) cons
     }
   }
   return G;
-}
-
-Eigen::MatrixXd LinearizedNetwork::Project(const Eigen::MatrixXd& E,
-                                           const Marginals& marginals) const {
-  return E - Times(marginals.Solve(TransposeTimes(E)));
 }
 
 }  // namespace dn

@@ -1,16 +1,14 @@
-#include <dn/solvers/marginals.h>
+#include <dn/error.h>
 
 #include <Eigen/Cholesky>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <string>
+#include <utility>
 
-#include "normal_equations.h"
+#include "marginals_impl.h"
 #include "rank.h"
-#include "selected_inverse.h"
 #include "serial_blas.h"
-#include "sparse_cholesky.h"
 
 namespace dn {
 namespace {
@@ -57,176 +55,154 @@ void MarginalsOptions::Validate() const {
   }
 }
 
-struct Marginals::Impl {
-  struct BlockInfo {
-    std::string name;
-    int tangent_size;
-    bool held;
-  };
+Marginals::Impl::Impl(LinearizedNetwork snapshot, const MarginalsOptions& options)
+    : linearized(std::move(snapshot)) {
+  if (layout().size() > 0) Factor(options);
+}
 
-  Impl(const Network& network, const MarginalsOptions& options) : layout(network) {
-    for (BlockId b = 0; b < network.num_blocks(); ++b) {
-      const BlockRecord& block = network.block(b);
-      blocks.push_back({block.name, block.kind.tangent_size, block.held});
-    }
-    if (layout.size() > 0) Factor(network, options);
+void Marginals::Impl::Factor(const MarginalsOptions& options) {
+  const Linearization& linearization = network().linearization;
+  auto start = std::chrono::steady_clock::now();
+  NormalEquations equations(layout(), linearization);
+  scale = JacobiScale(equations.N);
+  ApplyScale(scale, &equations.N);
+  timings.assemble_s = SecondsSince(start);
+
+  start = std::chrono::steady_clock::now();
+  cholesky = std::make_unique<SparseCholesky>(equations.N, equations.blocks, layout());
+  timings.analyze_s = SecondsSince(start);
+
+  start = std::chrono::steady_clock::now();
+  const bool definite = cholesky->Factorize(equations.N);
+  timings.factor_s = SecondsSince(start);
+
+  start = std::chrono::steady_clock::now();
+  if (!definite || ProbeInformation(linearization, scale, *cholesky) < kProbeThreshold) {
+    ExamineRank(equations.N, definite, options.null_tolerance);
   }
+  timings.rank_s = SecondsSince(start);
+}
 
-  void Factor(const Network& network, const MarginalsOptions& options) {
-    auto start = std::chrono::steady_clock::now();
-    const Linearization linearization(network, layout, options.threads);
-    NormalEquations equations(layout, linearization);
-    scale = JacobiScale(equations.N);
-    ApplyScale(scale, &equations.N);
-    timings.assemble_s = SecondsSince(start);
-
-    start = std::chrono::steady_clock::now();
-    cholesky = std::make_unique<SparseCholesky>(equations.N, equations.blocks, layout);
-    timings.analyze_s = SecondsSince(start);
-
-    start = std::chrono::steady_clock::now();
-    const bool definite = cholesky->Factorize(equations.N);
-    timings.factor_s = SecondsSince(start);
-
-    start = std::chrono::steady_clock::now();
-    if (!definite || ProbeInformation(linearization, scale, *cholesky) < kProbeThreshold) {
-      ExamineRank(network, linearization, equations.N, definite, options.null_tolerance);
-    }
-    timings.rank_s = SecondsSince(start);
+void Marginals::Impl::ExamineRank(const SymmetricCsc& scaled_N, bool definite, double tolerance) {
+  const ScaledDirections weak =
+      FindFreeDirections(network().linearization, scale, scaled_N, *cholesky);
+  const Eigen::Index free = (weak.information.array() < tolerance).count();
+  if (free > 0) {
+    throw RankDeficient("marginals: " + DescribeFreeDirections(network(), weak.v.leftCols(free)));
   }
-
-  void ExamineRank(const Network& network, const Linearization& linearization,
-                   const SymmetricCsc& scaled_N, bool definite, double tolerance) {
-    const WeakDirections weak = FindWeakDirections(linearization, scale, scaled_N, *cholesky);
-    const Eigen::Index free = (weak.information.array() < tolerance).count();
-    if (free > 0) {
-      throw RankDeficient("marginals: " +
-                          DescribeFreeDirections(network, layout, weak.v.leftCols(free)));
-    }
-    if (!definite || !cholesky->Factorize(scaled_N)) {
-      throw RankDeficient("marginals: the normal matrix cannot be factored in double precision; " +
-                          DescribeFreeDirections(network, layout, weak.v.leftCols(1)));
-    }
+  if (!definite || !cholesky->Factorize(scaled_N)) {
+    throw RankDeficient("marginals: the normal matrix cannot be factored in double precision; " +
+                        DescribeFreeDirections(network(), weak.v.leftCols(1)));
   }
+}
 
-  const BlockInfo& block(BlockId b) const {
-    if (b < 0 || b >= static_cast<int>(blocks.size())) {
-      throw InvalidInput("marginals: no block with id " + std::to_string(b));
-    }
-    return blocks[static_cast<std::size_t>(b)];
+int Marginals::Impl::Position(BlockId b) const {
+  const BlockInfo& info = block(b);
+  const int position = layout().position_of[static_cast<std::size_t>(b)];
+  if (position < 0 && !info.held) {
+    throw RankDeficient("marginals: no active factor depends on block '" + info.name +
+                        "', which has no covariance; give it a prior or hold it");
   }
+  return position;
+}
 
-  /// Position in the layout; -1 for a held block. Throws for a block without a factor.
-  int Position(BlockId b) const {
-    const BlockInfo& info = block(b);
-    const int position = layout.position_of[static_cast<std::size_t>(b)];
-    if (position < 0 && !info.held) {
-      throw RankDeficient("marginals: no active factor depends on block '" + info.name +
-                          "', which has no covariance; give it a prior or hold it");
-    }
-    return position;
-  }
-
-  int Offset(int position) const { return layout.offset[static_cast<std::size_t>(position)]; }
-
-  Eigen::MatrixXd Solve(const std::vector<BlockId>& ids) const {
-    int columns = 0;
-    for (const BlockId b : ids) columns += block(b).tangent_size;
-    Eigen::MatrixXd B = Eigen::MatrixXd::Zero(layout.size(), columns);
-    int column = 0;
-    for (const BlockId b : ids) {
-      if (const int position = Position(b); position >= 0) {
-        for (int k = 0; k < block(b).tangent_size; ++k) {
-          const int i = Offset(position) + k;
-          B(i, column + k) = scale[i];
-        }
+Eigen::MatrixXd Marginals::Impl::Solve(const std::vector<BlockId>& ids) const {
+  int columns = 0;
+  for (const BlockId b : ids) columns += block(b).kind.tangent_size;
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(layout().size(), columns);
+  int column = 0;
+  for (const BlockId b : ids) {
+    if (const int position = Position(b); position >= 0) {
+      for (int k = 0; k < block(b).kind.tangent_size; ++k) {
+        const int i = Offset(position) + k;
+        B(i, column + k) = scale[i];
       }
-      column += block(b).tangent_size;
     }
-    return SolveScaled(std::move(B));
+    column += block(b).kind.tangent_size;
   }
+  return SolveScaled(std::move(B));
+}
 
-  Eigen::MatrixXd Solve(const BlockColumns& rhs) const {
-    const Eigen::Index columns = rhs.empty() ? 0 : rhs.begin()->second.cols();
-    Eigen::MatrixXd B = Eigen::MatrixXd::Zero(layout.size(), columns);
-    for (const auto& [b, rows] : rhs) {
-      const int position = Position(b);
-      if (position < 0 || rows.rows() != block(b).tangent_size || rows.cols() != columns) {
-        throw InvalidInput("marginals: right-hand side of block '" + block(b).name + "' is " +
-                           std::to_string(rows.rows()) + " x " + std::to_string(rows.cols()) +
-                           (position < 0 ? ", but the block is held" : ", which does not fit"));
-      }
-      B.middleRows(Offset(position), rows.rows()) =
-          scale.segment(Offset(position), rows.rows()).asDiagonal() * rows;
-    }
-    return SolveScaled(std::move(B));
-  }
-
-  /// scale (scale N scale)^-1 B
-  Eigen::MatrixXd SolveScaled(Eigen::MatrixXd B) const {
-    if (B.size() == 0) return B;
-    const SerialBlas serial;
-    B = cholesky->Solve(B);
-    B.array().colwise() *= scale.array();
-    return B;
-  }
-
-  const Eigen::MatrixXd& CachedColumns(BlockId b) {
-    if (const auto it = cache.find(b); it != cache.end()) return it->second;
-    Eigen::MatrixXd columns = Solve({b});
-    cached += static_cast<std::size_t>(columns.size());
-    if (cached > kCacheLimit) {
-      cache.clear();
-      cached = static_cast<std::size_t>(columns.size());
-    }
-    return cache.emplace(b, std::move(columns)).first->second;
-  }
-
-  Eigen::MatrixXd Rows(const Eigen::MatrixXd& columns, BlockId b) const {
+Eigen::MatrixXd Marginals::Impl::Solve(const BlockColumns& rhs) const {
+  const Eigen::Index columns = rhs.empty() ? 0 : rhs.begin()->second.cols();
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(layout().size(), columns);
+  for (const auto& [b, rows] : rhs) {
     const int position = Position(b);
-    if (position < 0) return Eigen::MatrixXd::Zero(block(b).tangent_size, columns.cols());
-    return columns.middleRows(Offset(position), block(b).tangent_size);
-  }
-
-  std::optional<Eigen::MatrixXd> Selected(BlockId a, BlockId b) const {
-    const int pa = Position(a), pb = Position(b);
-    Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(block(a).tangent_size, block(b).tangent_size);
-    if (pa < 0 || pb < 0) return Z;
-    const std::vector<int>& order = cholesky->permuted_index();
-    for (int c = 0; c < Z.cols(); ++c) {
-      for (int r = 0; r < Z.rows(); ++r) {
-        const int i = Offset(pa) + r, j = Offset(pb) + c;
-        const std::optional<double> entry =
-            selected->At(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(j)]);
-        if (!entry) return std::nullopt;
-        Z(r, c) = *entry * scale[i] * scale[j];
-      }
+    if (position < 0 || rows.rows() != block(b).kind.tangent_size || rows.cols() != columns) {
+      throw InvalidInput("marginals: right-hand side of block '" + block(b).name + "' is " +
+                         std::to_string(rows.rows()) + " x " + std::to_string(rows.cols()) +
+                         (position < 0 ? ", but the block is held" : ", which does not fit"));
     }
-    return Z;
+    B.middleRows(Offset(position), rows.rows()) =
+        scale.segment(Offset(position), rows.rows()).asDiagonal() * rows;
   }
+  return SolveScaled(std::move(B));
+}
 
-  void RequireSelected() const {
-    if (!selected && layout.size() > 0) {
-      throw InvalidInput("marginals: call ComputeSelectedInverse first");
+Eigen::MatrixXd Marginals::Impl::SolveScaled(Eigen::MatrixXd B) const {
+  if (B.size() == 0) return B;
+  const SerialBlas serial;
+  B = cholesky->Solve(B);
+  B.array().colwise() *= scale.array();
+  return B;
+}
+
+const Eigen::MatrixXd& Marginals::Impl::CachedColumns(BlockId b) {
+  if (const auto it = cache.find(b); it != cache.end()) return it->second;
+  Eigen::MatrixXd columns = Solve({b});
+  cached += static_cast<std::size_t>(columns.size());
+  if (cached > kCacheLimit) {
+    cache.clear();
+    cached = static_cast<std::size_t>(columns.size());
+  }
+  return cache.emplace(b, std::move(columns)).first->second;
+}
+
+Eigen::MatrixXd Marginals::Impl::Rows(const Eigen::MatrixXd& columns, BlockId b) const {
+  const int position = Position(b);
+  if (position < 0) return Eigen::MatrixXd::Zero(block(b).kind.tangent_size, columns.cols());
+  return columns.middleRows(Offset(position), block(b).kind.tangent_size);
+}
+
+std::optional<Eigen::MatrixXd> Marginals::Impl::Selected(BlockId a, BlockId b) const {
+  const int pa = Position(a), pb = Position(b);
+  Eigen::MatrixXd Z = Eigen::MatrixXd::Zero(block(a).kind.tangent_size, block(b).kind.tangent_size);
+  if (pa < 0 || pb < 0) return Z;
+  const std::vector<int>& order = cholesky->permuted_index();
+  for (int c = 0; c < Z.cols(); ++c) {
+    for (int r = 0; r < Z.rows(); ++r) {
+      const int i = Offset(pa) + r, j = Offset(pb) + c;
+      const std::optional<double> entry =
+          selected->At(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(j)]);
+      if (!entry) return std::nullopt;
+      Z(r, c) = *entry * scale[i] * scale[j];
     }
   }
+  return Z;
+}
 
-  UnknownLayout layout;
-  std::vector<BlockInfo> blocks;
-  Eigen::VectorXd scale;  ///< of the unknowns: N is factored as scale N scale
-  std::unique_ptr<SparseCholesky> cholesky;
-  std::unique_ptr<SelectedInverse> selected;
-  Timings timings;
-  std::map<BlockId, Eigen::MatrixXd> cache;
-  std::size_t cached = 0;
-};
+void Marginals::Impl::RequireSelected() const {
+  if (!selected && layout().size() > 0) {
+    throw InvalidInput("marginals: call ComputeSelectedInverse first");
+  }
+}
 
 Eigen::MatrixXd Marginals::Columns::Rows(BlockId b) const { return impl_->Rows(columns_, b); }
 
 Marginals::Marginals(const Network& network, const MarginalsOptions& options) {
   options.Validate();
+  const auto start = std::chrono::steady_clock::now();
+  LinearizedNetwork linearized(network, options.threads);
+  const double evaluate_s = SecondsSince(start);
   const SerialBlas serial;
-  impl_ = std::make_shared<Impl>(network, options);
+  impl_ = std::make_shared<Impl>(std::move(linearized), options);
+  impl_->timings.assemble_s += evaluate_s;
+}
+
+Marginals::Marginals(const LinearizedNetwork& linearized, const MarginalsOptions& options) {
+  options.Validate();
+  const SerialBlas serial;
+  impl_ = std::make_shared<Impl>(linearized, options);
 }
 
 Marginals::~Marginals() = default;
@@ -244,9 +220,9 @@ Eigen::MatrixXd Marginals::Covariance(BlockId a, BlockId b) const {
   if (impl_->selected) {
     if (const std::optional<Eigen::MatrixXd> Z = impl_->Selected(a, b)) return *Z;
   }
-  const bool a_is_cheaper =
-      impl_->cache.contains(a) ||
-      (!impl_->cache.contains(b) && impl_->block(a).tangent_size <= impl_->block(b).tangent_size);
+  const bool a_is_cheaper = impl_->cache.contains(a) ||
+                            (!impl_->cache.contains(b) && impl_->block(a).kind.tangent_size <=
+                                                              impl_->block(b).kind.tangent_size);
   if (a_is_cheaper) return impl_->Rows(impl_->CachedColumns(a), b).transpose();
   return impl_->Rows(impl_->CachedColumns(b), a);
 }
@@ -274,7 +250,7 @@ Eigen::MatrixXd Marginals::Solve(const Eigen::MatrixXd& rhs) const {
 }
 
 void Marginals::ComputeSelectedInverse() {
-  if (impl_->selected || impl_->layout.size() == 0) return;
+  if (impl_->selected || impl_->layout().size() == 0) return;
   const auto start = std::chrono::steady_clock::now();
   const SerialBlas serial;
   impl_->selected = std::make_unique<SelectedInverse>(*impl_->cholesky);
@@ -300,7 +276,13 @@ Eigen::MatrixXd Marginals::ReducedNormal(BlockId a) const {
   return C.llt().solve(Eigen::MatrixXd::Identity(C.rows(), C.cols()));
 }
 
-int Marginals::num_parameters() const { return impl_->layout.size(); }
+Eigen::MatrixXd Marginals::Project(const Eigen::MatrixXd& E) const {
+  return E - linearized().Times(Solve(linearized().TransposeTimes(E)));
+}
+
+const LinearizedNetwork& Marginals::linearized() const { return impl_->linearized; }
+
+int Marginals::num_parameters() const { return impl_->layout().size(); }
 
 long Marginals::factor_nonzeros() const {
   return impl_->cholesky ? impl_->cholesky->num_nonzeros() : 0;

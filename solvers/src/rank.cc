@@ -15,6 +15,10 @@ namespace {
 constexpr int kDirections = 8;          ///< dimension of the subspace
 constexpr int kSubspaceIterations = 5;  ///< each gains the ratio shift / next eigenvalue
 constexpr int kProbeIterations = 3;
+constexpr Eigen::Index kSpareDirections = 4;  ///< beyond those wanted: they settle the others
+constexpr int kKrylovSteps = 3;               ///< solves per vector between restarts
+constexpr int kMostRestarts = 30;
+constexpr double kSettled = 1e-11;     ///< relative change of the eigenvalues
 constexpr double kFirstShift = 1e-13;  ///< relative to the unit diagonal of the scaled matrix
 constexpr double kLastShift = 1e-7;
 constexpr int kSweeps = 30;           ///< of the rotation to a simple basis
@@ -34,6 +38,20 @@ Eigen::MatrixXd Orthonormalised(const Eigen::MatrixXd& X) {
          Eigen::MatrixXd::Identity(X.rows(), X.cols());
 }
 
+/// Orthonormal basis of X, A^-1 X, A^-2 X, ..
+Eigen::MatrixXd InverseKrylovBasis(const SparseCholesky& cholesky, const Eigen::MatrixXd& X) {
+  const Eigen::Index n = X.rows(), width = X.cols();
+  Eigen::MatrixXd basis = X;
+  for (int step = 0; step < kKrylovSteps && basis.cols() < n; ++step) {
+    const Eigen::MatrixXd next = cholesky.Solve(basis.rightCols(width));
+    const Eigen::Index columns = std::min(basis.cols() + width, n);
+    Eigen::MatrixXd extended(n, columns);
+    extended << basis, next.leftCols(columns - basis.cols());
+    basis = Orthonormalised(extended);
+  }
+  return basis;
+}
+
 /// Rotates the columns of v among themselves so that each has few large components (quartimax).
 Eigen::MatrixXd SimplestBasis(Eigen::MatrixXd v) {
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -51,15 +69,14 @@ Eigen::MatrixXd SimplestBasis(Eigen::MatrixXd v) {
   return v;
 }
 
-/// The part of one quantity's component in a direction, over all its epochs.
-struct Share {
+/// One unknown's components of a direction, over all its epochs.
+struct Components {
   std::vector<double> values;
   std::vector<double> epochs_s;
-  double weight = 0.0;  ///< rms over the epochs that take part
-  double first_s = std::numeric_limits<double>::infinity();
-  double last_s = -std::numeric_limits<double>::infinity();
 
-  void Summarise() {
+  UnknownShare Summarise(const std::string& name) const {
+    UnknownShare share{name, 0.0, std::numeric_limits<double>::infinity(),
+                       -std::numeric_limits<double>::infinity()};
     double largest = 0.0, sum = 0.0;
     for (const double value : values) largest = std::max(largest, std::abs(value));
     int count = 0;
@@ -68,14 +85,15 @@ struct Share {
       ++count;
       sum += values[i] * values[i];
       if (!std::isfinite(epochs_s[i])) continue;
-      first_s = std::min(first_s, epochs_s[i]);
-      last_s = std::max(last_s, epochs_s[i]);
+      share.first_s = std::min(share.first_s, epochs_s[i]);
+      share.last_s = std::max(share.last_s, epochs_s[i]);
     }
-    weight = count == 0 ? 0.0 : std::sqrt(sum / count);
+    share.weight = count == 0 ? 0.0 : std::sqrt(sum / count);
+    return share;
   }
 };
 
-std::string UnknownName(const BlockRecord& block, int component) {
+std::string UnknownName(const LinearizedNetwork::Impl::BlockInfo& block, int component) {
   std::string name = block.label.quantity.empty() ? block.name : block.label.quantity;
   if (!block.label.components.empty()) {
     name.append(" ").append(block.label.components[static_cast<std::size_t>(component)]);
@@ -85,23 +103,8 @@ std::string UnknownName(const BlockRecord& block, int component) {
   return name;
 }
 
-std::map<std::string, Share> Shares(const Network& network, const UnknownLayout& layout,
-                                    const Eigen::VectorXd& v) {
-  std::map<std::string, Share> shares;
-  for (int p = 0; p < layout.num_blocks(); ++p) {
-    const BlockRecord& block = network.block(layout.blocks[static_cast<std::size_t>(p)]);
-    for (int k = 0; k < layout.size_of(p); ++k) {
-      Share& share = shares[UnknownName(block, k)];
-      share.values.push_back(v[layout.offset[static_cast<std::size_t>(p)] + k]);
-      share.epochs_s.push_back(block.label.t_s);
-    }
-  }
-  for (auto& [name, share] : shares) share.Summarise();
-  return shares;
-}
-
-std::string ShareText(const std::string& name, const Share& share, double norm) {
-  std::string text = name;
+std::string ShareText(const UnknownShare& share) {
+  std::string text = share.name;
   char number[96];
   if (share.first_s < share.last_s) {
     std::snprintf(number, sizeof(number), ", %.1f..%.1f s", share.first_s, share.last_s);
@@ -110,29 +113,19 @@ std::string ShareText(const std::string& name, const Share& share, double norm) 
     std::snprintf(number, sizeof(number), ", %.1f s", share.first_s);
     text += number;
   }
-  std::snprintf(number, sizeof(number), " (%.2f)", share.weight / norm);
+  std::snprintf(number, sizeof(number), " (%.2f)", share.weight);
   return text + number;
 }
 
-std::string DescribeDirection(const Network& network, const UnknownLayout& layout,
-                              const Eigen::VectorXd& v) {
-  const std::map<std::string, Share> shares = Shares(network, layout, v);
-  std::vector<std::pair<double, const std::string*>> order;
-  double norm2 = 0.0;
-  for (const auto& [name, share] : shares) {
-    order.emplace_back(-share.weight, &name);
-    norm2 += share.weight * share.weight;
-  }
-  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first < b.first : *a.second < *b.second;
-  });
-  std::string text;
-  for (std::size_t i = 0; i < order.size() && i < kListed; ++i) {
-    if (-order[i].first < kListedShare * -order[0].first) break;
-    if (i > 0) text += ", ";
-    text += ShareText(*order[i].second, shares.at(*order[i].second), std::sqrt(norm2));
-  }
-  return text;
+/// The best k vectors within the span of the columns of Q.
+ScaledDirections BestWithin(const Linearization& linearization, const Eigen::VectorXd& scale,
+                            const Eigen::MatrixXd& Q, Eigen::Index k) {
+  const Eigen::MatrixXd R = linearization.TriangularFactorOfProduct(scale.asDiagonal() * Q);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(R, Eigen::ComputeFullV);
+  ScaledDirections best;
+  best.v = Q * svd.matrixV().rowwise().reverse().leftCols(k);
+  best.information = svd.singularValues().reverse().head(k).array().square();
+  return best;
 }
 
 }  // namespace
@@ -148,23 +141,73 @@ double ProbeInformation(const Linearization& linearization, const Eigen::VectorX
   return std::isfinite(product) ? product * product : 0.0;
 }
 
-WeakDirections FindWeakDirections(const Linearization& linearization, const Eigen::VectorXd& scale,
-                                  const SymmetricCsc& scaled_N, SparseCholesky& cholesky) {
+ScaledDirections FindFreeDirections(const Linearization& linearization,
+                                    const Eigen::VectorXd& scale, const SymmetricCsc& scaled_N,
+                                    SparseCholesky& cholesky) {
   double shift = kFirstShift;
   while (!cholesky.Factorize(scaled_N, shift) && shift < kLastShift) shift *= 10.0;
   Eigen::MatrixXd X = Orthonormalised(
       RandomMatrix(scale.size(), std::min<Eigen::Index>(kDirections, scale.size())));
   for (int i = 0; i < kSubspaceIterations; ++i) X = Orthonormalised(cholesky.Solve(X));
 
-  const Eigen::MatrixXd R = linearization.TriangularFactorOfProduct(scale.asDiagonal() * X);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(R, Eigen::ComputeFullV);
-  WeakDirections weak;
-  weak.v = X * svd.matrixV().rowwise().reverse();
-  weak.information = svd.singularValues().reverse().array().square();
-  return weak;
+  return BestWithin(linearization, scale, X, X.cols());
 }
 
-std::string DescribeFreeDirections(const Network& network, const UnknownLayout& layout,
+ScaledDirections FindWeakestDirections(const Linearization& linearization,
+                                       const Eigen::VectorXd& scale, const SparseCholesky& cholesky,
+                                       Eigen::Index k) {
+  const Eigen::Index n = scale.size();
+  k = std::min(k, n);
+  const Eigen::Index width = std::min(k + kSpareDirections, n);
+  ScaledDirections best;
+  best.v = Orthonormalised(RandomMatrix(n, width));
+  best.information = Eigen::VectorXd::Zero(width);
+  for (int restart = 0; restart < kMostRestarts; ++restart) {
+    const Eigen::VectorXd before = best.information.head(k);
+    best = BestWithin(linearization, scale, InverseKrylovBasis(cholesky, best.v), width);
+    const Eigen::ArrayXd change = (best.information.head(k) - before).array().abs();
+    if ((change <= kSettled * best.information.head(k).array()).all()) break;
+  }
+  return {best.v.leftCols(k), best.information.head(k)};
+}
+
+std::vector<UnknownShare> SharesOf(const LinearizedNetwork::Impl& network,
+                                   const Eigen::VectorXd& v) {
+  std::map<std::string, Components> by_name;
+  const UnknownLayout& layout = network.layout;
+  for (int p = 0; p < layout.num_blocks(); ++p) {
+    const auto& block = network.block(layout.blocks[static_cast<std::size_t>(p)]);
+    for (int k = 0; k < layout.size_of(p); ++k) {
+      Components& components = by_name[UnknownName(block, k)];
+      components.values.push_back(v[layout.offset[static_cast<std::size_t>(p)] + k]);
+      components.epochs_s.push_back(block.label.t_s);
+    }
+  }
+  std::vector<UnknownShare> shares;
+  double norm2 = 0.0;
+  for (const auto& [name, components] : by_name) {
+    shares.push_back(components.Summarise(name));
+    norm2 += shares.back().weight * shares.back().weight;
+  }
+  std::stable_sort(shares.begin(), shares.end(), [](const UnknownShare& a, const UnknownShare& b) {
+    return a.weight > b.weight;
+  });
+  const double least = kListedShare * shares.front().weight;
+  std::erase_if(shares, [&](const UnknownShare& share) { return share.weight < least; });
+  for (UnknownShare& share : shares) share.weight /= std::sqrt(norm2);
+  return shares;
+}
+
+std::string DescribeShares(const std::vector<UnknownShare>& shares) {
+  std::string text;
+  for (std::size_t i = 0; i < shares.size() && i < kListed; ++i) {
+    if (i > 0) text += ", ";
+    text += ShareText(shares[i]);
+  }
+  return text;
+}
+
+std::string DescribeFreeDirections(const LinearizedNetwork::Impl& network,
                                    const Eigen::MatrixXd& v) {
   const Eigen::MatrixXd simple = SimplestBasis(v);
   const Eigen::Index n = simple.cols();
@@ -174,7 +217,7 @@ std::string DescribeFreeDirections(const Network& network, const UnknownLayout& 
   for (Eigen::Index i = 0; i < n && i < kListed; ++i) {
     if (i > 0) text += "; ";
     if (n > 1) text.append("(").append(std::to_string(i + 1)).append(") ");
-    text += DescribeDirection(network, layout, simple.col(i));
+    text += DescribeShares(SharesOf(network, simple.col(i)));
   }
   if (n > kListed) text += "; ...";
   return text +

@@ -1,12 +1,13 @@
 #include <dn/error.h>
-#include <dn/solvers/robust_loss.h>
 #include <dn/solvers/score_test.h>
+#include <dn/symmetric_eigen.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <map>
 #include <string>
 #include <utility>
+
+#include "linearized_impl.h"
 
 namespace dn {
 namespace {
@@ -25,8 +26,8 @@ struct Sums {
   BlockColumns g;      // J^T L
 };
 
-void CheckPart(const Network& network, const EffectPart& part, Eigen::Index columns) {
-  const int rows = network.factor(part.factor).factor->residual_size();
+void CheckPart(const LinearizedNetwork& linearized, const EffectPart& part, Eigen::Index columns) {
+  const int rows = linearized.impl().residual_size(part.factor);
   if (part.L.rows() == rows && part.L.cols() == columns) return;
   throw InvalidInput("score test: an effect of " + std::to_string(columns) +
                      " components on a factor of " + std::to_string(rows) + " residuals has " +
@@ -34,24 +35,35 @@ void CheckPart(const Network& network, const EffectPart& part, Eigen::Index colu
                      " derivatives");
 }
 
-Sums Sum(const Network& network, const EffectModel& effect) {
+/// Adds J^T L of a factor to g, both with its robust weight.
+void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const Eigen::MatrixXd& L,
+                   BlockColumns* g) {
+  const LinearizedNetwork::Impl& network = linearized.impl();
+  const Linearization::Edge& edge =
+      network.linearization.edges()[static_cast<std::size_t>(network.factor(factor).edge)];
+  const auto J = network.linearization.jacobian(edge);
+  int column = 0;
+  for (int b = 0; b < edge.num_blocks; ++b) {
+    const int p = network.linearization.positions(edge)[b];
+    const int size = network.layout.size_of(p);
+    Eigen::MatrixXd& sum = (*g)[network.layout.blocks[static_cast<std::size_t>(p)]];
+    if (sum.size() == 0) sum = Eigen::MatrixXd::Zero(size, L.cols());
+    sum.noalias() += J.middleCols(column, size).transpose() * L;
+    column += size;
+  }
+}
+
+Sums Sum(const LinearizedNetwork& linearized, const EffectModel& effect) {
   const Eigen::Index q = effect.empty() ? 0 : effect.front().L.cols();
   Sums sums{Eigen::VectorXd::Zero(q), Eigen::MatrixXd::Zero(q, q), {}};
   for (const EffectPart& part : effect) {
-    CheckPart(network, part, q);
-    const FactorRecord& record = network.factor(part.factor);
-    Eigen::VectorXd r;
-    std::vector<Eigen::MatrixXd> J;
-    if (!record.active || !network.EvaluateFactor(part.factor, &r, &J)) continue;
-    const double weight = EvaluateLoss(record.loss, r.squaredNorm()).rho_prime;
-    sums.s += weight * part.L.transpose() * r;
-    sums.LL += weight * part.L.transpose() * part.L;
-    for (std::size_t b = 0; b < J.size(); ++b) {
-      if (network.block(record.blocks[b]).held) continue;
-      Eigen::MatrixXd& g = sums.g[record.blocks[b]];
-      if (g.size() == 0) g = Eigen::MatrixXd::Zero(J[b].cols(), q);
-      g += weight * J[b].transpose() * part.L;
-    }
+    CheckPart(linearized, part, q);
+    const auto rows = linearized.RowsOf(part.factor);
+    if (!rows) continue;
+    const Eigen::MatrixXd L = std::sqrt(rows->weight) * part.L;
+    sums.s += L.transpose() * linearized.residual().segment(rows->first, rows->count);
+    sums.LL += L.transpose() * L;
+    AddProjection(linearized, part.factor, L, &sums.g);
   }
   return sums;
 }
@@ -62,16 +74,15 @@ ScoreTest Conclude(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
   const Eigen::Index q = s.size();
   const Eigen::VectorXd scale =
       signature2.cwiseMax(1e-300).cwiseSqrt().cwiseInverse();  // to a unit signature
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      Eigen::MatrixXd(scale.asDiagonal() * A * scale.asDiagonal()));
+  const SymmetricEigen eigen(scale.asDiagonal() * A * scale.asDiagonal());
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(q);
   for (Eigen::Index i = 0; i < q; ++i) {
-    if (eigen.eigenvalues()[i] < absorbed) continue;
-    inverse[i] = 1.0 / eigen.eigenvalues()[i];
+    if (eigen.values[i] < absorbed) continue;
+    inverse[i] = 1.0 / eigen.values[i];
     ++test.dof;
   }
-  test.covariance = scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
-                    eigen.eigenvectors().transpose() * scale.asDiagonal();
+  test.covariance = scale.asDiagonal() * eigen.vectors * inverse.asDiagonal() *
+                    eigen.vectors.transpose() * scale.asDiagonal();
   test.estimate = -test.covariance * s;
   test.statistic = s.dot(test.covariance * s);
   return test;
@@ -103,15 +114,13 @@ void TestBatch(const Marginals& marginals, const std::vector<Sums>& batch, Eigen
 
 // The columns of all effects on one factor, side by side; rows of zeros where an effect has none.
 std::map<FactorId, std::vector<std::pair<Eigen::Index, const Eigen::MatrixXd*>>> ByFactor(
-    const Network& network, const std::vector<EffectModel>& effects,
+    const LinearizedNetwork& linearized, const std::vector<EffectModel>& effects,
     const std::vector<Eigen::Index>& first) {
   std::map<FactorId, std::vector<std::pair<Eigen::Index, const Eigen::MatrixXd*>>> by_factor;
   for (std::size_t k = 0; k < effects.size(); ++k) {
     for (const EffectPart& part : effects[k]) {
-      CheckPart(network, part, first[k + 1] - first[k]);
-      if (network.factor(part.factor).active) {
-        by_factor[part.factor].emplace_back(first[k], &part.L);
-      }
+      CheckPart(linearized, part, first[k + 1] - first[k]);
+      if (linearized.RowsOf(part.factor)) by_factor[part.factor].emplace_back(first[k], &part.L);
     }
   }
   return by_factor;
@@ -124,7 +133,7 @@ Eigen::MatrixXd Submatrix(const Eigen::MatrixXd& A, const std::vector<Eigen::Ind
 
 }  // namespace
 
-std::vector<ScoreTest> TestEffects(const Network& network, const Marginals& marginals,
+std::vector<ScoreTest> TestEffects(const Marginals& marginals,
                                    const std::vector<EffectModel>& effects) {
   std::vector<ScoreTest> tests;
   tests.reserve(effects.size());
@@ -136,7 +145,7 @@ std::vector<ScoreTest> TestEffects(const Network& network, const Marginals& marg
     columns = 0;
   };
   for (const EffectModel& effect : effects) {
-    batch.push_back(Sum(network, effect));
+    batch.push_back(Sum(marginals.linearized(), effect));
     columns += batch.back().s.size();
     if (columns >= kBatchColumns) flush();
   }
@@ -150,9 +159,9 @@ std::vector<Eigen::Index> JointScore::Components(std::size_t effect) const {
   return components;
 }
 
-JointScore ScoreEffects(const Network& network, const Marginals& marginals,
-                        const std::vector<EffectModel>& effects,
+JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectModel>& effects,
                         const std::vector<BlockId>& watched) {
+  const LinearizedNetwork& linearized = marginals.linearized();
   JointScore score;
   score.first.push_back(0);
   for (const EffectModel& effect : effects) {
@@ -162,22 +171,15 @@ JointScore ScoreEffects(const Network& network, const Marginals& marginals,
   score.s = Eigen::VectorXd::Zero(q);
   score.A = Eigen::MatrixXd::Zero(q, q);
   BlockColumns G;  // J^T L
-  for (const auto& [id, parts] : ByFactor(network, effects, score.first)) {
-    const FactorRecord& record = network.factor(id);
-    Eigen::VectorXd r;
-    std::vector<Eigen::MatrixXd> J;
-    if (!network.EvaluateFactor(id, &r, &J)) continue;
-    Eigen::MatrixXd L = Eigen::MatrixXd::Zero(r.size(), q);
-    for (const auto& [column, part] : parts) L.middleCols(column, part->cols()) = *part;
-    const double weight = EvaluateLoss(record.loss, r.squaredNorm()).rho_prime;
-    score.s += weight * L.transpose() * r;
-    score.A += weight * L.transpose() * L;
-    for (std::size_t b = 0; b < J.size(); ++b) {
-      if (network.block(record.blocks[b]).held) continue;
-      Eigen::MatrixXd& g = G[record.blocks[b]];
-      if (g.size() == 0) g = Eigen::MatrixXd::Zero(J[b].cols(), q);
-      g.noalias() += weight * J[b].transpose() * L;
+  for (const auto& [id, parts] : ByFactor(linearized, effects, score.first)) {
+    const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
+    Eigen::MatrixXd L = Eigen::MatrixXd::Zero(rows.count, q);
+    for (const auto& [column, part] : parts) {
+      L.middleCols(column, part->cols()) = std::sqrt(rows.weight) * *part;
     }
+    score.s += L.transpose() * linearized.residual().segment(rows.first, rows.count);
+    score.A += L.transpose() * L;
+    AddProjection(linearized, id, L, &G);
   }
   score.signature2 = score.A.diagonal();
   const Marginals::Columns Z = marginals.Solve(G);

@@ -40,7 +40,7 @@ FlightNetwork AtTruth(const Flight& flight, const FlightNetworkOptions& options 
 std::map<std::string, long> GroupCounts(const Network& net) {
   std::map<std::string, long> counts;
   for (FactorId id = 0; id < net.num_factors(); ++id) {
-    ++counts[net.groups()[static_cast<std::size_t>(net.factor(id).group)]];
+    ++counts[net.group(id).name];
   }
   return counts;
 }

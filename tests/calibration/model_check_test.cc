@@ -99,9 +99,7 @@ Eigen::VectorXd EstimateOf(const std::string& name, const Checked& flight) {
   for (const CandidateEffect& candidate : CandidateEffects(network)) {
     if (candidate.name != name) continue;
     return candidate.per_si *
-           TestEffects(network.net, flight.calibration.marginals, {candidate.model})
-               .front()
-               .estimate;
+           TestEffects(flight.calibration.marginals, {candidate.model}).front().estimate;
   }
   ADD_FAILURE() << "no candidate " << name;
   return {};

@@ -163,9 +163,40 @@ TEST(Network, TagsFactorsByGroup) {
   net.Tag(first, "gnss", 1.0);
   net.Tag(second, "lidar", 2.0);
   net.Tag(third, "gnss", 3.0);
-  EXPECT_EQ(net.groups(), (std::vector<std::string>{"", "gnss", "lidar"}));
+  ASSERT_EQ(net.groups().size(), 3U);
+  EXPECT_EQ(net.group(second).name, "lidar");
   EXPECT_EQ(net.factor(first).group, net.factor(third).group);
   EXPECT_EQ(net.factor(second).t_s, 2.0);
+}
+
+TEST(Network, NamesTheRowsOfAFactor) {
+  Network net;
+  const auto p = net.AddVector<3>("p", Eigen::Vector3d::Zero());
+  const auto b = net.AddVector<1>("b", Scalar(0.0));
+  const FactorId id = net.Add(Gap{}, p, b), other = net.Add(Gap{}, p, b);
+  net.Tag(id, {"altimeter", {{"up"}}}, 1.0);
+  EXPECT_EQ(net.group(id).Channel(0), "altimeter");
+  EXPECT_EQ(net.group(id).QuantityAndAxis(0), "up");
+  net.Tag(other, "altimeter", 2.0);
+  EXPECT_EQ(net.group(other).Axis(0), "0") << "no names were given";
+  EXPECT_NE(net.factor(id).group, net.factor(other).group);
+  EXPECT_THAT(([&] {
+                net.Tag(id, FactorGroup{"gnss", {{"east"}, {"north"}}}, 1.0);
+              }),
+              ThrowsMessage<InvalidInput>(HasSubstr("names 2 residuals, factor 0 has 1")));
+  EXPECT_EQ(net.group(id).name, "altimeter") << "unchanged";
+}
+
+TEST(FactorGroup, NamesChannelsByThatWhichTellsThemApart) {
+  const FactorGroup inertial{"inertial", {{"x", "gyro"}, {"y", "velocity"}}};
+  EXPECT_EQ(inertial.Channel(0), "inertial gyro");
+  EXPECT_EQ(inertial.Axis(1), "y");
+  EXPECT_EQ(inertial.QuantityAndAxis(1), "velocity_y");
+  const FactorGroup process{"bias process", {{"x"}}, "gyro", FactorGroup::Kind::kProcess};
+  EXPECT_EQ(process.Channel(0), "gyro bias process");
+  EXPECT_EQ(process.QuantityAndAxis(0), "x");
+  EXPECT_TRUE(process.measured());
+  EXPECT_FALSE((FactorGroup{"prior", {}, {}, FactorGroup::Kind::kPrior}.measured()));
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 #include <dn/error.h>
 #include <dn/solvers/linearized_network.h>
+#include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "solvers/pose_graph.h"
 
@@ -77,10 +80,10 @@ TEST(LinearizedNetwork, ProductsAreThoseOfOneMatrix) {
   const Eigen::MatrixXd J = linearized.Times(Eigen::MatrixXd::Identity(6, 6));
   EXPECT_LT((linearized.TransposeTimes(Eigen::MatrixXd::Identity(9, 9)) - J.transpose()).norm(),
             1e-14);
-  const Marginals marginals(triangle.net);
+  const Marginals marginals(linearized);
   const Eigen::MatrixXd N = J.transpose() * J;
   EXPECT_LT((marginals.Solve(Eigen::MatrixXd::Identity(6, 6)) - N.inverse()).norm(), 1e-12);
-  const Eigen::MatrixXd M = linearized.Project(Eigen::MatrixXd::Identity(9, 9), marginals);
+  const Eigen::MatrixXd M = marginals.Project(Eigen::MatrixXd::Identity(9, 9));
   EXPECT_LT((M * M - M).norm(), 1e-12) << "a projection";
   EXPECT_LT((J.transpose() * M).norm(), 1e-12) << "onto what the unknowns cannot follow";
   EXPECT_NEAR(M.trace(), 3.0, 1e-12) << "the redundancy";
@@ -95,9 +98,58 @@ TEST(LinearizedNetwork, ResidualOfASolvedNetworkIsItsOwnProjection) {
   options.initial_trust_region_radius = 1e13;  // a linear problem: no damping
   ASSERT_TRUE(Solve(triangle.net, options).converged);
   const LinearizedNetwork linearized(triangle.net);
-  const Eigen::MatrixXd projected =
-      linearized.Project(linearized.residual(), Marginals(triangle.net));
+  const Eigen::MatrixXd projected = Marginals(linearized).Project(linearized.residual());
   EXPECT_LT((projected - linearized.residual()).norm(), 1e-9);
+}
+
+TEST(LinearizedNetwork, RowsHaveNames) {
+  Triangle triangle;
+  triangle.net.Tag(triangle.robust, {"odometer", {{"x", "shift"}, {"y", "shift"}, {"turn"}}}, 7.5);
+  const LinearizedNetwork linearized(triangle.net);
+  const LinearizedNetwork::Row row = linearized.RowAt(4);
+  EXPECT_EQ(row.factor, triangle.robust);
+  EXPECT_EQ(row.residual, 1);
+  EXPECT_EQ(row.channel, "odometer shift");
+  EXPECT_EQ(row.axis, "y");
+  EXPECT_EQ(row.t_s, 7.5);
+  EXPECT_EQ(linearized.RowAt(0).channel, "") << "no tag";
+  EXPECT_EQ(linearized.RowAt(8).axis, "2");
+  EXPECT_THROW(linearized.RowAt(9), InvalidInput);
+}
+
+// What is changed, or gone, afterwards is not seen.
+TEST(LinearizedNetwork, IsASnapshot) {
+  auto triangle = std::make_unique<Triangle>();
+  const Block<Vec<3>> x0 = triangle->x[0];
+  const FactorId idle = triangle->idle;
+  const LinearizedNetwork first(triangle->net);
+  triangle->net.SetValue(x0, Eigen::Vector3d(7.0, 7.0, 7.0));
+  triangle->net.SetActive(idle, true);
+  const LinearizedNetwork second(triangle->net);
+  const LinearizedNetwork copy = first;
+  triangle.reset();
+  EXPECT_EQ(copy.Value(x0), Eigen::Vector3d(0.0, 0.0, 0.5));
+  EXPECT_EQ(second.Value(x0), Eigen::Vector3d(7.0, 7.0, 7.0));
+  EXPECT_FALSE(copy.RowsOf(idle));
+  ASSERT_TRUE(second.RowsOf(idle));
+  // 2 (x1 - x0 - 9) of the x that each of them holds
+  EXPECT_LT((copy.FactorAt(idle).residual - Eigen::Vector3d(-16.0, -20.0, -18.0)).norm(), 1e-14);
+  EXPECT_LT((second.FactorAt(idle).residual - Eigen::Vector3d(-30.0, -34.0, -31.0)).norm(), 1e-14);
+  EXPECT_EQ(copy.FactorAt(idle).weight, 0.0);
+}
+
+TEST(LinearizedNetwork, AFactorByItselfIsWithoutItsRobustWeight) {
+  const Triangle triangle;
+  const LinearizedNetwork linearized(triangle.net);
+  Eigen::VectorXd r;
+  std::vector<Eigen::MatrixXd> J;
+  ASSERT_TRUE(triangle.net.EvaluateFactor(triangle.robust, &r, &J));
+  const LinearizedNetwork::Factor factor = linearized.FactorAt(triangle.robust);
+  EXPECT_LT((factor.residual - r).norm(), 1e-14);
+  ASSERT_EQ(factor.jacobian.size(), 2U);
+  EXPECT_EQ(factor.jacobian[1].first, triangle.x[1].id);
+  EXPECT_LT((factor.jacobian[1].second - J[1]).norm(), 1e-14);
+  EXPECT_NEAR(factor.weight, 1.0 / r.norm(), 1e-14) << "Huber of width 1";
 }
 
 TEST(LinearizedNetwork, SizesThatDoNotFitAreNamed) {

@@ -30,7 +30,7 @@ TEST(Redundancy, NumbersSumToResidualsMinusParameters) {
     double sum = 0.0;
     for (FactorId id = 0; id < graph.network.num_factors(); ++id) {
       if (graph.network.factor(id).active) {
-        sum += RedundancyNumbers(graph.network, id, marginals).sum();
+        sum += RedundancyNumbers(marginals, id).sum();
       }
     }
     const CostSummary summary = EvaluateCost(graph.network);
@@ -45,12 +45,15 @@ TEST(Redundancy, OfTwoMeasurementsOfOneUnknown) {
   const FactorId fine = net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Zero(), 1.0), x);
   const FactorId coarse = net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Ones(), 3.0), x);
   Marginals marginals(net);
-  EXPECT_THROW(RedundancyNumbers(net, fine, marginals), InvalidInput) << "no selected inverse";
+  EXPECT_THROW(RedundancyNumbers(marginals, fine), InvalidInput) << "no selected inverse";
   marginals.ComputeSelectedInverse();
-  EXPECT_NEAR(RedundancyNumbers(net, fine, marginals)[0], 0.1, 1e-12);
-  EXPECT_NEAR(RedundancyNumbers(net, coarse, marginals)[2], 0.9, 1e-12);
+  EXPECT_NEAR(RedundancyNumbers(marginals, fine)[0], 0.1, 1e-12);
+  EXPECT_NEAR(RedundancyNumbers(marginals, coarse)[2], 0.9, 1e-12);
   net.SetActive(coarse, false);
-  EXPECT_THROW(RedundancyNumbers(net, coarse, marginals), InvalidInput);
+  EXPECT_NEAR(RedundancyNumbers(marginals, coarse)[2], 0.9, 1e-12) << "of the network as it was";
+  Marginals without(net);
+  without.ComputeSelectedInverse();
+  EXPECT_THROW(RedundancyNumbers(without, coarse), InvalidInput);
 }
 
 /// r = (b - a - z) / sigma
@@ -96,7 +99,7 @@ TEST(Redundancy, StandardisesTheResiduals) {
       Eigen::VectorXd r;
       ASSERT_TRUE(net.EvaluateFactor(id, &r));
       sum2 += r.squaredNorm();
-      n += RedundancyNumbers(net, id, marginals).sum();
+      n += RedundancyNumbers(marginals, id).sum();
     }
     EXPECT_NEAR(sum2 / n, 1.0, 4.0 * std::sqrt(2.0 / n));
   }
@@ -128,7 +131,7 @@ struct Chain {
     EXPECT_TRUE(Solve(net, options).converged);
     Marginals marginals(net);
     marginals.ComputeSelectedInverse();
-    return PredictFactor(net, id, marginals);
+    return PredictFactor(marginals, id);
   }
 };
 
@@ -156,6 +159,31 @@ TEST(Prediction, SaysWhenTheOthersLeaveTheUnknownsFree) {
   EXPECT_FALSE(chain.Predict(chain.positions[0]).determined);
   chain.net.SetActive(chain.positions[4], true);
   EXPECT_TRUE(chain.Predict(chain.positions[0]).determined);
+}
+
+// A factor out of use may depend on an unknown that nothing else determines.
+TEST(Prediction, SaysSoOfAnUnknownThatOnlyTheFactorSees) {
+  Network net;
+  const auto x = net.AddVector<3>("x", Eigen::Vector3d::Zero());
+  const auto y = net.AddVector<3>("y", Eigen::Vector3d::Zero());
+  net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Zero(), 1.0), x);
+  const FactorId step = net.Add(Step{}, x, y);
+  net.SetActive(step, false);
+  Marginals marginals(net);
+  marginals.ComputeSelectedInverse();
+  EXPECT_FALSE(PredictFactor(marginals, step).determined);
+}
+
+// Rows with a robust weight: they still sum to residuals minus parameters.
+TEST(Redundancy, CountsRobustWeights) {
+  Chain chain(20);
+  for (const FactorId id : chain.positions) chain.net.SetLoss(id, {Loss::Type::kHuber, 0.5});
+  ASSERT_TRUE(Solve(chain.net).converged);
+  Marginals marginals(chain.net);
+  marginals.ComputeSelectedInverse();
+  const CostSummary summary = EvaluateCost(chain.net);
+  EXPECT_NEAR(RedundancyNumbers(marginals).sum(),
+              static_cast<double>(summary.residuals - summary.parameters), kSumTolerance);
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ struct Chain {
     return report.final_cost;
   }
 
-  ScoreTest Test() { return TestEffects(net, Marginals(net), {Offset()}).front(); }
+  ScoreTest Test() { return TestEffects(Marginals(net), {Offset()}).front(); }
 };
 
 // The problem is linear: the test must say what the adjustment with the effect then finds.
@@ -122,7 +122,7 @@ TEST(ScoreTest, ManyEffectsAtOnceAreTestedEachByItself) {
   chain.SolveCost();
   const Marginals marginals(chain.net);
   const std::vector<EffectModel> effects(40, chain.Offset());
-  const std::vector<ScoreTest> tests = TestEffects(chain.net, marginals, effects);
+  const std::vector<ScoreTest> tests = TestEffects(marginals, effects);
   ASSERT_EQ(tests.size(), effects.size());
   for (const ScoreTest& test : tests) {
     EXPECT_NEAR(test.statistic, tests.front().statistic, 1e-9 * tests.front().statistic);
@@ -135,7 +135,7 @@ TEST(ScoreTest, DropsWhatTheUnknownsAbsorb) {
   const auto x = net.AddVector<3>("x", Eigen::Vector3d::Zero());
   const FactorId id = net.Add(MakeVectorPrior<3>(Eigen::Vector3d(1.0, 2.0, 3.0), 1.0), x);
   const EffectModel shift{{id, Eigen::MatrixXd::Identity(3, 3)}};
-  const ScoreTest test = TestEffects(net, Marginals(net), {shift}).front();
+  const ScoreTest test = TestEffects(Marginals(net), {shift}).front();
   EXPECT_EQ(test.dof, 0);
   EXPECT_EQ(test.statistic, 0.0);
 }
@@ -156,7 +156,7 @@ std::vector<EffectModel> Parts(const Chain& chain) {
 TEST(JointScore, TogetherIsTheEffectAsAWhole) {
   Chain chain(3, {0.5, 0.1, -0.3});
   chain.SolveCost();
-  const JointScore score = ScoreEffects(chain.net, Marginals(chain.net), Parts(chain), {});
+  const JointScore score = ScoreEffects(Marginals(chain.net), Parts(chain), {});
   const ScoreTest whole = chain.Test();
   const ScoreTest together = TestTogether(score, {0, 1, 2});
   EXPECT_NEAR(together.statistic, whole.statistic, 1e-9);
@@ -169,11 +169,11 @@ TEST(JointScore, GivenAnEffectIsTheTestBesideIt) {
   Chain chain(4, {0.5, 0.1, -0.3});
   chain.SolveCost();
   const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
-  const JointScore score = ScoreEffects(chain.net, Marginals(chain.net), Parts(chain), {x25.id});
+  const JointScore score = ScoreEffects(Marginals(chain.net), Parts(chain), {x25.id});
   const JointScore given = GivenComponents(score, {0, 1, 2});
   chain.net.Hold(chain.offset, false);
   chain.SolveCost();
-  const JointScore beside = ScoreEffects(chain.net, Marginals(chain.net), Parts(chain), {x25.id});
+  const JointScore beside = ScoreEffects(Marginals(chain.net), Parts(chain), {x25.id});
   const ScoreTest a = TestTogether(given, {3}), b = TestTogether(beside, {3});
   EXPECT_NEAR(a.statistic, b.statistic, 1e-6);
   EXPECT_NEAR(a.estimate[0], b.estimate[0], 1e-7);
@@ -186,8 +186,7 @@ TEST(JointScore, ShiftIsWhatTheEffectDidToTheUnknowns) {
   Chain chain(5, {0.7, -0.2, 0.4});
   chain.SolveCost();
   const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
-  const JointScore score =
-      ScoreEffects(chain.net, Marginals(chain.net), {chain.Offset()}, {x25.id});
+  const JointScore score = ScoreEffects(Marginals(chain.net), {chain.Offset()}, {x25.id});
   const ScoreTest test = TestTogether(score, {0, 1, 2});
   const Eigen::Vector3d without = chain.net.Value(x25);
   chain.net.Hold(chain.offset, false);
@@ -201,7 +200,7 @@ TEST(ScoreTest, SizesThatDoNotFitAreNamed) {
   const Marginals marginals(chain.net);
   EffectModel effect = chain.Offset();
   effect[3].L = Eigen::MatrixXd::Identity(3, 2);
-  EXPECT_THROW(TestEffects(chain.net, marginals, {effect}), InvalidInput);
+  EXPECT_THROW(TestEffects(marginals, {effect}), InvalidInput);
   EXPECT_THROW(marginals.Solve({{chain.offset.id, Eigen::MatrixXd::Zero(3, 1)}}), InvalidInput)
       << "held";
 }

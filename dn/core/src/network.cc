@@ -127,10 +127,16 @@ void Network::RemoveFactor(FactorId id) {
   record.active = false;
 }
 
-void Network::Tag(FactorId id, const std::string& group, double t_s) {
+void Network::Tag(FactorId id, const FactorGroup& group, double t_s) {
+  FactorRecord& record = factor_mutable(id);
+  const auto residuals = static_cast<std::size_t>(record.factor->residual_size());
+  if (!group.rows.empty() && group.rows.size() != residuals) {
+    throw InvalidInput("network: group '" + group.name + "' names " +
+                       std::to_string(group.rows.size()) + " residuals, factor " +
+                       std::to_string(id) + " has " + std::to_string(residuals));
+  }
   auto it = std::find(groups_.begin(), groups_.end(), group);
   if (it == groups_.end()) it = groups_.insert(groups_.end(), group);
-  FactorRecord& record = factor_mutable(id);
   record.group = static_cast<int>(it - groups_.begin());
   record.t_s = t_s;
 }
@@ -205,7 +211,7 @@ int Network::num_free_parameters() const {
 
 std::string Network::DescribeFactor(FactorId id) const {
   const FactorRecord& record = factor(id);
-  std::string details = groups_[static_cast<std::size_t>(record.group)];
+  std::string details = group(id).name;
   if (std::isfinite(record.t_s)) {
     char time[48];
     std::snprintf(time, sizeof(time), "%s%.3f s", details.empty() ? "" : ", ", record.t_s);

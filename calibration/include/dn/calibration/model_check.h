@@ -28,7 +28,7 @@ struct GroupCheck {
 struct CommonErrorCheck {
   std::string name;      ///< "gnss position, over 60 s" ...
   std::string group;     ///< whose residuals
-  std::string worst;     ///< of pairs of strips: the names of the two that disagree most
+  std::string worst;     ///< of pairs of strips: those that disagree most, where significant
   double ratio = 1.0;    ///< of that sum to its expectation
   double p_value = 1.0;  ///< of a ratio this large
   double sigma = 0.0;    ///< of the common error, in sigmas of one residual; 0 where none shows
@@ -90,6 +90,7 @@ struct ModelCheck {
   double p_value = 1.0;                ///< smallest of all, for the family
   std::vector<Finding> findings;       ///< those that contradict first
 
+  double SmallestPValue() const;  ///< of groups, common errors, effects and priors; 1 without any
   bool contradicted() const;
 };
 
@@ -113,9 +114,10 @@ struct ModelCheck {
 /// were left out, a boresight angle exceeds 15 deg, or the body flies on its back.
 ///
 /// `marginals` must be of the adjusted network with its selected inverse, `trajectory` what
-/// ExtractTrajectory gave for both.
+/// ExtractTrajectory gave for both. CheckFit says the same of any network, as far as it can be said
+/// without knowing what it is of.
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
-                      const TrajectoryResult& trajectory, int threads = 1);
+                      const TrajectoryResult& trajectory);
 
 /// The findings in words, those that contradict first.
 std::vector<std::string> TextsOf(const ModelCheck& check);

@@ -60,19 +60,12 @@ struct AdjustmentFigures {
   long outliers = 0;
 };
 
-/// What the fit left of one factor.
-struct FactorFit {
-  FactorId factor = -1;
-  Eigen::VectorXd residual;    ///< whitened
-  Eigen::VectorXd redundancy;  ///< variance that it should have (RedundancyNumbers)
-};
-
 /// The trajectory part of an adjusted flight with its posterior covariance.
 struct TrajectoryResult {
   std::vector<TrajectorySigma> sigma;  ///< at the nodes
   std::vector<BiasEstimate> biases;    ///< at the nodes
   AdjustmentFigures figures;
-  std::vector<FactorFit> fits;                ///< of the active factors, by id
+  Eigen::VectorXd redundancy;  ///< RedundancyNumbers of every row of the linearised network
   std::vector<SeriesStatistics> residuals;    ///< whitened, after the fit, per sensor and axis
   std::vector<SeriesStatistics> innovations;  ///< of the forward filter, per sensor and axis
   double nis_position = 0.0;                  ///< mean normalised innovation squared / 3

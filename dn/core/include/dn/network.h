@@ -3,6 +3,7 @@
 #include <dn/block.h>
 #include <dn/error.h>
 #include <dn/factor.h>
+#include <dn/factor_group.h>
 #include <dn/function_factor.h>
 #include <dn/manifold.h>
 #include <dn/pose.h>
@@ -181,8 +182,11 @@ class Network {
     Hold(b.id, held);
   }
 
-  /// Names the group of a factor ("gnss position", "lidar p2p") and its epoch, for statistics.
-  void Tag(FactorId id, const std::string& group, double t_s);
+  /// Says what a factor is and its epoch (NaN: none). Throws InvalidInput unless the group has no
+  /// names of rows or one per residual.
+  void Tag(FactorId id, const FactorGroup& group, double t_s);
+  /// The same for a group of measurements whose rows have no names.
+  void Tag(FactorId id, const std::string& group, double t_s) { Tag(id, FactorGroup{group}, t_s); }
 
   /// Throws InvalidInput unless there are no component names or one per tangent coordinate.
   void SetLabel(BlockId id, BlockLabel label);
@@ -217,7 +221,11 @@ class Network {
   const BlockRecord& block(BlockId id) const;
   BlockRecord& block(BlockId id);
   const FactorRecord& factor(FactorId id) const;
-  const std::vector<std::string>& groups() const { return groups_; }
+  /// Every group that was given to Tag; the first is that of factors without a tag.
+  const std::vector<FactorGroup>& groups() const { return groups_; }
+  const FactorGroup& group(FactorId id) const {
+    return groups_[static_cast<std::size_t>(factor(id).group)];
+  }
 
   /// "factor 12 (gnss position, 381000.200 s) on 'attitude/3' 'position/3'", for messages.
   std::string DescribeFactor(FactorId id) const;
@@ -245,7 +253,7 @@ class Network {
   std::deque<BlockRecord> blocks_;
   std::vector<FactorRecord> factors_;
   std::unordered_map<std::string, BlockId> by_name_;
-  std::vector<std::string> groups_{""};
+  std::vector<FactorGroup> groups_{FactorGroup{""}};
 };
 
 }  // namespace dn

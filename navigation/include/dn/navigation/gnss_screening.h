@@ -13,7 +13,7 @@ namespace dn {
 /// measurements predict for it.
 class GnssScreening {
  public:
-  /// `marginals` must be of the network at its present values, with its selected inverse.
+  /// `marginals` must have its selected inverse.
   GnssScreening(const FlightNetwork& network, const Marginals& marginals);
 
   /// The largest statistic (chi-square of three) of an epoch in use.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/network.h>
+#include <dn/solvers/linearized_network.h>
 
 #include <Eigen/Core>
 #include <map>
@@ -16,7 +17,7 @@ using BlockColumns = std::map<BlockId, Eigen::MatrixXd>;
 
 /// Options of Marginals.
 struct MarginalsOptions {
-  int threads = 1;  ///< evaluation of the factors only
+  int threads = 1;  ///< evaluation of the factors, where a network is given
   /// A direction of the Jacobi-scaled unknowns (unit vector v, columns of J of unit length) counts
   /// as free when |J v|^2 is below this. A weakly determined direction is far above it.
   double null_tolerance = 1e-16;
@@ -30,9 +31,9 @@ struct MarginalsOptions {
 ///
 ///   N = sum_i rho_i' J_i^T J_i,   cov = N^-1
 ///
-/// over the active factors and the blocks that are not held, at the values of the network when the
-/// object is made; later changes of the network are not seen. rho' is the derivative of the robust
-/// loss, 1 without one. The residuals are whitened: no variance factor is applied.
+/// over the active factors and the blocks that are not held, of a linearised network: of the values
+/// when that was made; later changes of the network are not seen. rho' is the derivative of the
+/// robust loss, 1 without one. The residuals are whitened: no variance factor is applied.
 ///
 /// N is factored once: N = P^T L L^T P, block-AMD ordering, supernodal. A covariance column then
 /// costs one pair of triangular solves; ComputeSelectedInverse gives every diagonal block, and
@@ -63,7 +64,7 @@ class Marginals {
   };
 
   struct Timings {
-    double assemble_s = 0.0;
+    double assemble_s = 0.0;  ///< with the evaluation of the factors, where done here
     double analyze_s = 0.0;
     double factor_s = 0.0;
     double rank_s = 0.0;              ///< examination of weak directions; 0 where none was needed
@@ -72,8 +73,9 @@ class Marginals {
 
   /// Assembles and factors the normal matrix. Throws RankDeficient naming the unknowns that the
   /// factors leave free, in the words of the blocks' labels, with their weights in each free
-  /// direction and the epochs, and what would fix it; InvalidInput naming a factor that is
-  /// undefined at the current values; InvalidConfig for bad options.
+  /// direction and the epochs, and what would fix it; InvalidConfig for bad options.
+  explicit Marginals(const LinearizedNetwork& linearized, const MarginalsOptions& options = {});
+  /// Of the network at its present values. Throws as well as LinearizedNetwork does.
   explicit Marginals(const Network& network, const MarginalsOptions& options = {});
   ~Marginals();
   Marginals(Marginals&&) noexcept;
@@ -122,9 +124,20 @@ class Marginals {
   /// Throws InvalidInput for a held block.
   Eigen::MatrixXd ReducedNormal(BlockId a) const;
 
+  /// M E with M = I - J N^-1 J^T: what a fit leaves of the errors E of the rows. Of E ~ N(0, I) it
+  /// is a sample of the residuals that the network leaves when its model holds, whatever the
+  /// unknowns are. Throws InvalidInput where the size does not fit.
+  Eigen::MatrixXd Project(const Eigen::MatrixXd& E) const;
+
+  /// The network that the covariances are of.
+  const LinearizedNetwork& linearized() const;
+
   int num_parameters() const;    ///< order of N
   long factor_nonzeros() const;  ///< stored entries of L
   const Timings& timings() const;
+
+  /// For the sources of this layer.
+  const Impl& impl() const { return *impl_; }
 
  private:
   std::shared_ptr<Impl> impl_;

@@ -21,16 +21,18 @@ struct Prediction {
   bool determined = true;  ///< false: without the factor the others leave its unknowns free
 };
 
-/// The factor may be active or not. `marginals` must be of this network at its present values, with
-/// its selected inverse. Throws InvalidInput when it has none, or the factor is undefined.
-Prediction PredictFactor(const Network& network, FactorId factor, const Marginals& marginals);
+/// The factor may be active or not. `marginals` must have its selected inverse. Throws InvalidInput
+/// when it has none, or the factor is undefined.
+Prediction PredictFactor(const Marginals& marginals, FactorId factor);
 
-/// Variance that each whitened residual of an active factor without a robust loss should have after
-/// the fit: its redundancy number diag(I - J C J^T), between 0 (the residual is fitted away) and 1
-/// (the unknowns do not follow it). Over all active factors they sum to residuals minus parameters.
-/// Divided by its square root, a residual is standard normal when the model holds (Baarda's w).
-/// Throws as PredictFactor, and InvalidInput for a factor that is not active.
-Eigen::VectorXd RedundancyNumbers(const Network& network, FactorId factor,
-                                  const Marginals& marginals);
+/// Variance that each row of an active factor should have after the fit: its redundancy number
+/// diag(I - J C J^T), between 0 (the residual is fitted away) and 1 (the unknowns do not follow
+/// it). Divided by its square root, a row of a factor without a robust loss is standard normal when
+/// the model holds (Baarda's w). Throws as PredictFactor, and InvalidInput for a factor that is not
+/// active.
+Eigen::VectorXd RedundancyNumbers(const Marginals& marginals, FactorId factor);
+
+/// The same for every row of the linearised network; they sum to rows minus parameters.
+Eigen::VectorXd RedundancyNumbers(const Marginals& marginals);
 
 }  // namespace dn

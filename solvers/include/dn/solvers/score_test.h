@@ -35,9 +35,9 @@ struct ScoreTest {
 ///
 ///   s = L^T r,  A = L^T L - (J^T L)^T N^-1 (J^T L),  estimate = -A^-1 s,  statistic = s^T A^-1 s.
 ///
-/// Inactive factors take no part. `marginals` must be of the network at its present values. Throws
-/// InvalidInput when a part's size does not fit its factor or the effect's other parts.
-std::vector<ScoreTest> TestEffects(const Network& network, const Marginals& marginals,
+/// Inactive factors take no part. Throws InvalidInput when a part's size does not fit its factor or
+/// the effect's other parts.
+std::vector<ScoreTest> TestEffects(const Marginals& marginals,
                                    const std::vector<EffectModel>& effects);
 
 /// What the residuals say about several effects at once: every test of one of them, of some
@@ -45,7 +45,7 @@ std::vector<ScoreTest> TestEffects(const Network& network, const Marginals& marg
 struct JointScore {
   std::vector<Eigen::Index> first;  ///< component of each effect's first, and their total at last
   Eigen::VectorXd s;                ///< L^T r
-  Eigen::MatrixXd A;                ///< L^T M L, M as in LinearizedNetwork::Project
+  Eigen::MatrixXd A;                ///< L^T M L, M as in Marginals::Project
   Eigen::VectorXd signature2;       ///< diagonal of L^T L
   /// N^-1 J^T L of the watched blocks, one below the other: how far one unit of a component, in the
   /// data and not in the network, moves them.
@@ -55,8 +55,7 @@ struct JointScore {
 };
 
 /// The effects' components side by side, in the order given. Throws as TestEffects.
-JointScore ScoreEffects(const Network& network, const Marginals& marginals,
-                        const std::vector<EffectModel>& effects,
+JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectModel>& effects,
                         const std::vector<BlockId>& watched);
 
 /// The score test of some components together, all others being absent.

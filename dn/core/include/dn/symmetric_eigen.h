@@ -1,0 +1,16 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace dn {
+
+/// Eigenvalues and eigenvectors of a symmetric matrix.
+struct SymmetricEigen {
+  /// Of A, whose lower triangle is read.
+  explicit SymmetricEigen(const Eigen::MatrixXd& A);
+
+  Eigen::VectorXd values;   ///< in ascending order
+  Eigen::MatrixXd vectors;  ///< orthonormal columns, in the order of the values
+};
+
+}  // namespace dn

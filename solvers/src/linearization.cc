@@ -1,0 +1,139 @@
+#include "linearization.h"
+
+#include <dn/parallel.h>
+#include <dn/solvers/robust_loss.h>
+
+#include <Eigen/QR>
+#include <cmath>
+
+#include "factor_text.h"
+
+namespace dn {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Rows stacked before a QR step of TriangularFactorOfProduct.
+constexpr int kStackedRows = 2048;
+
+std::size_t Index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+UnknownLayout::UnknownLayout(const Network& network) {
+  std::vector<bool> used(Index(network.num_blocks()), false);
+  for (FactorId id = 0; id < network.num_factors(); ++id) {
+    const FactorRecord& record = network.factor(id);
+    if (!record.active) continue;
+    for (const BlockId b : record.blocks) used[Index(b)] = true;
+  }
+  position_of.assign(Index(network.num_blocks()), -1);
+  offset.push_back(0);
+  for (BlockId b = 0; b < network.num_blocks(); ++b) {
+    const BlockRecord& block = network.block(b);
+    if (!used[Index(b)] || block.held) continue;
+    position_of[Index(b)] = num_blocks();
+    blocks.push_back(b);
+    offset.push_back(offset.back() + block.kind.tangent_size);
+  }
+}
+
+Linearization::Linearization(const Network& network, const UnknownLayout& layout, int threads)
+    : layout_(layout) {
+  Reserve(network);
+  ParallelFor(static_cast<int>(edges_.size()), threads,
+              [&](int e) { EvaluateEdge(network, edges_[Index(e)]); });
+}
+
+void Linearization::Reserve(const Network& network) {
+  std::size_t size = 0;
+  int rows = 0;
+  for (FactorId id = 0; id < network.num_factors(); ++id) {
+    const FactorRecord& record = network.factor(id);
+    if (!record.active) continue;
+    Edge edge;
+    edge.factor = id;
+    edge.rows = record.factor->residual_size();
+    edge.first_row = rows;
+    edge.data = size;
+    edge.first_block = positions_.size();
+    for (const BlockId b : record.blocks) {
+      const int position = layout_.position_of[Index(b)];
+      if (position < 0) continue;
+      positions_.push_back(position);
+      edge.cols += layout_.size_of(position);
+      ++edge.num_blocks;
+    }
+    size += Index(edge.rows) * Index(edge.cols);
+    rows += edge.rows;
+    edges_.push_back(edge);
+  }
+  values_.resize(size);
+  residual_.resize(rows);
+}
+
+void Linearization::EvaluateEdge(const Network& network, Edge& edge) {
+  const FactorRecord& record = network.factor(edge.factor);
+  const std::size_t n = record.blocks.size();
+  std::vector<const double*> x(n);
+  std::vector<RowMajor> stored(n);
+  std::vector<double*> J(n, nullptr);
+  for (std::size_t i = 0; i < n; ++i) {
+    const BlockRecord& block = network.block(record.blocks[i]);
+    x[i] = block.value.get();
+    if (block.held) continue;
+    stored[i].resize(edge.rows, block.kind.stored_size);
+    J[i] = stored[i].data();
+  }
+  Eigen::VectorXd r(edge.rows);
+  const bool defined = network.EvaluateStored(edge.factor, x.data(), r.data(), J.data());
+
+  Eigen::Map<Eigen::MatrixXd> out(values_.data() + edge.data, edge.rows, edge.cols);
+  int column = 0;
+  for (std::size_t i = 0; defined && i < n; ++i) {
+    const BlockKind& kind = network.block(record.blocks[i]).kind;
+    if (J[i] == nullptr) continue;
+    StoredToTangent(kind, x[i], stored[i], out.middleCols(column, kind.tangent_size));
+    column += kind.tangent_size;
+  }
+  if (!defined || !r.allFinite() || !out.allFinite()) {
+    throw InvalidInput("marginals: " + UndefinedFactorMessage(network, edge.factor));
+  }
+  edge.weight = EvaluateLoss(record.loss, r.squaredNorm()).rho_prime;
+  if (edge.weight != 1.0) {
+    out *= std::sqrt(edge.weight);
+    r *= std::sqrt(edge.weight);
+  }
+  residual_.segment(edge.first_row, edge.rows) = r;
+}
+
+Eigen::MatrixXd Linearization::TriangularFactorOfProduct(const Eigen::MatrixXd& X) const {
+  const Eigen::Index k = X.cols();
+  Eigen::MatrixXd stack = Eigen::MatrixXd::Zero(k + kStackedRows, k);
+  Eigen::Index filled = k;
+  const auto compress = [&] {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(stack.topRows(filled));
+    const Eigen::MatrixXd R = qr.matrixQR().topRows(k).triangularView<Eigen::Upper>();
+    stack.topRows(k) = R;
+    filled = k;
+  };
+  for (const Edge& edge : edges_) {
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(edge.rows, k);
+    const auto J = jacobian(edge);
+    int column = 0;
+    for (int i = 0; i < edge.num_blocks; ++i) {
+      const int p = positions(edge)[i];
+      const int size = layout_.size_of(p);
+      product += J.middleCols(column, size) * X.middleRows(layout_.offset[Index(p)], size);
+      column += size;
+    }
+    for (int row = 0; row < edge.rows; ++row) {
+      if (filled == stack.rows()) compress();
+      stack.row(filled++) = product.row(row);
+    }
+  }
+  compress();
+  return stack.topRows(k);
+}
+
+}  // namespace dn

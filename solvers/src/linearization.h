@@ -1,0 +1,67 @@
+#pragma once
+
+#include <dn/network.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace dn {
+
+/// The unknowns of a network in one vector: the blocks that are free and have an active factor, in
+/// the order of the network.
+struct UnknownLayout {
+  std::vector<BlockId> blocks;   ///< by position
+  std::vector<int> position_of;  ///< by BlockId; -1 for a block that is not an unknown
+  std::vector<int> offset;       ///< of each position's tangent coordinates, and the total at last
+
+  explicit UnknownLayout(const Network& network);
+  int num_blocks() const { return static_cast<int>(blocks.size()); }
+  int size() const { return offset.back(); }
+  int size_of(int position) const {
+    const auto p = static_cast<std::size_t>(position);
+    return offset[p + 1] - offset[p];
+  }
+};
+
+/// The whitened Jacobian of every active factor in tangent coordinates, times the square root of
+/// rho': robust weights of first order, as Ceres applies them.
+class Linearization {
+ public:
+  /// The Jacobian of one factor: rows x (its unknown blocks side by side), column-major.
+  struct Edge {
+    int rows = 0;
+    int cols = 0;
+    std::size_t data = 0;  ///< into the store of Jacobians
+    int first_row = 0;     ///< into the residual
+    FactorId factor = -1;
+    std::size_t first_block = 0;  ///< into the list of positions
+    int num_blocks = 0;
+    double weight = 1.0;  ///< rho'
+  };
+
+  /// Throws InvalidInput naming a factor that is undefined at the current values.
+  Linearization(const Network& network, const UnknownLayout& layout, int threads);
+
+  const std::vector<Edge>& edges() const { return edges_; }
+  /// Whitened residuals, with the same weights.
+  const Eigen::VectorXd& residual() const { return residual_; }
+  const int* positions(const Edge& edge) const { return positions_.data() + edge.first_block; }
+  Eigen::Map<const Eigen::MatrixXd> jacobian(const Edge& edge) const {
+    return {values_.data() + edge.data, edge.rows, edge.cols};
+  }
+
+  /// Triangular factor of J X, which has the singular values of J X; X: unknowns x k.
+  Eigen::MatrixXd TriangularFactorOfProduct(const Eigen::MatrixXd& X) const;
+
+ private:
+  void Reserve(const Network& network);
+  void EvaluateEdge(const Network& network, Edge& edge);
+
+  const UnknownLayout& layout_;
+  std::vector<Edge> edges_;
+  std::vector<int> positions_;
+  std::vector<double> values_;
+  Eigen::VectorXd residual_;
+};
+
+}  // namespace dn

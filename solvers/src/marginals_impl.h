@@ -1,0 +1,53 @@
+#pragma once
+
+#include <dn/solvers/marginals.h>
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "linearized_impl.h"
+#include "normal_equations.h"
+#include "selected_inverse.h"
+#include "sparse_cholesky.h"
+
+namespace dn {
+
+struct Marginals::Impl {
+  using BlockInfo = LinearizedNetwork::Impl::BlockInfo;
+
+  Impl(LinearizedNetwork snapshot, const MarginalsOptions& options);
+
+  const LinearizedNetwork::Impl& network() const { return linearized.impl(); }
+  const UnknownLayout& layout() const { return network().layout; }
+  const BlockInfo& block(BlockId b) const { return network().block(b); }
+
+  /// Position in the layout; -1 for a held block. Throws for a block without a factor.
+  int Position(BlockId b) const;
+  int Offset(int position) const { return layout().offset[static_cast<std::size_t>(position)]; }
+
+  Eigen::MatrixXd Solve(const std::vector<BlockId>& ids) const;
+  Eigen::MatrixXd Solve(const BlockColumns& rhs) const;
+  /// scale (scale N scale)^-1 B
+  Eigen::MatrixXd SolveScaled(Eigen::MatrixXd B) const;
+
+  const Eigen::MatrixXd& CachedColumns(BlockId b);
+  Eigen::MatrixXd Rows(const Eigen::MatrixXd& columns, BlockId b) const;
+  std::optional<Eigen::MatrixXd> Selected(BlockId a, BlockId b) const;
+  void RequireSelected() const;
+
+  LinearizedNetwork linearized;
+  Eigen::VectorXd scale;  ///< of the unknowns: N is factored as scale N scale
+  std::unique_ptr<SparseCholesky> cholesky;
+  std::unique_ptr<SelectedInverse> selected;
+  Timings timings;
+  std::map<BlockId, Eigen::MatrixXd> cache;
+  std::size_t cached = 0;
+
+ private:
+  void Factor(const MarginalsOptions& options);
+  void ExamineRank(const SymmetricCsc& scaled_N, bool definite, double tolerance);
+};
+
+}  // namespace dn

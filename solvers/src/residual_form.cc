@@ -1,0 +1,140 @@
+#include <dn/report/distributions.h>
+#include <dn/solvers/residual_form.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <utility>
+
+namespace dn {
+namespace {
+
+constexpr Eigen::Index kExactRows = 400;
+constexpr int kSamples = 32;
+constexpr int kSamplesAtOnce = 8;
+constexpr unsigned kSeed = 20240501;
+
+/// Forms in which every row has a label of its own.
+class SumsOfSquares {
+ public:
+  explicit SumsOfSquares(Eigen::Index rows) : rows_(rows) {}
+
+  void Add(const std::string& name, const std::string& channel, int row) {
+    const auto [at, is_new] = index_.try_emplace(name, forms_.size());
+    if (is_new) {
+      forms_.push_back({name, channel, {}, 0, {}});
+      forms_.back().label.assign(static_cast<std::size_t>(rows_), -1);
+    }
+    ResidualForm& form = forms_[at->second];
+    form.label[static_cast<std::size_t>(row)] = form.labels++;
+  }
+
+  std::vector<ResidualForm> Take() { return std::move(forms_); }
+
+ private:
+  Eigen::Index rows_;
+  std::vector<ResidualForm> forms_;
+  std::map<std::string, std::size_t> index_;
+};
+
+std::vector<FormMoments> ExactMoments(const Marginals& marginals,
+                                      const std::vector<ResidualForm>& forms) {
+  const Eigen::Index n = marginals.linearized().rows();
+  const Eigen::MatrixXd M = marginals.Project(Eigen::MatrixXd::Identity(n, n));
+  std::vector<FormMoments> moments;
+  for (const ResidualForm& form : forms) {
+    const Eigen::MatrixXd half = form.SumByLabel(M).transpose();
+    const Eigen::MatrixXd Q = form.SumByLabel(half);
+    moments.push_back({Q.trace(), 2.0 * Q.squaredNorm(), 0});
+  }
+  return moments;
+}
+
+FormMoments MomentsOfSample(const std::vector<double>& energies) {
+  FormMoments moments{0.0, 0.0, kSamples};
+  for (const double energy : energies) moments.mean += energy / kSamples;
+  for (const double energy : energies) {
+    moments.variance += std::pow(energy - moments.mean, 2) / (kSamples - 1);
+  }
+  return moments;
+}
+
+std::vector<FormMoments> SampledMoments(const Marginals& marginals,
+                                        const std::vector<ResidualForm>& forms) {
+  std::vector<std::vector<double>> energies(forms.size());
+  std::mt19937_64 generator(kSeed);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < kSamples; k += kSamplesAtOnce) {
+    Eigen::MatrixXd E(marginals.linearized().rows(), kSamplesAtOnce);
+    for (double& e : E.reshaped()) e = normal(generator);
+    E = marginals.Project(E);
+    for (int c = 0; c < kSamplesAtOnce; ++c) {
+      for (std::size_t i = 0; i < forms.size(); ++i) {
+        energies[i].push_back(forms[i].Energy(E.col(c)));
+      }
+    }
+  }
+  std::vector<FormMoments> moments;
+  for (const std::vector<double>& sample : energies) moments.push_back(MomentsOfSample(sample));
+  return moments;
+}
+
+}  // namespace
+
+double ResidualForm::Energy(const Eigen::Ref<const Eigen::VectorXd>& residual) const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(labels);
+  for (std::size_t row = 0; row < label.size(); ++row) {
+    if (label[row] >= 0) sum[label[row]] += residual[static_cast<Eigen::Index>(row)];
+  }
+  return sum.squaredNorm();
+}
+
+Eigen::MatrixXd ResidualForm::SumByLabel(const Eigen::MatrixXd& X) const {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(labels, X.cols());
+  for (std::size_t row = 0; row < label.size(); ++row) {
+    if (label[row] >= 0) sum.row(label[row]) += X.row(static_cast<Eigen::Index>(row));
+  }
+  return sum;
+}
+
+std::vector<ResidualForm> ChannelForms(const LinearizedNetwork& linearized) {
+  SumsOfSquares sums(linearized.rows());
+  for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
+    const FactorGroup& group = linearized.group(rows.factor);
+    if (!group.measured()) continue;
+    for (int k = 0; k < rows.count; ++k) {
+      const std::string channel = group.Channel(k);
+      sums.Add(channel, channel, rows.first + k);
+      sums.Add(channel + " " + group.Axis(k), channel, rows.first + k);
+    }
+  }
+  return sums.Take();
+}
+
+double FormMoments::Dof() const {
+  const double dof = 2.0 * mean * mean / variance;
+  if (samples == 0) return dof;
+  const double uncertainty = std::sqrt((2.0 + 12.0 / dof) / (samples - 1));
+  return std::max(1.0, dof / (1.0 + 2.0 * uncertainty));
+}
+
+double FormMoments::UpperTail(double energy) const {
+  if (!(variance > 0.0) || !(mean > 0.0)) return 1.0;
+  const double dof = Dof();
+  return ChiSquareTail(dof * energy / mean, dof);
+}
+
+double FormMoments::LowerTail(double energy) const {
+  if (!(variance > 0.0) || !(mean > 0.0)) return 1.0;
+  const double dof = Dof();
+  return ChiSquareCdf(dof * energy / mean, dof);
+}
+
+std::vector<FormMoments> MomentsOf(const Marginals& marginals,
+                                   const std::vector<ResidualForm>& forms) {
+  return marginals.linearized().rows() <= kExactRows ? ExactMoments(marginals, forms)
+                                                     : SampledMoments(marginals, forms);
+}
+
+}  // namespace dn

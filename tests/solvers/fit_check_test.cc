@@ -1,0 +1,157 @@
+#include <dn/error.h>
+#include <dn/solvers/fit_check.h>
+#include <dn/solvers/solve.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "solvers/pose_graph.h"
+
+namespace dn {
+namespace {
+
+using testing::MakeVectorPrior;
+
+const FactorGroup kThermometer{"thermometer", {{"inside"}}};
+
+Eigen::Matrix<double, 1, 1> Scalar(double x) { return Eigen::Matrix<double, 1, 1>(x); }
+
+Marginals WithSelectedInverse(const Network& net) {
+  Marginals marginals(net);
+  marginals.ComputeSelectedInverse();
+  return marginals;
+}
+
+// One unknown, measured four times with sigma 1 as 1, 1, 1 and 5: the mean is 2, the residuals are
+// -1, -1, -1 and 3 (and their signs turned), chi2 = 12 with redundancy 3. Each row has the
+// redundancy 3/4, so that w = 3 / sqrt(3/4) and errors from 4.13 / sqrt(3/4) sigmas on are found.
+TEST(CheckFit, OfAMean) {
+  Network net;
+  const auto x = net.AddVector<1>("x", Scalar(2.0));
+  FactorId last = -1;
+  for (const double measured : {1.0, 1.0, 1.0, 5.0}) {
+    last = net.Add(MakeVectorPrior<1>(Scalar(measured), 1.0), x);
+    net.Tag(last, kThermometer, 10.0 + measured);
+  }
+  const FitCheck check = CheckFit(WithSelectedInverse(net));
+  EXPECT_NEAR(check.chi2, 12.0, 1e-12);
+  EXPECT_EQ(check.redundancy, 3);
+  EXPECT_NEAR(check.sigma0, 2.0, 1e-12);
+  const double tail_of_12_with_3 =
+      std::erfc(std::sqrt(6.0)) + std::sqrt(24.0 / std::numbers::pi) * std::exp(-6.0);
+  EXPECT_NEAR(check.p_value, 2.0 * tail_of_12_with_3, 1e-12);
+
+  ASSERT_EQ(check.channels.size(), 2U);
+  const ChannelFit& channel = check.channels[0];
+  EXPECT_EQ(channel.name, "thermometer");
+  EXPECT_EQ(check.channels[1].name, "thermometer inside");
+  EXPECT_EQ(channel.observations, 4);
+  EXPECT_NEAR(channel.redundancy, 3.0, 1e-12);
+  EXPECT_NEAR(channel.variance_ratio, 4.0, 1e-12);
+  EXPECT_NEAR(channel.p_value, check.p_value, 1e-9) << "the channel is all there is";
+  EXPECT_NEAR(channel.minimal_detectable, (3.2905267 + 0.8416212) / std::sqrt(0.75), 1e-6);
+
+  EXPECT_EQ(check.worst.row.factor, last);
+  EXPECT_EQ(check.worst.row.channel, "thermometer");
+  EXPECT_EQ(check.worst.row.axis, "inside");
+  EXPECT_EQ(check.worst.row.t_s, 15.0);
+  EXPECT_NEAR(std::abs(check.worst.standardised), 3.0 / std::sqrt(0.75), 1e-12);
+  // w^2 = 12: of four rows, 4 erfc(sqrt 6)
+  EXPECT_NEAR(check.worst_p_value, 4.0 * std::erfc(std::sqrt(6.0)), 1e-12);
+}
+
+// Two thermometers of which one is three times as bad as stated; priors are no channel.
+TEST(CheckFit, ConvictsTheGroupWhoseNoiseIsStatedWrong) {
+  std::mt19937 rng(3);
+  std::normal_distribution<double> normal;
+  Network net;
+  for (int k = 0; k < 150; ++k) {
+    const auto x = net.AddVector<1>("x/" + std::to_string(k), Scalar(0.0));
+    for (const bool bad : {false, true, false, true}) {
+      const double noise = (bad ? 3.0 : 1.0) * normal(rng);
+      net.Tag(net.Add(MakeVectorPrior<1>(Scalar(noise), 1.0), x), bad ? "bad" : "good", k);
+    }
+    const FactorId prior = net.Add(MakeVectorPrior<1>(Scalar(0.0), 100.0), x);
+    net.Tag(prior, {"prior", {}, {}, FactorGroup::Kind::kPrior}, k);
+  }
+  for (const bool weighted_right : {false, true}) {
+    if (weighted_right) {
+      for (FactorId id = 0; id < net.num_factors(); ++id) {
+        if (net.group(id).name != "bad") continue;
+        Eigen::VectorXd r;
+        ASSERT_TRUE(net.EvaluateFactor(id, &r));
+        const double z = net.Value(Block<Vec<1>>{net.factor(id).blocks[0]})[0] - r[0];
+        net.ReplaceFactor(
+            id, std::make_shared<testing::VectorPrior<1>>(MakeVectorPrior<1>(Scalar(z), 3.0)));
+      }
+    }
+    ASSERT_TRUE(Solve(net).converged);
+    const FitCheck check = CheckFit(WithSelectedInverse(net));
+    ASSERT_EQ(check.channels.size(), 4U);
+    const ChannelFit& good = check.channels[0];
+    const ChannelFit& bad = check.channels[2];
+    EXPECT_EQ(good.name, "good");
+    EXPECT_EQ(bad.name, "bad");
+    if (weighted_right) {
+      EXPECT_GT(check.p_value, 1e-3);
+      EXPECT_GT(good.p_value, 1e-3);
+      EXPECT_GT(bad.p_value, 1e-3);
+      EXPECT_NEAR(bad.variance_ratio, 1.0, 0.3);
+    } else {
+      EXPECT_LT(check.p_value, 1e-12);
+      EXPECT_LT(bad.p_value, 1e-6);
+      EXPECT_GT(bad.variance_ratio, 3.0);
+    }
+  }
+}
+
+TEST(RowTest, RefusesProbabilitiesThatAreNone) {
+  EXPECT_NEAR(RowTest{}.NonCentrality(), 4.132148, 1e-6) << "Baarda's 17.07, rooted";
+  EXPECT_TRUE(std::isinf(RowTest{}.MinimalDetectable(0.0)));
+  EXPECT_THROW((RowTest{.alpha = 0.0}.NonCentrality()), InvalidConfig);
+  EXPECT_THROW((RowTest{.alpha = 0.001, .power = 1.0}.NonCentrality()), InvalidConfig);
+}
+
+// The exact moments of a sum of squares of n rows that one mean is fitted to: n - 1 and 2 (n - 1).
+// Summed over the rows they are zero: the mean takes what the rows have in common.
+TEST(ResidualForm, MomentsOfAMean) {
+  Network net;
+  const auto x = net.AddVector<1>("x", Scalar(0.0));
+  for (int k = 0; k < 5; ++k) {
+    net.Tag(net.Add(MakeVectorPrior<1>(Scalar(0.0), 1.0), x), kThermometer, k);
+  }
+  const Marginals marginals(net);
+  std::vector<ResidualForm> forms = ChannelForms(marginals.linearized());
+  forms[1].label.assign(5, 0);
+  forms[1].labels = 1;
+  const std::vector<FormMoments> moments = MomentsOf(marginals, forms);
+  EXPECT_NEAR(moments[0].mean, 4.0, 1e-12);
+  EXPECT_NEAR(moments[0].variance, 8.0, 1e-12);
+  EXPECT_NEAR(moments[0].Dof(), 4.0, 1e-12);
+  EXPECT_NEAR(moments[1].mean, 0.0, 1e-12);
+}
+
+// Of many rows they come from samples, which say how uncertain they are.
+TEST(ResidualForm, MomentsOfManyRowsAreThoseOfSamples) {
+  Network net;
+  for (int k = 0; k < 250; ++k) {
+    const auto x = net.AddVector<1>("x/" + std::to_string(k), Scalar(0.0));
+    for (int i = 0; i < 2; ++i) {
+      net.Tag(net.Add(MakeVectorPrior<1>(Scalar(0.0), 1.0), x), kThermometer, k);
+    }
+  }
+  const Marginals marginals(net);
+  const FormMoments moments = MomentsOf(marginals, ChannelForms(marginals.linearized())).front();
+  EXPECT_GT(moments.samples, 0);
+  EXPECT_NEAR(moments.mean, 250.0, 4.0 * std::sqrt(500.0 / moments.samples));
+  EXPECT_LT(moments.Dof(), 2.0 * moments.mean * moments.mean / moments.variance)
+      << "on the safe side";
+}
+
+}  // namespace
+}  // namespace dn

@@ -1,0 +1,93 @@
+#include <dn/solvers/propagate.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <type_traits>
+
+#include "solvers/pose_graph.h"
+
+namespace dn {
+namespace {
+
+using testing::MakePoseGraph;
+using testing::MakeVectorPrior;
+using testing::PoseGraph;
+
+// Two positions 3 and 4 m apart along x and y, with sigmas of 0.1 and 0.2 m: along the line between
+// them the distance has the sigma sqrt(0.01 + 0.04).
+TEST(Propagate, DistanceOfTwoPositions) {
+  Network net;
+  const auto p = net.AddVector<3>("p", Eigen::Vector3d(1.0, 2.0, 5.0));
+  const auto q = net.AddVector<3>("q", Eigen::Vector3d(4.0, 6.0, 5.0));
+  net.Add(MakeVectorPrior<3>(Eigen::Vector3d(1.0, 2.0, 5.0), 0.1), p);
+  net.Add(MakeVectorPrior<3>(Eigen::Vector3d(4.0, 6.0, 5.0), 0.2), q);
+  const Marginals marginals(net);
+  net.SetValue(p, Eigen::Vector3d::Zero());  // not seen
+  const auto distance = Propagate(
+      marginals, [](const auto& a, const auto& b) { return (a - b).norm(); }, p, q);
+  EXPECT_NEAR(distance.value[0], 5.0, 1e-14);
+  EXPECT_NEAR(distance.covariance(0, 0), 0.05, 1e-14);
+  EXPECT_NEAR(distance.sigma()[0], std::sqrt(0.05), 1e-14);
+}
+
+/// r = (b - a) / sigma
+struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
+  template <class T>
+  bool Residual(const T* a, const T* b, T* r) const {
+    for (int i = 0; i < 3; ++i) r[i] = (b[i] - a[i]) / 0.1;
+    return true;
+  }
+};
+
+// b = a + 0.1: both are as wrong as the prior of a, and their difference is not.
+TEST(Propagate, CountsWhatUnknownsHaveInCommon) {
+  Network net;
+  const auto a = net.AddVector<3>("a", Eigen::Vector3d::Zero());
+  const auto b = net.AddVector<3>("b", Eigen::Vector3d::Zero());
+  net.Add(MakeVectorPrior<3>(Eigen::Vector3d::Zero(), 10.0), a);
+  net.Add(Difference{}, a, b);
+  const Marginals marginals(net);
+  const Eigen::Matrix<double, 6, 6> joint = Joint(marginals, a, b);
+  EXPECT_NEAR(joint(0, 0), 100.0, 1e-9);
+  EXPECT_NEAR(joint(3, 3), 100.01, 1e-9);
+  EXPECT_NEAR(joint(0, 3), 100.0, 1e-9);
+  const auto difference = Propagate(
+      marginals, [](const auto& x, const auto& y) { return (y - x).eval(); }, a, b);
+  EXPECT_LT((difference.covariance - 0.01 * Eigen::Matrix3d::Identity()).norm(), 1e-9);
+}
+
+// A lever arm through an attitude: J = [-R [a]x, R] in the tangents, by hand.
+TEST(Propagate, ThroughTheTangentOfARotation) {
+  const PoseGraph graph = MakePoseGraph(7, {.noise = 1.0});
+  const Marginals marginals(graph.network);
+  const Block<Rotation> q_mb = graph.q_mb[4];
+  const Block<Vec<3>> p_mb = graph.p_mb[4];
+  const Eigen::Vector3d a_b(1.0, -2.0, 0.5);
+  const auto point = Propagate(
+      marginals,
+      [&](const auto& q, const auto& p) {
+        using T = std::decay_t<decltype(p.x())>;
+        return Eigen::Matrix<T, 3, 1>(p + q * a_b.cast<T>());
+      },
+      q_mb, p_mb);
+  const Eigen::Matrix3d R = graph.network.Value(q_mb).toRotationMatrix();
+  Eigen::Matrix<double, 3, 6> J;
+  J << -R * Skew(a_b), Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d expected = J * Joint(marginals, q_mb, p_mb) * J.transpose();
+  EXPECT_LT((point.value - graph.network.Value(p_mb) - R * a_b).norm(), 1e-12);
+  EXPECT_LT((point.covariance - expected).norm(), 1e-12 * expected.norm());
+}
+
+TEST(Joint, HoldsTheCovarianceOfEachBlockAndZeroForOneThatIsHeld) {
+  PoseGraph graph = MakePoseGraph(2, {.noise = 1.0});
+  graph.network.Hold(graph.q_bs);
+  const Marginals marginals(graph.network);
+  const auto joint = Joint(marginals, graph.p_mb[3], graph.q_bs, graph.p_mb[20]);
+  EXPECT_LT((joint.topLeftCorner<3, 3>() - marginals.Covariance(graph.p_mb[3])).norm(), 1e-12);
+  EXPECT_LT((joint.topRightCorner<3, 3>() - marginals.Covariance(graph.p_mb[3], graph.p_mb[20])).norm(),
+            1e-12);
+  EXPECT_EQ((joint.block<3, 9>(3, 0).norm()), 0.0);
+}
+
+}  // namespace
+}  // namespace dn
