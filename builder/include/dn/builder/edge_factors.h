@@ -1,0 +1,69 @@
+#pragma once
+
+#include <dn/builder/calibration_state.h>
+#include <dn/factor.h>
+#include <dn/flight/flight.h>
+#include <dn/geo/trajectory.h>
+#include <dn/imu/preintegration.h>
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+namespace dn {
+
+/// Noise of a GNSS epoch's position in the mapping frame: the file's covariance or the flight's
+/// default, scaled, rotated from the ENU of the point.
+Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig& config,
+                                       const LocalFrame& frame);
+
+/// Whether the velocity of an epoch is used: by the configuration, else when it is there with its
+/// sigma.
+bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config);
+
+/// What an edge of a GNSS epoch is made with.
+struct GnssEdgeInput {
+  MapPose pose;          ///< at the tag, for the way of the antenna to a late epoch
+  ImuCorrection biases;  ///< biases there, for the angular rate
+  /// Added to the covariance of the file, map axes, m^2 or (m/s)^2.
+  Eigen::Matrix3d added_covariance = Eigen::Matrix3d::Zero();
+};
+
+/// Position edge of an epoch. Without GNSS effects a GnssPosition on (q_mb, p_mb, a_b), else a
+/// GnssAntenna on (q_mb, p_mb, a_b, v_m) and the effects in the order of EffectsOfGnss. Throws
+/// InvalidInput naming the epoch where its covariance is none.
+std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
+                                                         const GnssEpoch& epoch,
+                                                         const CalibrationState& calibration,
+                                                         const GnssEdgeInput& input);
+
+/// Velocity edge of an epoch that has one: a GnssVelocity on (q_mb, v_m, a_b), or a GnssAntenna as
+/// above.
+std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
+                                                         const GnssEpoch& epoch,
+                                                         const CalibrationState& calibration,
+                                                         const GnssEdgeInput& input);
+
+/// The attraction of every effect on it at p_m, in the order of the factors' blocks.
+std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration,
+                                             const Eigen::Vector3d& p_m);
+
+/// A pair with how its ends hang on their nodes.
+struct PairEdgeInput {
+  LidarPair pair;
+  MapPose node_i, node_j;
+  ImuCorrection biases_i, biases_j;
+};
+
+/// Edge of a pair: its partial increments end at the epochs that the calibration says. Without
+/// effects on pairs a PointToPoint, else a PointToPointWithEffects with the effects in the order of
+/// EffectsOfPairs. Throws InvalidInput when an epoch falls before its node.
+std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
+                                                 const CalibrationState& calibration,
+                                                 const PreintegrationNoise& noise,
+                                                 const PairEdgeInput& input);
+
+/// With a time of the lidar free, pairs attach to a node at least this far before their tag, s.
+inline constexpr double kLidarTimeMarginS = 0.05;
+
+}  // namespace dn

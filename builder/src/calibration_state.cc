@@ -1,0 +1,93 @@
+#include <dn/builder/calibration_state.h>
+#include <dn/effects/effect_table.h>
+#include <dn/rotation.h>
+
+#include <algorithm>
+
+namespace dn {
+namespace {
+
+/// Place in the order of corrections; effects of a user's own come last.
+std::size_t Rank(const std::string& name) {
+  const std::vector<EstimableEffect>& all = EstimableEffects();
+  const auto at = std::find_if(all.begin(), all.end(),
+                               [&](const EstimableEffect& effect) { return name == effect.name; });
+  return static_cast<std::size_t>(at - all.begin());
+}
+
+template <class Action>
+void Append(const CalibrationState& state, std::vector<std::size_t>* indices) {
+  for (std::size_t k = 0; k < state.effects.size(); ++k) {
+    if (std::holds_alternative<Action>(state.effects[k].action)) indices->push_back(k);
+  }
+}
+
+}  // namespace
+
+void CalibrationState::Insert(CalibrationValue value) {
+  const auto at = std::upper_bound(
+      effects.begin(), effects.end(), Rank(value.name),
+      [](std::size_t rank, const CalibrationValue& other) { return rank < Rank(other.name); });
+  effects.insert(at, std::move(value));
+}
+
+ImuCorrection CalibrationState::ImuAt(const Eigen::Vector3d& gyro_bias_radps,
+                                      const Eigen::Vector3d& accel_bias_mps2) const {
+  ImuCorrection correction{gyro_bias_radps, accel_bias_mps2};
+  for (const CalibrationValue& one : effects) {
+    if (const auto* effect = std::get_if<std::shared_ptr<const ImuEffect>>(&one.action)) {
+      correction.effects.push_back({*effect, one.value});
+    }
+  }
+  return correction;
+}
+
+Eigen::Vector3d CalibrationState::AttractionAt(const Eigen::Vector3d& p_m) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const CalibrationValue& one : effects) {
+    if (const auto* field = std::get_if<AttractionField>(&one.action)) {
+      sum += (*field)(p_m)*one.value;
+    }
+  }
+  return sum;
+}
+
+std::vector<std::size_t> EffectsOfInertial(const CalibrationState& state) {
+  std::vector<std::size_t> indices;
+  Append<std::shared_ptr<const ImuEffect>>(state, &indices);
+  Append<AttractionField>(state, &indices);
+  return indices;
+}
+
+std::vector<std::size_t> EffectsOfGnss(const CalibrationState& state) {
+  std::vector<std::size_t> indices;
+  Append<std::shared_ptr<const GnssEffect>>(state, &indices);
+  return indices;
+}
+
+std::vector<std::size_t> EffectsOfPairs(const CalibrationState& state) {
+  std::vector<std::size_t> indices;
+  Append<std::shared_ptr<const LidarEffect>>(state, &indices);
+  Append<std::shared_ptr<const ImuEffect>>(state, &indices);
+  Append<AttractionField>(state, &indices);
+  return indices;
+}
+
+CalibrationState AssumedCalibration(const Flight& flight) {
+  const FlightConfig& config = flight.config;
+  CalibrationState state;
+  if (config.gnss) state.gnss_lever_arm_b_m = config.gnss->lever_arm_b_m;
+  if (config.lidar) {
+    state.q_boresight = Exp(config.lidar->mounting.boresight_rad);
+    state.lidar_lever_arm_b_m = config.lidar->mounting.lever_arm_b_m;
+  }
+  for (const EstimateEntry& entry : config.estimate) {
+    const EstimableEffect* effect = FindEstimable(entry.unknown);
+    if (effect == nullptr || effect->make == nullptr) continue;
+    const auto size = static_cast<Eigen::Index>(FindEffect(entry.unknown)->components.size());
+    state.Insert({entry.unknown, effect->make({flight, entry.times}), Eigen::VectorXd::Zero(size)});
+  }
+  return state;
+}
+
+}  // namespace dn

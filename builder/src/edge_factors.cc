@@ -1,0 +1,177 @@
+#include <dn/builder/edge_factors.h>
+#include <dn/builder/measurement_noise.h>
+#include <dn/factors/gnss_position.h>
+#include <dn/factors/gnss_velocity.h>
+#include <dn/factors/point_to_point_with_effects.h>
+
+#include <string>
+
+namespace dn {
+namespace {
+
+using internal::MeasurementNoise;
+
+constexpr const char* kCheckGnss = "check its sigmas and gnss.sigma_scale";
+constexpr const char* kCheckPair =
+    "check its laser vectors and covariance, and the white noise of the IMU";
+constexpr double kSameEpochS = 1e-7;
+
+template <class Effect>
+std::vector<std::shared_ptr<const Effect>> Of(const CalibrationState& state) {
+  std::vector<std::shared_ptr<const Effect>> effects;
+  for (const CalibrationValue& one : state.effects) {
+    if (const auto* effect = std::get_if<std::shared_ptr<const Effect>>(&one.action)) {
+      effects.push_back(*effect);
+    }
+  }
+  return effects;
+}
+
+std::vector<Eigen::VectorXd> LidarValues(const CalibrationState& state) {
+  std::vector<Eigen::VectorXd> values;
+  for (const CalibrationValue& one : state.effects) {
+    if (std::holds_alternative<std::shared_ptr<const LidarEffect>>(one.action)) {
+      values.push_back(one.value);
+    }
+  }
+  return values;
+}
+
+ImuCorrection CorrectionOf(const CalibrationState& state, const ImuCorrection& biases) {
+  return state.ImuAt(biases.gyro_bias_radps, biases.accel_bias_mps2);
+}
+
+MotionAtTag MotionOf(const Flight& flight, const GnssEpoch& epoch, const CalibrationState& state,
+                     const GnssEdgeInput& input, const Preintegrated& here) {
+  const Eigen::Vector3d w_ie_m = flight.frame.w_ie_m();
+  const MapPose& pose = input.pose;
+  const Eigen::Vector3d a_m = pose.q_mb * here.f_end_b_mps2 + flight.frame.Gravity(pose.p_mb) +
+                              state.AttractionAt(pose.p_mb) - 2.0 * w_ie_m.cross(pose.v_m);
+  return {epoch.t_s, here.w_end_b_radps, w_ie_m, a_m};
+}
+
+/// An end of a pair with what its covariance is made of.
+struct PreparedEnd {
+  LidarEnd end;
+  Eigen::Vector3d arm_b;  // lever arm and laser vector, in body
+};
+
+PreparedEnd PrepareEnd(const Flight& flight, const CalibrationState& state,
+                       const PreintegrationNoise& noise, double tag_s, const Eigen::Vector3d& u_s,
+                       const MapPose& node, const ImuCorrection& biases) {
+  const LidarReading reading = Corrected(Of<LidarEffect>(state), LidarValues(state), tag_s, u_s);
+  const double delay_s = state.lidar_time_offset_s + reading.delay_s;
+  const double t_s = tag_s - delay_s;
+  if (t_s < node.t_s - kSameEpochS) {
+    throw InvalidInput("lidar time offset: the estimate of " + std::to_string(delay_s) +
+                       " s exceeds the " + std::to_string(kLidarTimeMarginS) +
+                       " s that can be estimated; correct the time tags of the pairs first");
+  }
+  const ImuCorrection correction = CorrectionOf(state, biases);
+  PreparedEnd out;
+  out.end.partial = t_s - node.t_s > kSameEpochS
+                        ? Preintegrate(*flight.imu, node.t_s, t_s, correction, noise)
+                        : IdentityIncrement(*flight.imu, node.t_s, correction);
+  out.end.u_s = u_s;
+  out.end.p_nominal_m = node.p_mb;
+  const Eigen::Quaterniond q_boresight =
+      reading.turn_b_rad.isZero(0.0)
+          ? state.q_boresight
+          : Exp(Eigen::Vector3d(Log(state.q_boresight) + reading.turn_b_rad));
+  out.arm_b = state.lidar_lever_arm_b_m +
+              q_boresight * (flight.config.lidar->mounting.R_bs_nominal * reading.u_s);
+  return out;
+}
+
+}  // namespace
+
+Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig& config,
+                                       const LocalFrame& frame) {
+  const Eigen::Matrix3d covariance_enu = epoch.covariance_enu_m2.value_or(
+      Eigen::Matrix3d(config.sigma_enu_m.cwiseAbs2().asDiagonal()));
+  const Eigen::Matrix3d R_m_enu = frame.R_m_enu(frame.ToMap(epoch.antenna));
+  return config.sigma_scale * config.sigma_scale * R_m_enu * covariance_enu * R_m_enu.transpose();
+}
+
+bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config) {
+  return config.use_velocity.value_or(true) && epoch.velocity_enu_mps.has_value() &&
+         epoch.velocity_covariance_enu.has_value();
+}
+
+std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
+                                                         const GnssEpoch& epoch,
+                                                         const CalibrationState& calibration,
+                                                         const GnssEdgeInput& input) {
+  const Noise<3> noise = MeasurementNoise(
+      GnssPositionCovariance(epoch, *flight.config.gnss, flight.frame) + input.added_covariance,
+      "the GNSS position", epoch.t_s, kCheckGnss);
+  const Eigen::Vector3d z_m = flight.frame.ToMap(epoch.antenna);
+  GnssEffects effects = Of<GnssEffect>(calibration);
+  if (effects.empty()) return std::make_shared<GnssPosition>(z_m, noise);
+  const Preintegrated here =
+      IdentityIncrement(*flight.imu, epoch.t_s, CorrectionOf(calibration, input.biases));
+  return std::make_shared<GnssAntenna>(GnssAntenna::Quantity::kPosition, z_m,
+                                       MotionOf(flight, epoch, calibration, input, here),
+                                       std::move(effects), noise);
+}
+
+std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
+                                                         const GnssEpoch& epoch,
+                                                         const CalibrationState& calibration,
+                                                         const GnssEdgeInput& input) {
+  const GnssConfig& config = *flight.config.gnss;
+  const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(flight.frame.ToMap(epoch.antenna));
+  const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * R_m_enu *
+                                     *epoch.velocity_covariance_enu * R_m_enu.transpose();
+  const Noise<3> noise = MeasurementNoise(covariance + input.added_covariance, "the GNSS velocity",
+                                          epoch.t_s, kCheckGnss);
+  const Eigen::Vector3d z_m = R_m_enu * *epoch.velocity_enu_mps;
+  const Preintegrated here =
+      IdentityIncrement(*flight.imu, epoch.t_s, CorrectionOf(calibration, input.biases));
+  GnssEffects effects = Of<GnssEffect>(calibration);
+  if (effects.empty()) {
+    return std::make_shared<GnssVelocity>(z_m, here.w_end_b_radps, flight.frame.w_ie_m(), noise);
+  }
+  return std::make_shared<GnssAntenna>(GnssAntenna::Quantity::kVelocity, z_m,
+                                       MotionOf(flight, epoch, calibration, input, here),
+                                       std::move(effects), noise);
+}
+
+std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration,
+                                             const Eigen::Vector3d& p_m) {
+  std::vector<AttractionBasis> bases;
+  for (const CalibrationValue& one : calibration.effects) {
+    if (const auto* field = std::get_if<AttractionField>(&one.action)) {
+      bases.push_back((*field)(p_m));
+    }
+  }
+  return bases;
+}
+
+std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
+                                                 const CalibrationState& calibration,
+                                                 const PreintegrationNoise& noise,
+                                                 const PairEdgeInput& input) {
+  const LidarConfig& lidar = *flight.config.lidar;
+  const LidarPair& pair = input.pair;
+  const PreparedEnd i =
+      PrepareEnd(flight, calibration, noise, pair.t_i_s, pair.u_i_s, input.node_i, input.biases_i);
+  const PreparedEnd j =
+      PrepareEnd(flight, calibration, noise, pair.t_j_s, pair.u_j_s, input.node_j, input.biases_j);
+  Eigen::Matrix3d covariance = pair.covariance_m2.value_or(
+      Eigen::Matrix3d(lidar.sigma_p_m * lidar.sigma_p_m * Eigen::Matrix3d::Identity()));
+  covariance += EndNoise(i.end, input.node_i.q_mb.toRotationMatrix(), i.arm_b);
+  covariance += EndNoise(j.end, input.node_j.q_mb.toRotationMatrix(), j.arm_b);
+  const Noise<3> of_difference = MeasurementNoise(0.5 * (covariance + covariance.transpose()),
+                                                  "the point pair", pair.t_i_s, kCheckPair);
+  const Eigen::Matrix3d& T_bs = lidar.mounting.R_bs_nominal;
+  if (EffectsOfPairs(calibration).empty()) {
+    return std::make_shared<PointToPoint>(flight.frame, i.end, j.end, T_bs,
+                                          calibration.lidar_time_offset_s, of_difference);
+  }
+  return std::make_shared<PointToPointWithEffects>(
+      flight.frame, i.end, j.end, pair.t_i_s, pair.t_j_s, T_bs, Of<LidarEffect>(calibration),
+      AttractionBases(calibration, input.node_i.p_mb), of_difference);
+}
+
+}  // namespace dn

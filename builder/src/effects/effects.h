@@ -1,0 +1,30 @@
+#pragma once
+
+#include <dn/builder/calibration_effect.h>
+
+#include <utility>
+
+namespace dn::internal {
+
+/// One function for every effect, named like it; see EstimableEffect::make.
+EffectAction AccelScaleFactor(const EffectSite& site);
+EffectAction AccelMisalignment(const EffectSite& site);
+EffectAction GyroGSensitivity(const EffectSite& site);
+EffectAction GyroScaleFactor(const EffectSite& site);
+EffectAction GyroMisalignment(const EffectSite& site);
+EffectAction GravityTilt(const EffectSite& site);
+EffectAction GravityDisturbance(const EffectSite& site);
+EffectAction GnssTimeOffset(const EffectSite& site);
+EffectAction GnssPositionStep(const EffectSite& site);
+EffectAction LidarTimeDrift(const EffectSite& site);
+EffectAction LidarRangeOffset(const EffectSite& site);
+EffectAction LidarRangeScale(const EffectSite& site);
+EffectAction LidarAngleScale(const EffectSite& site);
+EffectAction LidarScanCone(const EffectSite& site);
+EffectAction BoresightDrift(const EffectSite& site);
+EffectAction BoresightStep(const EffectSite& site);
+
+/// First and last epoch of the flight's pairs, s; both 0 without pairs.
+std::pair<double, double> LidarSpan(const Flight& flight);
+
+}  // namespace dn::internal

@@ -1,0 +1,45 @@
+#include <dn/error.h>
+
+#include "effects.h"
+
+namespace dn::internal {
+namespace {
+
+/// A constant offset (east, north, up) of the positions during a window.
+class PositionStep final : public GnssEffect {
+ public:
+  PositionStep(const Eigen::Matrix3d& R_m_enu, const std::pair<double, double>& window_s)
+      : R_m_enu_(R_m_enu), window_s_(window_s) {}
+
+  int components() const override { return 3; }
+
+  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+               GnssReading* reading) const override {
+    const double t_s = reading->tag_s - reading->delay_s;
+    if (t_s < window_s_.first || t_s > window_s_.second) return;
+    reading->shift_m += R_m_enu_ * value;
+    reading->J_shift.middleCols<3>(column) = R_m_enu_;
+  }
+
+ private:
+  Eigen::Matrix3d R_m_enu_;
+  std::pair<double, double> window_s_;
+};
+
+/// The axes at the middle of the flight: over 10 km they turn by 2 mrad, a step of a metre by 2 mm.
+Eigen::Matrix3d AxesOf(const Flight& flight) {
+  if (!flight.gnss || flight.gnss->epochs.empty()) return flight.frame.R_m_enu({0.0, 0.0, 0.0});
+  const auto& epochs = flight.gnss->epochs;
+  return flight.frame.R_m_enu(flight.frame.ToMap(epochs[epochs.size() / 2].antenna));
+}
+
+}  // namespace
+
+EffectAction GnssPositionStep(const EffectSite& site) {
+  if (!site.times.window_s) {
+    throw InvalidConfig("estimate: gnss_position_step needs the window in which it is there");
+  }
+  return std::make_shared<PositionStep>(AxesOf(site.flight), *site.times.window_s);
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,22 @@
+#include "effects.h"
+
+namespace dn::internal {
+
+// The gravity vector gains g times the value toward north and east. It is the attraction that
+// carries the difference: the centrifugal part is that of the Earth's rotation alone.
+EffectAction GravityTilt(const EffectSite& site) {
+  return AttractionField([frame = site.flight.frame](const Eigen::Vector3d& p_m) {
+    Eigen::Matrix<double, 3, 2> north_east;
+    north_east << 0.0, 1.0, 1.0, 0.0, 0.0, 0.0;
+    return AttractionBasis(frame.Gravity(p_m).norm() * frame.R_m_enu(p_m) * north_east);
+  });
+}
+
+// Added to the magnitude of normal gravity, which points down.
+EffectAction GravityDisturbance(const EffectSite& site) {
+  return AttractionField([frame = site.flight.frame](const Eigen::Vector3d& p_m) {
+    return AttractionBasis(frame.Gravity(p_m).normalized());
+  });
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,44 @@
+#include <algorithm>
+
+#include "effects.h"
+
+namespace dn::internal {
+namespace {
+
+/// tag = t + value (t - first), that is t = (tag + value first) / (1 + value).
+class TimeDrift final : public LidarEffect {
+ public:
+  explicit TimeDrift(double first_s) : first_s_(first_s) {}
+
+  int components() const override { return 1; }
+  bool moves_epochs() const override { return true; }
+
+  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+               LidarReading* reading) const override {
+    const double since_s = (reading->tag_s - first_s_) / (1.0 + value[0]);
+    reading->delay_s += value[0] * since_s;
+    reading->J_delay[column] = since_s / (1.0 + value[0]);
+  }
+
+ private:
+  double first_s_;
+};
+
+}  // namespace
+
+std::pair<double, double> LidarSpan(const Flight& flight) {
+  if (!flight.pairs || flight.pairs->pairs.empty()) return {0.0, 0.0};
+  const auto& pairs = flight.pairs->pairs;
+  std::pair<double, double> span{pairs.front().t_i_s, pairs.front().t_i_s};
+  for (const LidarPair& pair : pairs) {
+    span.first = std::min({span.first, pair.t_i_s, pair.t_j_s});
+    span.second = std::max({span.second, pair.t_i_s, pair.t_j_s});
+  }
+  return span;
+}
+
+EffectAction LidarTimeDrift(const EffectSite& site) {
+  return std::make_shared<TimeDrift>(LidarSpan(site.flight).first);
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,43 @@
+#include <dn/rotation.h>
+
+#include "effects.h"
+
+namespace dn::internal {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// measured = Exp(-[value]x) true, of the gyros or of the accelerometers.
+class TriadMisalignment final : public ImuEffect {
+ public:
+  explicit TriadMisalignment(bool gyro) : gyro_(gyro) {}
+
+  int components() const override { return 3; }
+
+  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+               ImuReading* reading) const override {
+    const Vector3d phi = value;
+    Vector3d& x = gyro_ ? reading->w_b : reading->f_b;
+    Eigen::Matrix3Xd& J = gyro_ ? reading->J_w : reading->J_f;
+    const Matrix3d R = Exp(phi).toRotationMatrix();
+    x = R * x;
+    J = R * J;
+    J.middleCols<3>(column) = -Skew(x) * RightJacobian(Vector3d(-phi));  // left Jacobian of phi
+  }
+
+ private:
+  bool gyro_;
+};
+
+}  // namespace
+
+EffectAction GyroMisalignment(const EffectSite&) {
+  return std::make_shared<TriadMisalignment>(true);
+}
+
+EffectAction AccelMisalignment(const EffectSite&) {
+  return std::make_shared<TriadMisalignment>(false);
+}
+
+}  // namespace dn::internal
