@@ -1,0 +1,54 @@
+#include "factor_groups.h"
+
+#include <vector>
+
+namespace dn::internal {
+namespace {
+
+std::vector<RowName> EastNorthUp() { return {{"east"}, {"north"}, {"up"}}; }
+
+FactorGroup BiasProcess(const char* sensor) {
+  return {"bias process", {{"x"}, {"y"}, {"z"}}, sensor, FactorGroup::Kind::kProcess};
+}
+
+FactorGroup Inertial() {
+  FactorGroup group{"inertial"};
+  for (const char* quantity : {"gyro", "velocity", "position"}) {
+    for (const char* axis : {"x", "y", "z"}) group.rows.push_back({axis, quantity});
+  }
+  return group;
+}
+
+}  // namespace
+
+const FactorGroup& InertialGroup() {
+  static const FactorGroup group = Inertial();
+  return group;
+}
+
+const FactorGroup& GnssPositionGroup() {
+  static const FactorGroup group{"gnss position", EastNorthUp()};
+  return group;
+}
+
+const FactorGroup& GnssVelocityGroup() {
+  static const FactorGroup group{"gnss velocity", EastNorthUp()};
+  return group;
+}
+
+const FactorGroup& PairGroup() {
+  static const FactorGroup group{"lidar p2p", EastNorthUp()};
+  return group;
+}
+
+const FactorGroup& BiasProcessGroup(bool gyro) {
+  static const FactorGroup of_gyro = BiasProcess("gyro"), of_accel = BiasProcess("accel");
+  return gyro ? of_gyro : of_accel;
+}
+
+const FactorGroup& PriorGroup() {
+  static const FactorGroup group{"prior", {}, {}, FactorGroup::Kind::kPrior};
+  return group;
+}
+
+}  // namespace dn::internal
