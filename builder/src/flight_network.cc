@@ -1,5 +1,6 @@
 #include <dn/builder/estimable.h>
 #include <dn/builder/flight_network.h>
+#include <dn/builder/measurement_noise.h>
 #include <dn/factors/bias_process.h>
 #include <dn/factors/gnss_position.h>
 #include <dn/factors/gnss_velocity.h>
@@ -10,8 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "measurement_noise.h"
 
 namespace dn {
 

@@ -1,5 +1,4 @@
-#include "measurement_noise.h"
-
+#include <dn/builder/measurement_noise.h>
 #include <fmt/format.h>
 
 namespace dn::internal {
