@@ -1,5 +1,6 @@
 #include <dn/calibration/adjust.h>
 #include <dn/error.h>
+#include <dn/montecarlo/summary.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
 #include <fmt/format.h>
@@ -14,7 +15,6 @@
 #include <thread>
 
 #include "command.h"
-#include <dn/montecarlo/summary.h>
 #include "option_checks.h"
 
 namespace dn::apps {

@@ -1,10 +1,10 @@
 /// Covariances of the network of a simulated flight: assembly, factorisation and selected inverse;
 /// on the smallest flight ceres::Covariance beside it.
 #include <benchmark/benchmark.h>
-#include <dn/calibration/adjust.h>
-#include <dn/navigation/alignment.h>
 #include <dn/builder/flight_network.h>
 #include <dn/builder/node_grid.h>
+#include <dn/calibration/adjust.h>
+#include <dn/navigation/alignment.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/simulate.h>
 #include <dn/solvers/marginals.h>

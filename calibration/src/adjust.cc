@@ -1,6 +1,9 @@
 #include <dn/calibration/adjust.h>
 #include <dn/geo/text_table.h>
 #include <dn/imu/strapdown.h>
+#include <dn/navigation/gnss_screening.h>
+#include <dn/navigation/gnss_steps.h>
+#include <dn/navigation/robust_scale.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 
@@ -11,10 +14,6 @@
 #include <iterator>
 #include <optional>
 #include <set>
-
-#include "gnss_screening.h"
-#include "gnss_steps.h"
-#include "robust_scale.h"
 
 namespace dn {
 namespace {

@@ -1,8 +1,7 @@
-#include <dn/montecarlo/flight_record.h>
-
 #include <dn/calibration/adjust.h>
 #include <dn/calibration/model_check.h>
 #include <dn/error.h>
+#include <dn/montecarlo/flight_record.h>
 #include <dn/rotation.h>
 #include <dn/solvers/marginals.h>
 

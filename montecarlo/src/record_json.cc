@@ -1,6 +1,6 @@
-#include <limits>
-
 #include <dn/montecarlo/flight_record.h>
+
+#include <limits>
 
 namespace dn::apps {
 namespace {

@@ -1,7 +1,6 @@
-#include <dn/montecarlo/summary.h>
-
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
+#include <dn/montecarlo/summary.h>
 
 #include <algorithm>
 #include <cmath>

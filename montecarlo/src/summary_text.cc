@@ -1,6 +1,5 @@
-#include <fmt/format.h>
-
 #include <dn/montecarlo/summary.h>
+#include <fmt/format.h>
 
 namespace dn::apps {
 namespace {

@@ -1,6 +1,6 @@
-#include <dn/navigation/alignment.h>
 #include <dn/builder/flight_network.h>
 #include <dn/imu/preintegration.h>
+#include <dn/navigation/alignment.h>
 
 #include <Eigen/SVD>
 #include <algorithm>

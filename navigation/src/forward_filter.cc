@@ -1,17 +1,16 @@
 #include <dn/builder/flight_network.h>
-#include <dn/navigation/forward_filter.h>
-#include <dn/interrupted.h>
+#include <dn/builder/measurement_noise.h>
 #include <dn/factors/gnss_position.h>
 #include <dn/factors/gnss_velocity.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/imu/strapdown.h>
+#include <dn/interrupted.h>
+#include <dn/navigation/forward_filter.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-
-#include "measurement_noise.h"
 
 namespace dn {
 namespace {

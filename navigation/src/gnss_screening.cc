@@ -1,12 +1,10 @@
-#include "gnss_screening.h"
-
+#include <dn/navigation/gnss_screening.h>
+#include <dn/navigation/robust_scale.h>
 #include <dn/solvers/prediction.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
-
-#include "robust_scale.h"
 
 namespace dn {
 namespace {

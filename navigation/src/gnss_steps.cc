@@ -1,5 +1,5 @@
-#include "gnss_steps.h"
-
+#include <dn/navigation/gnss_steps.h>
+#include <dn/navigation/robust_scale.h>
 #include <dn/solvers/robust_loss.h>
 #include <dn/solvers/score_test.h>
 
@@ -8,8 +8,6 @@
 #include <iterator>
 #include <set>
 #include <vector>
-
-#include "robust_scale.h"
 
 namespace dn {
 namespace {

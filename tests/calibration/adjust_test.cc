@@ -8,8 +8,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "testing/short_flights.h"
 #include "testing/expect_invalid.h"
+#include "testing/short_flights.h"
 
 namespace dn {
 namespace {

@@ -10,8 +10,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "testing/short_flights.h"
 #include "testing/expect_invalid.h"
+#include "testing/short_flights.h"
 #include "testing/strip_pairs.h"
 #include "testing/temp_folder.h"
 

@@ -1,10 +1,9 @@
 #include <dn/error.h>
+#include <dn/montecarlo/summary.h>
 #include <dn/sim/random.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include <dn/montecarlo/summary.h>
 
 namespace dn::apps {
 namespace {

@@ -1,13 +1,13 @@
-#include <dn/navigation/alignment.h>
 #include <dn/error.h>
+#include <dn/navigation/alignment.h>
 #include <dn/sim/random.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "testing/short_flights.h"
 #include "testing/expect_invalid.h"
+#include "testing/short_flights.h"
 
 namespace dn {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <dn/navigation/alignment.h>
 #include <dn/builder/flight_network.h>
-#include <dn/interrupted.h>
 #include <dn/flight/flight.h>
+#include <dn/interrupted.h>
+#include <dn/navigation/alignment.h>
 
 #include <functional>
 #include <memory>

@@ -1,13 +1,12 @@
 #pragma once
 
+#include <dn/montecarlo/flight_record.h>
 #include <dn/report/distributions.h>
 #include <dn/report/json.h>
 
 #include <array>
 #include <string>
 #include <vector>
-
-#include <dn/montecarlo/flight_record.h>
 
 namespace dn::apps {
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/navigation/forward_filter.h>
 #include <dn/builder/node_grid.h>
 #include <dn/flight/flight.h>
+#include <dn/navigation/forward_filter.h>
 
 #include <functional>
 #include <string>
