@@ -53,8 +53,7 @@ const LinearizedNetwork::Impl::FactorInfo& LinearizedNetwork::Impl::factor(Facto
   return factors[static_cast<std::size_t>(id)];
 }
 
-const LinearizedNetwork::Impl::IdleFactor& LinearizedNetwork::Impl::idle_factor(
-    FactorId id) const {
+const LinearizedNetwork::Impl::IdleFactor& LinearizedNetwork::Impl::idle_factor(FactorId id) const {
   const auto found = idle.find(id);
   if (found == idle.end()) {
     throw InvalidInput("linearised network: factor " + std::to_string(id) + " was removed");

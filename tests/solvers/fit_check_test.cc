@@ -72,9 +72,10 @@ TEST(CheckFit, ConvictsTheGroupWhoseNoiseIsStatedWrong) {
   Network net;
   for (int k = 0; k < 150; ++k) {
     const auto x = net.AddVector<1>("x/" + std::to_string(k), Scalar(0.0));
+    const double truth = 100.0 * normal(rng);
     for (const bool bad : {false, true, false, true}) {
-      const double noise = (bad ? 3.0 : 1.0) * normal(rng);
-      net.Tag(net.Add(MakeVectorPrior<1>(Scalar(noise), 1.0), x), bad ? "bad" : "good", k);
+      const double measured = truth + (bad ? 3.0 : 1.0) * normal(rng);
+      net.Tag(net.Add(MakeVectorPrior<1>(Scalar(measured), 1.0), x), bad ? "bad" : "good", k);
     }
     const FactorId prior = net.Add(MakeVectorPrior<1>(Scalar(0.0), 100.0), x);
     net.Tag(prior, {"prior", {}, {}, FactorGroup::Kind::kPrior}, k);

@@ -84,8 +84,9 @@ TEST(Joint, HoldsTheCovarianceOfEachBlockAndZeroForOneThatIsHeld) {
   const Marginals marginals(graph.network);
   const auto joint = Joint(marginals, graph.p_mb[3], graph.q_bs, graph.p_mb[20]);
   EXPECT_LT((joint.topLeftCorner<3, 3>() - marginals.Covariance(graph.p_mb[3])).norm(), 1e-12);
-  EXPECT_LT((joint.topRightCorner<3, 3>() - marginals.Covariance(graph.p_mb[3], graph.p_mb[20])).norm(),
-            1e-12);
+  EXPECT_LT(
+      (joint.topRightCorner<3, 3>() - marginals.Covariance(graph.p_mb[3], graph.p_mb[20])).norm(),
+      1e-12);
   EXPECT_EQ((joint.block<3, 9>(3, 0).norm()), 0.0);
 }
 
