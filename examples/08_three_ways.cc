@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstdio>
 
+constexpr double kSigma_rad = 0.001;
+
 /// Second way: r = (bearing of the landmark from (x, y) - measured) / sigma      [1], unitless; rad
 struct Bearing : dn::AutoFactor<Bearing, 1, dn::Vec<2>, dn::Vec<2>> {
   double measured_rad = 0.0, sigma_rad = 1.0;
@@ -59,7 +61,6 @@ void Locate(const char* way, const Add& add) {
 }
 
 int main() {
-  constexpr double kSigma_rad = 0.001;
   Locate("function", [](auto& net, auto place, auto landmark, double measured_rad) {
     net.Add(
         [=](const auto& from, const auto& to) {
