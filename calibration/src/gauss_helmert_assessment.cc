@@ -127,7 +127,7 @@ std::string AboutStrips(const StripDiversity& diversity) {
       diversity.strips == 3 ? ", parallel and at one height" : "");
 }
 
-/// C_a - C_b, floored in the metric of C_a.
+/// |C_a - C_b|, floored, in the metric of C_a.
 Eigen::Matrix3d CovarianceOfDifference(const Eigen::Matrix3d& C_a, const Eigen::Matrix3d& C_b) {
   constexpr double kLeast = 0.1;
   const Eigen::Matrix3d L = C_a.llt().matrixL();
@@ -135,7 +135,9 @@ Eigen::Matrix3d CovarianceOfDifference(const Eigen::Matrix3d& C_a, const Eigen::
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
       Eigen::Matrix3d::Identity() - L_inverse * C_b * L_inverse.transpose());
   const Eigen::Matrix3d G = L * eigen.eigenvectors();
-  return G * eigen.eigenvalues().cwiseMax(kLeast).asDiagonal() * G.transpose();
+  const Eigen::Vector3d ratio = eigen.eigenvalues().unaryExpr(
+      [](double more) { return std::max(std::abs(more), kLeast * std::max(1.0, 1.0 - more)); });
+  return G * ratio.asDiagonal() * G.transpose();
 }
 
 }  // namespace

@@ -48,7 +48,6 @@ struct ConstantShare {
 };
 constexpr ConstantShare kConstantShares[] = {{0.0, 0.25}, {0.5, 0.5}, {1.0, 0.25}};
 constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
-constexpr double kRatioPriorOctaves = 1.5;
 // Log-normal prior of the scale of what is stated, in octaves (1 sigma): a smoother knows it within
 // a factor of 1.3, a data sheet within 2. The mean of the variance is what is stated.
 constexpr double kSmootherOctaves = 0.4;
@@ -353,9 +352,10 @@ class ScatterEstimator {
 
   double LogPrior(const GridPoint& point) const {
     const double mean = -Squared(octaves_) * std::numbers::ln2;  // of log2 s: that of s^2 is 1
-    const double scale = -0.5 * Squared((std::log2(point.s_a) - mean) / octaves_);
-    if (by_smoother_) return scale;
-    return scale - 0.5 * Squared(std::log2(point.s_p / point.s_a) / kRatioPriorOctaves);
+    const auto log_normal = [&](double s) {
+      return -0.5 * Squared((std::log2(s) - mean) / octaves_);
+    };
+    return log_normal(point.s_a) + (by_smoother_ ? 0.0 : log_normal(point.s_p));
   }
 
   TrajectoryScatter Average() const {

@@ -124,8 +124,9 @@ struct MethodDifference {
 
 /// `b` uses all that `a` does, and more (the dynamic network: all data at once), and is efficient
 /// where its model holds. Its error is then uncorrelated with the difference, which hence has the
-/// covariance C_a - C_b. No direction of it is taken for less than a tenth of C_a: better C_a
-/// itself is not known. Source: Hausman (1978), corollary 2.6.
+/// covariance C_a - C_b; in a direction in which `a` is the better one, C_b - C_a. None is taken for
+/// less than a tenth of the larger: better that one itself is not known.
+/// Source: Hausman (1978), corollary 2.6.
 MethodDifference Compare(const BoresightResult& a, const BoresightResult& b);
 
 /// Turns the verdict of a Gauss-Helmert result to `absorbed` where the dynamic network of the same
