@@ -148,18 +148,6 @@ TEST(FlightNetwork, UnknownsAreHeldUnlessEstimated) {
   EXPECT_EQ(network.net.Value(network.gnss_lever_arm), flight.config.gnss->lever_arm_b_m);
 }
 
-TEST(FlightNetwork, RefusesToEstimateWhatItDoesNotHave) {
-  Flight flight = Drone().flight;
-  flight.config.estimate = {{"boresight"}, {"gravity_tilt", {}, {}, {"flight.yaml", 7, 3}}};
-  try {
-    AtTruth(flight);
-    ADD_FAILURE() << "not refused";
-  } catch (const InvalidConfig& e) {
-    EXPECT_THAT(e.what(), ::testing::HasSubstr("'gravity_tilt' is an effect, but not estimable"));
-    EXPECT_EQ(e.where().line, 7);
-  }
-}
-
 TEST(FlightNetwork, PriorsAreAtTheAssumedValuesWithTheirSigmas) {
   Flight flight = Drone().flight;
   flight.config.estimate = {{"boresight", {}},

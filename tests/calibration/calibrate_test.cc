@@ -56,7 +56,7 @@ CandidateEffect StepInWindow(const FlightNetwork& network, const EffectTimes& ti
     if (!times.During(epoch.t_s) || !network.net.EvaluateFactor(edge.position, &r, &J)) continue;
     const Eigen::Matrix3d R_m_enu =
         network.flight().frame.R_m_enu(network.flight().frame.ToMap(epoch.antenna));
-    step.model.push_back({edge.position, Eigen::MatrixXd(-J[kPositionBlock] * R_m_enu)});
+    step.model.push_back({edge.position, Eigen::MatrixXd(J[kPositionBlock] * R_m_enu)});
   }
   return step;
 }
@@ -141,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         EffectCase{"gnss_lever_arm", "[0.10, -0.06, 0.08]", {0.10, -0.06, 0.08}},
         EffectCase{"gnss_time_offset", "0.003", {0.003}},
-        EffectCase{"gnss_position_step", "[0.1, -0.2, 0.2]", {0.1, -0.2, 0.2}, {}, false, kWindow},
+        EffectCase{"gnss_position_step", "[0.03, -0.04, 0.05]", {0.03, -0.04, 0.05}, {}, false, kWindow},
         EffectCase{"lidar_time_offset", "0.01", {0.01}},
         EffectCase{"lidar_time_drift", "40", {40.0}},
         EffectCase{"lidar_range_offset", "0.2", {0.2}},
