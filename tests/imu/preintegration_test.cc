@@ -299,7 +299,7 @@ TEST(Preintegrate, JacobiansPredictIntegrationWithOtherEffects) {
     const Preintegrated pre = integrate(values);
     ASSERT_EQ(pre.J_effects.cols(), 9);
     for (const auto& [first, relative] :
-         {std::pair{0, kOfForce}, std::pair{3, kOfBias}, std::pair{6, kOfScale}}) {
+         {std::pair{0, kOfForce}, std::pair{3, kOfScale}, std::pair{6, kOfScale}}) {
       Eigen::VectorXd d = Eigen::VectorXd::Zero(9);
       d.segment<3>(first) = step.segment<3>(first);
       ExpectPredicted(pre, integrate(values + d), pre.J_effects * d, relative);
