@@ -240,8 +240,8 @@ ImuCorrection WithEffects(const Vector3d& gyro_bias, const Vector3d& accel_bias,
   return {gyro_bias, accel_bias, {{mixed_effect, mixed}, {scale_effect, scale}}};
 }
 
-constexpr double kOfBias = 3e-5;    // second order in the change, and the slope within a sample
-constexpr double kOfScale = 3e-4;  // the coning of 3e-6 rad/s is not differentiated
+constexpr double kOfBias = 3e-5;   // second order in the change, and the slope within a sample
+constexpr double kOfScale = 1e-3;  // the coning of 1e-5 rad/s is not differentiated
 constexpr double kOfForce = 1e-2;  // coning by the vibration that g-sensitivity takes over
 
 void ExpectPredicted(const Preintegrated& pre, const Preintegrated& moved,
