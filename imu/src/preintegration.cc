@@ -321,17 +321,21 @@ class Integrator {
     if (all_.q.cols() == 0) {
       for (Eigen::Matrix3Xd* K : {&all_.q, &all_.v, &all_.p}) K->setZero(3, reading.J_w.cols());
     }
-    const Matrix3d S_velocity = Skew(velocity), S_position = Skew(position);
     const Matrix3d v_w = 0.5 * d * u_x_dR, p_w = d * d / 6.0 * u_x_dR;
     const Matrix3d v_f = d * turned, p_f = d * d * moved;
-    all_.p += d * all_.v;
-    all_.p.noalias() -= S_position * all_.q;
-    all_.p.noalias() -= p_w * reading.J_w;
-    all_.p.noalias() += p_f * reading.J_f;
-    all_.v.noalias() -= S_velocity * all_.q;
-    all_.v.noalias() -= v_w * reading.J_w;
-    all_.v.noalias() += v_f * reading.J_f;
-    all_.q.noalias() += v_f * reading.J_w;
+    for (Eigen::Index c = 0; c < reading.J_w.cols(); ++c) {
+      const Vector3d w = reading.J_w.col(c), f = reading.J_f.col(c);
+      const Vector3d q = all_.q.col(c), v = all_.v.col(c);
+      if (!f.isZero(0.0)) {
+        all_.p.col(c) += p_f * f;
+        all_.v.col(c) += v_f * f;
+      }
+      all_.p.col(c) += d * v;
+      if (w.isZero(0.0) && q.isZero(0.0)) continue;  // never of the gyros
+      all_.p.col(c) -= position.cross(q) + p_w * w;
+      all_.v.col(c) -= velocity.cross(q) + v_w * w;
+      all_.q.col(c) += v_f * w;
+    }
   }
 
   void WriteSensitivities(const Matrix3d& dR_inverse, Preintegrated* out) const {

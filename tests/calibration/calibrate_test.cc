@@ -141,7 +141,8 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         EffectCase{"gnss_lever_arm", "[0.10, -0.06, 0.08]", {0.10, -0.06, 0.08}},
         EffectCase{"gnss_time_offset", "0.003", {0.003}},
-        EffectCase{"gnss_position_step", "[0.03, -0.04, 0.05]", {0.03, -0.04, 0.05}, {}, false, kWindow},
+        EffectCase{
+            "gnss_position_step", "[0.03, -0.04, 0.05]", {0.03, -0.04, 0.05}, {}, false, kWindow},
         EffectCase{"lidar_time_offset", "0.01", {0.01}},
         EffectCase{"lidar_time_drift", "40", {40.0}},
         EffectCase{"lidar_range_offset", "0.2", {0.2}},
@@ -153,10 +154,10 @@ INSTANTIATE_TEST_SUITE_P(
         EffectCase{"gyro_scale_factor", "[1500, -800, 2000]", {1500.0, -800.0, 2000.0}},
         EffectCase{"gyro_misalignment", "[5, 4, -3]", {5.0, 4.0, -3.0}},
         EffectCase{"gyro_g_sensitivity", "[0.3, -0.3, 0.5]", {0.3, -0.3, 0.5}, {}, true},
-        EffectCase{"accel_scale_factor", "[0, 0, 2000]", {0.0, 0.0, 2000.0}, {}, true},
-        EffectCase{"accel_misalignment", "[2, -2, 1]", {2.0, -2.0, 1.0}, {}, true},
-        EffectCase{"gravity_tilt", "[60, -60]", {60.0, -60.0}, {}, true},
-        EffectCase{"gravity_disturbance", "500", {500.0}, {}, true},
+        EffectCase{"accel_scale_factor", "[0, 0, 500]", {0.0, 0.0, 500.0}, {1000.0}, true},
+        EffectCase{"accel_misalignment", "[0.5, -0.5, 0.3]", {0.5, -0.5, 0.3}, {1.0}, true},
+        EffectCase{"gravity_tilt", "[20, -20]", {20.0, -20.0}, {60.0}, true},
+        EffectCase{"gravity_disturbance", "300", {300.0}, {}, true},
         EffectCase{"lidar_lever_arm", "[0.15, -0.20, 0.05]", {0.15, -0.20, 0.05}, {0.2}}),
     [](const auto& tested) { return tested.param.unknown; });
 

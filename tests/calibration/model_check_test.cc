@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Injection{"lidar_time_offset", "0.01", {0.01}, false, 0.03},
         Injection{"lidar_lever_arm", "[0.2, -0.1, 0.3]", {0.2, -0.1, 0.3}, false, 0.05},
-        Injection{"lidar_time_drift", "100", {100.0}, true, 0.05},
+        Injection{"lidar_time_drift", "20", {20.0}, true, 0.05},
         Injection{"lidar_range_offset", "0.2", {0.2}, true, 0.05},
         Injection{"lidar_range_scale", "2000", {2000.0}, true, 0.05},
         Injection{"lidar_angle_scale", "3000", {3000.0}, true, 0.05},

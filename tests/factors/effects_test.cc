@@ -87,7 +87,7 @@ class PairOfEffects : public ::testing::Test {
             End(1.0, 1.31, {950.0, 10.0, 300.0}),
             End(4.0, 4.22, {920.0, 0.0, -250.0}),
             1.312,
-            4.223,
+            4.222,
             Mounting(),
             {std::make_shared<AllOfLidar>(), std::make_shared<AllOfLidar>()},
             {Eigen::Matrix<double, 3, 2>::Ones()},
@@ -123,19 +123,19 @@ TEST_F(PairOfEffects, JacobiansAgreeAtRandomStates) {
   }
 }
 
-// A value of the boresight's own block or of the lidar effect: the same.
+// Without values of its effects the pair is the plain one.
 TEST_F(PairOfEffects, LeavesThePlainPairWithoutValues) {
   const PointToPointWithEffects factor = Factor();
   std::vector<VectorXd> x = Blocks(Vector3d::Zero(), Vector3d(1e-3, 0.0, -2e-3));
   x[12].setZero();
   const PointToPoint plain(motion_.frame, End(1.0, 1.31, {950.0, 10.0, 300.0}),
-                           End(4.0, 4.221, {920.0, 0.0, -250.0}), Mounting(), 2e-3,
+                           End(4.0, 4.22, {920.0, 0.0, -250.0}), Mounting(), 2e-3,
                            Noise<3>::Sigma(1.0));
   const std::vector<VectorXd> own(x.begin(), x.begin() + 9);
   const auto [x_i, x_j] = factor.Points(testing::internal::Pointers(x).data());
   const auto [y_i, y_j] = plain.Points(testing::internal::Pointers(own).data());
   EXPECT_LE((x_i - y_i).norm(), 1e-9);
-  EXPECT_LE((x_j - y_j).norm(), 2e-6);  // the end is cut 1 ms later: second order in 1 ms
+  EXPECT_LE((x_j - y_j).norm(), 1e-9);
 }
 
 // The increments move with the scale as they do when they are integrated with it, the point with an
@@ -156,7 +156,7 @@ TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
   x[11] = Vector3d(1e-3, 0.0, -2e-3);
   x[12].setZero();
   const Vector3d unmoved = factor.Points(testing::internal::Pointers(x).data()).first;
-  EXPECT_GE((unmoved - expected).norm(), 5e-3);
+  EXPECT_GE((unmoved - expected).norm(), 2e-3);
   EXPECT_LE((x_i - expected).norm(), 2e-5);
 }
 

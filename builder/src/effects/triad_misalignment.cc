@@ -20,6 +20,10 @@ class TriadMisalignment final : public ImuEffect {
     const Vector3d phi = value;
     Vector3d& x = gyro_ ? reading->w_b : reading->f_b;
     Eigen::Matrix3Xd& J = gyro_ ? reading->J_w : reading->J_f;
+    if (phi.isZero(0.0)) {
+      J.middleCols<3>(column) = -Skew(x);
+      return;
+    }
     const Matrix3d R = Exp(phi).toRotationMatrix();
     x = R * x;
     J = R * J;
