@@ -125,7 +125,8 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   result->marginals->ComputeSelectedInverse();
   result->trajectory = ExtractTrajectory(result->adjustment, *result->marginals);
   run->progress.Stage("model check");
-  result->model_check = CheckModel(result->adjustment, *result->marginals, result->trajectory);
+  result->model_check = CheckModel(result->adjustment, *result->marginals, result->trajectory,
+                                   run->options().threads);
   result->timings.covariance_s = Since(covariance_start);
   for (const std::string& warning : Warnings(*result)) run->progress.Warn(warning);
   result->timings.total_s = read_s + Since(solve_start);

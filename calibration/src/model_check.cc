@@ -22,7 +22,7 @@ constexpr double kPriceOfASizeNats = 2.0;
 class Checker {
  public:
   Checker(const Adjustment& adjustment, const Marginals& marginals,
-          const TrajectoryResult& trajectory)
+          const TrajectoryResult& trajectory, int threads)
       : network_(*adjustment.network),
         marginals_(marginals),
         trajectory_(trajectory),

@@ -117,7 +117,7 @@ struct ModelCheck {
 /// ExtractTrajectory gave for both. CheckFit says the same of any network, as far as it can be said
 /// without knowing what it is of.
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
-                      const TrajectoryResult& trajectory);
+                      const TrajectoryResult& trajectory, int threads = 1);
 
 /// The findings in words, those that contradict first.
 std::vector<std::string> TextsOf(const ModelCheck& check);
