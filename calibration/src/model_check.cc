@@ -197,8 +197,8 @@ class Checker {
 }  // namespace
 
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
-                      const TrajectoryResult& trajectory) {
-  ModelCheck check = Checker(adjustment, marginals, trajectory).Run();
+                      const TrajectoryResult& trajectory, int threads) {
+  ModelCheck check = Checker(adjustment, marginals, trajectory, threads).Run();
   internal::AddFindings(adjustment, trajectory, &check);
   return check;
 }
