@@ -100,7 +100,7 @@ void TestBatch(const Marginals& marginals, const std::vector<Sums>& batch, Eigen
     }
     c += sums.s.size();
   }
-  const Marginals::Columns Z = marginals.Solve(rhs);
+  const Marginals::Columns Z = rhs.empty() ? Marginals::Columns() : marginals.Solve(rhs);
   c = 0;
   for (const Sums& sums : batch) {
     Eigen::MatrixXd A = sums.LL;
@@ -182,6 +182,13 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
     AddProjection(linearized, id, L, &G);
   }
   score.signature2 = score.A.diagonal();
+  if (G.empty()) {  // no effect has an active factor
+    for (const BlockId block : watched) {
+      const Eigen::Index size = marginals.Covariance(block).rows();
+      score.shift = Eigen::MatrixXd::Zero(score.shift.rows() + size, q);
+    }
+    return score;
+  }
   const Marginals::Columns Z = marginals.Solve(G);
   for (const auto& [block, g] : G) score.A.noalias() -= g.transpose() * Z.Rows(block);
   score.A = 0.5 * (score.A + Eigen::MatrixXd(score.A.transpose()));

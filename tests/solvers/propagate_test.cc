@@ -78,6 +78,32 @@ TEST(Propagate, ThroughTheTangentOfARotation) {
   EXPECT_LT((point.covariance - expected).norm(), 1e-12 * expected.norm());
 }
 
+// A number and a pose as functions of Network::Add see them: the sigma of x^2 is 2 x sigma, and the
+// point of a pose has its translation's covariance and the lever's turn.
+TEST(Propagate, TakesNumbersAndPoses) {
+  Network net;
+  const auto x = net.AddScalar("x", 3.0);
+  net.Add([](const auto& value) { return value - 3.0; }, Noise<1>::Sigma(0.1), x);
+  const auto T_mb = net.AddPose("T_mb", {Eigen::Quaterniond::Identity(), {1.0, 2.0, 3.0}});
+  net.Add([](const auto& pose) { return pose.ToVector(); },
+          Noise<6>::Sigma((Eigen::Matrix<double, 6, 1>() << 0.01, 0.01, 0.02, 1, 1, 1).finished()),
+          T_mb);
+  net.SetValue(T_mb, {Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()});
+  const Marginals marginals(net);
+  const auto square = Propagate(
+      marginals, [](const auto& value) { return value * value; }, x);
+  EXPECT_NEAR(square.value[0], 9.0, 1e-12);
+  EXPECT_NEAR(square.sigma()[0], 0.6, 1e-12);
+  const auto point = Propagate(
+      marginals,
+      [](const auto& pose) {
+        using T = std::decay_t<decltype(pose.p.x())>;
+        return Eigen::Matrix<T, 3, 1>(pose.p + pose.q * Eigen::Matrix<T, 3, 1>(T(100), T(0), T(0)));
+      },
+      T_mb);
+  EXPECT_LT((point.sigma() - Eigen::Vector3d(1.0, std::sqrt(5.0), std::sqrt(2.0))).norm(), 1e-12);
+}
+
 TEST(Joint, HoldsTheCovarianceOfEachBlockAndZeroForOneThatIsHeld) {
   PoseGraph graph = MakePoseGraph(2, {.noise = 1.0});
   graph.network.Hold(graph.q_bs);

@@ -195,6 +195,18 @@ TEST(JointScore, ShiftIsWhatTheEffectDidToTheUnknowns) {
   EXPECT_LT((score.shift * test.estimate - moved).norm(), 1e-7);
 }
 
+TEST(ScoreTest, SaysNothingOfAnEffectWithoutAnActiveFactor) {
+  Chain chain(1, Eigen::Vector3d::Zero());
+  const EffectModel effect = chain.Offset();
+  for (const EffectPart& part : effect) chain.net.SetActive(part.factor, false);
+  const Marginals marginals(chain.net);
+  EXPECT_EQ(TestEffects(marginals, {effect}).front().dof, 0);
+  const BlockId x25 = chain.net.Find("x/25");
+  const JointScore score = ScoreEffects(marginals, {effect}, {x25});
+  EXPECT_EQ(TestTogether(score, {0, 1, 2}).dof, 0);
+  EXPECT_EQ(score.shift, Eigen::MatrixXd::Zero(3, 3));
+}
+
 TEST(ScoreTest, SizesThatDoNotFitAreNamed) {
   Chain chain(1, Eigen::Vector3d::Zero());
   const Marginals marginals(chain.net);

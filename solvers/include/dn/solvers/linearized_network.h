@@ -79,8 +79,8 @@ class LinearizedNetwork {
 
   /// Value of a block at these values.
   template <class Kind>
-  typename Kind::Value Value(Block<Kind> b) const {
-    return typename Kind::Value(Eigen::Map<const typename Kind::Value>(StoredValue(b.id)));
+  ValueOf<Kind> Value(Block<Kind> b) const {
+    return ValueOf<Kind>(ViewOf<Kind>(StoredValue(b.id)));
   }
   /// Stored coordinates of a block.
   const double* StoredValue(BlockId block) const;

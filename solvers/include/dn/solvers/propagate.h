@@ -35,12 +35,6 @@ struct Propagated {
 
 namespace internal {
 
-/// Stored coordinates of a block as what a function of it takes.
-template <class Kind, class T>
-using ValueMap = std::conditional_t<Kind::kKind.parametrisation == Parametrisation::kVector,
-                                    Eigen::Map<const Eigen::Matrix<T, Kind::kSize, 1>>,
-                                    Eigen::Map<const Eigen::Quaternion<T>>>;
-
 template <class Jet, class Result>
 auto AsVector(const Result& result) {
   if constexpr (std::is_convertible_v<Result, Jet>) {
@@ -64,7 +58,7 @@ auto InTangent(const LinearizedNetwork& linearized, const Stored& stored, Block<
     from += size;
     to += tangent_size;
   };
-  (lift(Kinds::kSize, Kinds::kTangentSize, Kinds::kKind, blocks.id), ...);
+  (lift(Kinds::kSize, Kinds::kTangentSize, KindOf<Kinds>(), blocks.id), ...);
   return J;
 }
 
@@ -75,8 +69,8 @@ auto InTangent(const LinearizedNetwork& linearized, const Stored& stored, Block<
 ///   const auto distance = Propagate(
 ///       marginals, [](const auto& p, const auto& q) { return (p - q).norm(); }, p_mb, q_mb);
 ///
-/// f takes what the blocks hold, a vector or a quaternion with coefficients of a scalar type that
-/// differentiates, and returns a number or a vector of fixed size of that type (name the type:
+/// f takes what the blocks hold as Network::Add's functions do (a number, a vector, a quaternion, a
+/// pose or a view of one's own) with coefficients of a scalar type that differentiates, and returns a number or a vector of fixed size of that type (name the type:
 /// an `auto` return of an expression of locals dangles). Differentiated once, at the values.
 template <class F, class... Kinds>
 auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
@@ -91,8 +85,8 @@ auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
     return first;
   };
   // In braces: from left to right.
-  const std::tuple<internal::ValueMap<Kinds, Jet>...> values{
-      internal::ValueMap<Kinds, Jet>(fill(linearized.StoredValue(blocks.id), Kinds::kSize))...};
+  const std::tuple<decltype(ViewOf<Kinds>(std::declval<const Jet*>()))...> values{ViewOf<Kinds>(
+      static_cast<const Jet*>(fill(linearized.StoredValue(blocks.id), Kinds::kSize)))...};
   const auto result = internal::AsVector<Jet>(std::apply(f, values));
   constexpr int kSize = decltype(result)::RowsAtCompileTime;
   Propagated<kSize> propagated;
