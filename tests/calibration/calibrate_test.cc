@@ -78,7 +78,7 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
   for (const CandidateEffect& candidate : candidates) {
     if (candidate.name != effect.unknown) continue;
     const JointScore score =
-        ScoreEffects(network.net, without.marginals, {candidate.model}, {network.boresight.id});
+        ScoreEffects(without.marginals, {candidate.model}, {network.boresight.id});
     const ScoreTest test = TestTogether(score, score.Components(0));
     if (test.statistic <= most) continue;
     most = test.statistic;
