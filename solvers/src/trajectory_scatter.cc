@@ -49,9 +49,9 @@ struct ConstantShare {
 constexpr ConstantShare kConstantShares[] = {{0.0, 0.25}, {0.5, 0.5}, {1.0, 0.25}};
 constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
 // Log-normal prior of the scale of what is stated, in octaves (1 sigma): a smoother knows it within
-// a factor of 1.3, a data sheet within 2. The mean of the variance is what is stated.
+// a factor of 1.3, a data sheet within 1.6. The mean of the variance is what is stated.
 constexpr double kSmootherOctaves = 0.4;
-constexpr double kDataSheetOctaves = 1.0;
+constexpr double kDataSheetOctaves = 0.7;
 // Of (s / s0)^2, in octaves: from an error without any effect to one of 32 times the stated sigma.
 constexpr int kFirstRhoOctave = -16;
 constexpr int kLastRhoOctave = 10;

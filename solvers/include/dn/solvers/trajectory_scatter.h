@@ -24,7 +24,7 @@ struct PoseCovariance {
 /// Who states the sigmas of a trajectory.
 enum class StatedBy {
   kSmoother,   ///< of this flight: known within a factor of 1.3, position and attitude alike
-  kDataSheet,  ///< of the sensor, or a guess: each within a factor of 2
+  kDataSheet,  ///< of the sensor, or a guess: each within a factor of 1.6
 };
 
 struct TrajectoryScatterOptions {
@@ -97,7 +97,7 @@ struct TrajectoryScatter {
 /// reported as constant_share, see ReliableCovariance; the processes have the rest. Prior of x:
 /// Jeffreys' of a proportion, 1 / (pi sqrt(x (1 - x))), by its Gauss-Lobatto nodes 0, 1/2, 1 with
 /// weights 1 : 2 : 1. Prior of s_a and s_p: log-normal within a factor of 1.3 (a smoother's;
-/// s_p = s_a) or 2 (a data sheet's; each by itself), with the mean of the square at 1.
+/// s_p = s_a) or 1.6 (a data sheet's; each by itself), with the mean of the square at 1.
 /// Processes, equally likely: positions correlate for 5 or 25 s; attitudes for 30, 100 or 300 s,
 /// with the tilt fixed to the navigation frame (roll and pitch errors change sign from a strip to
 /// the opposite one), or over a strip and not beyond its turns; by a data sheet also any from 3 s
