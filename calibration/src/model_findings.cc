@@ -232,8 +232,7 @@ void AddFindings(const GaussHelmertCalibration& calibration, ModelCheck* check) 
   findings.JudgePriors();
   findings.JudgeMounting(calibration.boresight.angles_rad);
   findings.JudgeEffects();
-  findings.JudgeSigma0(calibration.figures.sigma0 /
-                       std::sqrt(calibration.scatter.expected_ratio));
+  findings.JudgeSigma0(calibration.figures.sigma0 / std::sqrt(calibration.scatter.expected_ratio));
   findings.JudgePairsLeftOut(calibration.adjustment.outliers,
                              static_cast<long>(calibration.adjustment.weights.size()));
   findings.JudgeGroups();

@@ -165,7 +165,9 @@ TEST(TrajectoryScatter, NoticesThatTheStatedSigmaIsOptimistic) {
   const Consistency result =
       RunMonteCarlo({"", testing::CrossingLines(), 1.0, 3.0, 3.0, 100.0}, kRuns);
   EXPECT_GT(result.formal_nees, 3.0 * 100.0);
-  EXPECT_LT(result.nees, 3.0 * 2.0);  // of 3 x 10 with the stated constant alone
+  // Of 3 x 10 with the stated size alone: three times that is 2.5 sigma of what is believed of a data
+  // sheet, which draws it back.
+  EXPECT_LT(result.nees, 3.0 * 3.0);
 }
 
 struct OneRun {
