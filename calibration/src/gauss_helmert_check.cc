@@ -23,7 +23,9 @@ GroupCheck MisclosuresOf(const GaussHelmertCalibration& calibration) {
   group.redundancy = redundancy;
   const double chi2 = figures.chi2 / calibration.scatter.expected_ratio;
   group.variance_ratio = group.ratio_beside_effects = chi2 / std::max(1.0, redundancy);
-  const double above = ChiSquareTail(chi2, std::max(1.0, redundancy));
+  const double dof = calibration.scatter.expected_dof > 0.0 ? calibration.scatter.expected_dof
+                                                            : std::max(1.0, redundancy);
+  const double above = ChiSquareTail(dof * group.variance_ratio, dof);
   group.p_value = std::min(1.0, 2.0 * std::min(above, 1.0 - above));
   return group;
 }

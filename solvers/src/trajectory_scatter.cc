@@ -102,8 +102,9 @@ struct ErrorEffect {
   Matrix3d position_rad2 = Matrix3d::Zero();
   Matrix3d attitude_rad2 = Matrix3d::Zero();
   double tau_s = 0.0;  ///< of the attitude errors; 0: none that vary
-  /// What they add to the expected sum of squares of the misclosures: tr(H_P C).
-  double position_chi2 = 0.0, attitude_chi2 = 0.0;
+  /// What they add to the expected sum of squares of the misclosures: tr(H_P C); and of its
+  /// variance, tr (H_P C)^2 of both together.
+  double position_chi2 = 0.0, attitude_chi2 = 0.0, square = 0.0;
 };
 
 /// The tridiagonal form of the misclosures' information about the varying errors of unit size.
@@ -172,12 +173,13 @@ class ScatterEstimator {
 
   /// With errors of the covariance C, or its multiple.
   TrajectoryScatter Run(const MatrixXd& C) {
-    effects_.push_back({Matrix3d::Zero(), effect_.transpose() * C * effect_, 0.0, 0.0,
-                        H_P_.cwiseProduct(C).sum()});
     const VectorXd sigma = C.diagonal().cwiseSqrt();
     const MatrixXd R = sigma.cwiseInverse().asDiagonal() * C * sigma.cwiseInverse().asDiagonal();
     const MatrixXd L = sigma.asDiagonal() * Root(R);
-    AddPoints(Reduce(L.transpose() * (H_P_ * L), L.transpose() * b_), {{}});
+    const MatrixXd M = L.transpose() * (H_P_ * L);
+    effects_.push_back({Matrix3d::Zero(), effect_.transpose() * C * effect_, 0.0, 0.0,
+                        H_P_.cwiseProduct(C).sum(), M.squaredNorm()});
+    AddPoints(Reduce(M, L.transpose() * b_), {{}});
     return Average();
   }
 
@@ -241,6 +243,7 @@ class ScatterEstimator {
     }
     M(attitude, Eigen::all).noalias() = L_a.transpose() * HL(attitude, Eigen::all);
     c(attitude).noalias() = L_a.transpose() * b_(attitude);
+    effects_.back().square = M.squaredNorm();
     AddSizes(M, c);
   }
 
@@ -296,6 +299,7 @@ class ScatterEstimator {
         sizes.push_back({1.0, std::exp2(-log2_ratio), share, log_weight});
       }
     }
+    effects_.back().square = M.squaredNorm();
     AddPoints(Reduce(M, c), sizes);
   }
 
@@ -368,7 +372,7 @@ class ScatterEstimator {
     };
     const double evidence = log_sum(&GridPoint::log_posterior);
     TrajectoryScatter scatter;
-    double s_a2 = 0.0, s_p2 = 0.0, log_tau = 0.0, varying = 0.0;
+    double s_a2 = 0.0, s_p2 = 0.0, log_tau = 0.0, varying = 0.0, half_variance = nu_;
     for (const GridPoint& point : grid_) {
       const double weight = std::exp(point.log_posterior - evidence);
       const double p2 = Squared(point.s_p), a2 = Squared(point.s_a);
@@ -376,9 +380,10 @@ class ScatterEstimator {
       s_p2 += weight * p2;
       scatter.constant_share += weight * point.constant_share * a2;
       const ErrorEffect& effect = effects_[point.effect];
-      scatter.expected_ratio +=
-          weight * (effect.position_chi2 + (1.0 - point.constant_share) * effect.attitude_chi2) /
-          nu_;
+      const double added =
+          effect.position_chi2 + (1.0 - point.constant_share) * effect.attitude_chi2;
+      scatter.expected_ratio += weight * added / nu_;
+      half_variance += weight * (2.0 * added + effect.square);
       if (effect.tau_s > 0.0) {
         varying += weight;
         log_tau += weight * std::log(effect.tau_s);
@@ -387,6 +392,7 @@ class ScatterEstimator {
           weight *
           (p2 * effect.position_rad2 + (1.0 - point.constant_share) * a2 * effect.attitude_rad2);
     }
+    scatter.expected_dof = Squared(scatter.expected_ratio * nu_) / half_variance;
     scatter.attitude_ratio = std::sqrt(s_a2);
     scatter.position_ratio = std::sqrt(s_p2);
     if (varying > 0.0) scatter.tau_s = std::exp(log_tau / varying);

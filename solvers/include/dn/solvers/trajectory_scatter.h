@@ -57,6 +57,9 @@ struct TrajectoryScatter {
   double tau_s = 0.0;  ///< correlation time, geometric mean over what fits; 0: stated, or constant
   /// Expected chi2 / redundancy of the adjustment, with errors of the stated size that last.
   double expected_ratio = 1.0;
+  /// chi2 / (expected_ratio redundancy) then spreads about as a chi-square of so many degrees of
+  /// freedom over their number; 0: as many as the redundancy.
+  double expected_dof = 0.0;
   double evidence_nats = 0.0;  ///< log of (likelihood with / without correlated errors)
   int nodes = 0;
 };
