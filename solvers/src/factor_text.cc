@@ -1,13 +1,12 @@
 #include "factor_text.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace dn {
 namespace {
 
 bool HasUnwritten(const Eigen::Ref<const Eigen::MatrixXd>& values) {
-  return std::any_of(values.reshaped().begin(), values.reshaped().end(), IsUnwritten);
+  return values.unaryExpr([](double value) { return IsUnwritten(value); }).any();
 }
 
 /// "row 1 of its 3 residuals", where the factor says that it is defined and left it as it was; else
