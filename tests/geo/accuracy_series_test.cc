@@ -66,6 +66,8 @@ TEST(AccuracySeries, BadFilesAreNamed) {
   expect(LittleEndian(kFirst) + LittleEndian(bad), "rms of pitch of smrmsg record 2");
   bad[8] = 0.0;
   expect(LittleEndian(kFirst) + LittleEndian(bad), "record 2 is not positive");
+  bad[8] = 1e200;
+  expect(LittleEndian(kFirst) + LittleEndian(bad), "record 2 exceeds");
   expect(LittleEndian(kSecond) + LittleEndian(kFirst), "does not increase");
 }
 

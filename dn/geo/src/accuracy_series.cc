@@ -4,6 +4,7 @@
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
+#include <string>
 
 #include "little_endian_records.h"
 
@@ -21,10 +22,17 @@ constexpr internal::RecordFormat<kColumns> kSmrmsg{
      "rms of pitch", "rms of heading"}};
 constexpr double kRadPerArcMinute = kRadPerDeg / 60.0;
 
-void ExpectPositive(const EpochAccuracy& epoch, const std::string& what,
-                    const FileLocation& where) {
-  if (epoch.sigma_ned_m.minCoeff() > 0.0 && epoch.sigma_rph_rad.minCoeff() > 0.0) return;
-  throw InvalidInput("a standard deviation" + what + " is not positive", where);
+// Beyond these nothing is known of a trajectory.
+constexpr double kMostM = 1e5;
+constexpr double kMostRad = 100.0;
+
+void ExpectUsable(const EpochAccuracy& epoch, const std::string& what, const FileLocation& where) {
+  if (!(epoch.sigma_ned_m.minCoeff() > 0.0 && epoch.sigma_rph_rad.minCoeff() > 0.0)) {
+    throw InvalidInput("a standard deviation" + what + " is not positive", where);
+  }
+  if (epoch.sigma_ned_m.maxCoeff() > kMostM || epoch.sigma_rph_rad.maxCoeff() > kMostRad) {
+    throw InvalidInput("a standard deviation" + what + " exceeds 100 km or 100 rad", where);
+  }
 }
 
 std::vector<EpochAccuracy> ReadText(const fs::path& file) {
@@ -36,7 +44,7 @@ std::vector<EpochAccuracy> ReadText(const fs::path& file) {
     const double* row = table.row(i);
     epochs.push_back(
         {row[0], Vector3d(row[2], row[1], row[3]), Vector3d(row[7], row[8], row[9]) * kRadPerDeg});
-    ExpectPositive(epochs.back(), "", {file.string(), table.lines[i], 0});
+    ExpectUsable(epochs.back(), "", {file.string(), table.lines[i], 0});
   }
   return epochs;
 }
@@ -50,7 +58,7 @@ std::vector<EpochAccuracy> ReadSmrmsg(const fs::path& file) {
     const internal::Record<kColumns>& c = records[i];
     epochs.push_back(
         {c[0], Vector3d(c[1], c[2], c[3]), Vector3d(c[7], c[8], c[9]) * kRadPerArcMinute});
-    ExpectPositive(epochs.back(), " of smrmsg " + internal::NameOfRecord(i), where);
+    ExpectUsable(epochs.back(), " of smrmsg " + internal::NameOfRecord(i), where);
   }
   return epochs;
 }
