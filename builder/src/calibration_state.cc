@@ -17,9 +17,8 @@ std::size_t Rank(const std::string& name) {
 
 template <class Action>
 void Append(const CalibrationState& state, std::vector<std::size_t>* indices) {
-  for (std::size_t k = 0; k < state.effects.size(); ++k) {
-    if (std::holds_alternative<Action>(state.effects[k].action)) indices->push_back(k);
-  }
+  ForEachEffect<Action>(
+      state, [&](const Action&, const Eigen::VectorXd&, std::size_t k) { indices->push_back(k); });
 }
 
 }  // namespace
@@ -34,21 +33,19 @@ void CalibrationState::Insert(CalibrationValue value) {
 ImuCorrection CalibrationState::ImuAt(const Eigen::Vector3d& gyro_bias_radps,
                                       const Eigen::Vector3d& accel_bias_mps2) const {
   ImuCorrection correction{gyro_bias_radps, accel_bias_mps2};
-  for (const CalibrationValue& one : effects) {
-    if (const auto* effect = std::get_if<std::shared_ptr<const ImuEffect>>(&one.action)) {
-      correction.effects.push_back({*effect, one.value});
-    }
-  }
+  ForEachEffect<std::shared_ptr<const ImuEffect>>(
+      *this, [&](const auto& effect, const Eigen::VectorXd& value, std::size_t) {
+        correction.effects.push_back({effect, value});
+      });
   return correction;
 }
 
 Eigen::Vector3d CalibrationState::AttractionAt(const Eigen::Vector3d& p_m) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const CalibrationValue& one : effects) {
-    if (const auto* field = std::get_if<AttractionField>(&one.action)) {
-      sum += (*field)(p_m)*one.value;
-    }
-  }
+  ForEachEffect<AttractionField>(
+      *this, [&](const AttractionField& field, const Eigen::VectorXd& value, std::size_t) {
+        sum += field(p_m) * value;
+      });
   return sum;
 }
 

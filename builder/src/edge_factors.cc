@@ -19,21 +19,17 @@ constexpr double kSameEpochS = 1e-7;
 template <class Effect>
 std::vector<std::shared_ptr<const Effect>> Of(const CalibrationState& state) {
   std::vector<std::shared_ptr<const Effect>> effects;
-  for (const CalibrationValue& one : state.effects) {
-    if (const auto* effect = std::get_if<std::shared_ptr<const Effect>>(&one.action)) {
-      effects.push_back(*effect);
-    }
-  }
+  ForEachEffect<std::shared_ptr<const Effect>>(
+      state,
+      [&](const auto& effect, const Eigen::VectorXd&, std::size_t) { effects.push_back(effect); });
   return effects;
 }
 
 std::vector<Eigen::VectorXd> LidarValues(const CalibrationState& state) {
   std::vector<Eigen::VectorXd> values;
-  for (const CalibrationValue& one : state.effects) {
-    if (std::holds_alternative<std::shared_ptr<const LidarEffect>>(one.action)) {
-      values.push_back(one.value);
-    }
-  }
+  ForEachEffect<std::shared_ptr<const LidarEffect>>(
+      state,
+      [&](const auto&, const Eigen::VectorXd& value, std::size_t) { values.push_back(value); });
   return values;
 }
 
@@ -140,11 +136,10 @@ std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
 std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration,
                                              const Eigen::Vector3d& p_m) {
   std::vector<AttractionBasis> bases;
-  for (const CalibrationValue& one : calibration.effects) {
-    if (const auto* field = std::get_if<AttractionField>(&one.action)) {
-      bases.push_back((*field)(p_m));
-    }
-  }
+  ForEachEffect<AttractionField>(
+      calibration, [&](const AttractionField& field, const Eigen::VectorXd&, std::size_t) {
+        bases.push_back(field(p_m));
+      });
   return bases;
 }
 

@@ -79,9 +79,8 @@ double InUsualSizes(const CalibrationValue& before, const Eigen::VectorXd& now) 
   const EffectSpec* spec = FindEffect(before.name);
   double largest = 0.0;
   for (Eigen::Index k = 0; k < now.size(); ++k) {
-    const double usual = spec == nullptr ? 1.0
-                                         : spec->components[static_cast<std::size_t>(k)].typical *
-                                               spec->components[static_cast<std::size_t>(k)].to_si;
+    const double usual =
+        spec == nullptr ? 1.0 : spec->components[static_cast<std::size_t>(k)].typical_si();
     largest = std::max(largest, std::abs(now[k] - before.value[k]) / usual);
   }
   return largest;
@@ -96,10 +95,11 @@ FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& no
     : flight_(&flight), node_t_s_(node_t_s), options_(options) {
   const ImuModel& model = flight.config.imu->model;
   noise_ = {model.gyro.white, model.accel.white, options.position_floor_m};
-  const CalibrationState calibration = initial.calibration.value_or(AssumedCalibration(flight));
+  const CalibrationState assumed = AssumedCalibration(flight);
+  const CalibrationState& calibration = initial.calibration ? *initial.calibration : assumed;
   AddMounting(calibration);
   AddEffects(calibration);
-  AddPriors();
+  AddPriors(assumed);
   AddNodes(initial);
   AddBiases(initial);
   AddInertialEdges();
@@ -138,7 +138,7 @@ void FlightNetwork::AddEffects(const CalibrationState& calibration) {
   linearised_ = calibration;
 }
 
-void FlightNetwork::AddPriors() {
+void FlightNetwork::AddPriors(const CalibrationState& assumed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const FlightConfig& config = flight_->config;
   if (config.lidar && config.lidar->boresight_sigma_rad) {
@@ -148,7 +148,6 @@ void FlightNetwork::AddPriors() {
                 boresight);
     net.Tag(id, internal::PriorGroup(), nan);
   }
-  const CalibrationState assumed = AssumedCalibration(*flight_);
   for (const EstimateEntry& entry : config.estimate) {
     if (entry.unknown == "boresight" || entry.sigma.empty()) continue;
     const BlockId block = net.Find(entry.unknown);
@@ -270,10 +269,6 @@ CalibrationState FlightNetwork::Calibration() const {
          Eigen::Map<const Eigen::VectorXd>(block.value.get(), block.kind.stored_size)});
   }
   return state;
-}
-
-ImuCorrection FlightNetwork::CorrectionAt(double t_s) const {
-  return Calibration().ImuAt(GyroBias(t_s), AccelBias(t_s));
 }
 
 void FlightNetwork::AppendEffects(const std::vector<std::size_t>& indices,

@@ -228,7 +228,7 @@ CandidateEffect DescribeEffect(const EstimableEffect& effect) {
   out.per_si = 1.0 / components[0].to_si;
   out.typical.resize(static_cast<Eigen::Index>(components.size()));
   for (std::size_t k = 0; k < components.size(); ++k) {
-    out.typical[static_cast<Eigen::Index>(k)] = components[k].typical * components[k].to_si;
+    out.typical[static_cast<Eigen::Index>(k)] = components[k].typical_si();
   }
   out.remedy = effect.remedy;
   return out;

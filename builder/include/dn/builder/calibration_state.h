@@ -6,7 +6,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace dn {
@@ -37,6 +39,15 @@ struct CalibrationState {
   /// Attraction beyond the normal one at p_m, m/s^2, map axes.
   Eigen::Vector3d AttractionAt(const Eigen::Vector3d& p_m) const;
 };
+
+/// Calls visit(action, value, index) for the effects that act in one way, in their order.
+template <class Action, class Visit>
+void ForEachEffect(const CalibrationState& state, const Visit& visit) {
+  for (std::size_t k = 0; k < state.effects.size(); ++k) {
+    const CalibrationValue& one = state.effects[k];
+    if (const auto* action = std::get_if<Action>(&one.action)) visit(*action, one.value, k);
+  }
+}
 
 /// Indices into CalibrationState::effects in the order in which the factors of one kind have them
 /// as blocks, after their other blocks.

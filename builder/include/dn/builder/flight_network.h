@@ -89,9 +89,6 @@ class FlightNetwork {
   /// All calibration values at present.
   CalibrationState Calibration() const;
 
-  /// The correction of the inertial samples at t_s by the present biases and calibration.
-  ImuCorrection CorrectionAt(double t_s) const;
-
   /// Sum of the processes of an axis at t_s.
   Eigen::Vector3d GyroBias(double t_s) const;
   Eigen::Vector3d AccelBias(double t_s) const;
@@ -160,7 +157,7 @@ class FlightNetwork {
   void AddGnssEdges();
   bool Estimated(const std::string& unknown) const;
   void AddEffects(const CalibrationState& calibration);
-  void AddPriors();
+  void AddPriors(const CalibrationState& assumed);
   void AppendEffects(const std::vector<std::size_t>& indices, std::vector<BlockId>* blocks) const;
   bool MovesLidarEpochs() const;
 

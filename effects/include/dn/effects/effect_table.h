@@ -32,6 +32,8 @@ struct EffectComponent {
   double typical;    ///< size to expect, 1 sigma, in `unit`; of a ratio the ratio itself
   double lowest;     ///< of the value in `unit`, this included
   double highest;
+
+  double typical_si() const { return typical * to_si; }
 };
 
 /// What the simulator, the estimator and the documents know of an effect: everything but its
