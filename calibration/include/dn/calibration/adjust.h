@@ -76,10 +76,10 @@ struct Adjustment {
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
 
 /// Node rate within the strips for `node_rate_hz: auto`: the lowest of 1, 2, 5, 10 and 20 Hz at
-/// which the angle random walk of one interval, seen at the mean laser range, has at most a
-/// twentieth of the variance of the mean of the pairs in that interval. Beyond it the noise that
-/// the pairs of an interval share with each other and with the inertial edge, and which the network
-/// takes as independent, begins to matter.
+/// which the angle random walk of one interval, less what the bridge to its end takes of it, seen at
+/// the mean laser range, has at most a fiftieth of the variance of the mean of the pairs in that
+/// interval. The pairs of an interval share that noise, which the network takes as independent: a
+/// share s lowers no sigma by more than s/2 of itself.
 double AutoNodeRateHz(const Flight& flight);
 
 }  // namespace dn
