@@ -83,6 +83,8 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(Fault(Replace(kGood, "fov_deg", "fov_dg"), &line),
               AllOf(HasSubstr("lidar: unknown key 'fov_dg'"), HasSubstr("'fov_deg'")));
   EXPECT_EQ(line, 6);
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, pattern: con")),
+              AllOf(HasSubstr("pattern"), HasSubstr("cone")));
   EXPECT_THAT(Fault(kGood + "pars: {}\n"), AllOf(HasSubstr("'pars'"), HasSubstr("'pairs'")));
   EXPECT_THAT(Fault(Replace(kGood, "airins", "airinz")), HasSubstr("airins"));
   EXPECT_THAT(Fault(kGood + "terrain: {kind: mixd}\n"), HasSubstr("mixed"));
@@ -171,7 +173,7 @@ imu: {rate_hz: 100, preset: airins, gyro: {white_deg_sqrt_h: 0.1, processes: [{t
 gnss: {rate_hz: 1, sigma_enu_m: [0.1, 0.1, 0.1], lever_arm_m: [1, 0, 0], velocity: false}
 lidar: {R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], scan_axis: [1, 0, 0],
         nadir_axis: [0, 0, 1], lever_arm_m: [0, 0, 0], boresight_deg: [0, 0, 0], fov_deg: 60,
-        pulse_rate_hz: 1000, gsd_m: 0.3, beam_divergence_mrad: 0.3}
+        pattern: cone, pulse_rate_hz: 1000, gsd_m: 0.3, beam_divergence_mrad: 0.3}
 pairs: {count: 30, sigma_p_m: 0.1}
 strips: false
 effects: [{effect: imu_vibration, value: [1, 1], window_s: [110, 120]},
