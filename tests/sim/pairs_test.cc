@@ -238,7 +238,9 @@ TEST_P(ShippedScenario, FliesAtItsHeightWithPairsInEveryOverlap) {
 INSTANTIATE_TEST_SUITE_P(All, ShippedScenario,
                          ::testing::Values(Band{"leg2", 100, 200, 1}, Band{"leg4", 100, 200, 6},
                                            Band{"lar2", 150, 250, 1}, Band{"lar3", 150, 250, 3},
-                                           Band{"uav2", 150, 250, 1}, Band{"uav3", 150, 250, 3}),
+                                           Band{"uav2", 150, 250, 1}, Band{"uav3", 150, 250, 3},
+                                           Band{"lar2_cross", 150, 250, 1},
+                                           Band{"uav2_cross", 150, 250, 1}),
                          [](const auto& band) { return band.param.name; });
 
 }  // namespace

@@ -1,12 +1,15 @@
 #include <dn/error.h>
+#include <dn/imu/imu_model.h>
 #include <dn/sim/scenario.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "sim/small_scenario.h"
 #include "testing/hostile_yaml.h"
@@ -213,9 +216,72 @@ TEST(ReadScenario, NamesWhatIsNoRegularFile) {
               ::testing::HasSubstr("at most 1048576 are read"));
 }
 
+bool SameModel(const SensorNoise& a, const SensorNoise& b) {
+  const auto same = [](const BiasProcess& p, const BiasProcess& q) {
+    return p.type == q.type && p.sigma == q.sigma && p.tau_s == q.tau_s;
+  };
+  return a.white == b.white && std::equal(a.processes.begin(), a.processes.end(),
+                                          b.processes.begin(), b.processes.end(), same);
+}
+
+/// A strip set and the preset of its sensor.
+struct StripSet {
+  std::string name, preset;
+};
+
+class StripSetVariants : public ::testing::TestWithParam<StripSet> {};
+
+TEST_P(StripSetVariants, AreTheSameFlightWithTheSensorAtRestAndWithCausesAsEffects) {
+  const auto& [name, preset] = GetParam();
+  const Scenario flown = ReadScenario(name);
+  const ImuModel at_rest = ImuPreset(preset);
+  EXPECT_FALSE(flown.imu.preset) << "noise of flight beyond the preset";
+  EXPECT_FALSE(SameModel(flown.imu.model.accel, at_rest.accel));
+  EXPECT_TRUE(flown.effects.empty());
+  for (const std::string& variant : {name + "_rest", name + "_effects"}) {
+    const Scenario s = ReadScenario(variant);
+    EXPECT_EQ(s.imu.preset, preset);
+    EXPECT_EQ(s.imu.rate_hz, flown.imu.rate_hz);
+    EXPECT_TRUE(SameModel(s.imu.model.gyro, at_rest.gyro));
+    EXPECT_TRUE(SameModel(s.imu.model.accel, at_rest.accel));
+    EXPECT_EQ(s.start_s, flown.start_s);
+    EXPECT_EQ(s.plan.warm_up_s, flown.plan.warm_up_s);
+    EXPECT_EQ(s.plan.lines.size(), flown.plan.lines.size());
+    EXPECT_EQ(s.gnss.lever_arm_b_m, flown.gnss.lever_arm_b_m);
+    EXPECT_EQ(s.lidar.pattern, flown.lidar.pattern);
+    EXPECT_EQ(s.lidar.mounting.boresight_rad, flown.lidar.mounting.boresight_rad);
+    EXPECT_EQ(s.pairs.count, flown.pairs.count);
+  }
+  EXPECT_TRUE(ReadScenario(name + "_rest").effects.empty());
+  std::vector<std::string> effects;
+  for (const Effect& effect : ReadScenario(name + "_effects").effects) {
+    effects.push_back(effect.name);
+    if (effect.name != "imu_vibration") continue;
+    EXPECT_LE(effect.times.window_s->first, flown.start_s);
+    EXPECT_GE(effect.times.window_s->second, flown.start_s + 3600.0) << "the whole flight";
+  }
+  EXPECT_THAT(effects,
+              ::testing::IsSupersetOf({"imu_vibration", "accel_bias_process", "gyro_scale_factor",
+                                       "accel_scale_factor", "gyro_misalignment", "gravity_tilt"}));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StripSetVariants,
+                         ::testing::Values(StripSet{"leg2", "ln200"}, StripSet{"leg4", "ln200"},
+                                           StripSet{"lar2", "airins"}, StripSet{"lar3", "airins"},
+                                           StripSet{"uav2", "apx15"}, StripSet{"uav3", "apx15"},
+                                           StripSet{"har2", "imu57"}, StripSet{"har4", "imu57"},
+                                           StripSet{"hal2", "isa100c"},
+                                           StripSet{"hal4", "isa100c"}),
+                         [](const auto& set) { return set.param.name; });
+
 TEST(ReadScenario, FindsShippedOnesFilesAndSaysWhatIsThere) {
-  EXPECT_THAT(ScenarioNames(), ::testing::ElementsAre("leg2", "leg4", "lar2", "lar3", "uav2",
-                                                      "uav3", "har2", "har4", "hal2", "hal4"));
+  EXPECT_THAT(ScenarioNames(),
+              ::testing::ElementsAre(
+                  "leg2", "leg4", "lar2", "lar3", "uav2", "uav3", "har2", "har4", "hal2", "hal4",
+                  "lar2_cross", "uav2_cross", "leg2_rest", "leg4_rest", "lar2_rest", "lar3_rest",
+                  "uav2_rest", "uav3_rest", "har2_rest", "har4_rest", "hal2_rest", "hal4_rest",
+                  "leg2_effects", "leg4_effects", "lar2_effects", "lar3_effects", "uav2_effects",
+                  "uav3_effects", "har2_effects", "har4_effects", "hal2_effects", "hal4_effects"));
   for (const std::string& name : ScenarioNames()) EXPECT_EQ(ReadScenario(name).name, name);
   const testing::TempFolder folder;
   folder.Write("mine.yaml", Replace(kGood, "lines: [[0, 0, 1000, 0, 200, 40]]", "replay: a.out"));
