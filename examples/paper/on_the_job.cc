@@ -69,8 +69,9 @@ std::string Percent(const Matrix3d& m, int row) {
 }  // namespace
 
 Calibrated Calibrate(const std::string& set, std::uint64_t seed,
-                     const std::filesystem::path& folder) {
-  const SmoothedFlight flight = Fly(dn::ReadScenario(set), seed, folder);
+                     const std::filesystem::path& folder, std::optional<double> node_rate_hz) {
+  SmoothedFlight flight = Fly(dn::ReadScenario(set), seed, folder);
+  flight.sim.flight.config.network.node_rate_hz = node_rate_hz;
   const dn::GaussHelmertCalibration gh = dn::CalibrateGaussHelmert(flight.sim.flight);
   const dn::Adjustment adjustment = dn::Adjust(flight.sim.flight);
   dn::Marginals marginals(adjustment.network->net);

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <regex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -273,6 +275,22 @@ INSTANTIATE_TEST_SUITE_P(All, StripSetVariants,
                                            StripSet{"hal2", "isa100c"},
                                            StripSet{"hal4", "isa100c"}),
                          [](const auto& set) { return set.param.name; });
+
+TEST(ReadScenario, TheDocumentedOneHasEveryKey) {
+  const Scenario shown = ReadScenario(std::string(DN_DOCS_DIR) + "/scenario.yaml");
+  const Scenario lar3 = ReadScenario("lar3_rest");
+  EXPECT_EQ(shown.imu.preset, lar3.imu.preset);
+  EXPECT_EQ(shown.plan.lines.size(), lar3.plan.lines.size());
+  EXPECT_EQ(shown.effects.size(), 2u);
+  const std::string text = ScenarioText(std::string(DN_DOCS_DIR) + "/scenario.yaml");
+  const std::set<std::string> elsewhere{
+      "white_deg_sqrt_h", "white_m_s_sqrt_h", "processes", "type", "sigma_deg_h", "tau_s", "t0_s"};
+  const std::regex key("([A-Za-z0-9_]+):");
+  for (std::sregex_iterator it(kEveryKey.begin(), kEveryKey.end(), key), end; it != end; ++it) {
+    if (elsewhere.contains((*it)[1])) continue;
+    EXPECT_THAT(text, ::testing::HasSubstr((*it)[0].str()));
+  }
+}
 
 TEST(ReadScenario, FindsShippedOnesFilesAndSaysWhatIsThere) {
   EXPECT_THAT(ScenarioNames(),
