@@ -81,7 +81,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
       "[%]\n",
       100.0 * boresight.accel_bias.max_abs, 100.0 * boresight.accel_bias.rms,
       100.0 * boresight.gyro_bias.max_abs, 100.0 * boresight.gyro_bias.rms);
-  const AdjustmentFigures& figures = flight_run.trajectory.figures;
+  const AdjustmentFigures& figures = flight_run.solution->trajectory().figures;
   fmt::print(
       "adjustment: sigma0 {:.4f}, chi2 {:.1f} with redundancy {}, condition number {:.1f}, {} "
       "iterations\n",
@@ -92,7 +92,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
       figures.nodes, figures.parameters, figures.imu_epochs, figures.gnss_epochs,
       figures.correspondences, figures.outliers);
   fmt::print("  mean distance of the pairs {:.3f} m before, {:.3f} m after\n",
-             flight_run.adjustment.residual_initial_m, flight_run.adjustment.residual_final_m);
+             flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
   PrintAssessment(boresight);
   PrintTimes(flight_run.timings);
 }
@@ -239,19 +239,19 @@ struct NetworkRun {
 NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
   NetworkRun out;
   out.flight_run = std::move(flight_run);
-  out.boresight = ExtractBoresight(out.flight_run->adjustment, *out.flight_run->marginals);
-  Assess(out.flight_run->model_check, &out.boresight);
-  out.unknowns = ExtractUnknowns(out.flight_run->adjustment, *out.flight_run->marginals);
+  out.boresight = out.flight_run->solution->CheckedBoresight();
+  out.unknowns = out.flight_run->solution->Unknowns();
   return out;
 }
 
 void AddNetworkFiles(const NetworkRun& network, const std::string& result_name, Run* run) {
   const FlightRun& flight_run = *network.flight_run;
   AddTrajectoryFiles(flight_run, run);
-  run->AddFile(result_name, FormatJson(CalibrationJson(flight_run.flight.config.name,
-                                                       flight_run.adjustment, flight_run.trajectory,
-                                                       flight_run.model_check, network.boresight,
-                                                       network.unknowns, flight_run.timings)));
+  run->AddFile(result_name,
+               FormatJson(CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
+                                          flight_run.solution->trajectory(),
+                                          flight_run.solution->model_check(), network.boresight,
+                                          network.unknowns, flight_run.timings)));
   FillReport(flight_run, run);
 }
 

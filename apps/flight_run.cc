@@ -29,8 +29,8 @@ PlotSeries Curve(const std::string& label, const std::vector<Row>& rows, const G
 }
 
 void AddPlots(const FlightRun& flight_run, Run* run) {
-  const auto& sigma = flight_run.trajectory.sigma;
-  const auto& biases = flight_run.trajectory.biases;
+  const auto& sigma = flight_run.solution->trajectory().sigma;
+  const auto& biases = flight_run.solution->trajectory().biases;
   const char* enu[] = {"east", "north", "up"};
   const char* rph[] = {"roll", "pitch", "heading"};
   const char* xyz[] = {"x", "y", "z"};
@@ -63,10 +63,10 @@ void AddPlots(const FlightRun& flight_run, Run* run) {
 }
 
 std::vector<std::string> Warnings(const FlightRun& flight_run) {
-  std::vector<std::string> warnings = flight_run.adjustment.warnings;
-  const auto& statistics = flight_run.trajectory.warnings;
+  std::vector<std::string> warnings = flight_run.adjustment().warnings;
+  const auto& statistics = flight_run.solution->trajectory().warnings;
   warnings.insert(warnings.end(), statistics.begin(), statistics.end());
-  const std::vector<std::size_t>& rejected = flight_run.adjustment.gnss_rejected;
+  const std::vector<std::size_t>& rejected = flight_run.adjustment().gnss_rejected;
   if (!rejected.empty()) {
     const GnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
     warnings.push_back(fmt::format(
@@ -79,7 +79,7 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
 
 Json RejectedGnssJson(const FlightRun& flight_run) {
   Json epochs = Json::array();
-  for (const std::size_t e : flight_run.adjustment.gnss_rejected) {
+  for (const std::size_t e : flight_run.adjustment().gnss_rejected) {
     const GnssEpoch& epoch = flight_run.flight.gnss->epochs[e];
     epochs.push_back({{"t_s", epoch.t_s}, {"line", epoch.line}});
   }
@@ -113,20 +113,15 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
     run->progress.Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
   };
   options.interrupted = [] { return apps::Interrupted(); };
-  result->adjustment = Adjust(result->flight, options);
+  Adjustment adjustment = Adjust(result->flight, options);
   result->timings.solve_s = Since(solve_start);
 
   const auto covariance_start = Clock::now();
   run->progress.Stage("covariances");
-  MarginalsOptions marginals_options;
-  marginals_options.threads = run->options().threads;
-  result->marginals =
-      std::make_unique<Marginals>(result->adjustment.network->net, marginals_options);
-  result->marginals->ComputeSelectedInverse();
-  result->trajectory = ExtractTrajectory(result->adjustment, *result->marginals);
+  const Solution& solution = result->solution.emplace(std::move(adjustment), options.threads);
+  solution.trajectory();
   run->progress.Stage("model check");
-  result->model_check = CheckModel(result->adjustment, *result->marginals, result->trajectory,
-                                   run->options().threads);
+  solution.model_check();
   result->timings.covariance_s = Since(covariance_start);
   for (const std::string& warning : Warnings(*result)) run->progress.Warn(warning);
   result->timings.total_s = read_s + Since(solve_start);
@@ -135,12 +130,13 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
 
 void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
   run->progress.Stage("writing " + run->options().out.string());
-  const FlightNetwork& network = *flight_run.adjustment.network;
+  const FlightNetwork& network = *flight_run.adjustment().network;
   const bool with_pairs = !network.pair_edges.empty();
   run->AddFile("trajectory.out",
                FormatSbet(DenseTrajectory(network, kTrajectorySpacingS), with_pairs));
-  run->AddFile("trajectory_sigma.txt", FormatTrajectorySigma(flight_run.trajectory.sigma));
-  run->AddFile("biases.txt", FormatBiases(flight_run.trajectory.biases));
+  run->AddFile("trajectory_sigma.txt",
+               FormatTrajectorySigma(flight_run.solution->trajectory().sigma));
+  run->AddFile("biases.txt", FormatBiases(flight_run.solution->trajectory().biases));
   run->AddFile("config.resolved.yaml", FormatFlightConfig(flight_run.flight.config));
   AddPlots(flight_run, run);
 }
@@ -149,23 +145,24 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   Json& report = run->report;
   report["flight"] = flight_run.flight.config.name;
   if (const auto& lidar = flight_run.flight.config.lidar) report["seed"] = lidar->pairs.seed;
-  report["alignment"] = flight_run.adjustment.alignment_method;
-  report["node_rate_hz"] = flight_run.adjustment.node_rate_hz;
+  report["alignment"] = flight_run.adjustment().alignment_method;
+  report["node_rate_hz"] = flight_run.adjustment().node_rate_hz;
   report["counts"] = flight_run.flight.counts;
-  report["counts"]["pairs rejected as outliers"] = flight_run.adjustment.outliers;
-  report["counts"]["pairs within one node"] = flight_run.adjustment.network->pairs_within_one_node;
+  report["counts"]["pairs rejected as outliers"] = flight_run.adjustment().outliers;
+  report["counts"]["pairs within one node"] =
+      flight_run.adjustment().network->pairs_within_one_node;
   const auto read_in_gaps = flight_run.flight.counts.find("pairs in IMU gaps");
   report["counts"]["pairs in IMU gaps"] =
-      flight_run.adjustment.network->pairs_in_imu_gaps +
+      flight_run.adjustment().network->pairs_in_imu_gaps +
       (read_in_gaps == flight_run.flight.counts.end() ? 0 : read_in_gaps->second);
-  report["counts"]["gnss epochs rejected"] = flight_run.adjustment.gnss_rejected.size();
+  report["counts"]["gnss epochs rejected"] = flight_run.adjustment().gnss_rejected.size();
   report["gnss_rejected"] = RejectedGnssJson(flight_run);
   report["warnings"] = Warnings(flight_run);
-  report["residuals"] = StatisticsToJson(flight_run.trajectory.residuals);
-  report["innovations"] = StatisticsToJson(flight_run.trajectory.innovations);
-  report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment.network);
+  report["residuals"] = StatisticsToJson(flight_run.solution->trajectory().residuals);
+  report["innovations"] = StatisticsToJson(flight_run.solution->trajectory().innovations);
+  report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment().network);
   report["stages"] = Json::array();
-  for (const StageReport& stage : flight_run.adjustment.stages) {
+  for (const StageReport& stage : flight_run.adjustment().stages) {
     report["stages"].push_back({{"name", stage.name},
                                 {"iterations", stage.iterations},
                                 {"cost_before", stage.cost_before},

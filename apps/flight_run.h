@@ -1,21 +1,22 @@
 #pragma once
 
-#include <dn/calibration/adjust.h>
 #include <dn/calibration/result_files.h>
+#include <dn/calibration/solution.h>
 #include <dn/flight/flight.h>
+
+#include <optional>
 
 #include "command.h"
 
 namespace dn::apps {
 
-/// A flight adjusted for `dn smooth` or `dn calibrate`, with its covariances.
+/// A flight adjusted for `dn smooth` or `dn calibrate`.
 struct FlightRun {
   Flight flight;
-  Adjustment adjustment;
-  std::unique_ptr<Marginals> marginals;
-  TrajectoryResult trajectory;
-  ModelCheck model_check;
+  std::optional<Solution> solution;  ///< of `flight`
   RunTimings timings;
+
+  const Adjustment& adjustment() const { return solution->adjustment(); }
 };
 
 /// Reads, adjusts and factors a flight, with progress and the parts of report.json that are common.

@@ -1,4 +1,3 @@
-#include <dn/calibration/trajectory_covariance.h>
 #include <fmt/format.h>
 
 #include <utility>
@@ -16,7 +15,7 @@ struct SmoothOptions {
 
 std::vector<StripInterval> Strips(const FlightRun& flight_run) {
   if (!flight_run.flight.config.strips.empty()) return flight_run.flight.config.strips;
-  const FlightNetwork& network = *flight_run.adjustment.network;
+  const FlightNetwork& network = flight_run.solution->network();
   std::vector<NavPoint> points;
   for (std::size_t k = 0; k < network.nodes.size(); ++k) {
     points.push_back(ToNavPoint(network.NodePose(k), flight_run.flight.frame));
@@ -26,27 +25,25 @@ std::vector<StripInterval> Strips(const FlightRun& flight_run) {
 
 // What `dn calibrate --method gh` needs to know how the errors of the trajectory correlate.
 void AddCovarianceFile(const FlightRun& flight_run, Run* run) {
-  const TrajectoryCovariance covariance =
-      ExtractTrajectoryCovariance(flight_run.adjustment, *flight_run.marginals, Strips(flight_run));
+  const TrajectoryCovariance covariance = flight_run.solution->PoseCovariance(Strips(flight_run));
   if (covariance.t_s.empty()) return;
   run->AddFile("trajectory_covariance.txt", FormatTrajectoryCovariance(covariance));
 }
 
 void Smooth(const SmoothOptions& options, Run& run) {
   const std::unique_ptr<FlightRun> flight_run = AdjustFlight(options.flight, false, &run);
-  const TrajectoryResult& trajectory = flight_run->trajectory;
+  const TrajectoryResult& trajectory = flight_run->solution->trajectory();
+  const ModelCheck& check = flight_run->solution->model_check();
   AddTrajectoryFiles(*flight_run, &run);
   AddCovarianceFile(*flight_run, &run);
-  run.AddFile(
-      "smooth.json",
-      FormatJson(SmoothJson(flight_run->flight.config.name, trajectory, flight_run->model_check,
-                            ExtractUnknowns(flight_run->adjustment, *flight_run->marginals),
-                            flight_run->timings)));
+  run.AddFile("smooth.json",
+              FormatJson(SmoothJson(flight_run->flight.config.name, trajectory, check,
+                                    flight_run->solution->Unknowns(), flight_run->timings)));
   FillReport(*flight_run, &run);
   const AdjustmentFigures& figures = trajectory.figures;
   fmt::print("flight {}: {} nodes, {} inertial and {} GNSS epochs, alignment {}\n",
              flight_run->flight.config.name, figures.nodes, figures.imu_epochs, figures.gnss_epochs,
-             flight_run->adjustment.alignment_method);
+             flight_run->adjustment().alignment_method);
   fmt::print("converged in {} iterations, sigma0 {:.3f}, chi2 {:.1f} with redundancy {}\n",
              figures.iterations, figures.sigma0, figures.chi2, figures.redundancy);
   PrintStatistics("innovations of the forward filter (expected mean 0, variance 1, NIS 1)",
@@ -54,8 +51,7 @@ void Smooth(const SmoothOptions& options, Run& run) {
   PrintStatistics("residuals after the adjustment", trajectory.residuals);
   const Json& errors = run.report["reference_errors"];
   if (!errors.is_null()) fmt::print("differences from the reference: {}\n", errors.dump());
-  PrintFindings(flight_run->model_check);
-  const ModelCheck& check = flight_run->model_check;
+  PrintFindings(check);
   if (check.contradicted()) ThrowContradicted(check.findings.front().text, "smooth.json");
 }
 

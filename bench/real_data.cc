@@ -1,8 +1,6 @@
 /// real_data DATA_DIR: what `dn smooth` says about measured flights; the figures of
 /// docs/real-data.md.
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/result.h>
-#include <dn/solvers/marginals.h>
+#include <dn/calibration/solution.h>
 #include <dn/solvers/prediction.h>
 #include <fmt/format.h>
 
@@ -19,20 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A smoothed flight with its covariances.
+/// A smoothed flight.
 struct Smoothed {
   Flight flight;
-  Adjustment adjustment;
-  Marginals marginals;
-  TrajectoryResult result;
+  Solution solution;
 
   Smoothed(Flight read, const AdjustOptions& options)
-      : flight(std::move(read)),
-        adjustment(Adjust(flight, options)),
-        marginals(adjustment.network->net) {
-    marginals.ComputeSelectedInverse();
-    result = ExtractTrajectory(adjustment, marginals);
-  }
+      : flight(std::move(read)), solution(flight, options) {}
 };
 
 Flight Read(const fs::path& folder) {
@@ -59,16 +50,16 @@ void PrintSeries(const char* title, const std::vector<SeriesStatistics>& series)
 }
 
 void Describe(const std::string& name, const Smoothed& smoothed) {
-  const AdjustmentFigures& figures = smoothed.result.figures;
+  const AdjustmentFigures& figures = smoothed.solution.trajectory().figures;
   fmt::print(
       "\n== {}: {} nodes, {} inertial and {} GNSS epochs, {} rejected, start by {}\n"
       "sigma0 {:.3f}, redundancy {}, NIS / 3 of position {:.2f}, of velocity {:.2f}\n",
       name, figures.nodes, figures.imu_epochs, figures.gnss_epochs,
-      smoothed.adjustment.gnss_rejected.size(), smoothed.adjustment.alignment_method,
-      figures.sigma0, figures.redundancy, smoothed.result.nis_position,
-      smoothed.result.nis_velocity);
-  PrintSeries("innovations", smoothed.result.innovations);
-  PrintSeries("residuals", smoothed.result.residuals);
+      smoothed.solution.adjustment().gnss_rejected.size(),
+      smoothed.solution.adjustment().alignment_method, figures.sigma0, figures.redundancy,
+      smoothed.solution.trajectory().nis_position, smoothed.solution.trajectory().nis_velocity);
+  PrintSeries("innovations", smoothed.solution.trajectory().innovations);
+  PrintSeries("residuals", smoothed.solution.trajectory().residuals);
 }
 
 /// Root mean square of vectors, component by component.
@@ -90,7 +81,7 @@ class Rms {
 };
 
 void CompareWithReference(const Smoothed& smoothed) {
-  const FlightNetwork& network = *smoothed.adjustment.network;
+  const FlightNetwork& network = smoothed.solution.network();
   const std::vector<MapPose> reference = smoothed.flight.reference->InMap(smoothed.flight.frame);
   const auto each_node = [&](const std::function<void(const MapPose&, const MapPose&)>& use) {
     for (std::size_t k = 0; k < network.nodes.size(); ++k) {
@@ -113,11 +104,11 @@ void CompareWithReference(const Smoothed& smoothed) {
   const Eigen::Vector3d c = turned.mean() * kDegPerRad, r = remaining.rms() * kDegPerRad,
                         v = velocity.rms();
   double sigma2_rp = 0.0, sigma2_h = 0.0;
-  for (const TrajectorySigma& sigma : smoothed.result.sigma) {
+  for (const TrajectorySigma& sigma : smoothed.solution.trajectory().sigma) {
     sigma2_rp += sigma.rph_rad.head<2>().squaredNorm() / 2.0;
     sigma2_h += sigma.rph_rad.z() * sigma.rph_rad.z();
   }
-  const auto n = static_cast<double>(smoothed.result.sigma.size());
+  const auto n = static_cast<double>(smoothed.solution.trajectory().sigma.size());
   fmt::print(
       "against the reference at {} nodes: constant turn of the axes {:.3f} {:.3f} {:.3f} deg (body "
       "x, y, z), remaining rms {:.3f} {:.3f} {:.3f} deg; velocity rms {:.4f} {:.4f} {:.4f} m/s\n"
@@ -162,7 +153,7 @@ void PredictWithheld(const fs::path& folder) {
     }
   };
   const Smoothed smoothed(Read(folder), options);
-  const FlightNetwork& network = *smoothed.adjustment.network;
+  const FlightNetwork& network = smoothed.solution.network();
   Rms error;
   double nis = 0.0;
   Eigen::Vector3d worst = Eigen::Vector3d::Zero();
@@ -174,7 +165,7 @@ void PredictWithheld(const fs::path& folder) {
     const Eigen::Vector3d e = antenna_m - smoothed.flight.frame.ToMap(epoch.antenna);
     error.Add(e);
     worst = worst.cwiseMax(e.cwiseAbs());
-    nis += PredictFactor(smoothed.marginals, edge.position).statistic / 3.0;
+    nis += PredictFactor(smoothed.solution.marginals(), edge.position).statistic / 3.0;
   }
   const Eigen::Vector3d r = error.rms();
   fmt::print(

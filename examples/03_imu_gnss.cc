@@ -2,8 +2,7 @@
 //
 // Prints the error of position and attitude against the truth with its standard deviation at a few
 // epochs, and the root mean square of the normalised errors, which is 1 when the sigmas are honest.
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/result.h>
+#include <dn/calibration/solution.h>
 #include <dn/sim/simulate.h>
 
 #include <cmath>
@@ -18,15 +17,13 @@ int main() {
 
   dn::AdjustOptions options;
   options.with_pairs = false;
-  const dn::Adjustment adjustment = dn::Adjust(sim.flight, options);
-  dn::Marginals marginals(adjustment.network->net);
-  marginals.ComputeSelectedInverse();
-  const dn::TrajectoryResult result = dn::ExtractTrajectory(adjustment, marginals);
+  const dn::Solution solution(sim.flight, options);
+  const dn::TrajectoryResult& result = solution.trajectory();
 
   std::printf("   t [s]   error E, N, U [mm] (sigma)      roll, pitch, heading [mdeg] (sigma)\n");
   double sum2 = 0.0;
   for (std::size_t k = 0; k < result.sigma.size(); ++k) {
-    const dn::MapPose pose = adjustment.network->NodePose(k), truth = sim.truth->Pose(pose.t_s);
+    const dn::MapPose pose = solution.network().NodePose(k), truth = sim.truth->Pose(pose.t_s);
     const Eigen::Vector3d dp = sim.frame.R_m_enu(truth.p_mb).transpose() * (pose.p_mb - truth.p_mb);
     Eigen::Vector3d da = dn::RollPitchHeading(dn::ToNavPoint(pose, sim.frame).q_nb) -
                          dn::RollPitchHeading(dn::ToNavPoint(truth, sim.frame).q_nb);

@@ -2,9 +2,7 @@
 //
 // Prints the true angles, the estimates with their standard deviations, the correlation of the
 // boresight with the biases that were estimated with it, and whether the data follow the model.
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/model_check.h>
-#include <dn/calibration/result.h>
+#include <dn/calibration/solution.h>
 #include <dn/sim/simulate.h>
 
 #include <algorithm>
@@ -18,12 +16,9 @@ int main() {
   scenario.pairs.count = 500;
   const dn::SimulatedFlight sim = dn::Simulate(scenario, {});
 
-  const dn::Adjustment adjustment = dn::Adjust(sim.flight);
-  dn::Marginals marginals(adjustment.network->net);
-  marginals.ComputeSelectedInverse();
-  dn::BoresightResult boresight = dn::ExtractBoresight(adjustment, marginals);
-  const dn::TrajectoryResult trajectory = dn::ExtractTrajectory(adjustment, marginals);
-  dn::Assess(dn::CheckModel(adjustment, marginals, trajectory), &boresight);
+  const dn::Solution solution(sim.flight);
+  const dn::BoresightResult boresight = solution.CheckedBoresight();
+  const dn::Adjustment& adjustment = solution.adjustment();
 
   std::printf("aligned %s, %zu nodes, %ld pairs rejected, mean distance of pairs %.2f -> %.2f m\n",
               adjustment.alignment_method.c_str(), adjustment.network->nodes.size(),

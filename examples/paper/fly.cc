@@ -1,7 +1,7 @@
 #include "fly.h"
 
 #include <dn/calibration/result_files.h>
-#include <dn/calibration/trajectory_covariance.h>
+#include <dn/calibration/solution.h>
 #include <dn/geo/trajectory.h>
 #include <dn/rotation.h>
 
@@ -40,21 +40,18 @@ SmoothedFlight Fly(const dn::Scenario& scenario, std::uint64_t seed,
 
   dn::AdjustOptions without_lidar;
   without_lidar.with_pairs = false;
-  const dn::Adjustment smoothed = dn::Adjust(out.sim.flight, without_lidar);
-  dn::Marginals marginals(smoothed.network->net);
-  marginals.ComputeSelectedInverse();
+  const dn::Solution smoothed(out.sim.flight, without_lidar);
   const std::vector<dn::NavPoint> points =
-      dn::DenseTrajectory(*smoothed.network, kTrajectorySpacing_s);
+      dn::DenseTrajectory(smoothed.network(), kTrajectorySpacing_s);
 
   dn::OutputDirectory files(folder);
   files.Add("trajectory.out", dn::FormatSbet(points));
-  files.Add("trajectory_sigma.txt",
-            dn::FormatTrajectorySigma(dn::ExtractTrajectory(smoothed, marginals).sigma));
-  files.Add("trajectory_covariance.txt",
-            dn::FormatTrajectoryCovariance(dn::ExtractTrajectoryCovariance(
-                smoothed, marginals, dn::FindStrips(out.sim.flight))));
+  files.Add("trajectory_sigma.txt", dn::FormatTrajectorySigma(smoothed.trajectory().sigma));
+  files.Add(
+      "trajectory_covariance.txt",
+      dn::FormatTrajectoryCovariance(smoothed.PoseCovariance(dn::FindStrips(out.sim.flight))));
   files.Commit();
-  const dn::Json errors = dn::ReferenceErrorsJson(*smoothed.network);
+  const dn::Json errors = dn::ReferenceErrorsJson(smoothed.network());
   for (int i = 0; i < 3; ++i) {
     out.rph_rmse_deg[i] = errors["roll_pitch_heading_rmse_deg"][static_cast<std::size_t>(i)];
   }

@@ -1,5 +1,6 @@
 #include "on_the_job.h"
 
+#include <dn/calibration/solution.h>
 #include <dn/report/distributions.h>
 #include <fmt/format.h>
 
@@ -73,10 +74,7 @@ Calibrated Calibrate(const std::string& set, std::uint64_t seed,
   SmoothedFlight flight = Fly(dn::ReadScenario(set), seed, folder);
   flight.sim.flight.config.network.node_rate_hz = node_rate_hz;
   const dn::GaussHelmertCalibration gh = dn::CalibrateGaussHelmert(flight.sim.flight);
-  const dn::Adjustment adjustment = dn::Adjust(flight.sim.flight);
-  dn::Marginals marginals(adjustment.network->net);
-  marginals.ComputeSelectedInverse();
-  const dn::BoresightResult network = dn::ExtractBoresight(adjustment, marginals);
+  const dn::BoresightResult network = dn::Solution(flight.sim.flight).Boresight();
 
   Calibrated out;
   out.rph_rmse_deg = flight.rph_rmse_deg;

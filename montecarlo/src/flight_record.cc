@@ -1,9 +1,7 @@
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/model_check.h>
+#include <dn/calibration/solution.h>
 #include <dn/error.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/rotation.h>
-#include <dn/solvers/marginals.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -94,13 +92,13 @@ void AddTrajectoryRms(const SimulatedFlight& simulated, const FlightNetwork& net
   record->attitude_rms_rad = (rph2 / n).cwiseSqrt();
 }
 
-void AddErrors(const SimulatedFlight& simulated, const Adjustment& adjustment,
-               const Marginals& marginals, double epoch_spacing_s, FlightRecord* record) {
-  const FlightNetwork& network = *adjustment.network;
+void AddErrors(const SimulatedFlight& simulated, const Solution& solution, double epoch_spacing_s,
+               FlightRecord* record) {
+  const FlightNetwork& network = solution.network();
   double next_s = 0.0;
   for (std::size_t k = 0; k < network.nodes.size(); ++k) {
     if (network.nodes[k].t_s < network.nodes.front().t_s + next_s - 1e-6) continue;
-    record->epochs.push_back(ErrorsAt(simulated, network, k, marginals));
+    record->epochs.push_back(ErrorsAt(simulated, network, k, solution.marginals()));
     next_s += epoch_spacing_s;
   }
   AddTrajectoryRms(simulated, network, record);
@@ -108,7 +106,7 @@ void AddErrors(const SimulatedFlight& simulated, const Adjustment& adjustment,
   const Eigen::Quaterniond q = network.net.Value(network.boresight);
   record->boresight_error_rad =
       Log(Eigen::Quaterniond(q * Exp(simulated.boresight_rad).conjugate()));
-  record->boresight_covariance_rad2 = marginals.Covariance(network.boresight);
+  record->boresight_covariance_rad2 = solution.marginals().Covariance(network.boresight);
 }
 
 }  // namespace
@@ -133,19 +131,17 @@ FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
     AdjustOptions adjust;
     adjust.with_pairs = options.with_pairs;
     adjust.interrupted = options.interrupted;
-    const Adjustment adjustment = Adjust(simulated.flight, adjust);
-    Marginals marginals(adjustment.network->net);
-    marginals.ComputeSelectedInverse();
-    const TrajectoryResult trajectory = ExtractTrajectory(adjustment, marginals);
+    const Solution solution(simulated.flight, adjust);
+    const TrajectoryResult& trajectory = solution.trajectory();
     record.chi2 = trajectory.figures.chi2;
     record.redundancy = trajectory.figures.redundancy;
-    record.outliers = adjustment.outliers;
-    const ModelCheck check = CheckModel(adjustment, marginals, trajectory);
+    record.outliers = solution.adjustment().outliers;
+    const ModelCheck& check = solution.model_check();
     record.contradicted = check.contradicted();
     record.check_p_value = check.p_value;
     record.residuals = trajectory.residuals;
     record.innovations = trajectory.innovations;
-    AddErrors(simulated, adjustment, marginals, options.epoch_spacing_s, &record);
+    AddErrors(simulated, solution, options.epoch_spacing_s, &record);
   } catch (const dn::Interrupted&) {
     throw;
   } catch (const std::exception& error) {

@@ -306,37 +306,6 @@ Eigen::Quaterniond BackToStart(const Flight& flight, const FilterState& last, do
 
 }  // namespace
 
-TimeInterval NetworkSpan(const Flight& flight, bool with_pairs) {
-  const ImuData& imu = *flight.imu;
-  TimeInterval span{1e300, -1e300};
-  long inside = 0;
-  for (const GnssEpoch& epoch : flight.gnss->epochs) {
-    if (epoch.t_s < imu.t_begin_s() + 1e-6 || epoch.t_s > imu.t_end_s() - 1e-6) continue;
-    span.t0_s = std::min(span.t0_s, epoch.t_s);
-    span.t1_s = std::max(span.t1_s, epoch.t_s);
-    ++inside;
-  }
-  if (inside < 3) {
-    throw InvalidInput("the IMU data cover " + std::to_string(inside) +
-                       " GNSS epochs, at least three are needed");
-  }
-  if (with_pairs && flight.pairs) {
-    for (const LidarPair& pair : flight.pairs->pairs) {
-      span.t0_s = std::min({span.t0_s, pair.t_i_s, pair.t_j_s});
-      span.t1_s = std::max({span.t1_s, pair.t_i_s, pair.t_j_s});
-    }
-  }
-  return span;
-}
-
-std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span) {
-  std::vector<double> times;
-  for (const GnssEpoch& epoch : flight.gnss->epochs) {
-    if (epoch.t_s >= span.t0_s - 1e-6 && epoch.t_s <= span.t1_s + 1e-6) times.push_back(epoch.t_s);
-  }
-  return times;
-}
-
 Alignment Align(const Flight& flight, const std::vector<double>& times,
                 const std::function<bool()>& interrupted) {
   const TimeInterval span{times.front(), times.back()};

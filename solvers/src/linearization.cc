@@ -107,6 +107,18 @@ void Linearization::EvaluateEdge(const Network& network, Edge& edge) {
   residual_.segment(edge.first_row, edge.rows) = r;
 }
 
+void Linearization::AddProduct(const Edge& edge, const Eigen::MatrixXd& X,
+                               Eigen::Ref<Eigen::MatrixXd> out) const {
+  const auto J = jacobian(edge);
+  int column = 0;
+  for (int i = 0; i < edge.num_blocks; ++i) {
+    const int p = positions(edge)[i];
+    const int size = layout_.size_of(p);
+    out.noalias() += J.middleCols(column, size) * X.middleRows(layout_.offset[Index(p)], size);
+    column += size;
+  }
+}
+
 Eigen::MatrixXd Linearization::TriangularFactorOfProduct(const Eigen::MatrixXd& X) const {
   const Eigen::Index k = X.cols();
   Eigen::MatrixXd stack = Eigen::MatrixXd::Zero(k + kStackedRows, k);
@@ -119,14 +131,7 @@ Eigen::MatrixXd Linearization::TriangularFactorOfProduct(const Eigen::MatrixXd& 
   };
   for (const Edge& edge : edges_) {
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(edge.rows, k);
-    const auto J = jacobian(edge);
-    int column = 0;
-    for (int i = 0; i < edge.num_blocks; ++i) {
-      const int p = positions(edge)[i];
-      const int size = layout_.size_of(p);
-      product += J.middleCols(column, size) * X.middleRows(layout_.offset[Index(p)], size);
-      column += size;
-    }
+    AddProduct(edge, X, product);
     for (int row = 0; row < edge.rows; ++row) {
       if (filled == stack.rows()) compress();
       stack.row(filled++) = product.row(row);

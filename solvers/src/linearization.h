@@ -50,6 +50,10 @@ class Linearization {
     return {values_.data() + edge.data, edge.rows, edge.cols};
   }
 
+  /// Adds J X of one factor to `out`, edge.rows x k; X: unknowns x k.
+  void AddProduct(const Edge& edge, const Eigen::MatrixXd& X,
+                  Eigen::Ref<Eigen::MatrixXd> out) const;
+
   /// Triangular factor of J X, which has the singular values of J X; X: unknowns x k.
   Eigen::MatrixXd TriangularFactorOfProduct(const Eigen::MatrixXd& X) const;
 

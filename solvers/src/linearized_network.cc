@@ -158,20 +158,10 @@ const double* LinearizedNetwork::StoredValue(BlockId block) const {
 Eigen::MatrixXd LinearizedNetwork::Times(const Eigen::MatrixXd& X) const {
   ExpectRows(X.rows(), parameters(), "unknowns");
   const Linearization& linearization = impl_->linearization;
-  const UnknownLayout& layout = impl_->layout;
   Eigen::MatrixXd E = Eigen::MatrixXd::Zero(rows(), X.cols());
   ParallelFor(static_cast<int>(linearization.edges().size()), impl_->threads, [&](int e) {
     const Linearization::Edge& edge = linearization.edges()[static_cast<std::size_t>(e)];
-    const auto J = linearization.jacobian(edge);
-    int column = 0;
-    for (int b = 0; b < edge.num_blocks; ++b) {
-      const int p = linearization.positions(edge)[b];
-      const int size = layout.size_of(p);
-      E.middleRows(edge.first_row, edge.rows).noalias() +=
-          J.middleCols(column, size) *
-          X.middleRows(layout.offset[static_cast<std::size_t>(p)], size);
-      column += size;
-    }
+    linearization.AddProduct(edge, X, E.middleRows(edge.first_row, edge.rows));
   });
   return E;
 }

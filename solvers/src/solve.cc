@@ -12,6 +12,7 @@
 #include "ceres_problem.h"
 #include "factor_text.h"
 #include "flat_check.h"
+#include "linearization.h"
 #include "serial_blas.h"
 
 namespace dn {
@@ -65,19 +66,11 @@ ceres::Solver::Options CeresOptions(const SolveOptions& options) {
 /// Residuals and unknowns, without the cost.
 CostSummary CountNetwork(const Network& network) {
   CostSummary summary;
-  std::vector<bool> used(static_cast<std::size_t>(network.num_blocks()), false);
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     const FactorRecord& record = network.factor(id);
-    if (!record.active) continue;
-    summary.residuals += record.factor->residual_size();
-    for (const BlockId b : record.blocks) used[static_cast<std::size_t>(b)] = true;
+    if (record.active) summary.residuals += record.factor->residual_size();
   }
-  for (BlockId b = 0; b < network.num_blocks(); ++b) {
-    const BlockRecord& block = network.block(b);
-    if (used[static_cast<std::size_t>(b)] && !block.held) {
-      summary.parameters += block.kind.tangent_size;
-    }
-  }
+  summary.parameters = UnknownLayout(network).size();
   return summary;
 }
 

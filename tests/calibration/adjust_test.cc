@@ -60,7 +60,7 @@ TEST(Adjust, NoisyFlightsStayWithinTheirSigmas) {
       const Calibration c(sim.flight);
       EXPECT_TRUE(c.adjustment.converged);
       EXPECT_LT(Worst(c, sim), kSigmas);
-      const AdjustmentFigures figures = ExtractTrajectory(c.adjustment, c.marginals).figures;
+      const AdjustmentFigures figures = c.solution.trajectory().figures;
       const auto n = static_cast<double>(figures.redundancy);
       EXPECT_NEAR(figures.chi2 / n, 1.0, kSigmas * std::sqrt(2.0 / n));
       EXPECT_NEAR(figures.sigma0, std::sqrt(figures.chi2 / n), 1e-12);
@@ -93,7 +93,7 @@ TEST(Adjust, WrongPairsAreRejected) {
   EXPECT_GE(c.adjustment.outliers, wrong) << "half a metre is more than ten sigmas";
   EXPECT_LE(c.adjustment.outliers, wrong + 3) << "6e-5 of the good ones are expected";
   EXPECT_LT(Worst(c, sim), kSigmas);
-  const AdjustmentFigures figures = ExtractTrajectory(c.adjustment, c.marginals).figures;
+  const AdjustmentFigures figures = c.solution.trajectory().figures;
   EXPECT_EQ(figures.correspondences + figures.outliers, static_cast<long>(all));
   const auto n = static_cast<double>(figures.redundancy);
   EXPECT_NEAR(figures.chi2 / n, 1.0, kSigmas * std::sqrt(2.0 / n));

@@ -166,7 +166,7 @@ struct CalibratedFlight {
   explicit CalibratedFlight(const Scenario& scenario)
       : sim(Fly(scenario, 4)),
         calibration(sim.flight),
-        trajectory(ExtractTrajectory(calibration.adjustment, calibration.marginals)) {}
+        trajectory(calibration.solution.trajectory()) {}
 
   SimulatedFlight sim;
   Calibration calibration;

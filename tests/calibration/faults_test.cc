@@ -236,7 +236,7 @@ TEST_P(Faults, SigmasThatAreFarOffShowInTheInnovations) {
   for (const double ratio : {1.0, 3.0, 1.0 / 3.0}) {
     sim_.flight.config.gnss->sigma_scale = ratio;
     const Calibration c(sim_.flight);
-    const TrajectoryResult result = ExtractTrajectory(c.adjustment, c.marginals);
+    const TrajectoryResult& result = c.solution.trajectory();
     ASSERT_EQ(result.warnings.size(), ratio == 1.0 ? 0U : 1U) << ratio;
     if (ratio == 1.0) continue;
     EXPECT_THAT(result.warnings[0], HasSubstr(ratio > 1.0 ? "sigmas are too large" : "too small"));

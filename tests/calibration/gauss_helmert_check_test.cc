@@ -50,21 +50,17 @@ struct Smoothed {
       : flight(Fly(scenario, seed).flight) {
     AdjustOptions without_lidar;
     without_lidar.with_pairs = false;
-    const Adjustment smoothed = Adjust(flight, without_lidar);
-    Marginals marginals(smoothed.network->net);
-    marginals.ComputeSelectedInverse();
+    const Solution smoothed(flight, without_lidar);
     TrajectoryNotes notes;
     notes.velocity_from_file = true;
-    const TrajectoryResult result = ExtractTrajectory(smoothed, marginals);
     if (stated != Stated::kNothing) {
-      folder.Write("trajectory_sigma.txt", FormatTrajectorySigma(result.sigma));
+      folder.Write("trajectory_sigma.txt", FormatTrajectorySigma(smoothed.trajectory().sigma));
     }
     if (stated == Stated::kCovariance) {
       folder.Write("trajectory_covariance.txt",
-                   FormatTrajectoryCovariance(
-                       ExtractTrajectoryCovariance(smoothed, marginals, FindStrips(flight))));
+                   FormatTrajectoryCovariance(smoothed.PoseCovariance(FindStrips(flight))));
     }
-    flight.trajectory = Trajectory(DenseTrajectory(*smoothed.network, 0.01), notes);
+    flight.trajectory = Trajectory(DenseTrajectory(smoothed.network(), 0.01), notes);
     flight.config.trajectory = TrajectoryConfig();
     flight.config.folder = folder.path();
   }

@@ -35,8 +35,8 @@ struct Checked {
   explicit Checked(SimulatedFlight flight, const AdjustOptions& options = {})
       : simulated(std::move(flight)),
         calibration(simulated.flight, options),
-        trajectory(ExtractTrajectory(calibration.adjustment, calibration.marginals)),
-        check(CheckModel(calibration.adjustment, calibration.marginals, trajectory)) {
+        trajectory(calibration.solution.trajectory()),
+        check(calibration.solution.model_check()) {
     Assess(check, &calibration.boresight);
   }
 
@@ -192,11 +192,8 @@ TEST(ModelCheck, WithoutPairsTheTrajectoryIsChecked) {
   options.with_pairs = false;
   for (const char* effects : {"", "effects: [{effect: gnss_time_offset, value: 0.03}]\n"}) {
     const SimulatedFlight simulated = Fly(DroneScenario(effects), 7);
-    const Adjustment adjustment = Adjust(simulated.flight, options);
-    Marginals marginals(adjustment.network->net);
-    marginals.ComputeSelectedInverse();
-    const ModelCheck check =
-        CheckModel(adjustment, marginals, ExtractTrajectory(adjustment, marginals));
+    const Solution solution(simulated.flight, options);
+    const ModelCheck& check = solution.model_check();
     EXPECT_FALSE(check.of_boresight);
     EXPECT_EQ(check.contradicted(), *effects != '\0');
     if (*effects == '\0') continue;

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/result.h>
+#include <dn/calibration/solution.h>
 #include <dn/sim/simulate.h>
-#include <dn/solvers/marginals.h>
 
 #include <Eigen/Core>
 #include <string>
@@ -62,17 +60,20 @@ pairs: {count: 400}
                        "aircraft.yaml");
 }
 
-/// A solved flight with its covariances; the flight that it was made from must outlive it.
+/// A solved flight with its boresight; the flight that it was made from must outlive it.
 struct Calibration {
-  Adjustment adjustment;
-  Marginals marginals;
+  Solution solution;
+  const Adjustment& adjustment;
+  const Marginals& marginals;
   BoresightResult boresight;
 
   explicit Calibration(const Flight& flight, const AdjustOptions& options = {})
-      : adjustment(Adjust(flight, options)), marginals(adjustment.network->net) {
-    marginals.ComputeSelectedInverse();
-    boresight = ExtractBoresight(adjustment, marginals);
-  }
+      : solution(flight, options),
+        adjustment(solution.adjustment()),
+        marginals(solution.marginals()),
+        boresight(solution.Boresight()) {}
+  Calibration(const Calibration&) = delete;
+  Calibration& operator=(const Calibration&) = delete;
 
   /// Error of the boresight as its covariance counts it: the left perturbation from the truth.
   Eigen::Vector3d BoresightError(const Eigen::Vector3d& true_rad) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
+#include <dn/builder/flight_nodes.h>
 #include <dn/flight/flight.h>
 #include <dn/interrupted.h>
 #include <dn/navigation/alignment.h>
@@ -12,6 +13,14 @@
 
 namespace dn {
 
+class AdjustmentRun;
+
+/// One stage of an adjustment; dn/calibration/stages.h has those that there are.
+struct AdjustmentStage {
+  std::string name;
+  std::function<void(AdjustmentRun&)> run;
+};
+
 /// Options of an adjustment of a flight.
 struct AdjustOptions {
   bool with_pairs = true;  ///< false: INS/GNSS only
@@ -21,9 +30,15 @@ struct AdjustOptions {
   std::function<void(const std::string& stage, int iterations)> progress = {};
   /// Polled between epochs and iterations; true ends the work with Interrupted.
   std::function<bool()> interrupted = {};
-  /// Called once when the network stands complete, before it is solved with every edge: the place
-  /// to add blocks and factors of your own.
+  /// Called once when the pairs have joined the network, before the first stage that uses them, for
+  /// blocks and factors of your own that the start of the boresight and the rejection of pairs
+  /// should see. Not without pairs.
+  std::function<void(FlightNetwork&)> customise_before_lidar = {};
+  /// Called once when the network stands complete, gross errors left out, before the final least
+  /// squares: the place to add blocks and factors of your own that need no start.
   std::function<void(FlightNetwork&)> customise = {};
+  /// Run in this order; empty: DefaultStages(with_pairs).
+  std::vector<AdjustmentStage> stages = {};
   FlightNetworkOptions network;
 
   void Validate() const;
@@ -49,7 +64,7 @@ struct StageReport {
 struct Adjustment {
   std::unique_ptr<FlightNetwork> network;
   std::string alignment_method;
-  double node_rate_hz = 0.0;  ///< within strips
+  double node_rate_hz = 0.0;  ///< NodeRateHz
   std::vector<StageReport> stages;
   int iterations = 0;  ///< of all stages
   bool converged = false;
@@ -68,18 +83,14 @@ struct Adjustment {
 
 /// Adjusts a flight in stages: alignment and forward filter; INS/GNSS, from which GNSS positions
 /// and velocities that contradict all other data are taken out one by one; boresight alone with the
-/// trajectory held; everything with a robust loss on the pairs; rejection of pairs; final least
-/// squares. Increments are integrated anew whenever the biases have moved, and at the end.
+/// trajectory held; everything with a robust loss on GNSS and pairs; rejection of pairs; final
+/// least squares. Increments are integrated anew whenever the biases have moved, and at the end.
+///
+/// Robust losses (`robust` of flight.yaml) belong to the stages on the way. The final stage is plain
+/// least squares over what was kept, so that covariances and tests of the result are exact.
 ///
 /// Needs the flight's imu and gnss (and pairs, when with_pairs). Throws InvalidInput (also when
 /// more than a third of the GNSS epochs contradict the inertial data), NotConverged, Interrupted.
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
-
-/// Node rate within the strips for `node_rate_hz: auto`: the lowest of 1, 2, 5, 10 and 20 Hz at
-/// which the angle random walk of one interval, less what the bridge to its end takes of it, seen at
-/// the mean laser range, has at most a fiftieth of the variance of the mean of the pairs in that
-/// interval. The pairs of an interval share that noise, which the network takes as independent: a
-/// share s lowers no sigma by more than s/2 of itself.
-double AutoNodeRateHz(const Flight& flight);
 
 }  // namespace dn

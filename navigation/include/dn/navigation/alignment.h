@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/builder/node_grid.h>
+#include <dn/builder/flight_nodes.h>
 #include <dn/flight/flight.h>
 #include <dn/navigation/forward_filter.h>
 
@@ -17,14 +17,6 @@ struct Alignment {
   int candidates = 0;        ///< attitudes that were compared
   double heading_rad = 0.0;  ///< at the first epoch
 };
-
-/// The part of the flight that a network can span: from the first to the last GNSS epoch or pair
-/// epoch that the IMU data cover. Throws InvalidInput when fewer than three GNSS epochs lie inside
-/// the IMU data.
-TimeInterval NetworkSpan(const Flight& flight, bool with_pairs);
-
-/// Times of the GNSS epochs inside the span.
-std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span);
 
 /// Finds the attitude at the first of `times` and runs the forward filter over all of them.
 ///

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <ceres/jet.h>
+#include <dn/autodiff.h>
 #include <dn/solvers/marginals.h>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
-#include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace dn {
@@ -46,20 +46,10 @@ auto AsVector(const Result& result) {
   }
 }
 
-/// Derivatives by stored coordinates, block by block, to those by tangent coordinates.
-template <class Stored, class... Kinds>
-auto InTangent(const LinearizedNetwork& linearized, const Stored& stored, Block<Kinds>... blocks) {
-  constexpr int M = Stored::RowsAtCompileTime;
-  Eigen::Matrix<double, M, (Kinds::kTangentSize + ...)> J;
-  int from = 0, to = 0;
-  const auto lift = [&](int size, int tangent_size, const BlockKind& kind, BlockId block) {
-    J.middleCols(to, tangent_size) =
-        stored.middleCols(from, size) * PlusJacobian(kind, linearized.StoredValue(block));
-    from += size;
-    to += tangent_size;
-  };
-  (lift(Kinds::kSize, Kinds::kTangentSize, KindOf<Kinds>(), blocks.id), ...);
-  return J;
+/// f of the blocks at x, as a vector.
+template <class... Kinds, class F, class T, std::size_t... I>
+auto Apply(const F& f, const T* const* x, std::index_sequence<I...>) {
+  return AsVector<T>(f(ViewOf<Kinds>(x[I])...));
 }
 
 }  // namespace internal
@@ -70,32 +60,38 @@ auto InTangent(const LinearizedNetwork& linearized, const Stored& stored, Block<
 ///       marginals, [](const auto& p, const auto& q) { return (p - q).norm(); }, p_mb, q_mb);
 ///
 /// f takes what the blocks hold as Network::Add's functions do (a number, a vector, a quaternion, a
-/// pose or a view of one's own) with coefficients of a scalar type that differentiates, and returns a number or a vector of fixed size of that type (name the type:
-/// an `auto` return of an expression of locals dangles). Differentiated once, at the values.
+/// pose or a view of one's own) with coefficients of a scalar type that differentiates, and returns
+/// a number or a vector of fixed size of that type (name the type: an `auto` return of an
+/// expression of locals dangles). Differentiated once, at the values.
 template <class F, class... Kinds>
 auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
-  constexpr int kStored = (Kinds::kSize + ...);
-  using Jet = ceres::Jet<double, kStored>;
-  const LinearizedNetwork& linearized = marginals.linearized();
-  std::array<Jet, static_cast<std::size_t>(kStored)> x;
-  std::size_t i = 0;
-  const auto fill = [&](const double* value, int size) {
-    const Jet* first = x.data() + i;
-    for (int k = 0; k < size; ++k, ++i) x[i] = Jet(value[k], static_cast<int>(i));
-    return first;
-  };
-  // In braces: from left to right.
-  const std::tuple<decltype(ViewOf<Kinds>(std::declval<const Jet*>()))...> values{ViewOf<Kinds>(
-      static_cast<const Jet*>(fill(linearized.StoredValue(blocks.id), Kinds::kSize)))...};
-  const auto result = internal::AsVector<Jet>(std::apply(f, values));
-  constexpr int kSize = decltype(result)::RowsAtCompileTime;
+  constexpr auto kAll = std::index_sequence_for<Kinds...>{};
+  using Jet = ceres::Jet<double, (Kinds::kSize + ...)>;
+  using Result = decltype(internal::Apply<Kinds...>(f, std::declval<const Jet* const*>(), kAll));
+  constexpr int kSize = Result::RowsAtCompileTime;
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const std::array x{marginals.linearized().StoredValue(blocks.id)...};
+  std::array stored{RowMajor(kSize, Kinds::kSize)...};
+  std::array<double*, sizeof...(Kinds)> wanted;
+  std::transform(stored.begin(), stored.end(), wanted.begin(), [](auto& J) { return J.data(); });
   Propagated<kSize> propagated;
-  Eigen::Matrix<double, kSize, kStored> stored;
-  for (int row = 0; row < kSize; ++row) {
-    propagated.value[row] = result[row].a;
-    stored.row(row) = result[row].v;
-  }
-  const auto J = internal::InTangent(linearized, stored, blocks...);
+  Differentiate<kSize, Kinds::kSize...>(
+      [&](const Jet* const* at, Jet* out) {
+        const Result result = internal::Apply<Kinds...>(f, at, kAll);
+        std::copy_n(result.data(), kSize, out);
+        return true;
+      },
+      x.data(), propagated.value.data(), wanted.data());
+
+  Eigen::Matrix<double, kSize, (Kinds::kTangentSize + ...)> J;
+  std::size_t block = 0;
+  int column = 0;
+  const auto lift = [&](const BlockKind& kind) {
+    StoredToTangent(kind, x[block], stored[block], J.middleCols(column, kind.tangent_size));
+    column += kind.tangent_size;
+    ++block;
+  };
+  (lift(KindOf<Kinds>()), ...);
   propagated.covariance = J * Joint(marginals, blocks...) * J.transpose();
   return propagated;
 }

@@ -1,0 +1,101 @@
+#include <dn/builder/flight_nodes.h>
+#include <dn/error.h>
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+
+namespace dn {
+namespace {
+
+constexpr double kStripJoinS = 5.0;
+constexpr double kStripMarginS = 0.5;
+constexpr double kLowestRateHz = 1.0;
+
+std::vector<TimeInterval> StripsOfPairs(const Flight& flight) {
+  std::vector<double> t_s;
+  for (const LidarPair& pair : flight.pairs->pairs) {
+    t_s.push_back(pair.t_i_s);
+    t_s.push_back(pair.t_j_s);
+  }
+  return ClusterEpochs(std::move(t_s), kStripJoinS);
+}
+
+}  // namespace
+
+TimeInterval NetworkSpan(const Flight& flight, bool with_pairs) {
+  const ImuData& imu = *flight.imu;
+  TimeInterval span{1e300, -1e300};
+  long inside = 0;
+  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+    if (epoch.t_s < imu.t_begin_s() + 1e-6 || epoch.t_s > imu.t_end_s() - 1e-6) continue;
+    span.t0_s = std::min(span.t0_s, epoch.t_s);
+    span.t1_s = std::max(span.t1_s, epoch.t_s);
+    ++inside;
+  }
+  if (inside < 3) {
+    throw InvalidInput("the IMU data cover " + std::to_string(inside) +
+                       " GNSS epochs, at least three are needed");
+  }
+  if (with_pairs && flight.pairs) {
+    for (const LidarPair& pair : flight.pairs->pairs) {
+      span.t0_s = std::min({span.t0_s, pair.t_i_s, pair.t_j_s});
+      span.t1_s = std::max({span.t1_s, pair.t_i_s, pair.t_j_s});
+    }
+  }
+  return span;
+}
+
+std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span) {
+  std::vector<double> times;
+  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+    if (epoch.t_s >= span.t0_s - 1e-6 && epoch.t_s <= span.t1_s + 1e-6) times.push_back(epoch.t_s);
+  }
+  return times;
+}
+
+double AutoNodeRateHz(const Flight& flight) {
+  constexpr double kLadderHz[] = {kLowestRateHz, 2.0, 5.0, 10.0, 20.0};
+  constexpr double kSharedVariance = 0.02;
+  constexpr double kShortestStripS = 1.0;
+  // Of the variance of the mean of a random walk over an interval, what is left with its end known.
+  constexpr double kBridged = 0.25;
+  if (!flight.config.lidar || !flight.pairs || flight.pairs->pairs.empty()) return kLadderHz[0];
+  const auto ends = 2.0 * static_cast<double>(flight.pairs->pairs.size());
+  double strips_s = kShortestStripS;
+  for (const TimeInterval& strip : StripsOfPairs(flight)) strips_s += strip.t1_s - strip.t0_s;
+  const double noise_m_per_sqrt_s =
+      flight.config.imu->model.gyro.white * MeanRange(flight.pairs->pairs);
+  const double relative = noise_m_per_sqrt_s / flight.config.lidar->sigma_p_m;
+  for (const double rate_hz : kLadderHz) {
+    const double ends_per_interval = std::max(1.0, ends / strips_s / rate_hz);
+    if (kBridged * relative * relative / rate_hz * ends_per_interval <= kSharedVariance) {
+      return rate_hz;
+    }
+  }
+  return std::end(kLadderHz)[-1];
+}
+
+double NodeRateHz(const Flight& flight, bool with_pairs) {
+  const double auto_hz = with_pairs ? AutoNodeRateHz(flight) : kLowestRateHz;
+  return std::max(kLowestRateHz, flight.config.network.node_rate_hz.value_or(auto_hz));
+}
+
+std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span,
+                                    bool with_pairs) {
+  NodeGridOptions options;
+  options.rate_in_strips_hz = NodeRateHz(flight, with_pairs);
+  options.max_spacing_s = 1.0 / kLowestRateHz;
+  options.every_imu_epoch = flight.config.network.inertial == NetworkConfig::Inertial::kRaw;
+  std::vector<TimeInterval> dense{span};
+  if (with_pairs) {
+    dense = StripsOfPairs(flight);
+    for (TimeInterval& interval : dense) {
+      interval.t0_s -= kStripMarginS;
+      interval.t1_s += kStripMarginS;
+    }
+  }
+  return NodeTimes(*flight.imu, span, GnssTimes(flight, span), dense, options);
+}
+
+}  // namespace dn

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <dn/calibration/adjust.h>
+#include <dn/network.h>
+
+#include <string>
+#include <vector>
+
+namespace dn {
+
+/// A staged adjustment under way, as its stages see it.
+class AdjustmentRun {
+ public:
+  /// Both must outlive the run.
+  AdjustmentRun(const Flight& flight, const AdjustOptions& options)
+      : flight_(flight), options_(options) {}
+
+  const Flight& flight() const { return flight_; }
+  const AdjustOptions& options() const { return options_; }
+
+  /// Throws InvalidConfig where no stage has made it yet.
+  FlightNetwork& network();
+
+  /// What is known so far.
+  Adjustment& result() { return result_; }
+
+  /// Tells the progress that a step begins. Throws Interrupted where that is wished.
+  void Announce(const std::string& step) const;
+
+  /// Solves the network as it stands and adds a StageReport of that name; ending at the iteration
+  /// limit is no error. Throws NotConverged where the cost is not finite, Interrupted.
+  void Solve(const std::string& name, int max_iterations);
+
+  /// Of every GNSS position and velocity, of every pair.
+  void SetGnssLoss(const Loss& loss);
+  void SetPairLoss(const Loss& loss);
+
+  /// Mean norm of the differences of the pairs that are in use, m; 0 without any.
+  double MeanPairDifference();
+
+ private:
+  const Flight& flight_;
+  const AdjustOptions& options_;
+  Adjustment result_;
+};
+
+/// The stages of Adjust in their order:
+///
+///   name                   | function          | what it does
+///   -----------------------|-------------------|-------------------------------------------------
+///   network                | MakeNetwork       | alignment, forward filter, nodes, inertial and GNSS
+///                          |                   | edges
+///   INS/GNSS               | SolveInsGnss      | solves it with a robust loss on GNSS
+///   GNSS screening         | ScreenGnss        | takes out what contradicts all other data
+///   pairs                  | AddPairs          | edges of the pairs
+///   before lidar           | AddOwnBeforeLidar | AdjustOptions::customise_before_lidar
+///   boresight start        | StartBoresight    | boresight alone, the trajectory held
+///   lidar, robust          | SolvePairsRobustly| everything, with a robust loss on the pairs as well
+///   pair rejection         | RejectPairs       | takes out pairs that cannot be noise
+///   before final           | AddOwnBeforeFinal | AdjustOptions::customise
+///   final least squares    | SolveFinally      | no robust loss; increments integrated anew
+///
+/// Without pairs the first three and the last two.
+std::vector<AdjustmentStage> DefaultStages(bool with_pairs = true);
+
+/// The place of a stage in a list, for insert and erase. Throws InvalidConfig naming the stages
+/// that there are.
+std::vector<AdjustmentStage>::iterator StageNamed(const std::string& name,
+                                                  std::vector<AdjustmentStage>* stages);
+
+/// Makes the network with its trajectory from the alignment. Throws InvalidInput.
+void MakeNetwork(AdjustmentRun& run);
+
+/// The loss on GNSS is that of gnss.robust, Huber's by default. It stays until SolveFinally.
+void SolveInsGnss(AdjustmentRun& run);
+
+/// Takes out gross errors of single epochs and offsets of whole runs, whichever stands out more,
+/// until nothing changes. A misfit with one cause for all epochs is not one of gross errors: a
+/// warning, or InvalidInput where a clock steps. Throws InvalidInput where more than a third of the
+/// epochs contradict, or nothing fits.
+void ScreenGnss(AdjustmentRun& run);
+
+/// Throws InvalidInput where no pair joins two nodes.
+void AddPairs(AdjustmentRun& run);
+
+/// Gauss-Newton on the boresight alone, with Cauchy weights at the median scale.
+void StartBoresight(AdjustmentRun& run);
+
+/// The loss on the pairs is that of lidar.robust, Cauchy's by default. It stays until SolveFinally.
+void SolvePairsRobustly(AdjustmentRun& run);
+
+/// Takes out the pairs whose residuals exceed what noise of the median scale brings.
+void RejectPairs(AdjustmentRun& run);
+
+/// Calls the user's functions, where there are any.
+void AddOwnBeforeLidar(AdjustmentRun& run);
+void AddOwnBeforeFinal(AdjustmentRun& run);
+
+/// Least squares of what was kept: every robust loss of a GNSS epoch or a pair ends here, so that
+/// the inverse of the normal matrix is the covariance of the estimate. Throws NotConverged.
+void SolveFinally(AdjustmentRun& run);
+
+}  // namespace dn

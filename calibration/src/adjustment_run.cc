@@ -1,0 +1,77 @@
+#include <dn/calibration/stages.h>
+#include <dn/error.h>
+#include <dn/solvers/solve.h>
+
+#include <cmath>
+
+namespace dn {
+namespace {
+
+// The damping of Levenberg-Marquardt is relative to the diagonal of the normal matrix; a common
+// shift of a whole trajectory is a direction 1e-9 of it and must not be damped away.
+constexpr double kTrustRegionRadius = 1e13;
+// Relative change of the cost at which a stage has converged: 1e-4 sigma of a cost of 1e4.
+constexpr double kCostTolerance = 1e-13;
+
+}  // namespace
+
+FlightNetwork& AdjustmentRun::network() {
+  if (!result_.network) {
+    throw InvalidConfig(
+        "adjustment: the stage 'network' must come before all that use the network");
+  }
+  return *result_.network;
+}
+
+void AdjustmentRun::Announce(const std::string& step) const {
+  if (options_.progress) options_.progress(step, 0);
+  if (options_.interrupted && options_.interrupted()) throw Interrupted();
+}
+
+void AdjustmentRun::Solve(const std::string& name, int max_iterations) {
+  Announce(name);
+  SolveOptions options;
+  options.threads = options_.threads;
+  options.max_iterations = max_iterations;
+  options.initial_trust_region_radius = kTrustRegionRadius;
+  options.function_tolerance = kCostTolerance;
+  options.second_attempt = false;  // the initial values are those of a filter
+  options.on_iteration = [&](const IterationProgress& progress) {
+    if (options_.progress) options_.progress(name, progress.iteration);
+    return !(options_.interrupted && options_.interrupted());
+  };
+  const SolveReport report = dn::Solve(network().net, options);
+  if (report.interrupted) throw Interrupted();
+  result_.stages.push_back({name, report.iterations, report.initial_cost, report.final_cost,
+                            report.converged, report.time_s});
+  result_.iterations += report.iterations;
+  result_.converged = report.converged;
+  result_.cost = report.final_cost;
+  if (!std::isfinite(report.final_cost)) {
+    throw NotConverged("stage '" + name + "': " + report.message);
+  }
+}
+
+void AdjustmentRun::SetGnssLoss(const Loss& loss) {
+  for (const FlightNetwork::GnssEdge& edge : network().gnss_edges) {
+    network().net.SetLoss(edge.position, loss);
+    if (edge.velocity >= 0) network().net.SetLoss(edge.velocity, loss);
+  }
+}
+
+void AdjustmentRun::SetPairLoss(const Loss& loss) {
+  for (const auto& edge : network().pair_edges) network().net.SetLoss(edge.id, loss);
+}
+
+double AdjustmentRun::MeanPairDifference() {
+  double sum = 0.0;
+  long n = 0;
+  for (std::size_t k = 0; k < network().pair_edges.size(); ++k) {
+    if (!network().net.factor(network().pair_edges[k].id).active) continue;
+    sum += network().PairDifference(k).norm();
+    ++n;
+  }
+  return n > 0 ? sum / static_cast<double>(n) : 0.0;
+}
+
+}  // namespace dn

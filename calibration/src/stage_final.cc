@@ -1,0 +1,30 @@
+#include <dn/calibration/stages.h>
+
+namespace dn {
+namespace {
+
+constexpr const char* kName = "final least squares";
+constexpr int kMaxRelinearisations = 4;
+// Bias change (in the units of BiasChange) below which new increments change nothing.
+constexpr double kRelinearised = 0.02;
+
+}  // namespace
+
+void SolveFinally(AdjustmentRun& run) {
+  run.SetGnssLoss({});
+  run.SetPairLoss({});
+  run.network().Relinearise();
+  for (int k = 0; k < kMaxRelinearisations; ++k) {
+    run.Solve(kName, run.options().max_iterations);
+    if (run.network().BiasChange() < kRelinearised) break;
+    run.network().Relinearise();
+  }
+  if (run.result().converged) return;
+  const StageReport& last = run.result().stages.back();
+  throw NotConverged("the final least squares did not converge in " +
+                     std::to_string(run.options().max_iterations) + " iterations (cost " +
+                     std::to_string(last.cost_before) + " to " + std::to_string(last.cost_after) +
+                     "); check the stochastic model, lever arms and the time tags of the flight");
+}
+
+}  // namespace dn

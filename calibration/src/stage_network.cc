@@ -1,0 +1,61 @@
+#include <dn/builder/flight_nodes.h>
+#include <dn/calibration/stages.h>
+#include <dn/imu/strapdown.h>
+#include <dn/navigation/alignment.h>
+
+#include <algorithm>
+
+namespace dn {
+namespace {
+
+// Starting states at the nodes from those of the forward filter on its coarser grid.
+InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& node_t_s,
+                            const std::vector<FilterState>& coarse) {
+  std::vector<double> coarse_t_s;
+  for (const FilterState& state : coarse) coarse_t_s.push_back(state.pose.t_s);
+  InitialStates initial;
+  MapPose last = coarse.front().pose;
+  for (const double t_s : node_t_s) {
+    const FilterState& before = coarse[NodeBefore(coarse_t_s, t_s + 1e-7)];
+    const double reset_t_s = std::max(last.t_s, before.pose.t_s);
+    if (before.pose.t_s >= last.t_s) last = before.pose;
+    if (t_s - reset_t_s > 1e-7) {
+      try {
+        last = Propagate(flight.frame, last,
+                         Preintegrate(*flight.imu, last.t_s, t_s,
+                                      {before.TotalGyroBias(), before.TotalAccelBias()}, {}));
+      } catch (const InvalidInput&) {  // a hole in the inertial data: coast
+        last.p_mb += (t_s - last.t_s) * last.v_m;
+      }
+    } else if (t_s < last.t_s - 1e-7) {  // before the first GNSS epoch: coast backwards
+      initial.nodes.push_back({t_s, last.q_mb, last.p_mb + (t_s - last.t_s) * last.v_m, last.v_m});
+      continue;
+    }
+    last.t_s = t_s;
+    initial.nodes.push_back(last);
+  }
+  initial.gyro_bias_radps = coarse.back().TotalGyroBias();
+  initial.accel_bias_mps2 = coarse.back().TotalAccelBias();
+  return initial;
+}
+
+}  // namespace
+
+void MakeNetwork(AdjustmentRun& run) {
+  run.Announce("alignment");
+  const Flight& flight = run.flight();
+  const bool with_pairs = run.options().with_pairs;
+  const TimeInterval gnss_span = NetworkSpan(flight, false);
+  const std::vector<double> coarse =
+      NodeTimes(*flight.imu, gnss_span, GnssTimes(flight, gnss_span), {}, {});
+  const Alignment alignment = Align(flight, coarse, run.options().interrupted);
+  const std::vector<double> node_t_s =
+      FlightNodeTimes(flight, NetworkSpan(flight, with_pairs), with_pairs);
+  run.result().alignment_method = alignment.method;
+  run.result().node_rate_hz = NodeRateHz(flight, with_pairs);
+  run.result().network = std::make_unique<FlightNetwork>(
+      flight, node_t_s, StatesAtNodes(flight, node_t_s, alignment.run.states),
+      run.options().network);
+}
+
+}  // namespace dn

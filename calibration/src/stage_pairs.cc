@@ -1,0 +1,64 @@
+#include <dn/calibration/stages.h>
+#include <dn/geo/text_table.h>
+#include <dn/navigation/robust_scale.h>
+
+#include <algorithm>
+
+#include "robust_loss_of.h"
+
+namespace dn {
+namespace {
+
+constexpr Loss kUsualLoss{Loss::Type::kCauchy, 3.0};
+constexpr int kRobustIterations = 6;
+// Largest norm of a whitened 3-vector that belongs to the data: the quantile of chi_3 that leaves
+// as much outside as four sigmas of a normal variable do (6.3e-5).
+constexpr double kRejectNorm = 4.68;
+
+void ExpectSeveralEpochs(const std::vector<LidarPair>& pairs) {
+  const bool one = std::all_of(pairs.begin(), pairs.end(), [&](const LidarPair& pair) {
+    return pair.t_i_s == pairs[0].t_i_s && pair.t_j_s == pairs[0].t_j_s;
+  });
+  if (!one) return;
+  throw InvalidInput("adjustment: all " + std::to_string(pairs.size()) +
+                     " pairs join the same two epochs, " + FormatDouble(pairs[0].t_i_s) + " and " +
+                     FormatDouble(pairs[0].t_j_s) +
+                     " s; a boresight needs pairs along whole strips");
+}
+
+}  // namespace
+
+void AddPairs(AdjustmentRun& run) {
+  const std::vector<LidarPair>& pairs = run.flight().pairs->pairs;
+  ExpectSeveralEpochs(pairs);
+  run.network().AddPairs(pairs);
+  if (run.network().pair_edges.empty()) {
+    throw InvalidInput(
+        "adjustment: the two epochs of every pair lie between the same two nodes; pairs must join "
+        "different strips");
+  }
+  run.result().residual_initial_m = run.MeanPairDifference();
+}
+
+void SolvePairsRobustly(AdjustmentRun& run) {
+  run.SetPairLoss(internal::LossOf(run.flight().config.lidar->robust, kUsualLoss));
+  run.Solve("lidar, robust", kRobustIterations);
+}
+
+void RejectPairs(AdjustmentRun& run) {
+  FlightNetwork& network = run.network();
+  std::vector<double> norm2;
+  for (const auto& edge : network.pair_edges) {
+    Eigen::VectorXd r;
+    network.net.EvaluateFactor(edge.id, &r);
+    norm2.push_back(r.squaredNorm());
+  }
+  const double scale2 = RobustVariance(norm2);
+  for (std::size_t k = 0; k < norm2.size(); ++k) {
+    if (norm2[k] <= kRejectNorm * kRejectNorm * scale2) continue;
+    network.net.SetActive(network.pair_edges[k].id, false);
+    ++run.result().outliers;
+  }
+}
+
+}  // namespace dn

@@ -1,0 +1,110 @@
+#include <dn/builder/build.h>
+#include <dn/builder/flight_nodes.h>
+#include <dn/solvers/solve.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "testing/expect_invalid.h"
+#include "testing/short_flights.h"
+
+namespace dn {
+namespace {
+
+const SimulatedFlight& Drone() {
+  static const SimulatedFlight sim = [] {
+    SimulateOptions options;
+    options.seed = 7;
+    return Simulate(testing::DroneScenario(), options);
+  }();
+  return sim;
+}
+
+const Solution& Solved() {
+  static const Solution solution(Drone().flight);
+  return solution;
+}
+
+/// The true motion, at the rate of the inertial samples.
+NetworkDesign Plan() {
+  NetworkDesign design;
+  const ImuData& imu = *Drone().flight.imu;
+  design.poses.push_back(Drone().truth->Pose(imu.t_begin_s()));
+  for (const ImuSample& sample : imu.samples) {
+    design.poses.push_back(Drone().truth->Pose(sample.t_s));
+  }
+  return design;
+}
+
+/// The drone's flight without anything measured but the laser vectors.
+Flight WithoutData() {
+  Flight flight = Drone().flight;
+  flight.imu.reset();
+  flight.gnss.reset();
+  flight.config.lidar->mounting.boresight_rad = Drone().boresight_rad;
+  return flight;
+}
+
+Eigen::Vector3d BoresightSigma(const FlightNetwork& network) {
+  return MarginalCovariance(network.net, network.boresight).diagonal().cwiseSqrt();
+}
+
+// The covariances of a plan are those of the flight that is then measured: they depend on neither
+// the noise of the measurements nor on their being there.
+TEST(Build, APlanForetellsTheSigmasOfTheFlight) {
+  const NetworkDesign design = Plan();
+  Flight plan = WithoutData();
+  PlanMeasurements(design, {.imu_hz = 100.0, .gnss_hz = 2.0}, &plan);
+  const FlightNetwork network = Build(plan, design);
+  EXPECT_EQ(network.pair_edges.size(), plan.pairs->pairs.size());
+  const Eigen::Vector3d foretold = BoresightSigma(network),
+                        found = Solved().Boresight().sigma_rad();
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(foretold[i] / found[i], 1.0, 0.02) << i;
+}
+
+// Poses, planned readings and the network's own equations belong together: nothing is left over.
+TEST(Build, PlannedReadingsFitTheirPoses) {
+  const NetworkDesign design = Plan();
+  Flight plan = WithoutData();
+  plan.pairs.reset();
+  PlanMeasurements(design, {.imu_hz = 100.0, .gnss_hz = 2.0}, &plan);
+  const CostSummary summary = EvaluateCost(Build(plan, design).net);
+  EXPECT_LT(2.0 * summary.cost, 0.01 * static_cast<double>(summary.residuals));
+}
+
+TEST(Build, ASolutionIsADesign) {
+  const FlightNetwork& solved = Solved().network();
+  NetworkDesign design;
+  for (std::size_t k = 0; k < solved.nodes.size(); ++k) design.poses.push_back(solved.NodePose(k));
+  design.node_t_s = solved.node_times();
+  design.calibration = solved.Calibration();
+  design.gyro_bias_radps = solved.GyroBias(design.node_t_s.front());
+  design.accel_bias_mps2 = solved.AccelBias(design.node_t_s.front());
+  const FlightNetwork network = Build(Drone().flight, design);
+  EXPECT_EQ(network.net.num_factors(), solved.net.num_factors());
+  const Eigen::Vector3d sigma = BoresightSigma(network), found = Solved().Boresight().sigma_rad();
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(sigma[i] / found[i], 1.0, 1e-3) << i;
+}
+
+TEST(Build, MeasurementsThatThereAreStay) {
+  Flight flight = Drone().flight;
+  const std::size_t samples = flight.imu->samples.size(), epochs = flight.gnss->epochs.size();
+  PlanMeasurements(Plan(), {}, &flight);
+  EXPECT_EQ(flight.imu->samples.size(), samples);
+  EXPECT_EQ(flight.gnss->epochs.size(), epochs);
+}
+
+TEST(Build, WhatIsMissingIsNamed) {
+  const NetworkDesign design = Plan();
+  Flight flight = WithoutData();
+  testing::ExpectInvalid([&] { Build(flight, design); }, "PlanMeasurements", 0);
+  flight.imu = Drone().flight.imu;
+  testing::ExpectInvalid([&] { Build(flight, design); }, "no GNSS epochs", 0);
+  testing::ExpectInvalid([&] { PlanMeasurements(design, {.gnss_hz = 0.0}, &flight); }, "GNSS rate",
+                         0);
+  testing::ExpectInvalid([&] { PlanMeasurements(design, {.gnss_hz = 1e-6}, &flight); }, "too short",
+                         0);
+}
+
+}  // namespace
+}  // namespace dn

@@ -1,0 +1,214 @@
+#include <dn/calibration/stages.h>
+#include <dn/error.h>
+#include <dn/sim/random.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "testing/short_flights.h"
+
+namespace dn {
+namespace {
+
+using testing::Calibration;
+using testing::DroneScenario;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// Of a normal variable; 6e-5 lies outside.
+constexpr double kSigmas = 4.0;
+
+SimulatedFlight Fly(std::uint64_t seed) {
+  SimulateOptions options;
+  options.seed = seed;
+  return Simulate(DroneScenario(), options);
+}
+
+/// A tenth of the pairs off by half a metre to two.
+SimulatedFlight WithWrongPairs(std::uint64_t seed) {
+  SimulatedFlight sim = Fly(seed);
+  Random random(3, "wrong pairs");
+  for (LidarPair& pair : sim.flight.pairs->pairs) {
+    if (random.Uniform() > 0.1) continue;
+    pair.u_j_s += random.Uniform(0.5, 2.0) * random.Normal3().normalized();
+  }
+  return sim;
+}
+
+/// One GNSS epoch in twenty off by 0.2 to 1 m, in any direction.
+SimulatedFlight WithWrongGnss(std::uint64_t seed) {
+  SimulatedFlight sim = Fly(seed);
+  Random random(4, "wrong GNSS");
+  for (GnssEpoch& epoch : sim.flight.gnss->epochs) {
+    if (random.Uniform() > 0.05) continue;
+    const Eigen::Vector3d off_m = random.Uniform(0.2, 1.0) * random.Normal3().normalized();
+    epoch.antenna = sim.frame.ToGeodetic(sim.frame.ToMap(epoch.antenna) + off_m);
+  }
+  return sim;
+}
+
+TEST(Stages, TheDefaultOnesStandInOneList) {
+  std::vector<std::string> names;
+  for (const AdjustmentStage& stage : DefaultStages(false)) names.push_back(stage.name);
+  EXPECT_THAT(names, ElementsAre("network", "INS/GNSS", "GNSS screening", "before final",
+                                 "final least squares"));
+  std::vector<AdjustmentStage> all = DefaultStages();
+  EXPECT_EQ(StageNamed("pair rejection", &all)->name, "pair rejection");
+  try {
+    StageNamed("pair rejections", &all);
+    FAIL() << "found";
+  } catch (const InvalidConfig& e) {
+    EXPECT_THAT(e.what(), HasSubstr("'pair rejection'"));
+  }
+}
+
+TEST(Stages, OneMayBeLeftOut) {
+  const SimulatedFlight sim = WithWrongPairs(5);
+  AdjustOptions options;
+  options.stages = DefaultStages();
+  options.stages.erase(StageNamed("pair rejection", &options.stages));
+  EXPECT_EQ(Adjust(sim.flight, options).outliers, 0);
+  EXPECT_GT(Adjust(sim.flight).outliers, 0);
+}
+
+TEST(Stages, OneMayBeAdded) {
+  const SimulatedFlight sim = Fly(5);
+  std::vector<std::string> solved_before;
+  AdjustOptions options;
+  options.stages = DefaultStages();
+  options.stages.insert(StageNamed("pair rejection", &options.stages),
+                        {"look", [&](AdjustmentRun& run) {
+                           EXPECT_EQ(&run.flight(), &sim.flight);
+                           for (const StageReport& stage : run.result().stages) {
+                             solved_before.push_back(stage.name);
+                           }
+                           run.Solve("once more", 3);
+                         }});
+  const Adjustment adjustment = Adjust(sim.flight, options);
+  EXPECT_THAT(solved_before, ElementsAre("INS/GNSS, robust", "lidar, robust"));
+  ASSERT_GT(adjustment.stages.size(), 3U);
+  EXPECT_EQ(adjustment.stages[2].name, "once more");
+  EXPECT_EQ(adjustment.stages.back().name, "final least squares");
+}
+
+TEST(Stages, WithoutANetworkNothingCanBeSolved) {
+  const SimulatedFlight sim = Fly(5);
+  AdjustOptions options;
+  options.stages = {{"final least squares", SolveFinally}};
+  EXPECT_THROW(Adjust(sim.flight, options), InvalidConfig);
+  options.stages = {{"nothing", [](AdjustmentRun&) {}}};
+  EXPECT_THROW(Adjust(sim.flight, options), InvalidConfig);
+}
+
+// An altimeter with an unknown offset, given to the network at one of the two places.
+class OwnFactors : public ::testing::TestWithParam<bool> {
+ protected:
+  static constexpr double kOffsetM = 12.5;
+
+  void Add(FlightNetwork& network) {
+    pairs_at_call_ = network.pair_edges.size();
+    offset_ = network.net.AddScalar("altimeter offset", 0.0);
+    for (std::size_t k = 100; k < 200; ++k) {
+      const double reading_m = sim_.truth->Pose(network.nodes[k].t_s).p_mb.z() - kOffsetM;
+      network.net.Add([=](const auto& p_mb, const auto& o) { return p_mb.z() - o - reading_m; },
+                      Noise<1>::Sigma(0.05), network.nodes[k].p_mb, offset_);
+    }
+  }
+
+  SimulatedFlight sim_ = Fly(5);
+  Block<Scalar> offset_;
+  std::size_t pairs_at_call_ = 0;
+};
+
+TEST_P(OwnFactors, AreSeenByTheStagesThatFollow) {
+  const bool before_lidar = GetParam();
+  const auto add = [&](FlightNetwork& network) { Add(network); };
+  AdjustOptions options;
+  (before_lidar ? options.customise_before_lidar : options.customise) = add;
+  options.stages = DefaultStages();
+  double offset_at_rejection_m = 0.0;
+  options.stages.insert(StageNamed("pair rejection", &options.stages),
+                        {"look", [&](AdjustmentRun& run) {
+                           if (offset_.id >= 0) {
+                             offset_at_rejection_m = run.network().net.Value(offset_);
+                           }
+                         }});
+  const Adjustment adjustment = Adjust(sim_.flight, options);
+  EXPECT_EQ(pairs_at_call_, sim_.flight.pairs->pairs.size());
+  EXPECT_NEAR(offset_at_rejection_m, before_lidar ? kOffsetM : 0.0, 0.1);
+  EXPECT_NEAR(adjustment.network->net.Value(offset_), kOffsetM, 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Stages, OwnFactors, ::testing::Bool(), [](const auto& tested) {
+  return tested.param ? "BeforeLidar" : "BeforeFinal";
+});
+
+/// The result is least squares of what was kept: weights of one, chi-square of its redundancy, an
+/// error that its covariance foretells.
+void ExpectLeastSquares(const Calibration& c, const SimulatedFlight& sim) {
+  for (const LinearizedNetwork::FactorRows& rows : c.solution.linearized().factors()) {
+    ASSERT_EQ(rows.weight, 1.0) << c.solution.linearized().group(rows.factor).name;
+  }
+  const AdjustmentFigures& figures = c.solution.trajectory().figures;
+  const auto n = static_cast<double>(figures.redundancy);
+  EXPECT_NEAR(figures.chi2, c.solution.linearized().residual().squaredNorm(), 1e-6 * n);
+  EXPECT_NEAR(figures.chi2 / n, 1.0, kSigmas * std::sqrt(2.0 / n));
+  const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);
+  EXPECT_LT(e.dot(c.boresight.covariance_rad2.ldlt().solve(e)), 25.0) << "6e-5 of chi_3^2";
+  EXPECT_EQ(c.solution.CheckedBoresight().verdict, "calibrated");
+}
+
+class RobustKernels : public ::testing::TestWithParam<RobustKind> {};
+
+TEST_P(RobustKernels, EndBeforeTheFinalAdjustmentOfWrongPairs) {
+  SimulatedFlight sim = WithWrongPairs(8);
+  sim.flight.config.lidar->robust = GetParam();
+  const Calibration c(sim.flight);
+  EXPECT_GT(c.adjustment.outliers, 15);
+  ExpectLeastSquares(c, sim);
+}
+
+TEST_P(RobustKernels, EndBeforeTheFinalAdjustmentOfWrongGnss) {
+  SimulatedFlight sim = WithWrongGnss(9);
+  sim.flight.config.gnss->robust = GetParam();
+  const Calibration c(sim.flight);
+  EXPECT_GT(c.adjustment.gnss_rejected.size(), 5U);
+  ExpectLeastSquares(c, sim);
+}
+
+INSTANTIATE_TEST_SUITE_P(Stages, RobustKernels,
+                         ::testing::Values(RobustKind::kNone, RobustKind::kHuber,
+                                           RobustKind::kCauchy),
+                         [](const auto& tested) {
+                           if (tested.param == RobustKind::kNone) return "None";
+                           return tested.param == RobustKind::kHuber ? "Huber" : "Cauchy";
+                         });
+
+TEST(NodeRate, HoldsOverTheWholeFlightWithoutPairs) {
+  SimulatedFlight sim = Fly(2);
+  AdjustOptions options;
+  options.with_pairs = false;
+  const Adjustment usual = Adjust(sim.flight, options);
+  EXPECT_EQ(usual.node_rate_hz, 1.0);
+  sim.flight.config.network.node_rate_hz = 5.0;
+  const Adjustment dense = Adjust(sim.flight, options);
+  EXPECT_EQ(dense.node_rate_hz, 5.0);
+  const std::vector<double>& t_s = dense.network->node_times();
+  for (std::size_t k = 1; k < t_s.size(); ++k) EXPECT_LT(t_s[k] - t_s[k - 1], 0.2 + 1e-3);
+  EXPECT_GT(t_s.size(), 2 * usual.network->node_times().size());
+}
+
+TEST(NodeRate, IsNowhereBelowOneHertz) {
+  SimulatedFlight sim = Fly(2);
+  sim.flight.config.network.node_rate_hz = 0.1;
+  EXPECT_EQ(NodeRateHz(sim.flight, true), 1.0);
+  EXPECT_EQ(NodeRateHz(sim.flight, false), 1.0);
+}
+
+}  // namespace
+}  // namespace dn
