@@ -148,10 +148,8 @@ std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration
   return bases;
 }
 
-std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
-                                                 const CalibrationState& calibration,
-                                                 const PreintegrationNoise& noise,
-                                                 const PairEdgeInput& input) {
+PairParts MakePairParts(const Flight& flight, const CalibrationState& calibration,
+                        const PreintegrationNoise& noise, const PairEdgeInput& input) {
   const LidarConfig& lidar = *flight.config.lidar;
   const LidarPair& pair = input.pair;
   const PreparedEnd i = PrepareEnd(flight, calibration, noise, pair.t_i_s, pair.u_i_s, input.i);
@@ -160,16 +158,28 @@ std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
       Eigen::Matrix3d(lidar.sigma_p_m * lidar.sigma_p_m * Eigen::Matrix3d::Identity()));
   covariance += EndNoise(i.end, input.i.node.q_mb.toRotationMatrix(), i.arm_b);
   covariance += EndNoise(j.end, input.j.node.q_mb.toRotationMatrix(), j.arm_b);
-  const Noise<3> of_difference = MeasurementNoise(0.5 * (covariance + covariance.transpose()),
-                                                  "the point pair", pair.t_i_s, kCheckPair);
-  const Eigen::Matrix3d& T_bs = lidar.mounting.R_bs_nominal;
-  if (EffectsOfPairs(calibration).empty() && !i.end.bridge && !j.end.bridge) {
-    return std::make_shared<PointToPoint>(flight.frame, i.end, j.end, T_bs,
-                                          calibration.lidar_time_offset_s, of_difference);
+  return {i.end,
+          j.end,
+          pair.t_i_s,
+          pair.t_j_s,
+          lidar.mounting.R_bs_nominal,
+          calibration.lidar_time_offset_s,
+          MeasurementNoise(0.5 * (covariance + covariance.transpose()), "the point pair",
+                           pair.t_i_s, kCheckPair)};
+}
+
+std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
+                                                 const CalibrationState& calibration,
+                                                 const PreintegrationNoise& noise,
+                                                 const PairEdgeInput& input) {
+  const PairParts parts = MakePairParts(flight, calibration, noise, input);
+  if (EffectsOfPairs(calibration).empty() && !parts.i.bridge && !parts.j.bridge) {
+    return std::make_shared<PointToPoint>(flight.frame, parts.i, parts.j, parts.T_bs_nominal,
+                                          parts.dt_nominal_s, parts.noise_m);
   }
   return std::make_shared<PointToPointBetweenNodes>(
-      flight.frame, i.end, j.end, pair.t_i_s, pair.t_j_s, T_bs, Of<LidarEffect>(calibration),
-      AttractionBases(calibration, input.i.node.p_mb), of_difference);
+      flight.frame, parts.i, parts.j, parts.tag_i_s, parts.tag_j_s, parts.T_bs_nominal,
+      Of<LidarEffect>(calibration), AttractionBases(calibration, input.i.node.p_mb), parts.noise_m);
 }
 
 }  // namespace dn

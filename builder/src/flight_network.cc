@@ -304,8 +304,8 @@ void FlightNetwork::AddInertialEdges() {
     for (const BiasChain& chain : accel_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
     AppendEffects(of_edge, &blocks);
     InertialEdge edge{i, -1};
-    edge.id = net.AddFactor(InertialFactor(edge, calibration), blocks);
-    net.Tag(edge.id, internal::InertialGroup(), node_t_s_[i]);
+    edge.id =
+        AddEdge(InertialFactor(edge, calibration), blocks, internal::InertialGroup(), node_t_s_[i]);
     inertial_edges.push_back(edge);
     linearised_gyro_bias_.push_back(GyroBias(node_t_s_[i]));
     linearised_accel_bias_.push_back(AccelBias(node_t_s_[i]));
@@ -344,11 +344,11 @@ void FlightNetwork::AddGnssEdges() {
       AppendEffects(of_edge, &position);
       velocity = position;
     }
-    edge.position = net.AddFactor(GnssPositionFactor(edge, calibration), position);
-    net.Tag(edge.position, internal::GnssPositionGroup(), epoch.t_s);
+    edge.position = AddEdge(GnssPositionFactor(edge, calibration), position,
+                            internal::GnssPositionGroup(), epoch.t_s);
     if (UsesVelocity(epoch, config)) {
-      edge.velocity = net.AddFactor(GnssVelocityFactor(edge, calibration), velocity);
-      net.Tag(edge.velocity, internal::GnssVelocityGroup(), epoch.t_s);
+      edge.velocity = AddEdge(GnssVelocityFactor(edge, calibration), velocity,
+                              internal::GnssVelocityGroup(), epoch.t_s);
     }
     gnss_edges.push_back(edge);
   }
@@ -356,20 +356,47 @@ void FlightNetwork::AddGnssEdges() {
 
 std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorInUse(
     std::size_t edge) const {
-  return std::dynamic_pointer_cast<const PreintegratedInertial>(
+  auto in_use = std::dynamic_pointer_cast<const PreintegratedInertial>(
       net.factor(inertial_edges[edge].id).factor);
+  return in_use ? in_use
+                : InertialFactor(inertial_edges[edge], linearised_);  // replaced from outside
+}
+
+PairEdgeInput FlightNetwork::InputOf(const PairEdge& edge, const InertialFactorOf& inertial) const {
+  const auto end = [&](std::size_t k, const std::optional<std::size_t>& bridge) {
+    const ImuCorrection biases{GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k])};
+    return PairEndInput{NodePose(k), biases, bridge ? inertial(*bridge) : nullptr};
+  };
+  return {edge.pair, end(edge.node_i, edge.bridge_i), end(edge.node_j, edge.bridge_j)};
 }
 
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactor(
     const PairEdge& edge, const CalibrationState& calibration,
     const InertialFactorOf& inertial) const {
-  const auto end = [&](std::size_t k, const std::optional<std::size_t>& bridge) {
-    const ImuCorrection biases{GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k])};
-    return PairEndInput{NodePose(k), biases, bridge ? inertial(*bridge) : nullptr};
-  };
-  return MakePairFactor(
-      *flight_, calibration, noise_,
-      {edge.pair, end(edge.node_i, edge.bridge_i), end(edge.node_j, edge.bridge_j)});
+  return MakePairFactor(*flight_, calibration, noise_, InputOf(edge, inertial));
+}
+
+std::shared_ptr<const FactorBase> FlightNetwork::PairFactorInUse(
+    const PairEdge& edge, const CalibrationState& calibration) const {
+  const auto inertial = [&](std::size_t k) { return InertialFactorInUse(k); };
+  if (!pair_model_) return PairFactor(edge, calibration, inertial);
+  auto factor = pair_model_->make(
+      *flight_, MakePairParts(*flight_, calibration, noise_, InputOf(edge, inertial)));
+  if (dynamic_cast<const PointPairFactor*>(factor.get()) == nullptr) {
+    throw InvalidInput(
+        "pair model: the factor of the pair at t = " + std::to_string(edge.pair.t_i_s) +
+        " s is no PointPairFactor; derive it from that class, too");
+  }
+  return factor;
+}
+
+void FlightNetwork::AskForPairModel() {
+  if (!options_.pair_model || pair_model_) return;
+  pair_model_ = options_.pair_model(*this);
+  const std::vector<std::size_t> effects_of_pairs = EffectsOfPairs(Calibration());
+  if (effects_of_pairs.empty()) return;
+  throw InvalidInput("pair model: the factors of pairs are one's own, and know nothing of '" +
+                     effects[effects_of_pairs.front()].name + "', which `estimate` names");
 }
 
 bool FlightNetwork::MovesLidarEpochs() const {
@@ -420,6 +447,9 @@ std::vector<BlockId> FlightNetwork::PairBlocks(const PairEdge& edge) const {
   blocks.insert(blocks.end(), {boresight.id, lidar_lever_arm.id, lidar_time_offset.id});
   if (edge.bridge_i) blocks.push_back(nodes[edge.node_i + 1].q_mb.id);
   if (edge.bridge_j) blocks.push_back(nodes[edge.node_j + 1].q_mb.id);
+  if (pair_model_) {
+    blocks.insert(blocks.end(), pair_model_->blocks.begin(), pair_model_->blocks.end());
+  }
   return blocks;
 }
 
@@ -427,7 +457,7 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
   const double margin_s = MovesLidarEpochs() ? kLidarTimeMarginS : -1e-7;
   const CalibrationState calibration = Calibration();
   const std::vector<std::size_t> of_edge = EffectsOfPairs(calibration);
-  const auto inertial = [&](std::size_t k) { return InertialFactorInUse(k); };
+  AskForPairModel();
   for (const LidarPair& pair : pairs) {
     PairEdge edge = HangOnNodes(pair, margin_s);
     if (edge.node_i == edge.node_j) {
@@ -439,11 +469,11 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
       ++pairs_in_imu_gaps;
       continue;
     }
-    Bridge(&edge);
+    if (!pair_model_) Bridge(&edge);
     std::vector<BlockId> blocks = PairBlocks(edge);
     AppendEffects(of_edge, &blocks);
-    edge.id = net.AddFactor(PairFactor(edge, calibration, inertial), blocks);
-    net.Tag(edge.id, internal::PairGroup(), pair.t_i_s);
+    edge.id =
+        AddEdge(PairFactorInUse(edge, calibration), blocks, internal::PairGroup(), pair.t_i_s);
     pair_edges.push_back(edge);
   }
 }
@@ -465,30 +495,75 @@ double FlightNetwork::BiasChange() const {
   return change;
 }
 
+FactorId FlightNetwork::AddEdge(std::shared_ptr<const FactorBase> factor,
+                                const std::vector<BlockId>& blocks, const FactorGroup& group,
+                                double t_s) {
+  const std::weak_ptr<const FactorBase> made = factor;
+  const FactorId id = net.AddFactor(std::move(factor), blocks);
+  net.Tag(id, group, t_s);
+  made_[id] = made;
+  return id;
+}
+
+template <class Make>
+void FlightNetwork::Renew(FactorId id, const Make& make) {
+  std::weak_ptr<const FactorBase>& made = made_[id];
+  if (made.lock() != net.factor(id).factor) return;
+  std::shared_ptr<const FactorBase> anew = make();
+  made = anew;
+  net.ReplaceFactor(id, std::move(anew));
+}
+
 void FlightNetwork::Relinearise() {
   linearised_ = Calibration();
   for (std::size_t e = 0; e < inertial_edges.size(); ++e) {
     const InertialEdge& edge = inertial_edges[e];
     linearised_gyro_bias_[e] = GyroBias(node_t_s_[edge.node_i]);
     linearised_accel_bias_[e] = AccelBias(node_t_s_[edge.node_i]);
-    net.ReplaceFactor(edge.id, InertialFactor(edge, linearised_));
+    Renew(edge.id, [&] { return InertialFactor(edge, linearised_); });
   }
   const bool with_effects = !EffectsOfGnss(linearised_).empty();
   for (const GnssEdge& edge : gnss_edges) {
-    if (with_effects) net.ReplaceFactor(edge.position, GnssPositionFactor(edge, linearised_));
-    if (edge.velocity >= 0) net.ReplaceFactor(edge.velocity, GnssVelocityFactor(edge, linearised_));
+    if (with_effects) {
+      Renew(edge.position, [&] { return GnssPositionFactor(edge, linearised_); });
+    }
+    if (edge.velocity >= 0) {
+      Renew(edge.velocity, [&] { return GnssVelocityFactor(edge, linearised_); });
+    }
   }
-  const auto inertial = [&](std::size_t k) { return InertialFactorInUse(k); };
   for (const PairEdge& edge : pair_edges) {
-    net.ReplaceFactor(edge.id, PairFactor(edge, linearised_, inertial));
+    Renew(edge.id, [&] { return PairFactorInUse(edge, linearised_); });
   }
+}
+
+FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {
+  constexpr double kSameEpochS = 1e-7;
+  if (t_s < node_t_s_.front() - kSameEpochS || t_s > node_t_s_.back() + kSameEpochS) {
+    throw InvalidInput("flight network: t = " + std::to_string(t_s) +
+                       " s lies outside its nodes, " + std::to_string(node_t_s_.front()) + " to " +
+                       std::to_string(node_t_s_.back()) + " s");
+  }
+  const std::size_t k = NodeBefore(node_t_s_, t_s + kSameEpochS);
+  const ImuCorrection correction =
+      Calibration().ImuAt(GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k]));
+  const Preintegrated increments =
+      t_s - node_t_s_[k] > kSameEpochS
+          ? Preintegrate(*flight_->imu, node_t_s_[k], t_s, correction, noise_)
+          : IdentityIncrement(*flight_->imu, node_t_s_[k], correction);
+  return {k, StateAfterNode(flight_->frame, increments, NodePose(k).p_mb), increments};
 }
 
 Eigen::Vector3d FlightNetwork::PairDifference(std::size_t k) const {
   const FactorRecord& record = net.factor(pair_edges[k].id);
   std::vector<const double*> x;
   for (const BlockId id : record.blocks) x.push_back(net.block(id).value.get());
-  const auto [x_i, x_j] = dynamic_cast<const PointPairFactor&>(*record.factor).Points(x.data());
+  const auto* points = dynamic_cast<const PointPairFactor*>(record.factor.get());
+  if (points == nullptr) {
+    throw InvalidInput("flight network: the factor that replaced that of the pair at t = " +
+                       std::to_string(pair_edges[k].pair.t_i_s) +
+                       " s is no PointPairFactor; derive it from that class, too");
+  }
+  const auto [x_i, x_j] = points->Points(x.data());
   return x_i - x_j;
 }
 

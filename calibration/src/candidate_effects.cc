@@ -32,7 +32,8 @@ std::vector<double> TimesOfSteps(std::vector<StripInterval> strips) {
 struct EdgeKind {
   std::vector<FactorId> edges;
   std::vector<std::size_t> effects;  ///< in the order of the factor's last blocks
-  /// Last blocks of the network's factor that are its own effects; absent for GNSS.
+  /// Last blocks of the network's factor that are its own effects, or a user's own; absent for
+  /// GNSS.
   std::optional<std::size_t> own_effects = {};
   std::vector<std::size_t> nodes;  ///< of GNSS edges
   std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
@@ -186,7 +187,8 @@ class Candidates {
     EdgeKind kind;
     for (const auto& edge : network_.pair_edges) kind.edges.push_back(edge.id);
     kind.effects = EffectsOfPairs(state_);
-    kind.own_effects = EffectsOfPairs(network_.Calibration()).size();
+    kind.own_effects =
+        EffectsOfPairs(network_.Calibration()).size() + network_.num_own_pair_blocks();
     kind.make = [&](std::size_t k) {
       return network_.PairFactor(network_.pair_edges[k], state_,
                                  [&](std::size_t edge) { return bridging_[edge]; });
@@ -220,8 +222,11 @@ class Candidates {
     ParallelFor(static_cast<int>(kind.edges.size()), threads_, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
       if (!network_.net.factor(kind.edges[k]).active) return;
+      const std::shared_ptr<const FactorBase> factor = kind.make(k);
+      const int rows = network_.net.factor(kind.edges[k]).factor->residual_size();
+      if (factor->residual_size() != rows) return;  // a user's own
       Eigen::VectorXd r;
-      if (!EvaluateInTangent(*kind.make(k), ValuesOf(kind, k), &r, &J_of[k])) J_of[k].clear();
+      if (!EvaluateInTangent(*factor, ValuesOf(kind, k), &r, &J_of[k])) J_of[k].clear();
     });
     for (std::size_t k = 0; k < J_of.size(); ++k) {
       if (J_of[k].empty()) continue;

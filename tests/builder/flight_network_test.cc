@@ -1,5 +1,7 @@
 #include <dn/builder/flight_network.h>
 #include <dn/error.h>
+#include <dn/factors/point_to_point.h>
+#include <dn/factors/prior.h>
 #include <dn/navigation/alignment.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
@@ -300,6 +302,134 @@ TEST(FlightNetwork, BridgesAreNodesAtTheEpochsEliminated) {
     EXPECT_NEAR(bridged.covariance(axis, axis) / exact.covariance(axis, axis), 1.0, 0.01) << axis;
   }
   EXPECT_NEAR(bridged.cost / exact.cost, 1.0, 1e-3);
+}
+
+/// The plain factor of a pair with a shift of its second point, an unknown of its own.
+class ShiftedPair final : public DynamicAutoFactor<ShiftedPair>, public PointPairFactor {
+ public:
+  ShiftedPair(const LocalFrame& frame, const PairParts& parts)
+      : DynamicAutoFactor(
+            3, {Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind, Rotation::kKind, Vec<3>::kKind,
+                Vec<3>::kKind, LeftRotation::kKind, Vec<3>::kKind, Vec<1>::kKind, Vec<3>::kKind}),
+        i_(frame, parts.i.partial, parts.i.p_nominal_m),
+        j_(frame, parts.j.partial, parts.j.p_nominal_m),
+        parts_(parts) {}
+
+  template <class T>
+  bool Residual(T const* const* x, T* r) const {
+    using Vec3 = Eigen::Matrix<T, 3, 1>;
+    const Vec3 d =
+        Point(i_, parts_.i, x, x) - Point(j_, parts_.j, x + 3, x) - Eigen::Map<const Vec3>(x[9]);
+    Eigen::Map<Vec3>(r).noalias() = parts_.noise_m.sqrt_information().cast<T>() * d;
+    return true;
+  }
+
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> Points(double const* const* x) const override {
+    return {Point(i_, parts_.i, x, x), Point(j_, parts_.j, x + 3, x)};
+  }
+
+ private:
+  template <class T>
+  Eigen::Matrix<T, 3, 1> Point(const LidarPoint& point, const LidarEnd& end, T const* const* node,
+                               T const* const* x) const {
+    using Vec3 = Eigen::Matrix<T, 3, 1>;
+    using Quaternion = Eigen::Quaternion<T>;
+    const Vec3 u_b = (parts_.T_bs_nominal * end.u_s).cast<T>();
+    return point.At<T>(Quaternion(node[0]), Vec3(node[1]), Vec3(node[2]), Quaternion(x[6]),
+                       Vec3(x[7]), u_b, x[8][0] - parts_.dt_nominal_s);
+  }
+
+  LidarPoint i_, j_;
+  PairParts parts_;
+};
+
+FlightNetworkOptions WithShift(Block<Vec<3>>* shift) {
+  FlightNetworkOptions options;
+  options.pair_model = [shift](FlightNetwork& network) {
+    *shift = network.net.AddVector<3>("shift", Eigen::Vector3d::Zero());
+    return PairModel{{shift->id}, [](const Flight& flight, const PairParts& parts) {
+                       return std::make_shared<ShiftedPair>(flight.frame, parts);
+                     }};
+  };
+  return options;
+}
+
+TEST(FlightNetwork, OwnFactorsOfPairsAreSolvedAndRenewed) {
+  Flight flight = Drone().flight;
+  Block<Vec<3>> shift;
+  FlightNetwork network = AtTruth(flight, WithShift(&shift));
+  network.net.SetValue(network.boresight, Exp(Drone().boresight_rad));
+  network.AddPairs(flight.pairs->pairs);
+  ASSERT_EQ(network.pair_edges.size(), 300U);
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_TRUE(Solve(network.net).converged);
+    const auto before = network.net.factor(network.pair_edges[0].id).factor;
+    network.Relinearise();
+    const auto after = network.net.factor(network.pair_edges[0].id).factor;
+    EXPECT_NE(before, after);
+    EXPECT_NE(dynamic_cast<const ShiftedPair*>(after.get()), nullptr);
+  }
+  const Marginals marginals(network.net);
+  const Eigen::Vector3d sigma = marginals.Covariance(shift).diagonal().cwiseSqrt();
+  const Eigen::Vector3d in_sigmas = network.net.Value(shift).cwiseQuotient(sigma);
+  EXPECT_LE(in_sigmas.cwiseAbs().maxCoeff(), 4.0);
+  EXPECT_LE(sigma.maxCoeff(), 0.1);
+  EXPECT_LE(network.PairDifference(0).norm(), 0.5);
+}
+
+TEST(FlightNetwork, OwnFactorsOfPairsMustSayTheirPoints) {
+  FlightNetworkOptions options;
+  options.pair_model = [](FlightNetwork&) {
+    return PairModel{{}, [](const Flight&, const PairParts&) {
+                       return std::make_shared<PriorVector<3>>(Eigen::Vector3d::Zero(),
+                                                               Noise<3>::Sigma(1.0));
+                     }};
+  };
+  FlightNetwork network = AtTruth(Drone().flight, options);
+  testing::ExpectInvalid([&] { network.AddPairs(Drone().flight.pairs->pairs); },
+                         "is no PointPairFactor", 0);
+}
+
+TEST(FlightNetwork, OwnFactorsOfPairsExcludeEstimatedEffectsOnPairs) {
+  Flight flight = Drone().flight;
+  flight.config.estimate.push_back({.unknown = "lidar_range_offset"});
+  Block<Vec<3>> shift;
+  FlightNetwork network = AtTruth(flight, WithShift(&shift));
+  testing::ExpectInvalid([&] { network.AddPairs(flight.pairs->pairs); },
+                         "know nothing of 'lidar_range_offset'", 0);
+}
+
+TEST(FlightNetwork, AReplacedFactorStays) {
+  FlightNetwork network = AtTruth(Drone().flight);
+  network.AddPairs(Drone().flight.pairs->pairs);
+  const FactorId replaced = network.inertial_edges[3].id;
+  const auto own = std::make_shared<PreintegratedInertial>(
+      dynamic_cast<const PreintegratedInertial&>(*network.net.factor(replaced).factor));
+  network.net.ReplaceFactor(replaced, own);
+  const auto other = network.net.factor(network.inertial_edges[4].id).factor;
+  network.Relinearise();
+  EXPECT_EQ(network.net.factor(replaced).factor, own);
+  EXPECT_NE(network.net.factor(network.inertial_edges[4].id).factor, other);
+}
+
+TEST(FlightNetwork, StatesBetweenNodesFollowTheMotion) {
+  SimulateOptions options;
+  options.noise = false;
+  options.seed = 7;
+  const SimulatedFlight sim = Simulate(DroneScenario(), options);
+  const FlightNetwork network = AtTruth(sim.flight);
+  const std::vector<double>& times = network.node_times();
+  for (const double t_s : {times.front(), times[40] + 0.137, times[90] + 0.251, times.back()}) {
+    const FlightNetwork::StateBetween at = network.StateAt(t_s);
+    const MapPose node = network.NodePose(at.node);
+    const KinematicState<double> state = at.state.At<double>(node.q_mb, node.p_mb, node.v_m);
+    const MapPose truth = sim.truth->Pose(t_s);
+    EXPECT_LE((state.p_mb - truth.p_mb).norm(), 1e-5) << t_s;
+    EXPECT_LE((state.v_m - truth.v_m).norm(), 1e-4) << t_s;
+    EXPECT_LE(Log(state.q_mb.conjugate() * truth.q_mb).norm(), 1e-6) << t_s;
+  }
+  testing::ExpectInvalid([&] { (void)network.StateAt(times.back() + 1.0); }, "outside its nodes",
+                         0);
 }
 
 TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {

@@ -2,10 +2,12 @@
 
 #include <dn/builder/calibration_state.h>
 #include <dn/factor.h>
+#include <dn/factors/lidar_point.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/flight/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>
+#include <dn/noise.h>
 
 #include <Eigen/Core>
 #include <memory>
@@ -64,9 +66,23 @@ struct PairEdgeInput {
   PairEndInput i, j;
 };
 
-/// Edge of a pair: its partial increments end at the epochs that the calibration says. Without
-/// bridges and effects on pairs a PointToPoint, else a PointToPointBetweenNodes with the effects in
-/// the order of EffectsOfPairs. Throws InvalidInput when an epoch falls before its node.
+/// What the factor of a pair is made of.
+struct PairParts {
+  LidarEnd i, j;  ///< their partial increments end at the epochs that the calibration says
+  double tag_i_s = 0.0, tag_j_s = 0.0;  ///< of the file
+  Eigen::Matrix3d T_bs_nominal = Eigen::Matrix3d::Identity();
+  double dt_nominal_s = 0.0;  ///< delay of the tags with which the increments were cut
+  /// Of the difference of the two points, map axes: that of the pair and of its increments.
+  Noise<3> noise_m;
+};
+
+/// Throws InvalidInput when an epoch falls before its node.
+PairParts MakePairParts(const Flight& flight, const CalibrationState& calibration,
+                        const PreintegrationNoise& noise, const PairEdgeInput& input);
+
+/// Edge of a pair. Without bridges and effects on pairs a PointToPoint, else a
+/// PointToPointBetweenNodes with the effects in the order of EffectsOfPairs. Throws InvalidInput as
+/// MakePairParts.
 std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
                                                  const CalibrationState& calibration,
                                                  const PreintegrationNoise& noise,

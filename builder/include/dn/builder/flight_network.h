@@ -4,6 +4,7 @@
 #include <dn/builder/edge_factors.h>
 #include <dn/builder/node_grid.h>
 #include <dn/factors/preintegrated_inertial.h>
+#include <dn/factors/state_after_node.h>
 #include <dn/flight/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>
@@ -11,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -52,11 +54,25 @@ struct InitialStates {
   std::optional<CalibrationState> calibration = {};  ///< absent: AssumedCalibration of the flight
 };
 
+class FlightNetwork;
+
+/// A pair's factor of one's own, instead of MakePairFactor.
+struct PairModel {
+  /// Unknowns of its own: the factor's blocks are the nine of PointToPoint, then these.
+  std::vector<BlockId> blocks;
+  /// Called for every pair, and again whenever its increments are integrated anew. The factor must
+  /// be a PointPairFactor, too.
+  std::function<std::shared_ptr<const FactorBase>(const Flight&, const PairParts&)> make;
+};
+
 struct FlightNetworkOptions {
   /// Longest interval over which a Gauss-Markov bias is held, as a fraction of tau and in seconds.
   double bias_interval_per_tau = 1.0 / 40.0;
   double bias_interval_max_s = 5.0;
   double position_floor_m = 1e-6;  ///< of one inertial increment, see PreintegrationNoise
+  /// Called once, before the first pairs are added, to add unknowns to the network and say how the
+  /// factor of a pair is made. Pairs then go without bridges, and without effects of `estimate`.
+  std::function<PairModel(FlightNetwork&)> pair_model = {};
 };
 
 /// The network of one flight: what `dn smooth` and `dn calibrate` solve. `net` is an ordinary
@@ -76,11 +92,14 @@ class FlightNetwork {
                 const InitialStates& initial, const FlightNetworkOptions& options = {});
 
   /// Adds one edge for every pair, attached to the node before each of its epochs. Call it with a
-  /// trajectory that is good already: the noise of the partial increments is evaluated once.
+  /// trajectory that is good already: the noise of the partial increments is evaluated once. Throws
+  /// InvalidInput where a PairModel makes no PointPairFactor, or effects of `estimate` act on pairs
+  /// beside it.
   void AddPairs(const std::vector<LidarPair>& pairs);
 
   /// Integrates every increment anew at the present biases and calibration, and moves the gravity
-  /// expansion to the present positions.
+  /// expansion to the present positions. A factor that was replaced from outside
+  /// (Network::ReplaceFactor) is left as it is.
   void Relinearise();
 
   /// The largest change of a bias or an effect since the increments were integrated, in units of 30
@@ -96,6 +115,16 @@ class FlightNetwork {
   Eigen::Vector3d AccelBias(double t_s) const;
 
   MapPose NodePose(std::size_t k) const;
+
+  /// The state at any time as a function of the node before it, for factors of measurements between
+  /// nodes, at the present biases and calibration.
+  struct StateBetween {
+    std::size_t node = 0;      ///< its blocks are the factor's
+    StateAfterNode state;      ///< from theirs
+    Preintegrated increments;  ///< with the covariance that their white noise adds
+  };
+  /// Throws InvalidInput when t_s lies outside the nodes, or no inertial data lead to it.
+  StateBetween StateAt(double t_s) const;
 
   /// The factor of an edge for another calibration, at the present trajectory and biases: with its
   /// blocks, then the effects of the calibration in the order of EffectsOf...
@@ -114,8 +143,12 @@ class FlightNetwork {
                                                const CalibrationState& calibration,
                                                const InertialFactorOf& inertial) const;
 
-  /// The two points of pair edge k in m with the present unknowns: p_i - p_j, m.
+  /// The two points of pair edge k in m with the present unknowns: p_i - p_j, m. Throws
+  /// InvalidInput where its factor was replaced by one that is no PointPairFactor.
   Eigen::Vector3d PairDifference(std::size_t k) const;
+
+  /// Blocks of a PairModel at the end of every pair; 0 without one.
+  std::size_t num_own_pair_blocks() const { return pair_model_ ? pair_model_->blocks.size() : 0; }
 
   const Flight& flight() const { return *flight_; }
   const std::vector<double>& node_times() const { return node_t_s_; }
@@ -173,6 +206,14 @@ class FlightNetwork {
   void Bridge(PairEdge* edge) const;
   std::vector<BlockId> PairBlocks(const PairEdge& edge) const;
   std::shared_ptr<const PreintegratedInertial> InertialFactorInUse(std::size_t edge) const;
+  PairEdgeInput InputOf(const PairEdge& edge, const InertialFactorOf& inertial) const;
+  std::shared_ptr<const FactorBase> PairFactorInUse(const PairEdge& edge,
+                                                    const CalibrationState& calibration) const;
+  void AskForPairModel();
+  FactorId AddEdge(std::shared_ptr<const FactorBase> factor, const std::vector<BlockId>& blocks,
+                   const FactorGroup& group, double t_s);
+  template <class Make>
+  void Renew(FactorId id, const Make& make);
 
   const Flight* flight_;
   std::vector<double> node_t_s_;
@@ -181,6 +222,8 @@ class FlightNetwork {
   std::vector<Eigen::Vector3d> linearised_gyro_bias_;  ///< per inertial edge
   std::vector<Eigen::Vector3d> linearised_accel_bias_;
   CalibrationState linearised_;
+  std::optional<PairModel> pair_model_;
+  std::map<FactorId, std::weak_ptr<const FactorBase>> made_;  // the factors of the edges
 };
 
 }  // namespace dn

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <dn/factors/node_bridge.h>
+#include <dn/factors/state_after_node.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/preintegration.h>
-#include <dn/imu/strapdown.h>
 #include <dn/rotation.h>
 
 #include <Eigen/Core>
@@ -36,8 +36,8 @@ Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
 ///
 ///   x = p' + R' l - ddt (v' + R' (w_b x l) - w_ie x (R' l)),   l = a_b + R_boresight u_b
 ///
-/// where p', v', R' are propagated from the node (q_mb, p_mb, v_m) to the end of the partial
-/// increments in the exact rotating-Earth form (AffineStep), w_b is the corrected angular rate
+/// where p', v', R' are the StateAfterNode (q_mb, p_mb, v_m) at the end of the partial increments,
+/// w_b is the corrected angular rate
 /// there, and ddt the part of the tag's delay for which the increments were not cut: the point
 /// moves along its velocity with respect to the Earth.
 class LidarPoint {
@@ -54,22 +54,12 @@ class LidarPoint {
                             const Eigen::Matrix<T, 3, 1>& a_b, const Eigen::Matrix<T, 3, 1>& u_b,
                             const T& ddt) const {
     using Vec3 = Eigen::Matrix<T, 3, 1>;
-    const auto times = [](const Eigen::Matrix3d& M, const Vec3& x) {
-      return Vec3(M.template cast<T>() * x);
-    };
-    const Eigen::Quaternion<T> q_Ci = q_C_inverse_.template cast<T>();
-    const Eigen::Quaternion<T> q_end = q_Ci * q * delta_q_.template cast<T>();
-    const Vec3 R_dp = q * Vec3(delta_p_.template cast<T>());
-    const Vec3 R_dv = q * Vec3(delta_v_.template cast<T>());
-    const Vec3 p_end = times(step_.p_p, p) + times(step_.p_v, v) + times(step_.p_d, R_dp) +
-                       step_.p_0.template cast<T>();
-    const Vec3 v_end = times(step_.v_p, p) + times(step_.v_v, v) + times(step_.v_d, R_dp) +
-                       q_Ci * R_dv + step_.v_0.template cast<T>();
+    const KinematicState<T> end = state_.At(q, p, v);
     const Vec3 l = a_b + q_boresight * u_b;
-    const Vec3 R_l = q_end * l;
-    const Vec3 rate = v_end + q_end * Vec3(w_b_.template cast<T>().cross(l)) -
+    const Vec3 R_l = end.q_mb * l;
+    const Vec3 rate = end.v_m + end.q_mb * Vec3(w_b_.template cast<T>().cross(l)) -
                       w_ie_m_.template cast<T>().cross(R_l);
-    return p_end + R_l - ddt * rate;
+    return end.p_mb + R_l - ddt * rate;
   }
 
   /// The values of the blocks that a point depends on.
@@ -103,11 +93,8 @@ class LidarPoint {
                    const Eigen::Vector3d& attraction_mps2) const;
 
  private:
-  AffineStep step_;
-  Eigen::Quaterniond q_C_inverse_ = Eigen::Quaterniond::Identity();
-  Eigen::Quaterniond delta_q_ = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d delta_v_, delta_p_, w_b_, w_ie_m_;
-  double dt_s_ = 0.0;
+  StateAfterNode state_;
+  Eigen::Vector3d w_b_, w_ie_m_;
 };
 
 }  // namespace dn
