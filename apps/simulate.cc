@@ -3,6 +3,10 @@
 #include <dn/sim/simulate.h>
 #include <fmt/format.h>
 
+#include <string>
+#include <string_view>
+#include <utility>
+
 #include "command.h"
 #include "option_checks.h"
 
@@ -46,13 +50,34 @@ void RunSimulate(const Options& options, Run& run) {
   }
 }
 
+/// The shipped scenarios with this ending, without any where it is empty, in lines of the help.
+std::string ShippedLines(std::string_view ending) {
+  constexpr std::size_t kWidth = 80;
+  std::string text, line;
+  for (const std::string& name : ScenarioNames()) {
+    const bool as_it_flies = !name.ends_with("_rest") && !name.ends_with("_effects");
+    if (ending.empty() ? !as_it_flies : !name.ends_with(ending)) continue;
+    if (line.size() + name.size() > kWidth) text += std::exchange(line, "") + "\n";
+    line += "  " + name;
+  }
+  return text + line + "\n";
+}
+
+std::string Footer() {
+  return "Shipped scenarios, with the noise of flight (docs/flight-noise.md):\n" +
+         ShippedLines("") + "with the sensor at rest, the noise of its data sheet alone:\n" +
+         ShippedLines("_rest") +
+         "at rest, and the causes of in-flight noise as effects that the model lacks:\n" +
+         ShippedLines("_effects") + "Example: dn simulate lar3 --out flight --seed 7";
+}
+
 }  // namespace
 
 void AddSimulate(CLI::App* program, Action* action) {
   auto options = std::make_shared<Options>();
   CLI::App* app = program->add_subcommand("simulate", "A flight folder from a scenario");
   app->add_option("SCENARIO", options->scenario,
-                  "Scenario file, or the name of a shipped one (lar3, uav2, ...)")
+                  "Scenario file, or the name of a shipped one (below)")
       ->required();
   app->add_option("--seed", options->seed, "Seed of every random number")
       ->check(WholeNumber(0))
@@ -60,7 +85,7 @@ void AddSimulate(CLI::App* program, Action* action) {
   app->add_flag("--noise-free", options->noise_free,
                 "Perfect sensors; flight.yaml still states the scenario's stochastic model");
   AddCommonOptions(app, &options->common, true);
-  app->footer("Example: dn simulate lar3 --out flight --seed 7");
+  app->footer(Footer());
   app->callback([options, action] {
     *action = [options] {
       options->common.inputs = ScenarioInputs(options->scenario);

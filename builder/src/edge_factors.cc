@@ -2,7 +2,7 @@
 #include <dn/builder/measurement_noise.h>
 #include <dn/factors/gnss_position.h>
 #include <dn/factors/gnss_velocity.h>
-#include <dn/factors/point_to_point_with_effects.h>
+#include <dn/factors/point_to_point_between_nodes.h>
 
 #include <string>
 
@@ -54,7 +54,8 @@ struct PreparedEnd {
 
 PreparedEnd PrepareEnd(const Flight& flight, const CalibrationState& state,
                        const PreintegrationNoise& noise, double tag_s, const Eigen::Vector3d& u_s,
-                       const MapPose& node, const ImuCorrection& biases) {
+                       const PairEndInput& input) {
+  const MapPose& node = input.node;
   const LidarReading reading = Corrected(Of<LidarEffect>(state), LidarValues(state), tag_s, u_s);
   const double delay_s = state.lidar_time_offset_s + reading.delay_s;
   const double t_s = tag_s - delay_s;
@@ -63,13 +64,17 @@ PreparedEnd PrepareEnd(const Flight& flight, const CalibrationState& state,
                        " s exceeds the " + std::to_string(kLidarTimeMarginS) +
                        " s that can be estimated; correct the time tags of the pairs first");
   }
-  const ImuCorrection correction = CorrectionOf(state, biases);
+  const ImuCorrection correction = CorrectionOf(state, input.biases);
   PreparedEnd out;
   out.end.partial = t_s - node.t_s > kSameEpochS
                         ? Preintegrate(*flight.imu, node.t_s, t_s, correction, noise)
                         : IdentityIncrement(*flight.imu, node.t_s, correction);
   out.end.u_s = u_s;
   out.end.p_nominal_m = node.p_mb;
+  if (input.inertial) {
+    out.end.bridge =
+        std::make_shared<NodeBridge>(flight.frame, out.end.partial, input.inertial->increments());
+  }
   const Eigen::Quaterniond q_boresight =
       reading.turn_b_rad.isZero(0.0)
           ? state.q_boresight
@@ -149,24 +154,22 @@ std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
                                                  const PairEdgeInput& input) {
   const LidarConfig& lidar = *flight.config.lidar;
   const LidarPair& pair = input.pair;
-  const PreparedEnd i =
-      PrepareEnd(flight, calibration, noise, pair.t_i_s, pair.u_i_s, input.node_i, input.biases_i);
-  const PreparedEnd j =
-      PrepareEnd(flight, calibration, noise, pair.t_j_s, pair.u_j_s, input.node_j, input.biases_j);
+  const PreparedEnd i = PrepareEnd(flight, calibration, noise, pair.t_i_s, pair.u_i_s, input.i);
+  const PreparedEnd j = PrepareEnd(flight, calibration, noise, pair.t_j_s, pair.u_j_s, input.j);
   Eigen::Matrix3d covariance = pair.covariance_m2.value_or(
       Eigen::Matrix3d(lidar.sigma_p_m * lidar.sigma_p_m * Eigen::Matrix3d::Identity()));
-  covariance += EndNoise(i.end, input.node_i.q_mb.toRotationMatrix(), i.arm_b);
-  covariance += EndNoise(j.end, input.node_j.q_mb.toRotationMatrix(), j.arm_b);
+  covariance += EndNoise(i.end, input.i.node.q_mb.toRotationMatrix(), i.arm_b);
+  covariance += EndNoise(j.end, input.j.node.q_mb.toRotationMatrix(), j.arm_b);
   const Noise<3> of_difference = MeasurementNoise(0.5 * (covariance + covariance.transpose()),
                                                   "the point pair", pair.t_i_s, kCheckPair);
   const Eigen::Matrix3d& T_bs = lidar.mounting.R_bs_nominal;
-  if (EffectsOfPairs(calibration).empty()) {
+  if (EffectsOfPairs(calibration).empty() && !i.end.bridge && !j.end.bridge) {
     return std::make_shared<PointToPoint>(flight.frame, i.end, j.end, T_bs,
                                           calibration.lidar_time_offset_s, of_difference);
   }
-  return std::make_shared<PointToPointWithEffects>(
+  return std::make_shared<PointToPointBetweenNodes>(
       flight.frame, i.end, j.end, pair.t_i_s, pair.t_j_s, T_bs, Of<LidarEffect>(calibration),
-      AttractionBases(calibration, input.node_i.p_mb), of_difference);
+      AttractionBases(calibration, input.i.node.p_mb), of_difference);
 }
 
 }  // namespace dn

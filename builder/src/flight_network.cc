@@ -19,6 +19,9 @@ constexpr double kGyroStepRadps = 30.0 / kDegPerRad / 3600.0;
 constexpr double kAccelStepMps2 = 5e-3 * kStandardGravityMps2;
 // The same of an effect, in its usual sizes.
 constexpr double kEffectStep = 10.0;
+// Share of a pair's variance up to which the white noise of the increments to its epochs may be
+// counted in the inertial edges, too: it is the share by which the sum of squares would be low.
+constexpr double kNoiseCountedTwice = 1e-4;
 
 Eigen::Vector3d Sum(const Network& net, const std::vector<BiasChain>& chains, double t_s) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -276,7 +279,7 @@ void FlightNetwork::AppendEffects(const std::vector<std::size_t>& indices,
   for (const std::size_t k : indices) blocks->push_back(effects[k].id);
 }
 
-std::shared_ptr<const FactorBase> FlightNetwork::InertialFactor(
+std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactor(
     const InertialEdge& edge, const CalibrationState& calibration) const {
   const std::size_t i = edge.node_i;
   const double t_s = node_t_s_[i];
@@ -351,14 +354,22 @@ void FlightNetwork::AddGnssEdges() {
   }
 }
 
+std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorInUse(
+    std::size_t edge) const {
+  return std::dynamic_pointer_cast<const PreintegratedInertial>(
+      net.factor(inertial_edges[edge].id).factor);
+}
+
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactor(
-    const PairEdge& edge, const CalibrationState& calibration) const {
-  const auto biases = [&](std::size_t k) {
-    return ImuCorrection{GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k])};
+    const PairEdge& edge, const CalibrationState& calibration,
+    const InertialFactorOf& inertial) const {
+  const auto end = [&](std::size_t k, const std::optional<std::size_t>& bridge) {
+    const ImuCorrection biases{GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k])};
+    return PairEndInput{NodePose(k), biases, bridge ? inertial(*bridge) : nullptr};
   };
-  return MakePairFactor(*flight_, calibration, noise_,
-                        {edge.pair, NodePose(edge.node_i), NodePose(edge.node_j),
-                         biases(edge.node_i), biases(edge.node_j)});
+  return MakePairFactor(
+      *flight_, calibration, noise_,
+      {edge.pair, end(edge.node_i, edge.bridge_i), end(edge.node_j, edge.bridge_j)});
 }
 
 bool FlightNetwork::MovesLidarEpochs() const {
@@ -370,15 +381,55 @@ bool FlightNetwork::MovesLidarEpochs() const {
          std::any_of(effects.begin(), effects.end(), moves);
 }
 
+FlightNetwork::PairEdge FlightNetwork::HangOnNodes(const LidarPair& pair, double margin_s) const {
+  PairEdge edge;
+  edge.pair = pair;
+  edge.node_i = NodeBefore(node_t_s_, pair.t_i_s - margin_s);
+  edge.node_j = NodeBefore(node_t_s_, pair.t_j_s - margin_s);
+  return edge;
+}
+
+// Ends with one node in common would be bridged over each other: these pairs stay without.
+void FlightNetwork::Bridge(PairEdge* edge) const {
+  const auto [first, second] = std::minmax(edge->node_i, edge->node_j);
+  if (second - first < 2) return;
+  const double variance_m2 = edge->pair.covariance_m2 ? edge->pair.covariance_m2->trace() / 3.0
+                                                      : flight_->config.lidar->sigma_p_m *
+                                                            flight_->config.lidar->sigma_p_m;
+  const auto bridge_of = [&](std::size_t node, double range_m) -> std::optional<std::size_t> {
+    const auto at = std::lower_bound(
+        inertial_edges.begin(), inertial_edges.end(), node,
+        [](const InertialEdge& inertial, std::size_t k) { return inertial.node_i < k; });
+    if (at == inertial_edges.end() || at->node_i != node) return std::nullopt;
+    const double noise_m = noise_.gyro_white_rad_per_sqrt_s * range_m;
+    const double added_m2 = noise_m * noise_m * (node_t_s_[node + 1] - node_t_s_[node]);
+    if (added_m2 <= kNoiseCountedTwice * variance_m2) return std::nullopt;
+    return static_cast<std::size_t>(at - inertial_edges.begin());
+  };
+  edge->bridge_i = bridge_of(edge->node_i, edge->pair.u_i_s.norm());
+  edge->bridge_j = bridge_of(edge->node_j, edge->pair.u_j_s.norm());
+}
+
+std::vector<BlockId> FlightNetwork::PairBlocks(const PairEdge& edge) const {
+  std::vector<BlockId> blocks;
+  const auto add_node = [&](std::size_t k) {
+    blocks.insert(blocks.end(), {nodes[k].q_mb.id, nodes[k].p_mb.id, nodes[k].v_m.id});
+  };
+  add_node(edge.node_i);
+  add_node(edge.node_j);
+  blocks.insert(blocks.end(), {boresight.id, lidar_lever_arm.id, lidar_time_offset.id});
+  if (edge.bridge_i) blocks.push_back(nodes[edge.node_i + 1].q_mb.id);
+  if (edge.bridge_j) blocks.push_back(nodes[edge.node_j + 1].q_mb.id);
+  return blocks;
+}
+
 void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
   const double margin_s = MovesLidarEpochs() ? kLidarTimeMarginS : -1e-7;
   const CalibrationState calibration = Calibration();
   const std::vector<std::size_t> of_edge = EffectsOfPairs(calibration);
+  const auto inertial = [&](std::size_t k) { return InertialFactorInUse(k); };
   for (const LidarPair& pair : pairs) {
-    PairEdge edge;
-    edge.pair = pair;
-    edge.node_i = NodeBefore(node_t_s_, pair.t_i_s - margin_s);
-    edge.node_j = NodeBefore(node_t_s_, pair.t_j_s - margin_s);
+    PairEdge edge = HangOnNodes(pair, margin_s);
     if (edge.node_i == edge.node_j) {
       ++pairs_within_one_node;
       continue;
@@ -388,13 +439,10 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
       ++pairs_in_imu_gaps;
       continue;
     }
-    const NodeBlocks& i = nodes[edge.node_i];
-    const NodeBlocks& j = nodes[edge.node_j];
-    std::vector<BlockId> blocks{i.q_mb.id,    i.p_mb.id,          i.v_m.id,
-                                j.q_mb.id,    j.p_mb.id,          j.v_m.id,
-                                boresight.id, lidar_lever_arm.id, lidar_time_offset.id};
+    Bridge(&edge);
+    std::vector<BlockId> blocks = PairBlocks(edge);
     AppendEffects(of_edge, &blocks);
-    edge.id = net.AddFactor(PairFactor(edge, calibration), blocks);
+    edge.id = net.AddFactor(PairFactor(edge, calibration, inertial), blocks);
     net.Tag(edge.id, internal::PairGroup(), pair.t_i_s);
     pair_edges.push_back(edge);
   }
@@ -430,7 +478,10 @@ void FlightNetwork::Relinearise() {
     if (with_effects) net.ReplaceFactor(edge.position, GnssPositionFactor(edge, linearised_));
     if (edge.velocity >= 0) net.ReplaceFactor(edge.velocity, GnssVelocityFactor(edge, linearised_));
   }
-  for (const PairEdge& edge : pair_edges) net.ReplaceFactor(edge.id, PairFactor(edge, linearised_));
+  const auto inertial = [&](std::size_t k) { return InertialFactorInUse(k); };
+  for (const PairEdge& edge : pair_edges) {
+    net.ReplaceFactor(edge.id, PairFactor(edge, linearised_, inertial));
+  }
 }
 
 Eigen::Vector3d FlightNetwork::PairDifference(std::size_t k) const {

@@ -56,11 +56,10 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span) {
 
 double AutoNodeRateHz(const Flight& flight) {
   constexpr double kLadderHz[] = {kLowestRateHz, 2.0, 5.0, 10.0, 20.0};
-  // Measured on flights of three grades and two densities of pairs (docs/benchmarks.md): up to this
-  // share no boresight sigma is off by more than 0.5 %, and no angle by more than 0.05 sigma, of
-  // their limits.
-  constexpr double kSharedVariance = 0.05;
+  constexpr double kSharedVariance = 0.02;
   constexpr double kShortestStripS = 1.0;
+  // Of the variance of the mean of a random walk over an interval, what is left with its end known.
+  constexpr double kBridged = 0.25;
   if (!flight.config.lidar || !flight.pairs || flight.pairs->pairs.empty()) return kLadderHz[0];
   const auto ends = 2.0 * static_cast<double>(flight.pairs->pairs.size());
   double strips_s = kShortestStripS;
@@ -70,7 +69,9 @@ double AutoNodeRateHz(const Flight& flight) {
   const double relative = noise_m_per_sqrt_s / flight.config.lidar->sigma_p_m;
   for (const double rate_hz : kLadderHz) {
     const double ends_per_interval = std::max(1.0, ends / strips_s / rate_hz);
-    if (relative * relative / rate_hz * ends_per_interval <= kSharedVariance) return rate_hz;
+    if (kBridged * relative * relative / rate_hz * ends_per_interval <= kSharedVariance) {
+      return rate_hz;
+    }
   }
   return std::end(kLadderHz)[-1];
 }

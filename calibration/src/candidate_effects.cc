@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
+#include <set>
 
 namespace dn {
 namespace {
@@ -30,8 +32,9 @@ std::vector<double> TimesOfSteps(std::vector<StripInterval> strips) {
 struct EdgeKind {
   std::vector<FactorId> edges;
   std::vector<std::size_t> effects;  ///< in the order of the factor's last blocks
-  std::size_t own_blocks = 0;        ///< of the network's factor that are no effects; 0 for GNSS
-  std::vector<std::size_t> nodes;    ///< of GNSS edges
+  /// Last blocks of the network's factor that are its own effects; absent for GNSS.
+  std::optional<std::size_t> own_effects = {};
+  std::vector<std::size_t> nodes;  ///< of GNSS edges
   std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
 };
 
@@ -46,6 +49,7 @@ class Candidates {
 
   std::vector<CandidateEffect> Run() {
     MatchStates();
+    MakeBridgingEdges();
     AddInertial();
     AddGnss();
     AddPairs();
@@ -133,11 +137,27 @@ class Candidates {
     EdgeKind kind;
     for (const auto& edge : network_.inertial_edges) kind.edges.push_back(edge.id);
     kind.effects = EffectsOfInertial(state_);
-    kind.own_blocks = 6 + network_.gyro_bias.size() + network_.accel_bias.size();
+    kind.own_effects = EffectsOfInertial(network_.Calibration()).size();
     kind.make = [&](std::size_t k) {
-      return network_.InertialFactor(network_.inertial_edges[k], state_);
+      return bridging_[k] ? bridging_[k]
+                          : network_.InertialFactor(network_.inertial_edges[k], state_);
     };
     Differentiate(kind);
+  }
+
+  /// The inertial edges over which pairs are bridged are needed twice.
+  void MakeBridgingEdges() {
+    std::set<std::size_t> edges;
+    for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
+      if (edge.bridge_i) edges.insert(*edge.bridge_i);
+      if (edge.bridge_j) edges.insert(*edge.bridge_j);
+    }
+    bridging_.resize(network_.inertial_edges.size());
+    const std::vector<std::size_t> all(edges.begin(), edges.end());
+    ParallelFor(static_cast<int>(all.size()), threads_, [&](int k) {
+      const std::size_t edge = all[static_cast<std::size_t>(k)];
+      bridging_[edge] = network_.InertialFactor(network_.inertial_edges[edge], state_);
+    });
   }
 
   void AddGnss() {
@@ -166,17 +186,21 @@ class Candidates {
     EdgeKind kind;
     for (const auto& edge : network_.pair_edges) kind.edges.push_back(edge.id);
     kind.effects = EffectsOfPairs(state_);
-    kind.own_blocks = 9;
-    kind.make = [&](std::size_t k) { return network_.PairFactor(network_.pair_edges[k], state_); };
+    kind.own_effects = EffectsOfPairs(network_.Calibration()).size();
+    kind.make = [&](std::size_t k) {
+      return network_.PairFactor(network_.pair_edges[k], state_,
+                                 [&](std::size_t edge) { return bridging_[edge]; });
+    };
     Differentiate(kind);
   }
 
   /// The values that the factor of an edge takes under the extended calibration.
   std::vector<const double*> ValuesOf(const EdgeKind& kind, std::size_t k) const {
     std::vector<const double*> x;
-    if (kind.own_blocks > 0) {
+    if (kind.own_effects) {
       const std::vector<BlockId>& blocks = network_.net.factor(kind.edges[k]).blocks;
-      for (std::size_t b = 0; b < kind.own_blocks; ++b) x.push_back(Value(blocks[b]));
+      const std::size_t others = blocks.size() - *kind.own_effects;
+      for (std::size_t b = 0; b < others; ++b) x.push_back(Value(blocks[b]));
     } else {
       const NodeBlocks& node = network_.nodes[kind.nodes[k]];
       x = {Value(node.q_mb.id), Value(node.p_mb.id), Value(network_.gnss_lever_arm.id),
@@ -216,6 +240,7 @@ class Candidates {
   std::vector<CandidateEffect> found_;
   std::vector<std::size_t> at_zero_;  // of found_, those in the state
   std::vector<CandidateEffect*> of_state_;
+  std::vector<std::shared_ptr<const PreintegratedInertial>> bridging_;  // null: not bridged over
 };
 
 }  // namespace

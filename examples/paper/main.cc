@@ -1,7 +1,8 @@
 // The experiments of Brun & Skaloud, "Scene-agnostic ALS boresight self-calibration", repeated on
 // simulated flights of the paper's geometries, each table beside the published figures.
 //
-//   example_paper [--seeds N] [--sets leg2,lar3] [--robustness 0] [--out DIR]
+//   example_paper [--seeds N] [--sets leg2,lar3] [--node-rate HZ] [--robustness 0]
+//                [--out DIR]
 //
 // Every flight is simulated, smoothed (raw inertial and GNSS data alone), and calibrated twice from
 // the same pairs: by the Gauss-Helmert adjustment on the smoothed trajectory (GH), and by the
@@ -10,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +24,7 @@ namespace {
 struct Options {
   std::uint64_t seeds = 1;
   std::vector<std::string> sets;
+  std::optional<double> node_rate_hz;
   bool robustness = true;
   std::filesystem::path out = "paper_flights";
 };
@@ -32,7 +35,8 @@ std::vector<paper::SetResult> CalibrateOnTheJob(const Options& options) {
     paper::SetResult result{set, {}};
     for (std::uint64_t seed = 1; seed <= options.seeds; ++seed) {
       fmt::print(stderr, "{} flight {} of {}\n", set, seed, options.seeds);
-      result.flights.push_back(paper::Calibrate(set, seed, options.out / set));
+      result.flights.push_back(
+          paper::Calibrate(set, seed, options.out / set, options.node_rate_hz));
     }
     results.push_back(std::move(result));
   }
@@ -62,6 +66,9 @@ int main(int argc, char** argv) {
   CLI::App app("The paper's experiments on simulated flights");
   app.add_option("--seeds", options.seeds, "flights of each strip set")->check(CLI::PositiveNumber);
   app.add_option("--sets", options.sets, "strip sets")->delimiter(',');
+  app.add_option("--node-rate", options.node_rate_hz,
+                 "nodes per second of the network within the strips; default: auto")
+      ->check(CLI::PositiveNumber);
   app.add_option("--robustness", options.robustness, "offsets, far start and thinned pairs, too");
   app.add_option("--out", options.out, "folder of the smoothed trajectories");
   CLI11_PARSE(app, argc, argv);

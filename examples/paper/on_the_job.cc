@@ -70,8 +70,9 @@ std::string Percent(const Matrix3d& m, int row) {
 }  // namespace
 
 Calibrated Calibrate(const std::string& set, std::uint64_t seed,
-                     const std::filesystem::path& folder) {
-  const SmoothedFlight flight = Fly(dn::ReadScenario(set), seed, folder);
+                     const std::filesystem::path& folder, std::optional<double> node_rate_hz) {
+  SmoothedFlight flight = Fly(dn::ReadScenario(set), seed, folder);
+  flight.sim.flight.config.network.node_rate_hz = node_rate_hz;
   const dn::GaussHelmertCalibration gh = dn::CalibrateGaussHelmert(flight.sim.flight);
   const dn::BoresightResult network = dn::Solution(flight.sim.flight).Boresight();
 
@@ -94,11 +95,11 @@ Calibrated Calibrate(const std::string& set, std::uint64_t seed,
 
 void PrintAttitude(const std::vector<SetResult>& sets) {
   fmt::print("\nRMSE of the smoothed attitude [deg], roll and pitch, heading\n");
-  fmt::print("{:<6} {:>19} {:>19}\n", "", "simulated", "paper, Table 1");
+  fmt::print("{:<10} {:>19} {:>19}\n", "", "simulated", "paper, Table 1");
   for (const SetResult& set : sets) {
     const Vector3d rms = Rms(set, [](const Calibrated& f) { return f.rph_rmse_deg; });
     const PublishedSet& published = Published(set.name);
-    fmt::print("{:<6} {:>9.4f} {:>9.4f} {:>9.4f} {:>9.4f}\n", set.name,
+    fmt::print("{:<10} {:>9.4f} {:>9.4f} {:>9.4f} {:>9.4f}\n", set.name,
                rms.head<2>().norm() / std::sqrt(2.0), rms.z(), published.sigma_rp_deg,
                published.sigma_y_deg);
   }
@@ -107,10 +108,10 @@ void PrintAttitude(const std::vector<SetResult>& sets) {
 void PrintAdjustment(const std::vector<SetResult>& sets) {
   fmt::print(
       "\nGauss-Helmert adjustment: condition number, sigma0, mean residual before and after [m]\n");
-  fmt::print("{:<6} {:>31} {:>31}\n", "", "simulated (median)", "paper");
+  fmt::print("{:<10} {:>31} {:>31}\n", "", "simulated (median)", "paper");
   for (const SetResult& set : sets) {
     const PublishedSet& p = Published(set.name);
-    fmt::print("{:<6} {:>9.0f} {:>6.2f} {:>7.2f} {:>6.2f} {:>9.0f} {:>6.1f} {:>7.2f} {:>6.2f}\n",
+    fmt::print("{:<10} {:>9.0f} {:>6.2f} {:>7.2f} {:>6.2f} {:>9.0f} {:>6.1f} {:>7.2f} {:>6.2f}\n",
                set.name, Median(set, [](const Calibrated& f) { return f.condition_number; }),
                Median(set, [](const Calibrated& f) { return f.sigma0; }),
                Median(set, [](const Calibrated& f) { return f.residual_initial_m; }),
@@ -121,10 +122,10 @@ void PrintAdjustment(const std::vector<SetResult>& sets) {
 
 void PrintErrors(const std::vector<SetResult>& sets) {
   fmt::print("\nBoresight roll, pitch, yaw against the truth [mdeg]\n");
-  fmt::print("{:<6} {:>23} {:>25} {:>25} {:>25}\n", "", "GH rms error", "GH mean error",
+  fmt::print("{:<10} {:>23} {:>25} {:>25} {:>25}\n", "", "GH rms error", "GH mean error",
              "DN rms error", "GH - DN rms");
   for (const SetResult& set : sets) {
-    fmt::print("{:<6} {} | {} | {} | {}\n", set.name,
+    fmt::print("{:<10} {} | {} | {} | {}\n", set.name,
                MilliDegrees(Rms(set, [](const Calibrated& f) { return f.gh.error_deg; })),
                MilliDegrees(Mean(set, [](const Calibrated& f) { return f.gh.error_deg; })),
                MilliDegrees(Rms(set, [](const Calibrated& f) { return f.dn.error_deg; })),
@@ -133,9 +134,9 @@ void PrintErrors(const std::vector<SetResult>& sets) {
                })));
   }
   fmt::print("\nStandard deviations, mean over the flights [mdeg]\n");
-  fmt::print("{:<6} {:>23} {:>25} {:>25}\n", "", "GH formal (x sigma0)", "GH honest", "DN");
+  fmt::print("{:<10} {:>23} {:>25} {:>25}\n", "", "GH formal (x sigma0)", "GH honest", "DN");
   for (const SetResult& set : sets) {
-    fmt::print("{:<6} {} | {} | {}\n", set.name,
+    fmt::print("{:<10} {} | {} | {}\n", set.name,
                MilliDegrees(Mean(set, [](const Calibrated& f) { return f.gh_sigma_formal_deg; })),
                MilliDegrees(Mean(set, [](const Calibrated& f) { return f.gh.sigma_deg; })),
                MilliDegrees(Mean(set, [](const Calibrated& f) { return f.dn.sigma_deg; })));
@@ -147,7 +148,7 @@ void PrintConsistency(const std::vector<SetResult>& sets) {
   fmt::print(
       "\nHonesty of the standard deviations: rms of error / GH formal sigma; honest sigma / rms\n"
       "error (largest of the angles); mean NEES / 3 with its 99 % interval; GH verdicts\n");
-  fmt::print("{:<6} {:>20} {:>8} {:>8} {:>8} {:>14}\n", "", "error/formal r p y", "honest",
+  fmt::print("{:<10} {:>20} {:>8} {:>8} {:>8} {:>14}\n", "", "error/formal r p y", "honest",
              "NEES GH", "NEES DN", "interval");
   for (const SetResult& set : sets) {
     const Vector3d formal = Rms(set, [](const Calibrated& f) -> Vector3d {
@@ -163,7 +164,7 @@ void PrintConsistency(const std::vector<SetResult>& sets) {
         std::count_if(set.flights.begin(), set.flights.end(),
                       [](const Calibrated& f) { return f.gh_verdict == "calibrated"; });
     fmt::print(
-        "{:<6} {:>6.1f} {:>6.1f} {:>6.1f} {:>8.2f} {:>8.2f} {:>8.2f} {:>6.2f}..{:.2f}  "
+        "{:<10} {:>6.1f} {:>6.1f} {:>6.1f} {:>8.2f} {:>8.2f} {:>8.2f} {:>6.2f}..{:.2f}  "
         "{} of {} calibrated\n",
         set.name, formal.x(), formal.y(), formal.z(), width.maxCoeff(),
         Mean(set, [](const Calibrated& f) { return f.gh.nees / 3.0; }),
@@ -176,13 +177,13 @@ void PrintCorrelations(const std::vector<SetResult>& sets) {
   fmt::print(
       "\nCorrelations of the first flight [%]; rows and columns roll, pitch, yaw; biases x, "
       "y, z at the lidar barycentre\n");
-  fmt::print("{:<12} {:>17}   {:>17}   {:>17}   {:>17}\n", "", "GH", "DN", "DN accel bias",
+  fmt::print("{:<16} {:>17}   {:>17}   {:>17}   {:>17}\n", "", "GH", "DN", "DN accel bias",
              "DN gyro bias");
   const char* rows[] = {"roll", "pitch", "yaw"};
   for (const SetResult& set : sets) {
     const Calibrated& flight = set.flights.front();
     for (int row = 0; row < 3; ++row) {
-      fmt::print("{:<6}{:<6} {}   {}   {}   {}\n", row == 0 ? set.name : "", rows[row],
+      fmt::print("{:<10}{:<6} {}   {}   {}   {}\n", row == 0 ? set.name : "", rows[row],
                  Percent(flight.gh.correlation, row), Percent(flight.dn.correlation, row),
                  Percent(flight.dn_accel, row), Percent(flight.dn_gyro, row));
     }

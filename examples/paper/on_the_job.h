@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,9 @@ struct Calibrated {
   std::string gh_verdict, dn_verdict;
 };
 
+/// node_rate_hz: of the network within the strips; absent: as the program chooses.
 Calibrated Calibrate(const std::string& set, std::uint64_t seed,
-                     const std::filesystem::path& folder);
+                     const std::filesystem::path& folder, std::optional<double> node_rate_hz);
 
 /// The flights of one strip set, seed 1 first.
 struct SetResult {

@@ -9,7 +9,8 @@ Matrix3d EndNoise(const LidarEnd& end, const Matrix3d& R_mb, const Vector3d& l_b
   Eigen::Matrix<double, 3, 9> J_x_increments;
   J_x_increments << -R_mb * end.partial.delta_q.toRotationMatrix() * Skew(l_b), Matrix3d::Zero(),
       R_mb;
-  return J_x_increments * end.partial.covariance * J_x_increments.transpose();
+  const auto& covariance = end.bridge ? end.bridge->covariance() : end.partial.covariance;
+  return J_x_increments * covariance * J_x_increments.transpose();
 }
 
 LidarPoint::LidarPoint(const LocalFrame& frame, const Preintegrated& partial,

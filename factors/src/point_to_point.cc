@@ -51,6 +51,9 @@ PointToPoint::PointToPoint(const LocalFrame& frame, const LidarEnd& i, const Lid
     throw InvalidInput("point pair: the nominal time offset is not finite");
   }
   internal::CheckPointPair(i, j, T_bs_nominal);
+  if (i.bridge || j.bridge) {
+    throw InvalidInput("point pair: an end with a bridge needs the blocks of the node after it");
+  }
   i_ = LidarPoint(frame, i.partial, i.p_nominal_m);
   j_ = LidarPoint(frame, j.partial, j.p_nominal_m);
 }

@@ -3,9 +3,20 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 
+#include <cmath>
+
 #include "effects/registry.h"
 
 namespace dn {
+
+Eigen::Vector3d TurnedTowardAxis(const Eigen::Vector3d& axis, double angle_rad,
+                                 const Eigen::Vector3d& u) {
+  const double along = axis.dot(u);
+  const Eigen::Vector3d across = u - along * axis;
+  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  const double length = across.norm();
+  return (along * c + length * s) * axis + (c - along / length * s) * across;
+}
 
 ActiveEffects MakeActiveEffects(const Scenario& scenario, std::uint64_t seed, bool noise) {
   ActiveEffects active;

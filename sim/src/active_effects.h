@@ -22,6 +22,10 @@ struct LidarSpan {
   double middle_s() const { return 0.5 * (first_s + last_s); }
 };
 
+/// The vector turned by the angle toward the axis (a unit vector).
+Eigen::Vector3d TurnedTowardAxis(const Eigen::Vector3d& axis, double angle_rad,
+                                 const Eigen::Vector3d& u);
+
 /// How much later the tags are than the true time, and which entry says so.
 struct TagShift {
   std::string effect;
@@ -66,7 +70,7 @@ struct ActiveEffects {
   Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();  ///< beyond the assumed one
   /// Added to the boresight's rotation vector.
   std::vector<std::function<Eigen::Vector3d(double t_s, const LidarSpan& span)>> boresight_rad;
-  /// Angle by which the beams leave the scan plane toward +scan_axis beyond what is assumed.
+  /// Angle by which the beams are turned toward +scan_axis beyond what is assumed.
   double scan_cone_rad = 0.0;
   /// What the scanner makes of a vector in its frame.
   std::vector<std::function<Eigen::Vector3d(const Eigen::Vector3d& u_s)>> laser_vector;

@@ -83,16 +83,19 @@ class PairSampler {
     const Vector2d en_m = overlap.i->footprint.Draw(random);
     if (!overlap.j->footprint.Contains(en_m)) return std::nullopt;
     const Vector3d point_m(en_m.x(), en_m.y(), terrain_.Surface(en_m));
-    const auto from_i = See(point_m, *overlap.i);
+    const auto from_i = See(point_m, *overlap.i, random);
     if (!from_i) return std::nullopt;
-    const auto from_j = See(point_m, *overlap.j);
+    const auto from_j = See(point_m, *overlap.j, random);
     if (!from_j) return std::nullopt;
     return TwoSightings{*from_i, *from_j};
   }
 
  private:
-  std::optional<Sighting> See(const Vector3d& point_m, const Strip& strip) const {
-    return scanner_.See(point_m, strip.interval.t0_s, strip.interval.t1_s);
+  /// One of the sightings of a strip.
+  std::optional<Sighting> See(const Vector3d& point_m, const Strip& strip, Random& random) const {
+    const auto seen = scanner_.See(point_m, strip.interval.t0_s, strip.interval.t1_s);
+    if (seen.empty()) return std::nullopt;
+    return seen.size() == 2 && random.Uniform() < 0.5 ? seen[1] : seen[0];
   }
 
   const Scanner& scanner_;

@@ -33,7 +33,8 @@ Scanner::Scanner(const LidarScenario& lidar, const ActiveEffects& effects, const
       constant_R_bs_(Rotation(lidar.mounting.boresight_rad) * lidar.mounting.R_bs_nominal),
       scan_axis_s_(lidar.scan_axis_s.normalized()),
       nadir_axis_s_(lidar.nadir_axis_s.normalized()),
-      sine_of_cone_(std::sin(effects.scan_cone_rad)),
+      sine_of_turn_(std::sin(effects.scan_cone_rad)),
+      pattern_(lidar.pattern),
       half_fov_rad_(0.5 * lidar.fov_rad) {
   mounting_.lever_arm_b_m += effects.lidar_lever_arm_b_m;
 }
@@ -45,11 +46,15 @@ Eigen::Matrix3d Scanner::R_bs(double t_s) const {
   return Rotation(boresight_rad) * mounting_.R_bs_nominal;
 }
 
-/// How far the point lies ahead of the beams, toward +scan_axis.
-double Scanner::Ahead(const Vector3d& point_m, double t_s) const {
-  const Vector3d u_s = VectorTo(point_m, t_s);
+/// How far the point lies ahead of the beams of a line, toward +scan_axis.
+double Scanner::Ahead(const Vector3d& u_s) const {
   const double ahead_m = u_s.dot(scan_axis_s_);
-  return sine_of_cone_ == 0.0 ? ahead_m : ahead_m - sine_of_cone_ * u_s.norm();
+  return sine_of_turn_ == 0.0 ? ahead_m : ahead_m - sine_of_turn_ * u_s.norm();
+}
+
+double Scanner::InsideCone(const Vector3d& u_s) const {
+  const Vector3d measured_s = TurnedTowardAxis(scan_axis_s_, -effects_.scan_cone_rad, u_s);
+  return measured_s.dot(nadir_axis_s_) - std::cos(half_fov_rad_) * u_s.norm();
 }
 
 Vector3d Scanner::VectorTo(const Vector3d& point_m, double t_s) const {
@@ -59,12 +64,14 @@ Vector3d Scanner::VectorTo(const Vector3d& point_m, double t_s) const {
          (R_mb.transpose() * (point_m - pose.p_mb) - mounting_.lever_arm_b_m);
 }
 
-std::optional<double> Scanner::SweepTime(const Vector3d& point_m, double t0_s, double t1_s) const {
-  double g0 = Ahead(point_m, t0_s), g1 = Ahead(point_m, t1_s);
+std::optional<double> Scanner::SweepTime(FromBeams from_beams, const Vector3d& point_m, double t0_s,
+                                         double t1_s) const {
+  const auto distance_m = [&](double t_s) { return (this->*from_beams)(VectorTo(point_m, t_s)); };
+  double g0 = distance_m(t0_s), g1 = distance_m(t1_s);
   if (g0 * g1 > 0.0) return std::nullopt;
   for (int step = 0; step < kMaxSteps && std::abs(t1_s - t0_s) > kSameTime_s; ++step) {
     const double t_s = t1_s - g1 * (t1_s - t0_s) / (g1 - g0);
-    const double g = Ahead(point_m, t_s);
+    const double g = distance_m(t_s);
     if (std::abs(g) < kOnPlane_m) return t_s;
     if (g * g1 < 0.0) {
       t0_s = t1_s;
@@ -79,6 +86,30 @@ std::optional<double> Scanner::SweepTime(const Vector3d& point_m, double t0_s, d
   return t1_s;
 }
 
+/// A cone is passed once on each side of the plane across its axis of travel.
+std::vector<double> Scanner::SweepTimes(const Vector3d& point_m, double t0_s, double t1_s) const {
+  const std::optional<double> abeam_s = SweepTime(&Scanner::Ahead, point_m, t0_s, t1_s);
+  std::vector<double> times_s;
+  if (pattern_ == ScanPattern::kLine) {
+    if (abeam_s) times_s.push_back(*abeam_s);
+    return times_s;
+  }
+  const double turn_s = abeam_s.value_or(t1_s);
+  for (const auto& [from_s, to_s] : {std::pair(t0_s, turn_s), std::pair(turn_s, t1_s)}) {
+    if (from_s == to_s) continue;
+    const auto t_s = SweepTime(&Scanner::InsideCone, point_m, from_s, to_s);
+    if (t_s) times_s.push_back(*t_s);
+  }
+  return times_s;
+}
+
+bool Scanner::InView(const Vector3d& u_s) const {
+  if (pattern_ == ScanPattern::kCone) return true;
+  const double angle =
+      std::atan2(u_s.dot(scan_axis_s_.cross(nadir_axis_s_)), u_s.dot(nadir_axis_s_));
+  return std::abs(angle) <= half_fov_rad_;
+}
+
 bool Scanner::Hidden(const Vector3d& point_m, double t_s) const {
   const MapPose pose = truth_->Pose(t_s);
   const Vector3d origin_m = pose.p_mb + pose.q_mb * mounting_.lever_arm_b_m;
@@ -87,14 +118,13 @@ bool Scanner::Hidden(const Vector3d& point_m, double t_s) const {
   return terrain_->Intersect(origin_m, ray_m / range_m, range_m - kNearSurface_m).has_value();
 }
 
-std::optional<Sighting> Scanner::See(const Vector3d& point_m, double t0_s, double t1_s) const {
-  const std::optional<double> t_s = SweepTime(point_m, t0_s, t1_s);
-  if (!t_s) return std::nullopt;
-  const Vector3d u_s = VectorTo(point_m, *t_s);
-  const double angle =
-      std::atan2(u_s.dot(scan_axis_s_.cross(nadir_axis_s_)), u_s.dot(nadir_axis_s_));
-  if (std::abs(angle) > half_fov_rad_ || Hidden(point_m, *t_s)) return std::nullopt;
-  return Sighting{*t_s, u_s};
+std::vector<Sighting> Scanner::See(const Vector3d& point_m, double t0_s, double t1_s) const {
+  std::vector<Sighting> seen;
+  for (const double t_s : SweepTimes(point_m, t0_s, t1_s)) {
+    const Vector3d u_s = VectorTo(point_m, t_s);
+    if (InView(u_s) && !Hidden(point_m, t_s)) seen.push_back({t_s, u_s});
+  }
+  return seen;
 }
 
 }  // namespace dn

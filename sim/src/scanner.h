@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "active_effects.h"
 
@@ -19,26 +20,35 @@ struct Sighting {
   Eigen::Vector3d u_s = Eigen::Vector3d::Zero();
 };
 
-/// The true scanner on its true path, within half the field of view of nadir_axis: a line scanner,
-/// whose beams lie in the plane through its origin that is perpendicular to scan_axis, or, with a
-/// cone, leave this plane by its angle toward +scan_axis.
+/// The true scanner on its true path. The beams of a line scanner lie in the plane through its origin
+/// that is perpendicular to scan_axis, within half the field of view of nadir_axis; those of a conical
+/// one at half the field of view from nadir_axis all around, so that a point is passed twice, ahead
+/// and behind. The effect lidar_scan_cone turns all of them toward +scan_axis.
 class Scanner {
  public:
   /// span: of the epochs that the pairs will have, for effects that refer to them.
   Scanner(const LidarScenario& lidar, const ActiveEffects& effects, const LidarSpan& span,
           std::shared_ptr<const TruthTrajectory> truth, std::shared_ptr<const Terrain> terrain);
 
-  /// When, in [t0_s, t1_s], the beams sweep over the point; nothing when they do not, when the
-  /// point is outside the field of view then, or hidden behind the surface.
-  std::optional<Sighting> See(const Eigen::Vector3d& point_m, double t0_s, double t1_s) const;
+  /// When, in [t0_s, t1_s], the beams sweep over the point, in the order of time: at most once for a
+  /// line, twice for a cone. Not where the point is outside the field of view then, or hidden behind
+  /// the surface.
+  std::vector<Sighting> See(const Eigen::Vector3d& point_m, double t0_s, double t1_s) const;
 
   /// Vector from the scanner to a point, in the sensor frame, m.
   Eigen::Vector3d VectorTo(const Eigen::Vector3d& point_m, double t_s) const;
 
  private:
+  /// Signed distance of a vector in the sensor frame from a surface on which the beams lie.
+  using FromBeams = double (Scanner::*)(const Eigen::Vector3d& u_s) const;
+
   Eigen::Matrix3d R_bs(double t_s) const;
-  double Ahead(const Eigen::Vector3d& point_m, double t_s) const;
-  std::optional<double> SweepTime(const Eigen::Vector3d& point_m, double t0_s, double t1_s) const;
+  double Ahead(const Eigen::Vector3d& u_s) const;
+  double InsideCone(const Eigen::Vector3d& u_s) const;
+  std::optional<double> SweepTime(FromBeams from_beams, const Eigen::Vector3d& point_m, double t0_s,
+                                  double t1_s) const;
+  std::vector<double> SweepTimes(const Eigen::Vector3d& point_m, double t0_s, double t1_s) const;
+  bool InView(const Eigen::Vector3d& u_s) const;
   bool Hidden(const Eigen::Vector3d& point_m, double t_s) const;
 
   std::shared_ptr<const TruthTrajectory> truth_;
@@ -49,7 +59,8 @@ class Scanner {
   Eigen::Matrix3d constant_R_bs_;  // where no effect changes the boresight
   Eigen::Vector3d scan_axis_s_;
   Eigen::Vector3d nadir_axis_s_;
-  double sine_of_cone_;
+  double sine_of_turn_;  // of the beams toward +scan_axis
+  ScanPattern pattern_;
   double half_fov_rad_;
 };
 

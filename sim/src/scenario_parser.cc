@@ -125,8 +125,10 @@ GnssScenario ReadGnssScenario(const YamlValue& s) {
 }
 
 LidarScenario ReadLidar(const YamlValue& s) {
+  static const std::vector<std::pair<std::string, ScanPattern>> patterns{
+      {"line", ScanPattern::kLine}, {"cone", ScanPattern::kCone}};
   s.ExpectMapOrNothing({"R_sensor_to_body", "scan_axis", "nadir_axis", "lever_arm_m",
-                        "boresight_deg", "fov_deg", "pulse_rate_hz", "gsd_m",
+                        "boresight_deg", "fov_deg", "pattern", "pulse_rate_hz", "gsd_m",
                         "beam_divergence_mrad"});
   LidarScenario lidar;
   const ScannerAxes axes = ReadScannerAxes(s, false);
@@ -138,6 +140,7 @@ LidarScenario ReadLidar(const YamlValue& s) {
   const double fov_deg = s["fov_deg"].PositiveOr(60.0);
   if (fov_deg > 150.0) s["fov_deg"].Fail("must be at most 150");
   lidar.fov_rad = fov_deg * kRadPerDeg;
+  if (s["pattern"]) lidar.pattern = s["pattern"].Choice(patterns);
   lidar.pulse_rate_hz = s["pulse_rate_hz"].PositiveOr(100000.0);
   lidar.gsd_m = s["gsd_m"].Positive();
   lidar.beam_divergence_rad = 1e-3 * s["beam_divergence_mrad"].NotNegativeOr(0.0);

@@ -229,6 +229,13 @@ TEST(CliUsage, ErrorsNameTheFileHoweverShortItsName) {
   EXPECT_THAT(run.err, HasSubstr("dn allan: error: file does not exist (i)\n"));
 }
 
+TEST(CliUsage, SimulateListsTheShippedScenarios) {
+  const ProgramRun run = RunProgram({"simulate", "--help"});
+  for (const char* name : {"  leg2", "  lar2_cross", "  hal4_rest", "  lar3_effects"}) {
+    EXPECT_THAT(run.out, HasSubstr(name));
+  }
+}
+
 TEST(CliUsage, UnknownScenarioNamesTheNearest) {
   const TempFolder folder;
   const ProgramRun run = RunProgram({"simulate", "lar33", "--out", (folder.path() / "f").string()});

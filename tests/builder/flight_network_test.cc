@@ -1,6 +1,7 @@
 #include <dn/builder/flight_network.h>
 #include <dn/error.h>
 #include <dn/navigation/alignment.h>
+#include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
@@ -202,26 +204,102 @@ TEST(FlightNetwork, PairsWithinOneNodeAreCountedAndLeftOut) {
   EXPECT_EQ(network.pair_edges.size(), 1U);
 }
 
-// White gyro noise turns the arm from the node to the epoch: 2 n^2 dt |u|^2 over the three axes.
-TEST(FlightNetwork, PairsCarryTheNoiseOfTheIncrementFromTheirNodes) {
+/// Whitening of a pair: its derivative with respect to the position of a node.
+Eigen::Matrix3d Whitening(const FlightNetwork& network, const FlightNetwork::PairEdge& edge) {
+  Eigen::VectorXd r;
+  std::vector<Eigen::MatrixXd> J;
+  EXPECT_TRUE(network.net.EvaluateFactor(edge.id, &r, &J));
+  return J[1];
+}
+
+// White gyro noise turns the arm from the node to the epoch, less what the node after it tells:
+// 2 n^2 t (D - t) / D |u|^2 over the three axes.
+TEST(FlightNetwork, PairsCarryTheNoiseOfTheIncrementBetweenTheirNodes) {
   FlightNetwork network = AtTruth(Drone().flight);
   network.AddPairs(Drone().flight.pairs->pairs);
   const double white = Drone().flight.config.imu->model.gyro.white;
   const double sigma_p_m = Drone().flight.config.lidar->sigma_p_m;
   constexpr double kTolerance = 0.1;  // lever arm, white accelerometer noise
   for (const auto& edge : network.pair_edges) {
-    const double dt_i_s = edge.pair.t_i_s - network.node_times()[edge.node_i];
-    const double dt_j_s = edge.pair.t_j_s - network.node_times()[edge.node_j];
-    Eigen::VectorXd r;
-    std::vector<Eigen::MatrixXd> J;
-    ASSERT_TRUE(network.net.EvaluateFactor(edge.id, &r, &J));
-    const Eigen::Matrix3d covariance = Eigen::Matrix3d(J[1].transpose() * J[1]).inverse();
-    const double excess = covariance.trace() - 3.0 * sigma_p_m * sigma_p_m;
-    const double expected =
-        2.0 * white * white *
-        (dt_i_s * edge.pair.u_i_s.squaredNorm() + dt_j_s * edge.pair.u_j_s.squaredNorm());
-    EXPECT_NEAR(excess, expected, kTolerance * expected) << dt_i_s << " s, " << dt_j_s << " s";
+    ASSERT_TRUE(edge.bridge_i && edge.bridge_j);
+    const auto variance = [&](std::size_t k, double t_s, const Eigen::Vector3d& u) {
+      const double D = network.node_times()[k + 1] - network.node_times()[k];
+      const double t = t_s - network.node_times()[k];
+      return 2.0 * white * white * t * (D - t) / D * u.squaredNorm();
+    };
+    const Eigen::Matrix3d W = Whitening(network, edge);
+    const double excess = (W.transpose() * W).inverse().trace() - 3.0 * sigma_p_m * sigma_p_m;
+    const double expected = variance(edge.node_i, edge.pair.t_i_s, edge.pair.u_i_s) +
+                            variance(edge.node_j, edge.pair.t_j_s, edge.pair.u_j_s);
+    EXPECT_NEAR(excess, expected, kTolerance * expected + 1e-9);
   }
+}
+
+TEST(FlightNetwork, NoBridgeWhereTheNoiseDoesNotCount) {
+  Flight flight = Drone().flight;
+  flight.config.imu->model.gyro.white *= 1e-3;
+  FlightNetwork network = AtTruth(flight);
+  network.AddPairs(flight.pairs->pairs);
+  for (const auto& edge : network.pair_edges) EXPECT_FALSE(edge.bridge_i || edge.bridge_j);
+}
+
+/// Of all pairs, some whose ends fall into intervals of the nodes that no other end falls into.
+std::vector<LidarPair> OnePerInterval(const Flight& flight, const std::vector<double>& node_t_s) {
+  std::set<std::size_t> taken;
+  std::vector<LidarPair> pairs;
+  for (const LidarPair& pair : flight.pairs->pairs) {
+    const std::size_t i = NodeBefore(node_t_s, pair.t_i_s), j = NodeBefore(node_t_s, pair.t_j_s);
+    if (i == j || taken.contains(i) || taken.contains(j)) continue;
+    taken.insert({i, j});
+    pairs.push_back(pair);
+  }
+  return pairs;
+}
+
+// A node at every epoch is the exact network. Eliminated from it, such a node leaves the bridge.
+TEST(FlightNetwork, BridgesAreNodesAtTheEpochsEliminated) {
+  Flight flight = Drone().flight;
+  ImuModel& model = flight.config.imu->model;
+  model.gyro.white *= 20.0;   // 0.1 m at the ground within a second
+  model.accel.white *= 10.0;  // so that no tilt within an interval shows in the velocities
+  model.gyro.processes = {{BiasProcess::Type::kRandomConstant, 1e-5, 0.0}};
+  model.accel.processes = {{BiasProcess::Type::kRandomConstant, 1e-2, 0.0}};
+  const TimeInterval span = NetworkSpan(flight, true);
+  const std::vector<double> coarse = NodeTimes(*flight.imu, span, GnssTimes(flight, span), {}, {});
+  const std::vector<LidarPair> pairs = OnePerInterval(flight, coarse);
+  ASSERT_GE(pairs.size(), 15U);
+  std::set<double> fine(coarse.begin(), coarse.end());
+  for (const LidarPair& pair : pairs) fine.insert({pair.t_i_s, pair.t_j_s});
+
+  struct Solved {
+    double cost = 0.0;
+    Eigen::Quaterniond boresight;
+    Eigen::Matrix3d covariance;
+  };
+  const auto solve = [&](const std::vector<double>& node_t_s) {
+    InitialStates initial;
+    for (const double t_s : node_t_s) initial.nodes.push_back(Drone().truth->Pose(t_s));
+    FlightNetwork network(flight, node_t_s, initial);
+    network.net.SetValue(network.boresight, Exp(Drone().boresight_rad));
+    network.AddPairs(pairs);
+    Solved solved;
+    for (int k = 0; k < 3; ++k) {
+      solved.cost = Solve(network.net).final_cost;
+      network.Relinearise();
+    }
+    solved.boresight = network.net.Value(network.boresight);
+    solved.covariance = Marginals(network.net).Covariance(network.boresight);
+    return solved;
+  };
+  const Solved bridged = solve(coarse);
+  const Solved exact = solve({fine.begin(), fine.end()});
+  const Eigen::Vector3d sigma = exact.covariance.diagonal().cwiseSqrt();
+  const Eigen::Vector3d apart = Log(bridged.boresight * exact.boresight.conjugate());
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_LE(std::abs(apart[axis]), 0.05 * sigma[axis]) << axis;
+    EXPECT_NEAR(bridged.covariance(axis, axis) / exact.covariance(axis, axis), 1.0, 0.01) << axis;
+  }
+  EXPECT_NEAR(bridged.cost / exact.cost, 1.0, 1e-3);
 }
 
 TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {

@@ -2,7 +2,7 @@
 #include <dn/factors/gnss_antenna.h>
 #include <dn/factors/gnss_position.h>
 #include <dn/factors/gnss_velocity.h>
-#include <dn/factors/point_to_point_with_effects.h>
+#include <dn/factors/point_to_point_between_nodes.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -82,7 +82,7 @@ class PairOfEffects : public ::testing::Test {
     end.p_nominal_m = motion_.Pose(node_s).p_mb;
     return end;
   }
-  PointToPointWithEffects Factor() const {
+  PointToPointBetweenNodes Factor() const {
     return {motion_.frame,
             End(1.0, 1.31, {950.0, 10.0, 300.0}),
             End(4.0, 4.22, {920.0, 0.0, -250.0}),
@@ -112,7 +112,7 @@ class PairOfEffects : public ::testing::Test {
 };
 
 TEST_F(PairOfEffects, JacobiansAgreeAtRandomStates) {
-  const PointToPointWithEffects factor = Factor();
+  const PointToPointBetweenNodes factor = Factor();
   for (unsigned seed = 0; seed < 20; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 rng(seed);
@@ -125,7 +125,7 @@ TEST_F(PairOfEffects, JacobiansAgreeAtRandomStates) {
 
 // Without values of its effects the pair is the plain one.
 TEST_F(PairOfEffects, LeavesThePlainPairWithoutValues) {
-  const PointToPointWithEffects factor = Factor();
+  const PointToPointBetweenNodes factor = Factor();
   std::vector<VectorXd> x = Blocks(Vector3d::Zero(), Vector3d(1e-3, 0.0, -2e-3));
   x[12].setZero();
   const PointToPoint plain(motion_.frame, End(1.0, 1.31, {950.0, 10.0, 300.0}),
@@ -141,7 +141,7 @@ TEST_F(PairOfEffects, LeavesThePlainPairWithoutValues) {
 // The increments move with the scale as they do when they are integrated with it, the point with an
 // attraction as Propagate does.
 TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
-  const PointToPointWithEffects factor = Factor();
+  const PointToPointBetweenNodes factor = Factor();
   const Vector3d moved_scale(1.1e-3, 2e-4, -2.2e-3);
   std::vector<VectorXd> x = Blocks(Vector3d::Zero(), moved_scale);
   x[8][0] = 2e-3;  // the epoch where the increments end
@@ -163,7 +163,7 @@ TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
 TEST_F(PairOfEffects, RejectsEndsWithOtherEffects) {
   LidarEnd plain = End(4.0, 4.2, {900.0, 0.0, 0.0});
   plain.partial = Preintegrate(imu_, 4.0, 4.2, {}, kNoise);
-  EXPECT_THROW(PointToPointWithEffects(motion_.frame, End(1.0, 1.3, {900.0, 0.0, 0.0}), plain, 1.3,
+  EXPECT_THROW(PointToPointBetweenNodes(motion_.frame, End(1.0, 1.3, {900.0, 0.0, 0.0}), plain, 1.3,
                                        4.2, Mounting(), {}, {}, Noise<3>::Sigma(1.0)),
                InvalidInput);
 }

@@ -68,6 +68,33 @@ TEST(SimulatedPairs, BothEndsAreOneGroundPointInTheScanPlane) {
   EXPECT_EQ(per_file.size(), files.size());
 }
 
+TEST(SimulatedPairs, BothEndsAreOneGroundPointOnTheConeSeenAheadOrBehind) {
+  Scenario scenario = testing::SmallScenario();
+  scenario.lidar.pattern = ScanPattern::kCone;
+  const SimulatedFlight flight = Simulate(scenario, {.noise = false});
+  const Terrain terrain(scenario.terrain);
+  const Vector3d& a = scenario.lidar.mounting.lever_arm_b_m;
+  int ahead = 0, left = 0, mixed = 0;
+  for (const LidarPair& pair : flight.flight.pairs->pairs) {
+    const Vector3d p_i = Ground(flight, pair.t_i_s, pair.u_i_s, a);
+    const Vector3d p_j = Ground(flight, pair.t_j_s, pair.u_j_s, a);
+    EXPECT_LT((p_i - p_j).norm(), kExact_m);
+    EXPECT_NEAR(p_i.z(), terrain.Surface(p_i.head<2>()), 1e-4);
+    for (const Vector3d& u : {pair.u_i_s, pair.u_j_s}) {
+      // nadir (1, 0, 0), scan axis (0, 1, 0)
+      EXPECT_NEAR(u.x(), u.norm() * std::cos(0.5 * scenario.lidar.fov_rad), kExact_m);
+      ahead += u.y() > 0.0 ? 1 : 0;
+      left += u.z() < 0.0 ? 1 : 0;
+    }
+    mixed += (pair.u_i_s.y() > 0.0) != (pair.u_j_s.y() > 0.0) ? 1 : 0;
+  }
+  ASSERT_EQ(flight.flight.pairs->pairs.size(), 300u);
+  for (const int count : {ahead, left, 2 * mixed}) {
+    EXPECT_GT(count, 200);
+    EXPECT_LT(count, 400);
+  }
+}
+
 TEST(SimulatedPairs, EpochsLieInTheirStrips) {
   const SimulatedFlight flight = Simulate(testing::SmallScenario(), {});
   const auto strip_of = [&](double t_s) -> std::string {
@@ -211,7 +238,9 @@ TEST_P(ShippedScenario, FliesAtItsHeightWithPairsInEveryOverlap) {
 INSTANTIATE_TEST_SUITE_P(All, ShippedScenario,
                          ::testing::Values(Band{"leg2", 100, 200, 1}, Band{"leg4", 100, 200, 6},
                                            Band{"lar2", 150, 250, 1}, Band{"lar3", 150, 250, 3},
-                                           Band{"uav2", 150, 250, 1}, Band{"uav3", 150, 250, 3}),
+                                           Band{"uav2", 150, 250, 1}, Band{"uav3", 150, 250, 3},
+                                           Band{"lar2_cross", 150, 250, 1},
+                                           Band{"uav2_cross", 150, 250, 1}),
                          [](const auto& band) { return band.param.name; });
 
 }  // namespace

@@ -124,6 +124,27 @@ TEST(ScannerEffects, TheBeamLeavesTheScanPlaneAndTheFileSaysThatItDoesNot) {
   EXPECT_GT(LargestMisfit(flight, Assumed(flight)), 1.0);
 }
 
+// The true beam stands nearer to the scan axis than the file says, whose beams lie on the cone.
+TEST(ScannerEffects, ABeamOfAConeIsTurnedTowardTheScanAxis) {
+  Scenario scenario = testing::SmallScenario("effects: [{effect: lidar_scan_cone, value: 0.5}]\n");
+  scenario.lidar.pattern = ScanPattern::kCone;
+  SimulateOptions options;
+  options.noise = false;
+  const SimulatedFlight flight = Simulate(scenario, options);
+  const double turn = 0.5 * kRadPerDegree;
+  const Vector3d& axis = scenario.lidar.scan_axis_s;
+  for (const LidarPair& pair : flight.flight.pairs->pairs) {
+    ASSERT_NEAR(pair.u_i_s.dot(scenario.lidar.nadir_axis_s),
+                pair.u_i_s.norm() * std::cos(0.5 * scenario.lidar.fov_rad), kSamePoint_m);
+  }
+  Belief belief = Assumed(flight);
+  belief.true_vector = [&](const Vector3d& u_s) {
+    return Vector3d(Eigen::AngleAxisd(turn, u_s.cross(axis).normalized()) * u_s);
+  };
+  EXPECT_LT(LargestMisfit(flight, belief), kSamePoint_m);
+  EXPECT_GT(LargestMisfit(flight, Assumed(flight)), 1.0);
+}
+
 // Measured scan angle by projection, then range, of a beam that has left the plane.
 TEST(ScannerEffects, ConeAngleAndRangeApplyInThisOrder) {
   const SimulatedFlight flight = Exact(

@@ -1,12 +1,17 @@
 #include <dn/error.h>
+#include <dn/imu/imu_model.h>
 #include <dn/sim/scenario.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <regex>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "sim/small_scenario.h"
 #include "testing/hostile_yaml.h"
@@ -83,6 +88,8 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(Fault(Replace(kGood, "fov_deg", "fov_dg"), &line),
               AllOf(HasSubstr("lidar: unknown key 'fov_dg'"), HasSubstr("'fov_deg'")));
   EXPECT_EQ(line, 6);
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, pattern: con")),
+              AllOf(HasSubstr("pattern"), HasSubstr("cone")));
   EXPECT_THAT(Fault(kGood + "pars: {}\n"), AllOf(HasSubstr("'pars'"), HasSubstr("'pairs'")));
   EXPECT_THAT(Fault(Replace(kGood, "airins", "airinz")), HasSubstr("airins"));
   EXPECT_THAT(Fault(kGood + "terrain: {kind: mixd}\n"), HasSubstr("mixed"));
@@ -171,7 +178,7 @@ imu: {rate_hz: 100, preset: airins, gyro: {white_deg_sqrt_h: 0.1, processes: [{t
 gnss: {rate_hz: 1, sigma_enu_m: [0.1, 0.1, 0.1], lever_arm_m: [1, 0, 0], velocity: false}
 lidar: {R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], scan_axis: [1, 0, 0],
         nadir_axis: [0, 0, 1], lever_arm_m: [0, 0, 0], boresight_deg: [0, 0, 0], fov_deg: 60,
-        pulse_rate_hz: 1000, gsd_m: 0.3, beam_divergence_mrad: 0.3}
+        pattern: cone, pulse_rate_hz: 1000, gsd_m: 0.3, beam_divergence_mrad: 0.3}
 pairs: {count: 30, sigma_p_m: 0.1}
 strips: false
 effects: [{effect: imu_vibration, value: [1, 1], window_s: [110, 120]},
@@ -211,9 +218,88 @@ TEST(ReadScenario, NamesWhatIsNoRegularFile) {
               ::testing::HasSubstr("at most 1048576 are read"));
 }
 
+bool SameModel(const SensorNoise& a, const SensorNoise& b) {
+  const auto same = [](const BiasProcess& p, const BiasProcess& q) {
+    return p.type == q.type && p.sigma == q.sigma && p.tau_s == q.tau_s;
+  };
+  return a.white == b.white && std::equal(a.processes.begin(), a.processes.end(),
+                                          b.processes.begin(), b.processes.end(), same);
+}
+
+/// A strip set and the preset of its sensor.
+struct StripSet {
+  std::string name, preset;
+};
+
+class StripSetVariants : public ::testing::TestWithParam<StripSet> {};
+
+TEST_P(StripSetVariants, AreTheSameFlightWithTheSensorAtRestAndWithCausesAsEffects) {
+  const auto& [name, preset] = GetParam();
+  const Scenario flown = ReadScenario(name);
+  const ImuModel at_rest = ImuPreset(preset);
+  EXPECT_FALSE(flown.imu.preset) << "noise of flight beyond the preset";
+  EXPECT_FALSE(SameModel(flown.imu.model.accel, at_rest.accel));
+  EXPECT_TRUE(flown.effects.empty());
+  for (const std::string& variant : {name + "_rest", name + "_effects"}) {
+    const Scenario s = ReadScenario(variant);
+    EXPECT_EQ(s.imu.preset, preset);
+    EXPECT_EQ(s.imu.rate_hz, flown.imu.rate_hz);
+    EXPECT_TRUE(SameModel(s.imu.model.gyro, at_rest.gyro));
+    EXPECT_TRUE(SameModel(s.imu.model.accel, at_rest.accel));
+    EXPECT_EQ(s.start_s, flown.start_s);
+    EXPECT_EQ(s.plan.warm_up_s, flown.plan.warm_up_s);
+    EXPECT_EQ(s.plan.lines.size(), flown.plan.lines.size());
+    EXPECT_EQ(s.gnss.lever_arm_b_m, flown.gnss.lever_arm_b_m);
+    EXPECT_EQ(s.lidar.pattern, flown.lidar.pattern);
+    EXPECT_EQ(s.lidar.mounting.boresight_rad, flown.lidar.mounting.boresight_rad);
+    EXPECT_EQ(s.pairs.count, flown.pairs.count);
+  }
+  EXPECT_TRUE(ReadScenario(name + "_rest").effects.empty());
+  std::vector<std::string> effects;
+  for (const Effect& effect : ReadScenario(name + "_effects").effects) {
+    effects.push_back(effect.name);
+    if (effect.name != "imu_vibration") continue;
+    EXPECT_LE(effect.times.window_s->first, flown.start_s);
+    EXPECT_GE(effect.times.window_s->second, flown.start_s + 3600.0) << "the whole flight";
+  }
+  EXPECT_THAT(effects,
+              ::testing::IsSupersetOf({"imu_vibration", "accel_bias_process", "gyro_scale_factor",
+                                       "accel_scale_factor", "gyro_misalignment", "gravity_tilt"}));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StripSetVariants,
+                         ::testing::Values(StripSet{"leg2", "ln200"}, StripSet{"leg4", "ln200"},
+                                           StripSet{"lar2", "airins"}, StripSet{"lar3", "airins"},
+                                           StripSet{"uav2", "apx15"}, StripSet{"uav3", "apx15"},
+                                           StripSet{"har2", "imu57"}, StripSet{"har4", "imu57"},
+                                           StripSet{"hal2", "isa100c"},
+                                           StripSet{"hal4", "isa100c"}),
+                         [](const auto& set) { return set.param.name; });
+
+TEST(ReadScenario, TheDocumentedOneHasEveryKey) {
+  const Scenario shown = ReadScenario(std::string(DN_DOCS_DIR) + "/scenario.yaml");
+  const Scenario lar3 = ReadScenario("lar3_rest");
+  EXPECT_EQ(shown.imu.preset, lar3.imu.preset);
+  EXPECT_EQ(shown.plan.lines.size(), lar3.plan.lines.size());
+  EXPECT_EQ(shown.effects.size(), 2u);
+  const std::string text = ScenarioText(std::string(DN_DOCS_DIR) + "/scenario.yaml");
+  const std::set<std::string> elsewhere{
+      "white_deg_sqrt_h", "white_m_s_sqrt_h", "processes", "type", "sigma_deg_h", "tau_s", "t0_s"};
+  const std::regex key("([A-Za-z0-9_]+):");
+  for (std::sregex_iterator it(kEveryKey.begin(), kEveryKey.end(), key), end; it != end; ++it) {
+    if (elsewhere.contains((*it)[1])) continue;
+    EXPECT_THAT(text, ::testing::HasSubstr((*it)[0].str()));
+  }
+}
+
 TEST(ReadScenario, FindsShippedOnesFilesAndSaysWhatIsThere) {
-  EXPECT_THAT(ScenarioNames(), ::testing::ElementsAre("leg2", "leg4", "lar2", "lar3", "uav2",
-                                                      "uav3", "har2", "har4", "hal2", "hal4"));
+  EXPECT_THAT(ScenarioNames(),
+              ::testing::ElementsAre(
+                  "leg2", "leg4", "lar2", "lar3", "uav2", "uav3", "har2", "har4", "hal2", "hal4",
+                  "lar2_cross", "uav2_cross", "leg2_rest", "leg4_rest", "lar2_rest", "lar3_rest",
+                  "uav2_rest", "uav3_rest", "har2_rest", "har4_rest", "hal2_rest", "hal4_rest",
+                  "leg2_effects", "leg4_effects", "lar2_effects", "lar3_effects", "uav2_effects",
+                  "uav3_effects", "har2_effects", "har4_effects", "hal2_effects", "hal4_effects"));
   for (const std::string& name : ScenarioNames()) EXPECT_EQ(ReadScenario(name).name, name);
   const testing::TempFolder folder;
   folder.Write("mine.yaml", Replace(kGood, "lines: [[0, 0, 1000, 0, 200, 40]]", "replay: a.out"));

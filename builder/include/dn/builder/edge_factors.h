@@ -2,6 +2,7 @@
 
 #include <dn/builder/calibration_state.h>
 #include <dn/factor.h>
+#include <dn/factors/preintegrated_inertial.h>
 #include <dn/flight/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>
@@ -48,16 +49,24 @@ std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
 std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration,
                                              const Eigen::Vector3d& p_m);
 
+/// How an end of a pair hangs on its node.
+struct PairEndInput {
+  MapPose node;
+  ImuCorrection biases;
+  /// Inertial edge that begins at the node, under the same calibration: a bridge to the attitude of
+  /// its other node; null: none.
+  std::shared_ptr<const PreintegratedInertial> inertial = {};
+};
+
 /// A pair with how its ends hang on their nodes.
 struct PairEdgeInput {
   LidarPair pair;
-  MapPose node_i, node_j;
-  ImuCorrection biases_i, biases_j;
+  PairEndInput i, j;
 };
 
 /// Edge of a pair: its partial increments end at the epochs that the calibration says. Without
-/// effects on pairs a PointToPoint, else a PointToPointWithEffects with the effects in the order of
-/// EffectsOfPairs. Throws InvalidInput when an epoch falls before its node.
+/// bridges and effects on pairs a PointToPoint, else a PointToPointBetweenNodes with the effects in
+/// the order of EffectsOfPairs. Throws InvalidInput when an epoch falls before its node.
 std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
                                                  const CalibrationState& calibration,
                                                  const PreintegrationNoise& noise,

@@ -3,12 +3,14 @@
 #include <dn/builder/calibration_state.h>
 #include <dn/builder/edge_factors.h>
 #include <dn/builder/node_grid.h>
+#include <dn/factors/preintegrated_inertial.h>
 #include <dn/flight/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>
 #include <dn/network.h>
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -100,14 +102,17 @@ class FlightNetwork {
   struct InertialEdge;
   struct GnssEdge;
   struct PairEdge;
-  std::shared_ptr<const FactorBase> InertialFactor(const InertialEdge& edge,
-                                                   const CalibrationState& calibration) const;
+  std::shared_ptr<const PreintegratedInertial> InertialFactor(
+      const InertialEdge& edge, const CalibrationState& calibration) const;
   std::shared_ptr<const FactorBase> GnssPositionFactor(const GnssEdge& edge,
                                                        const CalibrationState& calibration) const;
   std::shared_ptr<const FactorBase> GnssVelocityFactor(const GnssEdge& edge,
                                                        const CalibrationState& calibration) const;
+  /// `inertial`: the factor of an inertial edge for that calibration, which a bridged end needs.
+  using InertialFactorOf = std::function<std::shared_ptr<const PreintegratedInertial>(std::size_t)>;
   std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
-                                               const CalibrationState& calibration) const;
+                                               const CalibrationState& calibration,
+                                               const InertialFactorOf& inertial) const;
 
   /// The two points of pair edge k in m with the present unknowns: p_i - p_j, m.
   Eigen::Vector3d PairDifference(std::size_t k) const;
@@ -139,6 +144,10 @@ class FlightNetwork {
     LidarPair pair;
     std::size_t node_i = 0;
     std::size_t node_j = 0;
+    /// Inertial edges over which the ends are bridged (NodeBridge); absent: the white noise of the
+    /// increments to the epochs does not count beside the noise of the pair.
+    std::optional<std::size_t> bridge_i = {};
+    std::optional<std::size_t> bridge_j = {};
     FactorId id = -1;
   };
   std::vector<InertialEdge> inertial_edges;
@@ -160,6 +169,10 @@ class FlightNetwork {
   void AddPriors(const CalibrationState& assumed);
   void AppendEffects(const std::vector<std::size_t>& indices, std::vector<BlockId>* blocks) const;
   bool MovesLidarEpochs() const;
+  PairEdge HangOnNodes(const LidarPair& pair, double margin_s) const;
+  void Bridge(PairEdge* edge) const;
+  std::vector<BlockId> PairBlocks(const PairEdge& edge) const;
+  std::shared_ptr<const PreintegratedInertial> InertialFactorInUse(std::size_t edge) const;
 
   const Flight* flight_;
   std::vector<double> node_t_s_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/factors/node_bridge.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/preintegration.h>
 #include <dn/imu/strapdown.h>
@@ -7,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <memory>
 
 namespace dn {
 
@@ -17,10 +19,13 @@ struct LidarEnd {
   Preintegrated partial;
   Eigen::Vector3d u_s = Eigen::Vector3d::Zero();          ///< laser vector in the sensor frame, m
   Eigen::Vector3d p_nominal_m = Eigen::Vector3d::Zero();  ///< of the node, for the attraction
+  /// To the attitude of the node after the epoch; null: the increments stand by themselves.
+  std::shared_ptr<const NodeBridge> bridge = {};
 };
 
-/// Covariance (m^2, map axes) that the white noise of the partial increments adds to the
-/// georeferenced point: of R_mb (dR l_b + dp), rotation, position and their correlation.
+/// Covariance (m^2, map axes) that the white noise of the partial increments, less what a bridge
+/// tells of it, adds to the georeferenced point: of R_mb (dR l_b + dp), rotation, position and
+/// their correlation.
 /// R_mb: attitude of the node; l_b: lever arm plus laser vector in body at the lidar epoch, m.
 /// Add it for both ends to the covariance of the pair's difference.
 Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,

@@ -50,8 +50,8 @@ void CheckPointPair(const LidarEnd& i, const LidarEnd& j, const Eigen::Matrix3d&
 /// Jacobians are analytic; the tangent of the boresight is left, of the attitudes right, rad.
 /// The biases are not blocks of this edge: the partial increments are corrected at their
 /// linearisation and integrated again when the biases move. Over at most a second the dropped term
-/// is below the white noise of the increments themselves (EndNoise). With calibration values beyond
-/// these blocks: PointToPointWithEffects.
+/// is below the white noise of the increments themselves (EndNoise). With bridges to the nodes after
+/// the epochs, or calibration values beyond these blocks: PointToPointBetweenNodes.
 /// Degenerate when: both ends share the attitude (boresight and lever arm cancel).
 /// Source: Brun & Skaloud, eq. (1) and the point-to-point observation, for any lidar epoch.
 class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<3>, Rotation,
@@ -61,7 +61,8 @@ class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<
   /// T_bs_nominal: mounting matrix sensor -> body. dt_nominal_s: the offset with which the partial
   /// increments were cut. noise_m: of the difference of the two points in map axes.
   /// Throws InvalidInput when a laser vector is zero or not finite, a nominal position, the
-  /// mounting matrix or the offset is not finite, or the mounting matrix is no rotation (1e-6).
+  /// mounting matrix or the offset is not finite, the mounting matrix is no rotation (1e-6), or an
+  /// end has a bridge.
   PointToPoint(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
                const Eigen::Matrix3d& T_bs_nominal, double dt_nominal_s, const Noise<3>& noise_m);
 

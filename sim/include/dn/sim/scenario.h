@@ -69,11 +69,17 @@ struct GnssScenario {
   bool velocity = false;
 };
 
+enum class ScanPattern {
+  kLine,  ///< the beams lie in the plane that is perpendicular to the scan axis
+  kCone   ///< the beams lie on the cone of half angle fov/2 about the nadir axis
+};
+
 struct LidarScenario {
   Mounting mounting;  ///< lever arm: assumed; boresight: the true one
   Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
   Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();
-  double fov_rad = 0.0;        ///< full angle
+  double fov_rad = 0.0;  ///< full angle
+  ScanPattern pattern = ScanPattern::kLine;
   double pulse_rate_hz = 0.0;  ///< of point clouds, which are not simulated; as the divergence
   double gsd_m = 0.0;
   double beam_divergence_rad = 0.0;

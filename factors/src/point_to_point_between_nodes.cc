@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/factors/point_to_point_with_effects.h>
+#include <dn/factors/point_to_point_between_nodes.h>
 
 namespace dn {
 namespace {
@@ -9,11 +9,20 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-std::vector<BlockKind> Kinds(const LidarEffects& lidar, const std::vector<ImuEffectValue>& imu,
+constexpr std::size_t kPairBlocks = 9;
+constexpr std::size_t kNodeBlocks = 3;
+
+std::size_t Bridges(const LidarEnd& i, const LidarEnd& j) {
+  return (i.bridge ? 1U : 0U) + (j.bridge ? 1U : 0U);
+}
+
+std::vector<BlockKind> Kinds(std::size_t bridges, const LidarEffects& lidar,
+                             const std::vector<ImuEffectValue>& imu,
                              const std::vector<AttractionBasis>& attraction) {
   std::vector<BlockKind> kinds{Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
                                Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
                                LeftRotation::kKind, Vec<3>::kKind, Vec<1>::kKind};
+  kinds.insert(kinds.end(), bridges, Rotation::kKind);
   const auto add = [&](Eigen::Index size) {
     const int n = static_cast<int>(size);
     kinds.push_back({Parametrisation::kVector, n, n});
@@ -33,12 +42,14 @@ Vector3d Difference(const LidarPoint::Derivatives& i, double ddt_i,
 
 }  // namespace
 
-PointToPointWithEffects::PointToPointWithEffects(const LocalFrame& frame, const LidarEnd& i,
-                                                 const LidarEnd& j, double tag_i_s, double tag_j_s,
-                                                 const Matrix3d& T_bs_nominal, LidarEffects lidar,
-                                                 std::vector<AttractionBasis> attraction,
-                                                 const Noise<3>& noise_m)
-    : DynamicFactor(3, Kinds(lidar, i.partial.linearisation.effects, attraction)),
+PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame, const LidarEnd& i,
+                                                   const LidarEnd& j, double tag_i_s,
+                                                   double tag_j_s, const Matrix3d& T_bs_nominal,
+                                                   LidarEffects lidar,
+                                                   std::vector<AttractionBasis> attraction,
+                                                   const Noise<3>& noise_m)
+    : DynamicFactor(3, Kinds(Bridges(i, j), lidar, i.partial.linearisation.effects, attraction)),
+      first_lidar_block_(kPairBlocks + Bridges(i, j)),
       lidar_(std::move(lidar)),
       attraction_(std::move(attraction)),
       T_bs_(T_bs_nominal),
@@ -50,20 +61,28 @@ PointToPointWithEffects::PointToPointWithEffects(const LocalFrame& frame, const 
   for (const ImuEffectValue& one : i.partial.linearisation.effects) {
     imu_values_.push_back(one.value);
   }
-  i_ = MakeEnd(frame, i, tag_i_s);
-  j_ = MakeEnd(frame, j, tag_j_s);
+  i_ = MakeEnd(frame, i, tag_i_s, 0, kPairBlocks);
+  j_ = MakeEnd(frame, j, tag_j_s, kNodeBlocks, kPairBlocks + (i.bridge ? 1 : 0));
 }
 
-PointToPointWithEffects::End PointToPointWithEffects::MakeEnd(const LocalFrame& frame,
-                                                              const LidarEnd& end, double tag_s) {
-  return {LidarPoint(frame, end.partial, end.p_nominal_m), tag_s, end.partial.t_end_s, end.u_s,
-          end.partial.J_effects};
+PointToPointBetweenNodes::End PointToPointBetweenNodes::MakeEnd(const LocalFrame& frame,
+                                                                const LidarEnd& end, double tag_s,
+                                                                std::size_t node,
+                                                                std::size_t node_after) {
+  return {LidarPoint(frame, end.partial, end.p_nominal_m),
+          tag_s,
+          end.partial.t_end_s,
+          end.u_s,
+          end.partial.J_effects,
+          end.bridge,
+          node,
+          node_after};
 }
 
-VectorXd PointToPointWithEffects::ImuChange(double const* const* x) const {
+VectorXd PointToPointBetweenNodes::ImuChange(double const* const* x) const {
   VectorXd change(i_.J_increments.cols());
   Eigen::Index column = 0;
-  int block = first_imu_block();
+  std::size_t block = first_imu_block();
   for (const VectorXd& value : imu_values_) {
     change.segment(column, value.size()) =
         Eigen::Map<const VectorXd>(x[block++], value.size()) - value;
@@ -72,27 +91,33 @@ VectorXd PointToPointWithEffects::ImuChange(double const* const* x) const {
   return change;
 }
 
-Vector3d PointToPointWithEffects::AttractionOf(double const* const* x) const {
+Vector3d PointToPointBetweenNodes::AttractionOf(double const* const* x) const {
   Vector3d sum = Vector3d::Zero();
-  int block = first_attraction_block();
+  std::size_t block = first_attraction_block();
   for (const AttractionBasis& D : attraction_) {
     sum += D * Eigen::Map<const VectorXd>(x[block++], D.cols());
   }
   return sum;
 }
 
-PointToPointWithEffects::EndAt PointToPointWithEffects::At(const End& end,
-                                                           double const* const* node,
-                                                           double const* const* x) const {
+PointToPointBetweenNodes::EndAt PointToPointBetweenNodes::At(const End& end,
+                                                             double const* const* x) const {
   std::vector<VectorXd> values;
-  int block = 9;
+  std::size_t block = first_lidar_block_;
   for (const auto& effect : lidar_) {
     values.emplace_back(Eigen::Map<const VectorXd>(x[block++], effect->components()));
   }
   EndAt at;
   at.reading = Corrected(lidar_, values, end.tag_s, end.u_s);
   at.theta = Log(Eigen::Quaterniond(x[6])) + at.reading.turn_b_rad;
-  const Eigen::Matrix<double, 9, 1> moved = end.J_increments * ImuChange(x);
+  const VectorXd change = ImuChange(x);
+  Eigen::Matrix<double, 9, 1> moved = end.J_increments * change;
+  double const* const* node = x + end.node;
+  if (end.bridge) {
+    at.bridged =
+        end.bridge->At(Eigen::Quaterniond(node[0]), Eigen::Quaterniond(x[end.node_after]), change);
+    moved += at.bridged.increments;
+  }
   at.turn = moved.head<3>();
   at.point = end.point.Moved(moved, AttractionOf(x));
   using Vec3 = Eigen::Map<const Vector3d>;
@@ -106,8 +131,14 @@ PointToPointWithEffects::EndAt PointToPointWithEffects::At(const End& end,
   return at;
 }
 
-Matrix3Xd PointToPointWithEffects::ByEffects(const End& end, const EndAt& at,
-                                             const LidarPoint::Derivatives& of) const {
+Eigen::Matrix<double, 3, 9> PointToPointBetweenNodes::ByIncrements(const EndAt& at) {
+  Eigen::Matrix<double, 3, 9> J = at.point.ByIncrements(at.arguments);
+  J.leftCols<3>() = (J.leftCols<3>() * RightJacobian(at.turn)).eval();
+  return J;
+}
+
+Matrix3Xd PointToPointBetweenNodes::ByEffects(const End& end, const EndAt& at,
+                                              const LidarPoint::Derivatives& of) const {
   const Eigen::Index lidar = at.reading.J_u.cols(), imu = end.J_increments.cols();
   Eigen::Index attraction = 0;
   for (const AttractionBasis& D : attraction_) attraction += D.cols();
@@ -115,9 +146,9 @@ Matrix3Xd PointToPointWithEffects::ByEffects(const End& end, const EndAt& at,
   J.leftCols(lidar) =
       of.a_b * (at.arguments.q_boresight.toRotationMatrix() * T_bs_) * at.reading.J_u -
       of.rate * at.reading.J_delay + of.theta * LeftJacobian(at.theta) * at.reading.J_turn;
-  Eigen::Matrix<double, 3, 9> by_increments = at.point.ByIncrements(at.arguments);
-  by_increments.leftCols<3>() = (by_increments.leftCols<3>() * RightJacobian(at.turn)).eval();
+  const Eigen::Matrix<double, 3, 9> by_increments = ByIncrements(at);
   J.middleCols(lidar, imu) = by_increments * end.J_increments;
+  if (end.bridge) J.middleCols(lidar, imu) += by_increments * at.bridged.J_effects;
   Eigen::Index column = lidar + imu;
   const Matrix3d by_attraction = at.point.ByAttraction(at.arguments.ddt_s);
   for (const AttractionBasis& D : attraction_) {
@@ -127,14 +158,26 @@ Matrix3Xd PointToPointWithEffects::ByEffects(const End& end, const EndAt& at,
   return J;
 }
 
-bool PointToPointWithEffects::Evaluate(double const* const* x, double* r, double** J) const {
-  const EndAt at_i = At(i_, x, x), at_j = At(j_, x + 3, x);
-  const LidarPoint::Derivatives i = at_i.point.DifferentiateAt(at_i.arguments);
-  const LidarPoint::Derivatives j = at_j.point.DifferentiateAt(at_j.arguments);
+bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, double** J) const {
+  const EndAt at_i = At(i_, x), at_j = At(j_, x);
+  LidarPoint::Derivatives i = at_i.point.DifferentiateAt(at_i.arguments);
+  LidarPoint::Derivatives j = at_j.point.DifferentiateAt(at_j.arguments);
   Eigen::Map<Vector3d> out(r);
   out.noalias() = W_ * Difference(i, at_i.arguments.ddt_s, j, at_j.arguments.ddt_s);
   if (J == nullptr) return true;
 
+  if (i_.bridge) {
+    const Eigen::Matrix<double, 3, 9> by_increments = ByIncrements(at_i);
+    i.q += by_increments * at_i.bridged.J_q;
+    Put(static_cast<int>(i_.node_after), x, J,
+        Matrix3d(W_ * by_increments * at_i.bridged.J_q_after));
+  }
+  if (j_.bridge) {
+    const Eigen::Matrix<double, 3, 9> by_increments = ByIncrements(at_j);
+    j.q += by_increments * at_j.bridged.J_q;
+    Put(static_cast<int>(j_.node_after), x, J,
+        Matrix3d(-W_ * by_increments * at_j.bridged.J_q_after));
+  }
   Put(0, x, J, Matrix3d(W_ * i.q));
   Put(1, x, J, Matrix3d(W_ * i.p));
   Put(2, x, J, Matrix3d(W_ * i.v));
@@ -149,20 +192,20 @@ bool PointToPointWithEffects::Evaluate(double const* const* x, double* r, double
   Put(8, x, J, Vector3d(-W_ * (i.rate - j.rate)));
   const Matrix3Xd J_r_c = W_ * (ByEffects(i_, at_i, i) - ByEffects(j_, at_j, j));
   Eigen::Index column = 0;
-  for (int block = 9; block < static_cast<int>(block_kinds().size()); ++block) {
-    const int size = block_kinds()[static_cast<std::size_t>(block)].stored_size;
-    Put(block, x, J, Matrix3Xd(J_r_c.middleCols(column, size)));
+  for (std::size_t block = first_lidar_block_; block < block_kinds().size(); ++block) {
+    const int size = block_kinds()[block].stored_size;
+    Put(static_cast<int>(block), x, J, Matrix3Xd(J_r_c.middleCols(column, size)));
     column += size;
   }
   return true;
 }
 
-std::pair<Vector3d, Vector3d> PointToPointWithEffects::Points(double const* const* x) const {
+std::pair<Vector3d, Vector3d> PointToPointBetweenNodes::Points(double const* const* x) const {
   const auto point = [&](const EndAt& at) {
     const LidarPoint::Arguments& a = at.arguments;
     return at.point.At<double>(a.q_mb, a.p_mb, a.v_m, a.q_boresight, a.a_b, a.u_b, a.ddt_s);
   };
-  return {point(At(i_, x, x)), point(At(j_, x + 3, x))};
+  return {point(At(i_, x)), point(At(j_, x))};
 }
 
 }  // namespace dn

@@ -2,40 +2,47 @@
 
 #include <dn/factor.h>
 #include <dn/factors/lidar_effect.h>
+#include <dn/factors/node_bridge.h>
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/noise.h>
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <memory>
 #include <utility>
 #include <vector>
 
 namespace dn {
 
-/// PointToPoint with calibration values of lidar, inertial sensors and gravity among its blocks.
+/// PointToPoint whose ends may lie between two nodes each, with calibration values of lidar, inertial
+/// sensors and gravity among its blocks.
 ///
 ///   r = W (x_i - x_j)                                                         [3], unitless
 ///
 /// The LidarPoint x of each end is that of the corrected reading: its laser vector, its epoch tag -
-/// dt - delay, and the boresight Exp(theta + turn). The partial increments move with the values of
-/// the inertial effects (to first order, d_e from their linearisation) and with the attraction.
+/// dt - delay, and the boresight Exp(theta + turn). The partial increments move with what a
+/// NodeBridge tells of them, with the values of the inertial effects (to first order, d_e from their
+/// linearisation) and with the attraction.
 ///
 ///   block  | symbol | stored | tangent | meaning
 ///   -------|--------|--------|---------|----------------------------------------------------------
 ///    0 - 8 |        |        |         | as in PointToPoint
+///    then  | q_mb   |   4    |    3    | attitude of the node after i, where i has a bridge
+///    then  | q_mb   |   4    |    3    | attitude of the node after j, where j has a bridge
 ///    then  | c      |   n    |    n    | one per effect of the lidar, SI
 ///    then  | e      |   n    |    n    | one per inertial effect of the partial increments, SI
 ///    last  | g      |   n    |    n    | one per effect on the attraction, SI
 ///
 /// Jacobians are analytic, with the tangents of PointToPoint.
-class PointToPointWithEffects final : public DynamicFactor, public PointPairFactor {
+class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFactor {
  public:
   /// tags: of the file; the partial increments may end up to some ms beside tag - dt - delay. Both
   /// must have the same inertial effects. Throws InvalidInput as PointToPoint.
-  PointToPointWithEffects(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
-                          double tag_i_s, double tag_j_s, const Eigen::Matrix3d& T_bs_nominal,
-                          LidarEffects lidar, std::vector<AttractionBasis> attraction,
-                          const Noise<3>& noise_m);
+  PointToPointBetweenNodes(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
+                           double tag_i_s, double tag_j_s, const Eigen::Matrix3d& T_bs_nominal,
+                           LidarEffects lidar, std::vector<AttractionBasis> attraction,
+                           const Noise<3>& noise_m);
 
   bool Evaluate(double const* const* x, double* r, double** J) const override;
 
@@ -47,6 +54,8 @@ class PointToPointWithEffects final : public DynamicFactor, public PointPairFact
     double tag_s, t_end_s;
     Eigen::Vector3d u_s;
     Eigen::Matrix<double, 9, Eigen::Dynamic> J_increments;
+    std::shared_ptr<const NodeBridge> bridge;
+    std::size_t node, node_after;  // first blocks
   };
   /// An end at given values of the blocks.
   struct EndAt {
@@ -54,23 +63,27 @@ class PointToPointWithEffects final : public DynamicFactor, public PointPairFact
     LidarPoint::Arguments arguments;
     LidarReading reading;
     Eigen::Vector3d theta;  // rotation vector of its boresight
-    Eigen::Vector3d turn;   // of its increments, by the inertial effects
+    Eigen::Vector3d turn;   // of its increments, by bridge and inertial effects
+    NodeBridge::Correction bridged;
   };
 
-  static End MakeEnd(const LocalFrame& frame, const LidarEnd& end, double tag_s);
-  EndAt At(const End& end, double const* const* node, double const* const* x) const;
+  static End MakeEnd(const LocalFrame& frame, const LidarEnd& end, double tag_s, std::size_t node,
+                     std::size_t node_after);
+  EndAt At(const End& end, double const* const* x) const;
   Eigen::VectorXd ImuChange(double const* const* x) const;
   Eigen::Vector3d AttractionOf(double const* const* x) const;
+
+  /// Of an end's point with respect to its increments: rotation, velocity, position.
+  static Eigen::Matrix<double, 3, 9> ByIncrements(const EndAt& at);
 
   /// Of an end's point with respect to the values of all effects, in the order of the blocks.
   Eigen::Matrix3Xd ByEffects(const End& end, const EndAt& at,
                              const LidarPoint::Derivatives& of) const;
 
-  int first_imu_block() const { return 9 + static_cast<int>(lidar_.size()); }
-  int first_attraction_block() const {
-    return first_imu_block() + static_cast<int>(imu_values_.size());
-  }
+  std::size_t first_imu_block() const { return first_lidar_block_ + lidar_.size(); }
+  std::size_t first_attraction_block() const { return first_imu_block() + imu_values_.size(); }
 
+  std::size_t first_lidar_block_;
   LidarEffects lidar_;
   std::vector<Eigen::VectorXd> imu_values_;  // of the linearisation
   std::vector<AttractionBasis> attraction_;
