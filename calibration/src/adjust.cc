@@ -3,6 +3,8 @@
 
 #include <chrono>
 
+#include "expect_pairs.h"
+
 namespace dn {
 
 void AdjustOptions::Validate() const {
@@ -12,11 +14,10 @@ void AdjustOptions::Validate() const {
 
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options) {
   options.Validate();
-  if (!flight.imu || !flight.gnss)
+  if (!flight.imu || !flight.gnss) {
     throw InvalidInput("adjustment: the flight has no inertial or GNSS data");
-  if (options.with_pairs && (!flight.pairs || flight.pairs->pairs.empty())) {
-    throw InvalidInput("adjustment: the flight has no point-to-point pairs");
   }
+  if (options.with_pairs) internal::ExpectPairs(flight);
   const auto start = std::chrono::steady_clock::now();
   AdjustmentRun run(flight, options);
   const auto& stages = options.stages.empty() ? DefaultStages(options.with_pairs) : options.stages;

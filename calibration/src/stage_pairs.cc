@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "expect_pairs.h"
 #include "robust_loss_of.h"
 
 namespace dn {
@@ -29,6 +30,7 @@ void ExpectSeveralEpochs(const std::vector<LidarPair>& pairs) {
 }  // namespace
 
 void AddPairs(AdjustmentRun& run) {
+  internal::ExpectPairs(run.flight());
   const std::vector<LidarPair>& pairs = run.flight().pairs->pairs;
   ExpectSeveralEpochs(pairs);
   run.network().AddPairs(pairs);
@@ -46,17 +48,21 @@ void SolvePairsRobustly(AdjustmentRun& run) {
 }
 
 void RejectPairs(AdjustmentRun& run) {
-  FlightNetwork& network = run.network();
+  Network& net = run.network().net;
+  std::vector<FactorId> in_use;
   std::vector<double> norm2;
-  for (const auto& edge : network.pair_edges) {
+  for (const auto& edge : run.network().pair_edges) {
+    if (!net.factor(edge.id).active) continue;
     Eigen::VectorXd r;
-    network.net.EvaluateFactor(edge.id, &r);
+    net.EvaluateFactor(edge.id, &r);
+    in_use.push_back(edge.id);
     norm2.push_back(r.squaredNorm());
   }
+  if (in_use.empty()) return;
   const double scale2 = RobustVariance(norm2);
   for (std::size_t k = 0; k < norm2.size(); ++k) {
     if (norm2[k] <= kRejectNorm * kRejectNorm * scale2) continue;
-    network.net.SetActive(network.pair_edges[k].id, false);
+    net.SetActive(in_use[k], false);
     ++run.result().outliers;
   }
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
 namespace dn {
@@ -94,6 +95,34 @@ TEST(Stages, OneMayBeAdded) {
   ASSERT_GT(adjustment.stages.size(), 3U);
   EXPECT_EQ(adjustment.stages[2].name, "once more");
   EXPECT_EQ(adjustment.stages.back().name, "final least squares");
+}
+
+// As docs/your-own-problem.md shows it.
+TEST(Stages, PairsMayBeJudgedTwice) {
+  const SimulatedFlight sim = WithWrongPairs(5);
+  AdjustOptions options;
+  options.stages = DefaultStages();
+  options.stages.insert(StageNamed("before final", &options.stages),
+                        {"pair rejection again", [](AdjustmentRun& run) {
+                           run.Solve("lidar, robust again", 6);
+                           RejectPairs(run);
+                         }});
+  const Adjustment adjustment = Adjust(sim.flight, options);
+  long out = 0;
+  for (const FlightNetwork::PairEdge& edge : adjustment.network->pair_edges) {
+    out += adjustment.network->net.factor(edge.id).active ? 0 : 1;
+  }
+  EXPECT_GT(out, 15);
+  EXPECT_EQ(adjustment.outliers, out) << "each pair counts once";
+}
+
+TEST(Stages, PairsMustBeThere) {
+  SimulatedFlight sim = Fly(5);
+  sim.flight.pairs.reset();
+  AdjustOptions options;
+  options.with_pairs = false;
+  options.stages = DefaultStages();
+  testing::ExpectInvalid([&] { Adjust(sim.flight, options); }, "no point-to-point pairs", 0);
 }
 
 TEST(Stages, WithoutANetworkNothingCanBeSolved) {

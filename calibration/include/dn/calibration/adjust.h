@@ -32,10 +32,11 @@ struct AdjustOptions {
   std::function<bool()> interrupted = {};
   /// Called once when the pairs have joined the network, before the first stage that uses them, for
   /// blocks and factors of your own that the start of the boresight and the rejection of pairs
-  /// should see. Not without pairs.
+  /// should see. Not without pairs. The stage "before lidar" calls it.
   std::function<void(FlightNetwork&)> customise_before_lidar = {};
   /// Called once when the network stands complete, gross errors left out, before the final least
-  /// squares: the place to add blocks and factors of your own that need no start.
+  /// squares: the place to add blocks and factors of your own that need no start. The stage
+  /// "before final" calls it.
   std::function<void(FlightNetwork&)> customise = {};
   /// Run in this order; empty: DefaultStages(with_pairs).
   std::vector<AdjustmentStage> stages = {};

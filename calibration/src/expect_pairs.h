@@ -1,0 +1,14 @@
+#pragma once
+
+#include <dn/error.h>
+#include <dn/flight/flight.h>
+
+namespace dn::internal {
+
+/// Throws InvalidInput where a flight has no pairs.
+inline void ExpectPairs(const Flight& flight) {
+  if (flight.pairs && !flight.pairs->pairs.empty()) return;
+  throw InvalidInput("adjustment: the flight has no point-to-point pairs");
+}
+
+}  // namespace dn::internal
