@@ -240,7 +240,8 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScenario,
                                            Band{"lar2", 150, 250, 1}, Band{"lar3", 150, 250, 3},
                                            Band{"uav2", 150, 250, 1}, Band{"uav3", 150, 250, 3},
                                            Band{"lar2_cross", 150, 250, 1},
-                                           Band{"uav2_cross", 150, 250, 1}),
+                                           Band{"uav2_cross", 150, 250, 1},
+                                           Band{"hal2", 2000, 2500, 1}),
                          [](const auto& band) { return band.param.name; });
 
 }  // namespace
