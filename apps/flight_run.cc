@@ -1,5 +1,6 @@
 #include "flight_run.h"
 
+#include <dn/calibration/gnss_errors.h>
 #include <dn/report/plot.h>
 #include <fmt/format.h>
 
@@ -66,6 +67,7 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
   std::vector<std::string> warnings = flight_run.adjustment.warnings;
   const auto& statistics = flight_run.trajectory.warnings;
   warnings.insert(warnings.end(), statistics.begin(), statistics.end());
+  if (const auto warning = WarningOfGnssErrors(flight_run.adjustment)) warnings.push_back(*warning);
   const std::vector<std::size_t>& rejected = flight_run.adjustment.gnss_rejected;
   if (!rejected.empty()) {
     const GnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
@@ -141,6 +143,9 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
                FormatSbet(DenseTrajectory(network, kTrajectorySpacingS), with_pairs));
   run->AddFile("trajectory_sigma.txt", FormatTrajectorySigma(flight_run.trajectory.sigma));
   run->AddFile("biases.txt", FormatBiases(flight_run.trajectory.biases));
+  if (!network.gnss_error.empty()) {
+    run->AddFile("gnss_errors.txt", FormatGnssErrors(network, *flight_run.marginals));
+  }
   run->AddFile("config.resolved.yaml", FormatFlightConfig(flight_run.flight.config));
   AddPlots(flight_run, run);
 }
@@ -163,6 +168,7 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["warnings"] = Warnings(flight_run);
   report["residuals"] = StatisticsToJson(flight_run.trajectory.residuals);
   report["innovations"] = StatisticsToJson(flight_run.trajectory.innovations);
+  report["gnss_errors"] = GnssErrorsJson(flight_run.adjustment, *flight_run.marginals);
   report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment.network);
   report["stages"] = Json::array();
   for (const StageReport& stage : flight_run.adjustment.stages) {

@@ -259,6 +259,7 @@ class Adjuster {
       if (jump && jump->statistic > screening.Worst()) {
         TakeOut(*jump, &out_for_good);
       } else if (screening.Apply(out_for_good, &network().net) == 0) {
+        result_.gnss_correlation = TestGnssCorrelation(network(), marginals);
         break;
       }
       SolveStage("INS/GNSS, screened", options_.max_iterations);

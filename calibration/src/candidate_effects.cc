@@ -30,8 +30,10 @@ std::vector<double> TimesOfSteps(std::vector<StripInterval> strips) {
 struct EdgeKind {
   std::vector<FactorId> edges;
   std::vector<std::size_t> effects;  ///< in the order of the factor's last blocks
-  std::size_t own_blocks = 0;        ///< of the network's factor that are no effects; 0 for GNSS
-  std::vector<std::size_t> nodes;    ///< of GNSS edges
+  /// Of the network's factor that are no effects; 0 for GNSS edges that lack the block of the
+  /// velocity.
+  std::size_t own_blocks = 0;
+  std::vector<std::size_t> nodes;  ///< of GNSS edges
   std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
 };
 
@@ -151,6 +153,7 @@ class Candidates {
       velocity.edges.push_back(edge.velocity);
       velocity.nodes.push_back(edge.node);
     }
+    if (!network_.gnss_error.empty()) position.own_blocks = 4 + network_.gnss_error.size();
     position.effects = velocity.effects = EffectsOfGnss(state_);
     position.make = [&](std::size_t k) {
       return network_.GnssPositionFactor(network_.gnss_edges[k], state_);
