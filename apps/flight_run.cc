@@ -197,10 +197,10 @@ void ThrowContradicted(const std::string& first_finding, const std::string& file
 
 void PrintStatistics(const std::string& title, const std::vector<SeriesStatistics>& statistics) {
   if (statistics.empty()) return;
-  fmt::print("{}\n  {:<15} {:<12} {:>8} {:>8} {:>9} {:>9} {:>7} {:>8} {:>12}\n", title, "sensor",
+  fmt::print("{}\n  {:<18} {:<12} {:>8} {:>8} {:>9} {:>9} {:>7} {:>8} {:>12}\n", title, "sensor",
              "axis", "count", "mean", "variance", "expected", "lag-1", "worst", "at [s]");
   for (const SeriesStatistics& s : statistics) {
-    fmt::print("  {:<15} {:<12} {:>8} {:>8.3f} {:>9.3f} {:>9.3f} {:>7.3f} {:>8.2f} {:>12.3f}\n",
+    fmt::print("  {:<18} {:<12} {:>8} {:>8.3f} {:>9.3f} {:>9.3f} {:>7.3f} {:>8.2f} {:>12.3f}\n",
                s.sensor, s.axis, s.count, s.mean, s.variance, s.expected_variance,
                s.lag1_correlation, s.worst, s.worst_t_s);
   }
