@@ -1,5 +1,6 @@
 #include "flight_run.h"
 
+#include <dn/calibration/gnss_errors.h>
 #include <dn/report/plot.h>
 #include <fmt/format.h>
 
@@ -66,6 +67,9 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
   std::vector<std::string> warnings = flight_run.adjustment().warnings;
   const auto& statistics = flight_run.solution->trajectory().warnings;
   warnings.insert(warnings.end(), statistics.begin(), statistics.end());
+  if (const auto warning = WarningOfGnssErrors(flight_run.adjustment())) {
+    warnings.push_back(*warning);
+  }
   const std::vector<std::size_t>& rejected = flight_run.adjustment().gnss_rejected;
   if (!rejected.empty()) {
     const GnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
@@ -137,6 +141,9 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
   run->AddFile("trajectory_sigma.txt",
                FormatTrajectorySigma(flight_run.solution->trajectory().sigma));
   run->AddFile("biases.txt", FormatBiases(flight_run.solution->trajectory().biases));
+  if (!network.gnss_error.empty()) {
+    run->AddFile("gnss_errors.txt", FormatGnssErrors(network, flight_run.solution->marginals()));
+  }
   run->AddFile("config.resolved.yaml", FormatFlightConfig(flight_run.flight.config));
   AddPlots(flight_run, run);
 }
@@ -160,6 +167,7 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["warnings"] = Warnings(flight_run);
   report["residuals"] = StatisticsToJson(flight_run.solution->trajectory().residuals);
   report["innovations"] = StatisticsToJson(flight_run.solution->trajectory().innovations);
+  report["gnss_errors"] = GnssErrorsJson(flight_run.adjustment(), flight_run.solution->marginals());
   report["reference_errors"] = ReferenceErrorsJson(*flight_run.adjustment().network);
   report["stages"] = Json::array();
   for (const StageReport& stage : flight_run.adjustment().stages) {
@@ -188,10 +196,10 @@ void ThrowContradicted(const std::string& first_finding, const std::string& file
 
 void PrintStatistics(const std::string& title, const std::vector<SeriesStatistics>& statistics) {
   if (statistics.empty()) return;
-  fmt::print("{}\n  {:<15} {:<12} {:>8} {:>8} {:>9} {:>9} {:>7} {:>8} {:>12}\n", title, "sensor",
+  fmt::print("{}\n  {:<18} {:<12} {:>8} {:>8} {:>9} {:>9} {:>7} {:>8} {:>12}\n", title, "sensor",
              "axis", "count", "mean", "variance", "expected", "lag-1", "worst", "at [s]");
   for (const SeriesStatistics& s : statistics) {
-    fmt::print("  {:<15} {:<12} {:>8} {:>8.3f} {:>9.3f} {:>9.3f} {:>7.3f} {:>8.2f} {:>12.3f}\n",
+    fmt::print("  {:<18} {:<12} {:>8} {:>8.3f} {:>9.3f} {:>9.3f} {:>7.3f} {:>8.2f} {:>12.3f}\n",
                s.sensor, s.axis, s.count, s.mean, s.variance, s.expected_variance,
                s.lag1_correlation, s.worst, s.worst_t_s);
   }

@@ -1,10 +1,13 @@
 #include <dn/builder/edge_factors.h>
 #include <dn/builder/measurement_noise.h>
+#include <dn/factors/gnss_error.h>
 #include <dn/factors/gnss_position.h>
 #include <dn/factors/gnss_velocity.h>
 #include <dn/factors/point_to_point_between_nodes.h>
 
+#include <cmath>
 #include <string>
+#include <utility>
 
 namespace dn {
 namespace {
@@ -35,6 +38,15 @@ std::vector<Eigen::VectorXd> LidarValues(const CalibrationState& state) {
 
 ImuCorrection CorrectionOf(const CalibrationState& state, const ImuCorrection& biases) {
   return state.ImuAt(biases.gyro_bias_radps, biases.accel_bias_mps2);
+}
+
+GnssEffects LastingErrors(const Flight& flight, const Eigen::Vector3d& z_m) {
+  const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(z_m);
+  GnssEffects errors;
+  for (const GnssProcess& process : flight.config.gnss->processes) {
+    errors.push_back(std::make_shared<GnssError>(process, R_m_enu));
+  }
+  return errors;
 }
 
 MotionAtTag MotionOf(const Flight& flight, const GnssEpoch& epoch, const CalibrationState& state,
@@ -94,6 +106,22 @@ Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig&
   return config.sigma_scale * config.sigma_scale * R_m_enu * covariance_enu * R_m_enu.transpose();
 }
 
+std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config) {
+  std::vector<BiasProcess> processes;
+  for (const GnssProcess& process : config.processes) {
+    processes.push_back({BiasProcess::Type::kGaussMarkov, 1.0, process.tau_s});
+  }
+  return processes;
+}
+
+double TypicalGnssSigma(const Flight& flight) {
+  const GnssConfig& config = *flight.config.gnss;
+  Eigen::Vector3d variance =
+      GnssPositionCovariance(flight.gnss->epochs.front(), config, flight.frame).diagonal();
+  for (const GnssProcess& process : config.processes) variance += process.sigma_enu_m.cwiseAbs2();
+  return std::sqrt(variance.maxCoeff());
+}
+
 bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config) {
   return config.use_velocity.value_or(true) && epoch.velocity_enu_mps.has_value() &&
          epoch.velocity_covariance_enu.has_value();
@@ -107,7 +135,8 @@ std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
       GnssPositionCovariance(epoch, *flight.config.gnss, flight.frame) + input.added_covariance,
       "the GNSS position", epoch.t_s, kCheckGnss);
   const Eigen::Vector3d z_m = flight.frame.ToMap(epoch.antenna);
-  GnssEffects effects = Of<GnssEffect>(calibration);
+  GnssEffects effects = LastingErrors(flight, z_m);
+  for (auto& effect : Of<GnssEffect>(calibration)) effects.push_back(std::move(effect));
   if (effects.empty()) return std::make_shared<GnssPosition>(z_m, noise);
   const Preintegrated here =
       IdentityIncrement(*flight.imu, epoch.t_s, CorrectionOf(calibration, input.biases));

@@ -46,6 +46,12 @@ const FactorGroup& BiasProcessGroup(bool gyro) {
   return gyro ? of_gyro : of_accel;
 }
 
+const FactorGroup& GnssErrorGroup() {
+  static const FactorGroup group{
+      "gnss error process", EastNorthUp(), {}, FactorGroup::Kind::kProcess};
+  return group;
+}
+
 const FactorGroup& PriorGroup() {
   static const FactorGroup group{"prior", {}, {}, FactorGroup::Kind::kPrior};
   return group;

@@ -10,6 +10,7 @@ const FactorGroup& GnssPositionGroup();
 const FactorGroup& GnssVelocityGroup();
 const FactorGroup& PairGroup();
 const FactorGroup& BiasProcessGroup(bool gyro);
+const FactorGroup& GnssErrorGroup();
 const FactorGroup& PriorGroup();
 
 }  // namespace dn::internal

@@ -1,6 +1,5 @@
 #include <dn/builder/flight_network.h>
 #include <dn/effects/effect_table.h>
-#include <dn/factors/bias_process.h>
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/factors/prior.h>
@@ -22,12 +21,8 @@ constexpr double kEffectStep = 10.0;
 // Share of a pair's variance up to which the white noise of the increments to its epochs may be
 // counted in the inertial edges, too: it is the share by which the sum of squares would be low.
 constexpr double kNoiseCountedTwice = 1e-4;
-
-Eigen::Vector3d Sum(const Network& net, const std::vector<BiasChain>& chains, double t_s) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const BiasChain& chain : chains) sum += net.Value(chain.At(t_s));
-  return sum;
-}
+constexpr double kSameEpochS = 2e-6;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 BlockLabel Label(const std::string& quantity, std::vector<std::string> components,
                  const std::string& unit, double per_si,
@@ -91,8 +86,6 @@ double InUsualSizes(const CalibrationValue& before, const Eigen::VectorXd& now) 
 
 }  // namespace
 
-Block<Vec<3>> BiasChain::At(double t_s) const { return blocks[NodeBefore(t_begin_s, t_s)]; }
-
 FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                              const InitialStates& initial, const FlightNetworkOptions& options)
     : flight_(&flight), node_t_s_(node_t_s), options_(options) {
@@ -105,6 +98,7 @@ FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& no
   AddPriors(assumed);
   AddNodes(initial);
   AddBiases(initial);
+  AddGnssErrors();
   AddInertialEdges();
   AddGnssEdges();
 }
@@ -184,75 +178,86 @@ void FlightNetwork::AddNodes(const InitialStates& initial) {
   }
 }
 
+double FlightNetwork::HoldingLength(const BiasProcess& process) const {
+  switch (process.type) {
+    case BiasProcess::Type::kGaussMarkov:
+      return std::min(process.tau_s * options_.bias_interval_per_tau, options_.bias_interval_max_s);
+    case BiasProcess::Type::kRandomWalk:
+      return options_.bias_interval_max_s;
+    case BiasProcess::Type::kRandomConstant:
+      break;
+  }
+  return node_t_s_.back() - node_t_s_.front();
+}
+
 void FlightNetwork::AddBiases(const InitialStates& initial) {
   const ImuModel& model = flight_->config.imu->model;
-  const auto add_all = [&](const SensorNoise& sensor, bool gyro, Eigen::Vector3d start,
-                           std::vector<BiasChain>* chains) {
-    for (std::size_t i = 0; i < sensor.processes.size(); ++i) {
-      const std::string name = (gyro ? "gyro_bias/" : "accel_bias/") + std::to_string(i);
-      AddBiasChain(sensor.processes[i], name, gyro, start, chains);
+  const auto add_all = [&](const SensorNoise& sensor, ChainNames names, Eigen::Vector3d start,
+                           std::vector<ProcessChain>* chains) {
+    const std::string triad = names.name;
+    for (const BiasProcess& process : sensor.processes) {
+      names.name = triad + std::to_string(chains->size());
+      chains->push_back(AddProcessChain(process, HoldOverNodes(node_t_s_, HoldingLength(process)),
+                                        names, start, &net));
       start.setZero();  // the first process takes the whole starting value
     }
   };
-  add_all(model.gyro, true, initial.gyro_bias_radps, &gyro_bias);
-  add_all(model.accel, false, initial.accel_bias_mps2, &accel_bias);
+  const FactorGroup& prior = internal::PriorGroup();
+  add_all(model.gyro,
+          {"gyro_bias/", "gyro bias", kXyz, "deg/h", kDegPerRad * 3600.0,
+           internal::BiasProcessGroup(true), prior},
+          initial.gyro_bias_radps, &gyro_bias);
+  add_all(model.accel,
+          {"accel_bias/", "accelerometer bias", kXyz, "mg", 1e3 / kStandardGravityMps2,
+           internal::BiasProcessGroup(false), prior},
+          initial.accel_bias_mps2, &accel_bias);
 }
 
-void FlightNetwork::AddBiasChain(const BiasProcess& process, const std::string& name, bool gyro,
-                                 const Eigen::Vector3d& start, std::vector<BiasChain>* chains) {
-  BiasChain chain;
-  chain.process = process;
-  const double t_end_s = node_t_s_.back();
-  double length_s = t_end_s - node_t_s_.front();
-  if (process.type == BiasProcess::Type::kGaussMarkov) {
-    length_s =
-        std::min(process.tau_s * options_.bias_interval_per_tau, options_.bias_interval_max_s);
-  } else if (process.type == BiasProcess::Type::kRandomWalk) {
-    length_s = options_.bias_interval_max_s;
+void FlightNetwork::AddGnssErrors() {
+  if (!flight_->gnss) return;
+  const GnssConfig& config = *flight_->config.gnss;
+  const TimeInterval span{node_t_s_.front() - kSameEpochS, node_t_s_.back() + kSameEpochS};
+  std::vector<double> epoch_t_s;
+  Eigen::Array3d least_variance = Eigen::Array3d::Constant(kInfinity);
+  for (const GnssEpoch& epoch : flight_->gnss->epochs) {
+    if (epoch.t_s < span.t0_s || epoch.t_s > span.t1_s) continue;
+    epoch_t_s.push_back(epoch.t_s);
+    least_variance = least_variance.min(
+        GnssPositionCovariance(epoch, config, flight_->frame).diagonal().array());
   }
-  chain.t_begin_s.push_back(node_t_s_.front());
-  for (std::size_t k = 1; k + 1 < node_t_s_.size(); ++k) {
-    const bool next_too_late = node_t_s_[k + 1] > chain.t_begin_s.back() + length_s + 1e-6;
-    if (process.type != BiasProcess::Type::kRandomConstant && next_too_late) {
-      chain.t_begin_s.push_back(node_t_s_[k]);
-    }
+  if (epoch_t_s.empty()) return;
+  for (const BiasProcess& process : GnssProcessesInSigmas(config)) {
+    const std::size_t i = gnss_error.size();
+    const double white_share =
+        (least_variance / config.processes[i].sigma_enu_m.array().square()).minCoeff();
+    const double length_s = HoldingLength(process) * std::min(1.0, white_share);
+    gnss_error.push_back(AddProcessChain(process, HoldOverEpochs(epoch_t_s, length_s),
+                                         {"gnss_error/" + std::to_string(i),
+                                          "GNSS error",
+                                          {"east", "north", "up"},
+                                          "sigma",
+                                          1.0,
+                                          internal::GnssErrorGroup(),
+                                          internal::PriorGroup()},
+                                         Eigen::Vector3d::Zero(), &net));
   }
-  const std::string quantity = gyro ? "gyro bias" : "accelerometer bias";
-  const double per_si = gyro ? kDegPerRad * 3600.0 : 1e3 / kStandardGravityMps2;
-  for (std::size_t k = 0; k < chain.t_begin_s.size(); ++k) {
-    const double t1 = k + 1 < chain.t_begin_s.size() ? chain.t_begin_s[k + 1] : t_end_s;
-    chain.t_mid_s.push_back(0.5 * (chain.t_begin_s[k] + t1));
-    chain.blocks.push_back(net.AddVector<3>(name + "/" + std::to_string(k), start));
-    const bool constant = process.type == BiasProcess::Type::kRandomConstant;
-    net.SetLabel(
-        chain.blocks.back().id,
-        Label(quantity + (constant ? " (constant)" : ""), kXyz, gyro ? "deg/h" : "mg", per_si,
-              constant ? std::numeric_limits<double>::quiet_NaN() : chain.t_mid_s.back()));
-  }
-  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
-  if (process.type == BiasProcess::Type::kRandomWalk) {
-    const double first_s = std::max(chain.t_mid_s.front() - chain.t_begin_s.front(), 1e-3);
-    net.Tag(net.Add(PriorVector<3>(zero, Noise<3>::Sigma(process.sigma * std::sqrt(first_s))),
-                    chain.blocks.front()),
-            internal::PriorGroup(), chain.t_mid_s.front());
-  } else {
-    net.Tag(net.Add(PriorVector<3>(zero, Noise<3>::Sigma(process.sigma)), chain.blocks.front()),
-            internal::PriorGroup(), chain.t_mid_s.front());
-  }
-  for (std::size_t k = 0; k + 1 < chain.blocks.size(); ++k) {
-    const double dt_s = chain.t_mid_s[k + 1] - chain.t_mid_s[k];
-    const FactorId id =
-        process.type == BiasProcess::Type::kGaussMarkov
-            ? net.Add(GaussMarkovEdge(process.sigma, process.tau_s, dt_s), chain.blocks[k],
-                      chain.blocks[k + 1])
-            : net.Add(RandomWalkEdge(process.sigma, dt_s), chain.blocks[k], chain.blocks[k + 1]);
-    net.Tag(id, internal::BiasProcessGroup(gyro), chain.t_mid_s[k]);
-  }
-  chains->push_back(std::move(chain));
 }
 
-Eigen::Vector3d FlightNetwork::GyroBias(double t_s) const { return Sum(net, gyro_bias, t_s); }
-Eigen::Vector3d FlightNetwork::AccelBias(double t_s) const { return Sum(net, accel_bias, t_s); }
+Eigen::Vector3d FlightNetwork::GyroBias(double t_s) const {
+  return SumOfProcesses(net, gyro_bias, t_s);
+}
+Eigen::Vector3d FlightNetwork::AccelBias(double t_s) const {
+  return SumOfProcesses(net, accel_bias, t_s);
+}
+
+Eigen::Vector3d FlightNetwork::GnssErrorEnu(double t_s) const {
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < gnss_error.size(); ++i) {
+    sum_m += flight_->config.gnss->processes[i].sigma_enu_m.cwiseProduct(
+        net.Value(gnss_error[i].At(t_s)));
+  }
+  return sum_m;
+}
 
 MapPose FlightNetwork::NodePose(std::size_t k) const {
   const NodeBlocks& node = nodes[k];
@@ -300,8 +305,8 @@ void FlightNetwork::AddInertialEdges() {
     if (HasGap(*flight_->imu, node_t_s_[i], node_t_s_[i + 1])) continue;
     std::vector<BlockId> blocks{nodes[i].q_mb.id,     nodes[i].p_mb.id,     nodes[i].v_m.id,
                                 nodes[i + 1].q_mb.id, nodes[i + 1].p_mb.id, nodes[i + 1].v_m.id};
-    for (const BiasChain& chain : gyro_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
-    for (const BiasChain& chain : accel_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
+    for (const ProcessChain& chain : gyro_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
+    for (const ProcessChain& chain : accel_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
     AppendEffects(of_edge, &blocks);
     InertialEdge edge{i, -1};
     edge.id =
@@ -335,14 +340,20 @@ void FlightNetwork::AddGnssEdges() {
   for (std::size_t e = 0; e < epochs.size(); ++e) {
     const GnssEpoch& epoch = epochs[e];
     const std::size_t k = NodeBefore(node_t_s_, epoch.t_s + 1e-6);
-    if (std::abs(node_t_s_[k] - epoch.t_s) > 2e-6) continue;  // outside the network's span
+    if (std::abs(node_t_s_[k] - epoch.t_s) > kSameEpochS) continue;  // outside the network's span
     GnssEdge edge{k, e, -1, -1};
     std::vector<BlockId> position{nodes[k].q_mb.id, nodes[k].p_mb.id, gnss_lever_arm.id};
     std::vector<BlockId> velocity{nodes[k].q_mb.id, nodes[k].v_m.id, gnss_lever_arm.id};
-    if (!of_edge.empty()) {
-      position.push_back(nodes[k].v_m.id);
+    const std::vector<BlockId> antenna{nodes[k].q_mb.id, nodes[k].p_mb.id, gnss_lever_arm.id,
+                                       nodes[k].v_m.id};
+    if (!of_edge.empty() || !gnss_error.empty()) {
+      position = antenna;
+      for (const ProcessChain& chain : gnss_error) position.push_back(chain.At(epoch.t_s).id);
       AppendEffects(of_edge, &position);
-      velocity = position;
+    }
+    if (!of_edge.empty()) {
+      velocity = antenna;
+      AppendEffects(of_edge, &velocity);
     }
     edge.position = AddEdge(GnssPositionFactor(edge, calibration), position,
                             internal::GnssPositionGroup(), epoch.t_s);
@@ -537,17 +548,17 @@ void FlightNetwork::Relinearise() {
 }
 
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {
-  constexpr double kSameEpochS = 1e-7;
-  if (t_s < node_t_s_.front() - kSameEpochS || t_s > node_t_s_.back() + kSameEpochS) {
+  constexpr double kSameNodeS = 1e-7;
+  if (t_s < node_t_s_.front() - kSameNodeS || t_s > node_t_s_.back() + kSameNodeS) {
     throw InvalidInput("flight network: t = " + std::to_string(t_s) +
                        " s lies outside its nodes, " + std::to_string(node_t_s_.front()) + " to " +
                        std::to_string(node_t_s_.back()) + " s");
   }
-  const std::size_t k = NodeBefore(node_t_s_, t_s + kSameEpochS);
+  const std::size_t k = NodeBefore(node_t_s_, t_s + kSameNodeS);
   const ImuCorrection correction =
       Calibration().ImuAt(GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k]));
   const Preintegrated increments =
-      t_s - node_t_s_[k] > kSameEpochS
+      t_s - node_t_s_[k] > kSameNodeS
           ? Preintegrate(*flight_->imu, node_t_s_[k], t_s, correction, noise_)
           : IdentityIncrement(*flight_->imu, node_t_s_[k], correction);
   return {k, StateAfterNode(flight_->frame, increments, NodePose(k).p_mb), increments};

@@ -32,8 +32,8 @@ std::vector<double> TimesOfSteps(std::vector<StripInterval> strips) {
 struct EdgeKind {
   std::vector<FactorId> edges;
   std::vector<std::size_t> effects;  ///< in the order of the factor's last blocks
-  /// Last blocks of the network's factor that are its own effects, or a user's own; absent for
-  /// GNSS.
+  /// Last blocks of the network's factor that are its own effects, or a user's own; absent for GNSS
+  /// edges that lack the block of the velocity.
   std::optional<std::size_t> own_effects = {};
   std::vector<std::size_t> nodes;  ///< of GNSS edges
   std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
@@ -171,6 +171,9 @@ class Candidates {
       with_velocity.push_back(&edge);
       velocity.edges.push_back(edge.velocity);
       velocity.nodes.push_back(edge.node);
+    }
+    if (!network_.gnss_error.empty()) {
+      position.own_effects = EffectsOfGnss(network_.Calibration()).size();
     }
     position.effects = velocity.effects = EffectsOfGnss(state_);
     position.make = [&](std::size_t k) {

@@ -59,6 +59,7 @@ bool StartsWith(const std::string& text, const char* prefix) { return text.rfind
 /// What would state the noise of a group larger.
 std::string LargerNoise(const std::string& group) {
   if (StartsWith(group, "lidar p2p")) return "lidar.sigma_p_m is too small";
+  if (StartsWith(group, "gnss error")) return "the sigmas of gnss.processes are too small";
   if (StartsWith(group, "gnss")) return "the sigmas of gnss.file are too small (gnss.sigma_scale)";
   const bool gyro = StartsWith(group, "gyro") || StartsWith(group, "inertial gyro");
   const bool accel = StartsWith(group, "accel") || StartsWith(group, "inertial");
@@ -80,8 +81,7 @@ std::string LastingErrors(const CommonErrorCheck& common) {
            "matching";
   }
   if (StartsWith(common.group, "gnss")) {
-    return "GNSS errors that last (gnss_correlated_noise): raise gnss.sigma_scale to about "
-           "sqrt(2 tau / D) for errors of tau s at epochs of D s";
+    return "GNSS errors that last (gnss_correlated_noise): state them under gnss.processes";
   }
   return LargerNoise(common.group) + ", or a process is missing there";
 }

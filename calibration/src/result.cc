@@ -48,10 +48,7 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   const std::vector<double> times = NodeTimes(*flight.imu, span, GnssTimes(flight, span), {}, {});
   const std::size_t k = NodeBefore(network.node_times(), times.front() + 1e-6);
   const Eigen::Vector3d sigma_attitude(2.0 * kRadPerDeg, 2.0 * kRadPerDeg, 5.0 * kRadPerDeg);
-  const double sigma_m = 3.0 * std::sqrt(GnssPositionCovariance(flight.gnss->epochs.front(),
-                                                                *flight.config.gnss, flight.frame)
-                                             .diagonal()
-                                             .maxCoeff());
+  const double sigma_m = 3.0 * TypicalGnssSigma(flight);
   const FilterState start =
       MakeFilterState(flight, network.NodePose(k), network.GyroBias(times.front()),
                       network.AccelBias(times.front()), sigma_attitude, sigma_m, 1.0);
@@ -129,7 +126,7 @@ AdjustmentFigures Figures(const Adjustment& adjustment) {
 }
 
 BiasCorrelation CorrelateWithBias(const FlightNetwork& network,
-                                  const std::vector<BiasChain>& chains,
+                                  const std::vector<ProcessChain>& chains,
                                   const Eigen::Vector3d& sigma_boresight, double barycentre_s,
                                   const Marginals::Columns& columns, const Marginals& marginals) {
   BiasCorrelation result;
@@ -142,7 +139,7 @@ BiasCorrelation CorrelateWithBias(const FlightNetwork& network,
   for (std::size_t k = 0; k < network.nodes.size(); ++k) {
     const double t_s = network.nodes[k].t_s;
     std::vector<BlockId> ids;
-    for (const BiasChain& chain : chains) ids.push_back(chain.At(t_s).id);
+    for (const ProcessChain& chain : chains) ids.push_back(chain.At(t_s).id);
     if (ids != before) {
       Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();  // bias x boresight
       for (const BlockId id : ids) cross += columns.Rows(id);
@@ -174,11 +171,11 @@ double Barycentre(const FlightNetwork& network) {
 
 }  // namespace
 
-Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double t_s,
+Eigen::Matrix3d TotalBiasCovariance(const std::vector<ProcessChain>& chains, double t_s,
                                     const Marginals& marginals) {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const BiasChain& a : chains) {
-    for (const BiasChain& b : chains) {
+  for (const ProcessChain& a : chains) {
+    for (const ProcessChain& b : chains) {
       const BlockId id_a = a.At(t_s).id;
       const BlockId id_b = b.At(t_s).id;
       if (id_a == id_b) {

@@ -1,5 +1,6 @@
 #include <dn/calibration/stages.h>
 #include <dn/geo/text_table.h>
+#include <dn/navigation/gnss_correlation.h>
 #include <dn/navigation/gnss_screening.h>
 #include <dn/navigation/gnss_steps.h>
 #include <dn/solvers/marginals.h>
@@ -128,6 +129,7 @@ bool ScreenOnce(AdjustmentRun& run, std::set<FactorId>* out_for_good) {
   if (jump && jump->statistic > screening.Worst()) {
     TakeOut(*jump, run, out_for_good);
   } else if (screening.Apply(*out_for_good, &network.net) == 0) {
+    run.result().gnss_correlation = TestGnssCorrelation(network, marginals);
     return false;
   }
   run.Solve(kScreened, run.options().max_iterations);

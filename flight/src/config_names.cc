@@ -44,6 +44,11 @@ const Words<BiasProcess::Type>& ProcessWords() {
   return words;
 }
 
+const Words<BiasProcess::Type>& GnssProcessWords() {
+  static const Words<BiasProcess::Type> words{{"gauss_markov", BiasProcess::Type::kGaussMarkov}};
+  return words;
+}
+
 const Words<bool>& GhRotationWords() {
   static const Words<bool> words{{"exp", true}, {"small_angle", false}};
   return words;

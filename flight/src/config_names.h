@@ -18,6 +18,8 @@ const Words<ImuFormat>& ImuFormatWords();
 const Words<ImuSampling>& ImuSamplingWords();
 const Words<GnssFormat>& GnssFormatWords();
 const Words<BiasProcess::Type>& ProcessWords();
+/// The kinds of process that an error of GNSS positions may be.
+const Words<BiasProcess::Type>& GnssProcessWords();
 const Words<bool>& GhRotationWords();
 const Words<bool>& BodyWords();
 const Words<NetworkConfig::Inertial>& InertialWords();

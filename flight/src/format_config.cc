@@ -105,6 +105,12 @@ void WriteImu(const ImuConfig& imu, Writer& out) {
   WriteSensor("accel", imu.model.accel, internal::AccelKeys(), out);
 }
 
+void WriteGnssProcesses(const std::vector<GnssProcess>& processes, Writer& out) {
+  if (processes.empty()) return out.Key(1, "processes", "[]");
+  out.Line(1, "processes:");
+  for (const GnssProcess& process : processes) out.Line(2, "- " + FormatGnssProcess(process));
+}
+
 void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Line(0, "gnss:");
   out.Key(1, "file", Quote(gnss.file));
@@ -113,6 +119,7 @@ void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Key(1, "sigma_enu_m", List(gnss.sigma_enu_m));
   out.Key(1, "sigma_scale", Number(gnss.sigma_scale));
   out.Key(1, "use_velocity", gnss.use_velocity ? Boolean(*gnss.use_velocity) : "auto");
+  WriteGnssProcesses(gnss.processes, out);
   out.Key(1, "robust", WordOf(gnss.robust, internal::RobustWords()));
 }
 
@@ -188,6 +195,11 @@ void WriteHead(const FlightConfig& config, Writer& out) {
 }
 
 }  // namespace
+
+std::string FormatGnssProcess(const GnssProcess& process) {
+  return "{type: gauss_markov, sigma_enu_m: " + List(process.sigma_enu_m) +
+         ", tau_s: " + Number(process.tau_s) + "}";
+}
 
 std::string FormatFlightConfig(const FlightConfig& config) {
   Writer out;

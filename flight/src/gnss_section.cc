@@ -1,10 +1,41 @@
 #include "config_sections.h"
 
+namespace dn {
+namespace {
+
+constexpr double kLeastSigmaM = 1e-12;  // as of every number that must be positive
+
+Eigen::Vector3d ProcessSigmas(const YamlValue& value) {
+  const Eigen::Vector3d sigma = value.Vector3();
+  if (sigma.minCoeff() < 0.0) value.Fail("no element may be negative");
+  if (sigma.maxCoeff() < kLeastSigmaM) value.Fail("one element must be at least 1e-12");
+  return sigma;
+}
+
+GnssProcess ReadGnssProcess(const YamlValue& item) {
+  item.ExpectMap({"type", "sigma_enu_m", "tau_s"});
+  item["type"].Choice(internal::GnssProcessWords());
+  return {ProcessSigmas(item["sigma_enu_m"]), item["tau_s"].Positive()};
+}
+
+}  // namespace
+
+std::vector<GnssProcess> ReadGnssProcesses(const YamlValue& section) {
+  std::vector<GnssProcess> processes;
+  if (!section["processes"]) return processes;
+  for (const YamlValue& item : section["processes"].List()) {
+    processes.push_back(ReadGnssProcess(item));
+  }
+  return processes;
+}
+
+}  // namespace dn
+
 namespace dn::internal {
 
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
-  section.ExpectMap(
-      {"file", "format", "lever_arm_m", "sigma_enu_m", "sigma_scale", "use_velocity", "robust"});
+  section.ExpectMap({"file", "format", "lever_arm_m", "sigma_enu_m", "sigma_scale", "use_velocity",
+                     "processes", "robust"});
   GnssConfig gnss;
   if (section["file"]) gnss.file = section["file"].Text();
   if (section["format"]) gnss.format = section["format"].Choice(GnssFormatWords());
@@ -19,6 +50,7 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
         {"auto", std::nullopt}, {"true", true}, {"false", false}};
     gnss.use_velocity = section["use_velocity"].Choice(words);
   }
+  gnss.processes = ReadGnssProcesses(section);
   if (section["robust"]) gnss.robust = section["robust"].Choice(RobustWords());
   return gnss;
 }

@@ -21,10 +21,10 @@ class Truth {
   MapPose Pose(double t_s) const { return simulated_.truth->Pose(t_s); }
 
   // The network holds a bias over an interval: its truth is the mean over the samples in there.
-  Eigen::Vector3d Bias(const std::vector<BiasChain>& chains,
+  Eigen::Vector3d Bias(const std::vector<ProcessChain>& chains,
                        const std::vector<Eigen::Vector3d>& samples, double t_s) const {
     double begin_s = network_.node_times().front(), end_s = network_.node_times().back();
-    for (const BiasChain& chain : chains) {
+    for (const ProcessChain& chain : chains) {
       const auto next =
           std::upper_bound(chain.t_begin_s.begin(), chain.t_begin_s.end(), t_s + 1e-9);
       begin_s = std::max(begin_s, *(next - 1));

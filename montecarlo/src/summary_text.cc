@@ -49,7 +49,7 @@ std::string SensorLines(const std::string& title, const std::vector<SensorConsis
                         bool white) {
   std::string text = title;
   for (const SensorConsistency& s : sensors) {
-    text += fmt::format("  {:<15} {:<12} {:>8.4f}  {:>7.4f} .. {:<7.4f} {:<8} lag-1 {:>7.4f} {}\n",
+    text += fmt::format("  {:<18} {:<12} {:>8.4f}  {:>7.4f} .. {:<7.4f} {:<8} lag-1 {:>7.4f} {}\n",
                         s.sensor, s.axis, s.variance_ratio.value, s.variance_ratio.band.low,
                         s.variance_ratio.band.high, s.variance_ratio.ok() ? "inside" : "OUTSIDE",
                         s.lag1.value,

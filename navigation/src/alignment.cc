@@ -49,12 +49,6 @@ std::vector<Antenna> AntennaTrack(const Flight& flight, const TimeInterval& span
   return track;
 }
 
-double TypicalSigma(const Flight& flight) {
-  const GnssEpoch& first = flight.gnss->epochs.front();
-  return std::sqrt(
-      GnssPositionCovariance(first, *flight.config.gnss, flight.frame).diagonal().maxCoeff());
-}
-
 struct StillStart {
   bool still = false;
   double t_end_s = 0.0;
@@ -96,7 +90,7 @@ StillStart FindStillStart(const Flight& flight, double t0_s) {
   if (n < 1.0 || result.t_end_s - t0_s < kMinS) return result;
   const std::vector<Antenna> track = AntennaTrack(flight, {t0_s, result.t_end_s});
   const double moved_m = track.size() < 2 ? 0.0 : (track.back().p_m - track.front().p_m).norm();
-  result.still = moved_m < 0.2 + 5.0 * TypicalSigma(flight);
+  result.still = moved_m < 0.2 + 5.0 * TypicalGnssSigma(flight);
   result.mean_w_b = sum_w / n;
   result.mean_f_b = sum_f / n;
   return result;
@@ -130,7 +124,7 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
   const std::vector<Antenna> track = AntennaTrack(flight, span);
   const LocalFrame& frame = flight.frame;
   const Eigen::Vector3d l_b = flight.config.gnss->lever_arm_b_m;
-  const double sigma_m = TypicalSigma(flight);
+  const double sigma_m = TypicalGnssSigma(flight);
   const double spacing_s =
       std::max(1.0, std::sqrt(std::sqrt(6.0) * sigma_m / kSecondDifferenceMps2));
   Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
@@ -254,7 +248,7 @@ MapPose StartPose(const Flight& flight, const TimeInterval& span, const Eigen::Q
   pose.t_s = span.t0_s;
   pose.q_mb = q_mb;
   pose.p_mb = track.front().p_m - q_mb * flight.config.gnss->lever_arm_b_m;
-  const double spacing_s = std::max(1.0, 2.0 * TypicalSigma(flight));
+  const double spacing_s = std::max(1.0, 2.0 * TypicalGnssSigma(flight));
   std::size_t j = 1;
   while (j + 1 < track.size() && track[j].t_s - track[0].t_s < spacing_s - 1e-3) ++j;
   pose.v_m = (track[j].p_m - track[0].p_m) / (track[j].t_s - track[0].t_s);
@@ -274,7 +268,7 @@ double DecisionTime(const Flight& flight, const TimeInterval& span) {
   double changes = 0.0;
   Eigen::Vector3d v_before = Eigen::Vector3d::Zero();
   std::size_t i = 0;
-  const double noise_mps = 2.0 * TypicalSigma(flight) / kStepS;
+  const double noise_mps = 2.0 * TypicalGnssSigma(flight) / kStepS;
   for (std::size_t j = 1; j < track.size(); ++j) {
     if (track[j].t_s - track[i].t_s < kStepS - 1e-3) continue;
     const Eigen::Vector3d v = (track[j].p_m - track[i].p_m) / (track[j].t_s - track[i].t_s);
@@ -289,7 +283,7 @@ double DecisionTime(const Flight& flight, const TimeInterval& span) {
 
 FilterState StartState(const Flight& flight, const TimeInterval& span, const Candidate& candidate,
                        const ImuCorrection& bias, double sigma_tilt_rad) {
-  const double sigma_m = TypicalSigma(flight);
+  const double sigma_m = TypicalGnssSigma(flight);
   return MakeFilterState(flight, StartPose(flight, span, candidate.q_mb), bias.gyro_bias_radps,
                          bias.accel_bias_mps2,
                          {sigma_tilt_rad, sigma_tilt_rad, candidate.sigma_heading_rad},

@@ -45,20 +45,20 @@ class Filter {
     } else {
       PredictInertially(t_s);
     }
-    StepBiases(t_s - state_.pose.t_s);
+    StepProcesses(t_s - state_.pose.t_s);
     state_.pose.t_s = t_s;
   }
 
   void UpdatePosition(const GnssEpoch& epoch) {
     const auto factor = MakeGnssPositionFactor(flight_, epoch, calibration_,
                                                InputOf(Isotropic(options_.position_floor_m)));
-    UpdateGnss(*factor, {state_.pose.p_mb.data(), 3}, false);
+    UpdateGnss(*factor, {state_.pose.p_mb.data(), 3}, state_.gnss_error, false);
   }
 
   void UpdateVelocity(const GnssEpoch& epoch) {
     const auto factor = MakeGnssVelocityFactor(flight_, epoch, calibration_,
                                                InputOf(Isotropic(options_.velocity_floor_mps)));
-    UpdateGnss(*factor, {state_.pose.v_m.data(), 6}, true);
+    UpdateGnss(*factor, {state_.pose.v_m.data(), 6}, {}, true);
   }
 
   const FilterState& state() const { return state_; }
@@ -75,18 +75,25 @@ class Filter {
     Eigen::Index row;
   };
 
-  /// `measured`: the part that a factor without effects takes.
-  void UpdateGnss(const FactorBase& factor, const StatePart& measured, bool velocity) {
+  /// `measured`: the part that a factor without effects takes; `errors`: the processes that last.
+  void UpdateGnss(const FactorBase& factor, const StatePart& measured,
+                  const std::vector<Eigen::Vector3d>& errors, bool velocity) {
     const std::vector<std::size_t> effects = EffectsOfGnss(calibration_);
     const MapPose& pose = state_.pose;
     std::vector<const double*> x{pose.q_mb.coeffs().data(), measured.value,
                                  calibration_.gnss_lever_arm_b_m.data()};
     std::vector<Eigen::Index> rows{0, measured.row, -1};
-    if (!effects.empty()) {
+    if (!effects.empty() || !errors.empty()) {
       x[1] = pose.p_mb.data();
       rows[1] = 3;
       x.push_back(pose.v_m.data());
       rows.push_back(6);
+    }
+    auto row = state_.covariance.rows() - 3 * static_cast<Eigen::Index>(errors.size());
+    for (const Eigen::Vector3d& error : errors) {
+      x.push_back(error.data());
+      rows.push_back(row);
+      row += 3;
     }
     for (const std::size_t k : effects) {
       x.push_back(calibration_.effects[k].value.data());
@@ -145,26 +152,32 @@ class Filter {
     state_.pose = {state_.pose.t_s, next.q_mb, next.p_mb, next.v_m};
   }
 
-  void StepBiases(double dt_s) {
+  void StepProcesses(double dt_s) {
     const ImuModel& model = flight_.config.imu->model;
     Eigen::Index row = kNav;
-    const auto step = [&](const SensorNoise& sensor, std::vector<Eigen::Vector3d>& biases) {
-      for (std::size_t i = 0; i < biases.size(); ++i, row += 3) {
-        const BiasProcess& process = sensor.processes[i];
-        if (process.type == BiasProcess::Type::kGaussMarkov) {
-          const GaussMarkovStep gm = DiscretiseGaussMarkov(process.sigma, process.tau_s, dt_s);
-          biases[i] *= gm.phi;
-          state_.covariance.middleRows<3>(row) *= gm.phi;
-          state_.covariance.middleCols<3>(row) *= gm.phi;
-          state_.covariance.diagonal().segment<3>(row).array() += gm.q;
-        } else if (process.type == BiasProcess::Type::kRandomWalk) {
-          state_.covariance.diagonal().segment<3>(row).array() +=
-              process.sigma * process.sigma * dt_s;
-        }
+    const auto step = [&](const std::vector<BiasProcess>& processes,
+                          std::vector<Eigen::Vector3d>& values) {
+      for (std::size_t i = 0; i < values.size(); ++i, row += 3) {
+        StepProcess(processes[i], dt_s, row, &values[i]);
       }
     };
-    step(model.gyro, state_.gyro_bias);
-    step(model.accel, state_.accel_bias);
+    step(model.gyro.processes, state_.gyro_bias);
+    step(model.accel.processes, state_.accel_bias);
+    step(GnssProcessesInSigmas(*flight_.config.gnss), state_.gnss_error);
+  }
+
+  void StepProcess(const BiasProcess& process, double dt_s, Eigen::Index row,
+                   Eigen::Vector3d* value) {
+    auto variance = state_.covariance.diagonal().segment<3>(row).array();
+    if (process.type == BiasProcess::Type::kGaussMarkov) {
+      const GaussMarkovStep gm = DiscretiseGaussMarkov(process.sigma, process.tau_s, dt_s);
+      *value *= gm.phi;
+      state_.covariance.middleRows<3>(row) *= gm.phi;
+      state_.covariance.middleCols<3>(row) *= gm.phi;
+      variance += gm.q;
+    } else if (process.type == BiasProcess::Type::kRandomWalk) {
+      variance += process.sigma * process.sigma * dt_s;
+    }
   }
 
   // rows: where each block of the factor stands in the state; -1: known.
@@ -206,13 +219,11 @@ class Filter {
     state_.pose.p_mb += step.segment<3>(3);
     state_.pose.v_m += step.segment<3>(6);
     Eigen::Index row = kNav;
-    for (Eigen::Vector3d& bias : state_.gyro_bias) {
-      bias += step.segment<3>(row);
-      row += 3;
-    }
-    for (Eigen::Vector3d& bias : state_.accel_bias) {
-      bias += step.segment<3>(row);
-      row += 3;
+    for (auto* values : {&state_.gyro_bias, &state_.accel_bias, &state_.gnss_error}) {
+      for (Eigen::Vector3d& value : *values) {
+        value += step.segment<3>(row);
+        row += 3;
+      }
     }
   }
 
@@ -224,7 +235,7 @@ class Filter {
 };
 
 FilterState WithoutCovariance(const FilterState& state) {
-  return {state.pose, state.gyro_bias, state.accel_bias, {}};
+  return {state.pose, state.gyro_bias, state.accel_bias, state.gnss_error, {}};
 }
 
 }  // namespace
@@ -241,17 +252,18 @@ FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
   FilterState state;
   state.pose = pose;
   std::vector<double> variances;
-  const auto add = [&](const SensorNoise& sensor, Eigen::Vector3d start,
-                       std::vector<Eigen::Vector3d>* biases) {
-    for (const BiasProcess& process : sensor.processes) {
-      biases->push_back(start);
+  const auto add = [&](const std::vector<BiasProcess>& processes, Eigen::Vector3d start,
+                       std::vector<Eigen::Vector3d>* values) {
+    for (const BiasProcess& process : processes) {
+      values->push_back(start);
       start.setZero();
       const bool walk = process.type == BiasProcess::Type::kRandomWalk;
       variances.push_back(walk ? 1e-30 : process.sigma * process.sigma);
     }
   };
-  add(model.gyro, gyro_bias_radps, &state.gyro_bias);
-  add(model.accel, accel_bias_mps2, &state.accel_bias);
+  add(model.gyro.processes, gyro_bias_radps, &state.gyro_bias);
+  add(model.accel.processes, accel_bias_mps2, &state.accel_bias);
+  add(GnssProcessesInSigmas(*flight.config.gnss), Eigen::Vector3d::Zero(), &state.gnss_error);
   const Eigen::Index n = kNav + 3 * static_cast<Eigen::Index>(variances.size());
   state.covariance = Eigen::MatrixXd::Zero(n, n);
   auto diagonal = state.covariance.diagonal();

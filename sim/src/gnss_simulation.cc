@@ -4,6 +4,10 @@
 #include <dn/sim/random.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
+
+#include "antenna_error.h"
 
 namespace dn {
 namespace {
@@ -20,7 +24,11 @@ class Receiver {
         effects_(effects),
         lever_arm_b_m_(gnss.lever_arm_b_m + effects.gnss_lever_arm_b_m),
         noise_scale_(noise ? effects.gnss_noise_ratio : 0.0),
-        random_(seed, "gnss") {}
+        random_(seed, "gnss") {
+    for (std::size_t i = 0; noise && i < gnss.processes.size(); ++i) {
+      lasting_.emplace_back(gnss.processes[i], Random(seed, "gnss process " + std::to_string(i)));
+    }
+  }
 
   GnssEpoch At(double t_s) {
     const TruthState state = truth_.State(t_s);
@@ -28,6 +36,7 @@ class Receiver {
     const Vector3d antenna_m = state.pose.p_mb + R_mb * lever_arm_b_m_;
     const Eigen::Matrix3d R_m_enu = truth_.frame().R_m_enu(antenna_m);
     Vector3d error_enu = noise_scale_ * gnss_.sigma_enu_m.cwiseProduct(random_.Normal3());
+    for (AntennaError& lasting_enu_m : lasting_) error_enu += lasting_enu_m(t_s);
     for (const auto& more_enu_m : effects_.antenna_enu_m) error_enu += more_enu_m(t_s);
     GnssEpoch epoch;
     epoch.t_s = Tag(effects_.gnss_tags, t_s);
@@ -50,6 +59,7 @@ class Receiver {
   Vector3d lever_arm_b_m_;  // true
   double noise_scale_;
   Random random_;
+  std::vector<AntennaError> lasting_;
 };
 
 }  // namespace

@@ -114,13 +114,14 @@ ImuScenario ReadImuScenario(const YamlValue& s) {
 }
 
 GnssScenario ReadGnssScenario(const YamlValue& s) {
-  s.ExpectMapOrNothing({"rate_hz", "sigma_enu_m", "lever_arm_m", "velocity"});
+  s.ExpectMapOrNothing({"rate_hz", "sigma_enu_m", "lever_arm_m", "velocity", "processes"});
   GnssScenario gnss;
   gnss.rate_hz = s["rate_hz"].PositiveOr(1.0);
   if (gnss.rate_hz > 100.0) s["rate_hz"].Fail("must be at most 100");
   if (s["sigma_enu_m"]) gnss.sigma_enu_m = s["sigma_enu_m"].PositiveVector3();
   gnss.lever_arm_b_m = s["lever_arm_m"].Vector3Or(Eigen::Vector3d::Zero());
   gnss.velocity = s["velocity"].BoolOr(false);
+  gnss.processes = ReadGnssProcesses(s);
   return gnss;
 }
 

@@ -88,6 +88,7 @@ FlightConfig AssumedConfig(const Scenario& scenario, const std::vector<StripInte
   config.gnss.emplace();
   config.gnss->lever_arm_b_m = scenario.gnss.lever_arm_b_m;
   config.gnss->sigma_enu_m = scenario.gnss.sigma_enu_m;
+  config.gnss->processes = scenario.gnss.processes;
   return config;
 }
 

@@ -51,30 +51,12 @@ std::vector<FormMoments> ExactMoments(const Marginals& marginals,
   return moments;
 }
 
-FormMoments MomentsOfSample(const std::vector<double>& energies) {
-  FormMoments moments{0.0, 0.0, kSamples};
-  for (const double energy : energies) moments.mean += energy / kSamples;
-  for (const double energy : energies) {
-    moments.variance += std::pow(energy - moments.mean, 2) / (kSamples - 1);
-  }
-  return moments;
-}
-
 std::vector<FormMoments> SampledMoments(const Marginals& marginals,
                                         const std::vector<ResidualForm>& forms) {
   std::vector<std::vector<double>> energies(forms.size());
-  std::mt19937_64 generator(kSeed);
-  std::normal_distribution<double> normal;
-  for (int k = 0; k < kSamples; k += kSamplesAtOnce) {
-    Eigen::MatrixXd E(marginals.linearized().rows(), kSamplesAtOnce);
-    for (double& e : E.reshaped()) e = normal(generator);
-    E = marginals.Project(E);
-    for (int c = 0; c < kSamplesAtOnce; ++c) {
-      for (std::size_t i = 0; i < forms.size(); ++i) {
-        energies[i].push_back(forms[i].Energy(E.col(c)));
-      }
-    }
-  }
+  ForSampledResiduals(marginals, [&](const auto& residual) {
+    for (std::size_t i = 0; i < forms.size(); ++i) energies[i].push_back(forms[i].Energy(residual));
+  });
   std::vector<FormMoments> moments;
   for (const std::vector<double>& sample : energies) moments.push_back(MomentsOfSample(sample));
   return moments;
@@ -129,6 +111,28 @@ double FormMoments::LowerTail(double energy) const {
   if (!(variance > 0.0) || !(mean > 0.0)) return 1.0;
   const double dof = Dof();
   return ChiSquareCdf(dof * energy / mean, dof);
+}
+
+void ForSampledResiduals(const Marginals& marginals,
+                         const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use) {
+  std::mt19937_64 generator(kSeed);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < kSamples; k += kSamplesAtOnce) {
+    Eigen::MatrixXd E(marginals.linearized().rows(), kSamplesAtOnce);
+    for (double& e : E.reshaped()) e = normal(generator);
+    E = marginals.Project(E);
+    for (int c = 0; c < kSamplesAtOnce; ++c) use(E.col(c));
+  }
+}
+
+FormMoments MomentsOfSample(const std::vector<double>& energies) {
+  const auto n = static_cast<double>(energies.size());
+  FormMoments moments{0.0, 0.0, static_cast<int>(energies.size())};
+  for (const double energy : energies) moments.mean += energy / n;
+  for (const double energy : energies) {
+    moments.variance += std::pow(energy - moments.mean, 2) / (n - 1.0);
+  }
+  return moments;
 }
 
 std::vector<FormMoments> MomentsOf(const Marginals& marginals,

@@ -84,6 +84,29 @@ TEST(FlightNetwork, GroupsHaveTheirCounts) {
   EXPECT_EQ(counts[""], 0) << "every factor is in a group";
 }
 
+// 2 Hz; 120 s are held for 3 s where the sigma is that of the white noise, and for a ninth of that
+// where it is three times as large, which is less than an epoch.
+TEST(FlightNetwork, LastingErrorsOfGnssAreStatesOfItsEpochs) {
+  Flight flight = Drone().flight;
+  flight.config.gnss->processes = {{{0.015, 0.0, 0.03}, 120.0}, {{0.0, 0.0, 0.09}, 120.0}};
+  FlightNetwork network = AtTruth(flight);
+  ASSERT_EQ(network.gnss_error.size(), 2U);
+  EXPECT_EQ(network.gnss_error[1].blocks.size(), network.gnss_edges.size());
+  EXPECT_NEAR(6.0 * static_cast<double>(network.gnss_error[0].blocks.size()),
+              static_cast<double>(network.gnss_edges.size()), 6.0);
+  EXPECT_EQ(network.net.Find("gnss_error/1/2"), network.gnss_error[1].blocks[2].id);
+  auto counts = GroupCounts(network.net);
+  EXPECT_EQ(counts["prior"], 4 + 2) << "one per process";
+  EXPECT_EQ(counts["gnss error process"], static_cast<long>(network.gnss_error[0].blocks.size() +
+                                                            network.gnss_error[1].blocks.size()) -
+                                              2);
+  const FlightNetwork::GnssEdge& edge = network.gnss_edges[3];
+  const double t_s = flight.gnss->epochs[edge.epoch].t_s;
+  network.net.SetValue(network.gnss_error[0].At(t_s), Eigen::Vector3d(2.0, 5.0, -1.0));
+  network.net.SetValue(network.gnss_error[1].At(t_s), Eigen::Vector3d(7.0, 5.0, 1.0));
+  EXPECT_LE((network.GnssErrorEnu(t_s) - Eigen::Vector3d(0.03, 0.0, 0.06)).norm(), 1e-15);
+}
+
 TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
   FlightNetworkOptions options;
   options.bias_interval_per_tau = 0.01;  // 6 s of 600 s
@@ -94,7 +117,7 @@ TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
   EXPECT_EQ(network.gyro_bias[0].blocks.size(), 1U) << "a constant is one block";
   const std::vector<double> longest{6.0, 10.0};
   for (const std::size_t process : {1U, 2U}) {
-    const BiasChain& chain = network.gyro_bias[process];
+    const ProcessChain& chain = network.gyro_bias[process];
     EXPECT_EQ(chain.t_begin_s.front(), network.node_times().front());
     for (std::size_t k = 0; k < chain.blocks.size(); ++k) {
       const double end_s =

@@ -89,6 +89,24 @@ TEST(FlightConfigErrors, UnknownWord) {
   ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: some}}\n", "all, max, freq, time_window", 1);
 }
 
+TEST(FlightConfigErrors, GnssProcesses) {
+  const std::string begin = "gnss:\n  processes:\n    - {type: gauss_markov, ";
+  ExpectBad(begin + "sigma_enu_m: [0, 0, 0], tau_s: 120}\n",
+            "gnss.processes[0].sigma_enu_m: one element must be at least 1e-12", 3);
+  ExpectBad(begin + "sigma_enu_m: [0.01, -0.01, 0.02], tau_s: 120}\n", "no element may be negative",
+            3);
+  ExpectBad(begin + "sigma_enu_m: 0.01, tau_s: 120}\n", "expected a list of 3 numbers", 3);
+  ExpectBad(begin + "sigma_enu_m: [0.01, 0.01, 0.02], tau_s: 0}\n",
+            "gnss.processes[0].tau_s: must be greater than 0", 3);
+  ExpectBad(begin + "sigma_enu_m: [0.01, 0.01, 0.02]}\n", "gnss.processes[0].tau_s", 3);
+  ExpectBad(begin + "tau_s: 120}\n", "gnss.processes[0].sigma_enu_m", 3);
+  ExpectBad(begin + "sigma_enu: [0.01, 0.01, 0.02], tau_s: 120}\n", "did you mean 'sigma_enu_m'?",
+            3);
+  ExpectBad("gnss:\n  processes: [{type: random_walk, sigma_enu_m: [1, 1, 1], tau_s: 1}]\n",
+            "gnss.processes[0].type: 'random_walk' is none of gauss_markov", 2);
+  ExpectBad("gnss: {processes: 3}\n", "gnss.processes: expected a list", 1);
+}
+
 TEST(FlightConfigErrors, Strips) {
   ExpectBad("strips:\n  - {name: a, t0: 1, t1: 2}\n  - {name: a, t0: 3, t1: 4}\n",
             "strips[1].name: strip 'a' is given twice", 3);

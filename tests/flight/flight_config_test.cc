@@ -47,6 +47,9 @@ gnss:
   sigma_enu_m: [0.01, 0.02, 0.03]
   sigma_scale: 1.7
   use_velocity: false
+  processes:
+    - {type: gauss_markov, sigma_enu_m: [0.011, 0.012, 0.023], tau_s: 123.4}
+    - {type: gauss_markov, sigma_enu_m: [0, 0, 0.3], tau_s: 3e3}
   robust: huber
 lidar:
   p2p: [a.txt, "lidar/*.txt"]
@@ -100,6 +103,7 @@ void ExpectSameSensors(const FlightConfig& a, const FlightConfig& b) {
     EXPECT_EQ(a.gnss->sigma_enu_m, b.gnss->sigma_enu_m);
     EXPECT_EQ(a.gnss->sigma_scale, b.gnss->sigma_scale);
     EXPECT_EQ(a.gnss->use_velocity, b.gnss->use_velocity);
+    EXPECT_EQ(a.gnss->processes, b.gnss->processes);
     EXPECT_EQ(a.gnss->robust, b.gnss->robust);
   }
 }
@@ -193,6 +197,9 @@ TEST(FlightConfig, ConvertsEveryKeyToSi) {
   EXPECT_EQ(c.imu->model.accel.processes[0].tau_s, 300.0);
   EXPECT_EQ(c.gnss->lever_arm_b_m, Eigen::Vector3d(0.4, -0.1, -1.1));
   EXPECT_EQ(c.gnss->use_velocity, std::optional<bool>(false));
+  ASSERT_EQ(c.gnss->processes.size(), 2U);
+  EXPECT_EQ(c.gnss->processes[0], (GnssProcess{{0.011, 0.012, 0.023}, 123.4}));
+  EXPECT_EQ(c.gnss->processes[1], (GnssProcess{{0.0, 0.0, 0.3}, 3000.0}));
   EXPECT_NEAR(c.lidar->mounting.boresight_rad.z(), 0.35 * kDeg, kRelative);
   EXPECT_NEAR(c.lidar->boresight_sigma_rad->y(), 0.2 * kDeg, kRelative);
   EXPECT_NEAR(c.trajectory->sigma_y_rad, 0.00058 * kDeg, kRelative);

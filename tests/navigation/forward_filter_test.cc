@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <utility>
 
 #include "testing/short_flights.h"
 
@@ -76,6 +77,35 @@ TEST_F(ForwardFilter, InnovationsAreWhiteAndOfUnitVariance) {
   const double n = 3.0 * static_cast<double>(times_.size());
   EXPECT_NEAR(nis / n, 1.0, kSigmas * std::sqrt(2.0 / n));
   EXPECT_NEAR(lagged / n, 0.0, kSigmas * std::sqrt(1.0 / n));
+}
+
+// Errors of 20 s, twice as large as the white noise: as states they leave white innovations of unit
+// variance, and positions within their covariance; untold they do not.
+TEST_F(ForwardFilter, InnovationsAreWhiteBesideLastingErrorsOfGnss) {
+  Scenario scenario = WithoutPairs();
+  scenario.gnss.processes = {{{0.03, 0.03, 0.06}, 20.0}};
+  SimulatedFlight sim = Simulate(scenario, Seeded(5));
+  ASSERT_EQ(sim.flight.config.gnss->processes, scenario.gnss.processes);
+  const double n = 3.0 * static_cast<double>(times_.size());
+  const auto nis = [&] {
+    const FilterRun run = RunForwardFilter(
+        sim.flight, times_,
+        MakeFilterState(sim.flight, Start().pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                        Eigen::Vector3d::Constant(kSigmaAttitudeRad), kSigmaPositionM,
+                        kSigmaVelocityMps));
+    EXPECT_EQ(run.last.covariance.rows(), run.last.covariance.cols());
+    double sum = 0.0, lagged = 0.0;
+    for (std::size_t k = 0; k < run.innovations.size(); ++k) {
+      sum += run.innovations[k].nis;
+      if (k > 0) lagged += run.innovations[k].normalised.dot(run.innovations[k - 1].normalised);
+    }
+    return std::pair(sum / n, lagged / n);
+  };
+  const auto [mean_nis, lag1] = nis();
+  EXPECT_NEAR(mean_nis, 1.0, kSigmas * std::sqrt(2.0 / n));
+  EXPECT_NEAR(lag1, 0.0, kSigmas * std::sqrt(1.0 / n));
+  sim.flight.config.gnss->processes.clear();
+  EXPECT_GT(nis().first, 1.0 + kSigmas * std::sqrt(2.0 / n));
 }
 
 TEST_F(ForwardFilter, ConvergesToTheTruthAsItsCovarianceSays) {

@@ -20,6 +20,13 @@ namespace dn {
 Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig& config,
                                        const LocalFrame& frame);
 
+/// The processes of gnss.processes as those of a chain: of unit sigma, see GnssError.
+std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config);
+
+/// Largest sigma of a GNSS position along an axis, by the flight's first epoch: white noise and
+/// processes together, m.
+double TypicalGnssSigma(const Flight& flight);
+
 /// Whether the velocity of an epoch is used: by the configuration, else when it is there with its
 /// sigma.
 bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config);
@@ -32,16 +39,17 @@ struct GnssEdgeInput {
   Eigen::Matrix3d added_covariance = Eigen::Matrix3d::Zero();
 };
 
-/// Position edge of an epoch. Without GNSS effects a GnssPosition on (q_mb, p_mb, a_b), else a
-/// GnssAntenna on (q_mb, p_mb, a_b, v_m) and the effects in the order of EffectsOfGnss. Throws
-/// InvalidInput naming the epoch where its covariance is none.
+/// Position edge of an epoch. Without lasting errors and GNSS effects a GnssPosition on (q_mb, p_mb,
+/// a_b), else a GnssAntenna on (q_mb, p_mb, a_b, v_m), the values of gnss.processes (GnssError) and
+/// the effects in the order of EffectsOfGnss. Throws InvalidInput naming the epoch where its
+/// covariance is none.
 std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
                                                          const GnssEpoch& epoch,
                                                          const CalibrationState& calibration,
                                                          const GnssEdgeInput& input);
 
-/// Velocity edge of an epoch that has one: a GnssVelocity on (q_mb, v_m, a_b), or a GnssAntenna as
-/// above.
+/// Velocity edge of an epoch that has one: a GnssVelocity on (q_mb, v_m, a_b), or where there are GNSS
+/// effects a GnssAntenna as above, without the lasting errors, which are those of positions.
 std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
                                                          const GnssEpoch& epoch,
                                                          const CalibrationState& calibration,

@@ -3,6 +3,7 @@
 #include <dn/builder/calibration_state.h>
 #include <dn/builder/edge_factors.h>
 #include <dn/builder/node_grid.h>
+#include <dn/builder/process_chain.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/factors/state_after_node.h>
 #include <dn/flight/flight.h>
@@ -25,18 +26,6 @@ struct NodeBlocks {
   Block<Rotation> q_mb;
   Block<Vec<3>> p_mb;
   Block<Vec<3>> v_m;
-};
-
-/// One bias process of one sensor triad as blocks: a single one for a random constant, else one per
-/// interval (the bias is held over an interval, whose value stands for the interval's middle).
-struct BiasChain {
-  BiasProcess process;
-  std::vector<double> t_begin_s;  ///< start of each interval
-  std::vector<double> t_mid_s;
-  std::vector<Block<Vec<3>>> blocks;
-
-  /// The block that holds at t_s.
-  Block<Vec<3>> At(double t_s) const;
 };
 
 /// An effect that is a block of the network.
@@ -66,7 +55,10 @@ struct PairModel {
 };
 
 struct FlightNetworkOptions {
-  /// Longest interval over which a Gauss-Markov bias is held, as a fraction of tau and in seconds.
+  /// Longest interval over which a Gauss-Markov process is held, as a fraction of tau and in seconds.
+  /// That of a GNSS error is shorter where its sigma exceeds the white one of the positions, so that
+  /// what the error changes by within an interval stays far below the white noise; and never shorter
+  /// than one epoch.
   double bias_interval_per_tau = 1.0 / 40.0;
   double bias_interval_max_s = 5.0;
   double position_floor_m = 1e-6;  ///< of one inertial increment, see PreintegrationNoise
@@ -79,11 +71,11 @@ struct FlightNetworkOptions {
 /// Network: add blocks and factors of your own to it before solving, they are treated like every
 /// other.
 ///
-/// Block names: "q_mb/<k>", "p_mb/<k>", "v_m/<k>"; "gyro_bias/<process>/<k>", "accel_bias/...";
-/// "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", and every other effect of
+/// Block names: "q_mb/<k>", "p_mb/<k>", "v_m/<k>"; "gyro_bias/<process>/<k>", "accel_bias/...",
+/// "gnss_error/..."; "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", and every other effect of
 /// `estimate` by its name.
 /// Factor groups: "inertial", "gnss position", "gnss velocity", "lidar p2p", "bias process",
-/// "prior".
+/// "gnss error process", "prior".
 class FlightNetwork {
  public:
   /// Builds the inertial, GNSS and bias part, with nodes at node_t_s. The flight must outlive the
@@ -113,6 +105,9 @@ class FlightNetwork {
   /// Sum of the processes of an axis at t_s.
   Eigen::Vector3d GyroBias(double t_s) const;
   Eigen::Vector3d AccelBias(double t_s) const;
+
+  /// Sum of the lasting errors of a GNSS position at t_s, local east, north, up, m.
+  Eigen::Vector3d GnssErrorEnu(double t_s) const;
 
   MapPose NodePose(std::size_t k) const;
 
@@ -155,8 +150,10 @@ class FlightNetwork {
 
   Network net;
   std::vector<NodeBlocks> nodes;
-  std::vector<BiasChain> gyro_bias;
-  std::vector<BiasChain> accel_bias;
+  std::vector<ProcessChain> gyro_bias;
+  std::vector<ProcessChain> accel_bias;
+  /// One per gnss.processes: east, north, up in units of the process's sigmas (see GnssError).
+  std::vector<ProcessChain> gnss_error;
   Block<LeftRotation> boresight;
   Block<Vec<3>> gnss_lever_arm;
   Block<Vec<3>> lidar_lever_arm;
@@ -193,8 +190,8 @@ class FlightNetwork {
   void AddMounting(const CalibrationState& calibration);
   void AddNodes(const InitialStates& initial);
   void AddBiases(const InitialStates& initial);
-  void AddBiasChain(const BiasProcess& process, const std::string& name, bool gyro,
-                    const Eigen::Vector3d& start, std::vector<BiasChain>* chains);
+  void AddGnssErrors();
+  double HoldingLength(const BiasProcess& process) const;
   void AddInertialEdges();
   void AddGnssEdges();
   bool Estimated(const std::string& unknown) const;

@@ -5,6 +5,7 @@
 #include <dn/flight/flight.h>
 #include <dn/interrupted.h>
 #include <dn/navigation/alignment.h>
+#include <dn/navigation/gnss_correlation.h>
 
 #include <functional>
 #include <memory>
@@ -73,6 +74,9 @@ struct Adjustment {
   /// GNSS epochs whose position or velocity contradicts all other data, left out; indices into
   /// Flight::gnss, in time order.
   std::vector<std::size_t> gnss_rejected;
+  /// Of the INS/GNSS solution with the epochs that are left; untested where another cause of misfit
+  /// was found.
+  GnssCorrelation gnss_correlation;
   /// What its user should look into, in one sentence each: the adjustment stands, but its model is
   /// in doubt.
   std::vector<std::string> warnings;

@@ -117,7 +117,7 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
 
 /// Covariance of the total bias (sum of the processes of an axis) that holds at t_s, in (rad/s)^2
 /// or (m/s^2)^2; zero without processes. `marginals` must have its selected inverse.
-Eigen::Matrix3d TotalBiasCovariance(const std::vector<BiasChain>& chains, double t_s,
+Eigen::Matrix3d TotalBiasCovariance(const std::vector<ProcessChain>& chains, double t_s,
                                     const Marginals& marginals);
 
 /// The other estimated unknowns with their standard deviations.

@@ -3,6 +3,7 @@
 #include <dn/flight/estimate.h>
 #include <dn/geo/local_frame.h>
 #include <dn/gnss/gnss_data.h>
+#include <dn/gnss/gnss_process.h>
 #include <dn/imu/imu_data.h>
 #include <dn/imu/imu_model.h>
 #include <dn/lidar/mounting.h>
@@ -31,7 +32,8 @@ struct GnssConfig {
   Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();          ///< antenna in body, FRD
   Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);  ///< where the file has none
   double sigma_scale = 1.0;
-  std::optional<bool> use_velocity;  ///< absent: auto, when the columns are there
+  std::optional<bool> use_velocity;    ///< absent: auto, when the columns are there
+  std::vector<GnssProcess> processes;  ///< errors of the positions that last, their sum
   RobustKind robust = RobustKind::kNone;
 };
 
@@ -113,5 +115,8 @@ FlightConfig ParseFlightConfig(const std::string& text, const std::filesystem::p
 /// back gives the same configuration. Body quantities are written in FRD with `body: FRD`, as all
 /// results are.
 std::string FormatFlightConfig(const FlightConfig& config);
+
+/// An element of gnss.processes: "{type: gauss_markov, sigma_enu_m: [0.01, 0.01, 0.02], tau_s: 120}".
+std::string FormatGnssProcess(const GnssProcess& process);
 
 }  // namespace dn

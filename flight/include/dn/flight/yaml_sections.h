@@ -1,10 +1,12 @@
 #pragma once
 
 #include <dn/config/yaml_value.h>
+#include <dn/gnss/gnss_process.h>
 #include <dn/imu/imu_model.h>
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 namespace dn {
 
@@ -14,6 +16,11 @@ namespace dn {
 /// preset that `preset_key` names, if any. Throws InvalidConfig where neither gives the white
 /// noise.
 ImuModel ReadImuNoise(const YamlValue& section, const std::string& preset_key);
+
+/// The list `processes` of a section on GNSS; nothing where it is absent. Throws InvalidConfig for
+/// another type than gauss_markov, a sigma below 0, sigmas that are all 0, and a tau_s that is not
+/// positive.
+std::vector<GnssProcess> ReadGnssProcesses(const YamlValue& section);
 
 /// How a scanner is mounted and how it turns.
 struct ScannerAxes {

@@ -12,14 +12,15 @@
 
 namespace dn {
 
-/// State of the forward filter: pose, and the value of every bias process.
+/// State of the forward filter: pose, and the value of every process.
 ///
 /// Covariance order: attitude (right, rad), position (m), velocity (m/s), gyro processes (3 each),
-/// then accelerometer processes.
+/// then accelerometer processes, then processes of GNSS errors.
 struct FilterState {
   MapPose pose;
   std::vector<Eigen::Vector3d> gyro_bias;   ///< per process, rad/s
   std::vector<Eigen::Vector3d> accel_bias;  ///< per process, m/s^2
+  std::vector<Eigen::Vector3d> gnss_error;  ///< per process, in its sigmas, see GnssError
   Eigen::MatrixXd covariance;
 
   Eigen::Vector3d TotalGyroBias() const;
@@ -64,7 +65,7 @@ struct FilterRun {
 FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& times,
                            const FilterState& start, const FilterOptions& options = {});
 
-/// Filter state at a pose with the model's own prior covariance on the biases and the given
+/// Filter state at a pose with the model's own prior covariance on the processes and the given
 /// standard deviations of attitude (rad, about body x, y, z), position and velocity.
 FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
                             const Eigen::Vector3d& gyro_bias_radps,

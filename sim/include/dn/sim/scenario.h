@@ -3,6 +3,7 @@
 #include <dn/error.h>
 #include <dn/flight/effect_times.h>
 #include <dn/geo/local_frame.h>
+#include <dn/gnss/gnss_process.h>
 #include <dn/imu/imu_model.h>
 #include <dn/lidar/mounting.h>
 
@@ -67,6 +68,7 @@ struct GnssScenario {
   Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);
   Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();  ///< assumed
   bool velocity = false;
+  std::vector<GnssProcess> processes;  ///< assumed, and simulated
 };
 
 enum class ScanPattern {

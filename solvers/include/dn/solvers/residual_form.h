@@ -4,6 +4,7 @@
 #include <dn/solvers/marginals.h>
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,14 @@ struct FormMoments {
   double UpperTail(double energy) const;
   double LowerTail(double energy) const;
 };
+
+/// Calls `use` for each of 32 samples M e of what a fit leaves of errors e ~ N(0, I), of one fixed
+/// seed, M as in Marginals::Project.
+void ForSampledResiduals(const Marginals& marginals,
+                         const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use);
+
+/// Mean and variance of the values that a form has for each of those.
+FormMoments MomentsOfSample(const std::vector<double>& energies);
 
 /// Of r = M e, e ~ N(0, I), M as in Marginals::Project, a form r^T S^T S r has the mean tr(S M S^T)
 /// and the variance 2 tr((S M S^T)^2): these for networks of at most 400 rows; the moments of 32

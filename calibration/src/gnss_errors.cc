@@ -1,0 +1,107 @@
+#include <dn/calibration/gnss_errors.h>
+#include <dn/geo/text_table.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dn {
+namespace {
+
+/// Two digits are as many as the test is good for.
+double Rounded(double value) { return value > 0.0 ? std::stod(fmt::format("{:.1e}", value)) : 0.0; }
+
+GnssProcess Rounded(GnssProcess process) {
+  for (double& sigma_m : process.sigma_enu_m) sigma_m = Rounded(sigma_m);
+  process.tau_s = Rounded(process.tau_s);
+  return process;
+}
+
+Json TestJson(const GnssCorrelation& test) {
+  if (test.process.tau_s == 0.0) return nullptr;
+  return {
+      {"lag1_correlation", ToJson(test.lag1)}, {"lag1_expected", ToJson(test.lag1_expected)},
+      {"p_value", ToJson(test.p_value)},       {"p_value_together", test.p_value_together},
+      {"tau_s", test.process.tau_s},           {"sigma_enu_m", ToJson(test.process.sigma_enu_m)}};
+}
+
+Json ProcessJson(const GnssProcess& process, const ProcessChain& chain, const Network& net,
+                 const Marginals& marginals) {
+  Eigen::Vector3d square = Eigen::Vector3d::Zero(), variance = square;
+  for (const Block<Vec<3>>& block : chain.blocks) {
+    square += net.Value(block).cwiseAbs2();
+    variance += marginals.DiagonalBlock(block.id).diagonal();
+  }
+  const auto rms_m = [&](const Eigen::Vector3d& sum) {
+    const auto states = static_cast<double>(chain.blocks.size());
+    return ToJson(process.sigma_enu_m.cwiseProduct((sum / states).cwiseSqrt()));
+  };
+  return {{"sigma_enu_m", ToJson(process.sigma_enu_m)},
+          {"tau_s", process.tau_s},
+          {"states", chain.blocks.size()},
+          {"rms_enu_m", rms_m(square)},
+          {"posterior_sigma_enu_m", rms_m(variance)}};
+}
+
+/// Of the sum of the processes at an epoch: they share its factor, so that their covariances are at
+/// hand.
+Eigen::Vector3d SigmaOfSum(const FlightNetwork& network, const Marginals& marginals, double t_s) {
+  const std::vector<GnssProcess>& processes = network.flight().config.gnss->processes;
+  Eigen::Vector3d variance = Eigen::Vector3d::Zero();
+  for (std::size_t a = 0; a < processes.size(); ++a) {
+    for (std::size_t b = 0; b < processes.size(); ++b) {
+      const Eigen::MatrixXd covariance =
+          marginals.Covariance(network.gnss_error[a].At(t_s).id, network.gnss_error[b].At(t_s).id);
+      variance += processes[a]
+                      .sigma_enu_m.cwiseProduct(processes[b].sigma_enu_m)
+                      .cwiseProduct(covariance.diagonal());
+    }
+  }
+  return variance.cwiseMax(0.0).cwiseSqrt();
+}
+
+}  // namespace
+
+Json GnssErrorsJson(const Adjustment& adjustment, const Marginals& marginals) {
+  const FlightNetwork& network = *adjustment.network;
+  Json processes = Json::array();
+  for (std::size_t i = 0; i < network.gnss_error.size(); ++i) {
+    processes.push_back(ProcessJson(network.flight().config.gnss->processes[i],
+                                    network.gnss_error[i], network.net, marginals));
+  }
+  return {{"test", TestJson(adjustment.gnss_correlation)}, {"processes", processes}};
+}
+
+std::string FormatGnssErrors(const FlightNetwork& network, const Marginals& marginals) {
+  std::string text = "# t, GNSS error E, N, U [m], sigma E, N, U [m]\n";
+  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+    const double t_s = network.flight().gnss->epochs[edge.epoch].t_s;
+    const Eigen::Vector3d error = network.GnssErrorEnu(t_s);
+    const Eigen::Vector3d sigma = SigmaOfSum(network, marginals, t_s);
+    text += FormatDouble(t_s);
+    for (const Eigen::Vector3d& columns : {error, sigma}) {
+      for (const double value : columns) text += ", " + FormatDouble(value);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::optional<std::string> WarningOfGnssErrors(const Adjustment& adjustment) {
+  const GnssCorrelation& test = adjustment.gnss_correlation;
+  if (!test.significant()) return std::nullopt;
+  const GnssProcess process = Rounded(test.process);
+  return fmt::format(
+      "the GNSS positions have errors that last: the lag-1 correlation of their residuals is "
+      "{:.2f}, {:.2f}, {:.2f} (east, north, up) where white noise leaves {:.2f}, {:.2f}, {:.2f} "
+      "(p = {:.1g}), as by a process of {:g} s and {:g}, {:g}, {:g} m. Unless the inertial noise "
+      "is "
+      "stated too small, add to flight.yaml gnss.processes: [{}]; without it the covariances are "
+      "too small",
+      test.lag1.x(), test.lag1.y(), test.lag1.z(), test.lag1_expected.x(), test.lag1_expected.y(),
+      test.lag1_expected.z(), std::min(test.p_value_together, test.p_value.minCoeff()),
+      process.tau_s, process.sigma_enu_m.x(), process.sigma_enu_m.y(), process.sigma_enu_m.z(),
+      FormatGnssProcess(process));
+}
+
+}  // namespace dn

@@ -1,0 +1,130 @@
+// Many flights whose GNSS positions have errors that last, with and without the states that model
+// them.
+#include <dn/calibration/gnss_errors.h>
+#include <dn/report/distributions.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "testing/short_flights.h"
+
+namespace dn {
+namespace {
+
+using testing::AircraftScenario;
+using testing::Calibration;
+using ::testing::HasSubstr;
+
+constexpr int kFlights = 14;
+const std::vector<GnssProcess> kProcesses{{{0.015, 0.015, 0.0}, 120.0}, {{0.0, 0.0, 0.03}, 60.0}};
+
+SimulatedFlight Fly(std::uint64_t seed) {
+  Scenario scenario = AircraftScenario();
+  scenario.gnss.processes = kProcesses;
+  SimulateOptions options;
+  options.seed = seed;
+  return Simulate(scenario, options);
+}
+
+/// Squared errors in the terms of their covariances, of all flights.
+struct Nees {
+  double boresight = 0.0, position = 0.0;
+};
+
+double PositionNees(const SimulatedFlight& sim, const Calibration& calibration) {
+  const FlightNetwork& network = *calibration.adjustment.network;
+  const NodeBlocks& node = network.nodes[network.nodes.size() / 2];
+  const Eigen::Vector3d error = network.net.Value(node.p_mb) - sim.truth->Pose(node.t_s).p_mb;
+  return error.dot(calibration.marginals.Covariance(node.p_mb).ldlt().solve(error));
+}
+
+Nees NeesOfFlights(bool with_states) {
+  Nees nees;
+  for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
+    SimulatedFlight sim = Fly(seed);
+    if (!with_states) sim.flight.config.gnss->processes.clear();
+    const Calibration calibration(sim.flight);
+    EXPECT_TRUE(calibration.adjustment.gnss_rejected.empty()) << "seed " << seed;
+    const Eigen::Vector3d e = calibration.BoresightError(sim.boresight_rad);
+    nees.boresight += e.dot(calibration.boresight.covariance_rad2.ldlt().solve(e));
+    nees.position += PositionNees(sim, calibration);
+  }
+  return nees;
+}
+
+TEST(GnssErrors, CovariancesHoldWithTheirStates) {
+  const Interval band = ChiSquareInterval(0.99, 3.0 * kFlights);
+  const Nees nees = NeesOfFlights(true);
+  const double n = 3.0 * kFlights;
+  EXPECT_TRUE(band.Contains(nees.boresight / n)) << nees.boresight / n;
+  EXPECT_TRUE(band.Contains(nees.position / n)) << nees.position / n;
+}
+
+TEST(GnssErrors, CovariancesBreakWithoutTheirStates) {
+  const Interval band = ChiSquareInterval(0.99, 3.0 * kFlights);
+  const Nees nees = NeesOfFlights(false);
+  const double n = 3.0 * kFlights;
+  EXPECT_GT(nees.boresight / n, band.high);
+  EXPECT_GT(nees.position / n, band.high);
+}
+
+/// The entry that the warning shows, as the list of flight.yaml.
+std::vector<GnssProcess> Pasted(const std::string& warning) {
+  const std::string key = "gnss.processes: ";
+  const std::size_t begin = warning.find(key) + key.size();
+  const std::string list = warning.substr(begin, warning.find(';', begin) - begin);
+  return ParseFlightConfig("gnss: {processes: " + list + "}\n", "/f").gnss->processes;
+}
+
+TEST(GnssErrors, TheWarningHasTheEntryToPaste) {
+  SimulatedFlight sim = Fly(1);
+  sim.flight.config.gnss->processes.clear();
+  AdjustOptions options;
+  options.with_pairs = false;
+  Adjustment adjustment = Adjust(sim.flight, options);
+  GnssCorrelation& test = adjustment.gnss_correlation;
+  test.p_value = {1.0, 1e-9, 0.5};
+  test.process = {{0.01234, 0.0, 0.0567}, 118.0};
+  const auto warning = WarningOfGnssErrors(adjustment);
+  ASSERT_TRUE(warning);
+  EXPECT_THAT(*warning, HasSubstr("lag-1 correlation"));
+  const std::vector<GnssProcess> pasted = Pasted(*warning);
+  ASSERT_EQ(pasted.size(), 1U);
+  EXPECT_EQ(pasted.front(), (GnssProcess{{0.012, 0.0, 0.057}, 120.0}));
+  test.p_value.setConstant(0.01);
+  test.p_value_together = 0.01;
+  EXPECT_FALSE(WarningOfGnssErrors(adjustment));
+}
+
+TEST(GnssErrors, ReportHasTheProcesses) {
+  const SimulatedFlight sim = Fly(2);
+  AdjustOptions options;
+  options.with_pairs = false;
+  const Adjustment adjustment = Adjust(sim.flight, options);
+  const FlightNetwork& network = *adjustment.network;
+  Marginals marginals(network.net);
+  marginals.ComputeSelectedInverse();
+  const Json json = GnssErrorsJson(adjustment, marginals);
+  ASSERT_EQ(json["processes"].size(), kProcesses.size());
+  const Json& east_north = json["processes"][0];
+  EXPECT_EQ(east_north["tau_s"], 120.0);
+  EXPECT_EQ(east_north["states"], network.gnss_error[0].blocks.size());
+  const Json &estimate_m = east_north["rms_enu_m"], &sigma_m = east_north["posterior_sigma_enu_m"];
+  // Estimated and left uncertain, the two parts of the variance make up the stated one.
+  EXPECT_LT(sigma_m[0], 0.015);
+  EXPECT_NEAR(std::hypot(estimate_m[0].get<double>(), sigma_m[0].get<double>()), 0.015, 0.006);
+  EXPECT_EQ(estimate_m[2], 0.0);
+  std::istringstream lines(FormatGnssErrors(network, marginals));
+  std::string line;
+  long rows = -1;  // the header
+  while (std::getline(lines, line)) ++rows;
+  EXPECT_EQ(rows, static_cast<long>(network.gnss_edges.size()));
+}
+
+}  // namespace
+}  // namespace dn

@@ -1,0 +1,73 @@
+#include <dn/sim/simulate.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "small_scenario.h"
+
+namespace dn {
+namespace {
+
+using testing::SmallScenario;
+
+SimulatedFlight Fly(const std::vector<GnssProcess>& processes, bool noise) {
+  Scenario scenario = SmallScenario();
+  scenario.pairs.count = 0;
+  scenario.gnss.processes = processes;
+  SimulateOptions options;
+  options.seed = 4;
+  options.noise = noise;
+  return Simulate(scenario, options);
+}
+
+/// Of the antenna positions, east, north, up of the map.
+std::vector<Eigen::Vector3d> Differences(const SimulatedFlight& a, const SimulatedFlight& b) {
+  std::vector<Eigen::Vector3d> differences;
+  for (std::size_t k = 0; k < a.flight.gnss->epochs.size(); ++k) {
+    differences.emplace_back(a.frame.ToMap(a.flight.gnss->epochs[k].antenna) -
+                             b.frame.ToMap(b.flight.gnss->epochs[k].antenna));
+  }
+  return differences;
+}
+
+// Beside the same white noise: a sum of processes, of which the second has no error of height.
+TEST(GnssProcesses, OfAScenarioAreSimulatedAndStated) {
+  const std::vector<GnssProcess> processes{{{0.3, 0.0, 0.0}, 2.0}, {{0.4, 0.2, 0.0}, 2.0}};
+  const SimulatedFlight with = Fly(processes, true), without = Fly({}, true);
+  EXPECT_EQ(with.flight.config.gnss->processes, processes);
+  EXPECT_TRUE(without.flight.config.gnss->processes.empty());
+  const std::vector<Eigen::Vector3d> x = Differences(with, without);
+  Eigen::Vector3d variance = Eigen::Vector3d::Zero(), lagged = variance;
+  for (std::size_t k = 1; k < x.size(); ++k) {
+    variance += x[k].cwiseAbs2() / static_cast<double>(x.size());
+    lagged += x[k].cwiseProduct(x[k - 1]) / static_cast<double>(x.size());
+  }
+  // Two epochs a second: of the record, every eighth epoch is independent.
+  const double tolerance = 4.0 * std::sqrt(2.0 / (static_cast<double>(x.size()) / 8.0));
+  EXPECT_NEAR(variance.x() / (0.3 * 0.3 + 0.4 * 0.4), 1.0, tolerance);
+  EXPECT_NEAR(variance.y() / (0.2 * 0.2), 1.0, tolerance);
+  EXPECT_LT(std::sqrt(variance.z()), 1e-3) << "the local axes are turned by a km of the map";
+  EXPECT_NEAR(lagged.x() / variance.x(), std::exp(-0.25), 0.1);
+}
+
+TEST(GnssProcesses, AreLeftOutOfAFlightWithoutNoise) {
+  const std::vector<GnssProcess> processes{{{0.3, 0.2, 0.1}, 2.0}};
+  for (const Eigen::Vector3d& x : Differences(Fly(processes, false), Fly({}, false))) {
+    ASSERT_EQ(x, Eigen::Vector3d::Zero());
+  }
+}
+
+TEST(GnssProcesses, OfAScenarioAreReadAsThoseOfAFlight) {
+  const Scenario scenario = ParseScenario(
+      "name: s\norigin_deg_m: [46.57, 6.52, 400]\nstart_s: 381000\n"
+      "plan: {lines: [[-500, 0, 500, 0, 200, 45]]}\nimu: {preset: ln200}\n"
+      "lidar: {gsd_m: 0.2}\n"
+      "gnss: {processes: [{type: gauss_markov, sigma_enu_m: [0, 0.1, 0.2], tau_s: 60}]}\n",
+      "s.yaml");
+  ASSERT_EQ(scenario.gnss.processes.size(), 1U);
+  EXPECT_EQ(scenario.gnss.processes[0], (GnssProcess{{0.0, 0.1, 0.2}, 60.0}));
+}
+
+}  // namespace
+}  // namespace dn
