@@ -55,25 +55,28 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span) {
 }
 
 double AutoNodeRateHz(const Flight& flight) {
-  constexpr double kLadderHz[] = {kLowestRateHz, 2.0, 5.0, 10.0, 20.0};
-  constexpr double kSharedVariance = 0.02;
+  // A share s lowers no sigma by more than s/2 of itself; measured (docs/benchmarks.md), at 5 Hz and
+  // more by a twentieth of it, as there the trajectory decides.
+  struct Rung {
+    double rate_hz, shared;
+  };
+  constexpr Rung kLadder[] = {{kLowestRateHz, 0.02}, {2.0, 0.02}, {5.0, 0.1}, {10.0, 0.1}};
+  constexpr double kHighestRateHz = 20.0;
   constexpr double kShortestStripS = 1.0;
   // Of the variance of the mean of a random walk over an interval, what is left with its end known.
   constexpr double kBridged = 0.25;
-  if (!flight.config.lidar || !flight.pairs || flight.pairs->pairs.empty()) return kLadderHz[0];
+  if (!flight.config.lidar || !flight.pairs || flight.pairs->pairs.empty()) return kLowestRateHz;
   const auto ends = 2.0 * static_cast<double>(flight.pairs->pairs.size());
   double strips_s = kShortestStripS;
   for (const TimeInterval& strip : StripsOfPairs(flight)) strips_s += strip.t1_s - strip.t0_s;
   const double noise_m_per_sqrt_s =
       flight.config.imu->model.gyro.white * MeanRange(flight.pairs->pairs);
   const double relative = noise_m_per_sqrt_s / flight.config.lidar->sigma_p_m;
-  for (const double rate_hz : kLadderHz) {
+  for (const auto& [rate_hz, shared] : kLadder) {
     const double ends_per_interval = std::max(1.0, ends / strips_s / rate_hz);
-    if (kBridged * relative * relative / rate_hz * ends_per_interval <= kSharedVariance) {
-      return rate_hz;
-    }
+    if (kBridged * relative * relative / rate_hz * ends_per_interval <= shared) return rate_hz;
   }
-  return std::end(kLadderHz)[-1];
+  return kHighestRateHz;
 }
 
 double NodeRateHz(const Flight& flight, bool with_pairs) {

@@ -17,9 +17,10 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span);
 
 /// Node rate within the strips for `node_rate_hz: auto`: the lowest of 1, 2, 5, 10 and 20 Hz at
 /// which the angle random walk of one interval, less what the bridge to its end takes of it, seen at
-/// the mean laser range, has at most a fiftieth of the variance of the mean of the pairs in that
-/// interval. The pairs of an interval share that noise, which the network takes as independent: a
-/// share s lowers no sigma by more than s/2 of itself. Without pairs 1 Hz.
+/// the mean laser range, has a small share of the variance of the mean of the pairs in that interval:
+/// a fiftieth at 1 and 2 Hz, a tenth from 5 Hz on. The pairs of an interval have that noise in
+/// common, which the network takes as independent; no sigma falls by more than 1 %. Without pairs
+/// 1 Hz.
 double AutoNodeRateHz(const Flight& flight);
 
 /// The rate of the nodes, Hz: within strips, and without pairs over the whole span. That of the
