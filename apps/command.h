@@ -103,7 +103,7 @@ class Run {
 };
 
 /// Runs the body and turns what it throws into the error line on stderr, report.json and the exit
-/// code of the contract: 0, 1 failed, 2 usage or configuration, 130 interrupted.
+/// code: 0, 1 failed, 2 usage or configuration, 130 interrupted.
 int Execute(const std::string& command, const CommonOptions& options,
             const std::function<void(Run&)>& body);
 

@@ -6,7 +6,6 @@
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 
-#include <cmath>
 #include <cstdio>
 
 int main() {
@@ -28,14 +27,14 @@ int main() {
   const dn::Marginals marginals(net);
   for (const auto h : {b, c, d}) {
     std::printf("%s  height %.4f m  sigma %.2f mm\n", net.block(h.id).name.c_str(), net.Value(h),
-                1e3 * std::sqrt(marginals.Covariance(h)(0, 0)));
+                1e3 * marginals.Sigma(h));
   }
   std::printf("sigma0 %.2f of %ld redundant\n", report.adjusted.sigma0(),
               report.adjusted.redundancy());
 
   net.Hold(a, false);
   try {
-    std::printf("sigma of B %.3f m\n", std::sqrt(dn::MarginalCovariance(net, b)(0, 0)));
+    std::printf("sigma of B %.3f m\n", dn::MarginalSigma(net, b));
   } catch (const dn::RankDeficient& error) {
     std::printf("%s\n", error.what());
   }

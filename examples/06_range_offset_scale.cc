@@ -39,8 +39,8 @@ int main() {
 
   const dn::SolveReport report = dn::Solve(net);
   const dn::Marginals marginals(net);
-  const double sigma_o = std::sqrt(marginals.Covariance(offset)(0, 0));
-  const double sigma_s = std::sqrt(marginals.Covariance(scale)(0, 0));
+  const double sigma_o = marginals.Sigma(offset);
+  const double sigma_s = marginals.Sigma(scale);
   std::printf("offset %.2f mm, sigma %.2f mm (truth %.2f)\n", 1e3 * net.Value(offset),
               1e3 * sigma_o, 1e3 * kOffset_m);
   std::printf("scale %.2f ppm, sigma %.2f ppm (truth %.2f)\n", 1e6 * (net.Value(scale) - 1.0),

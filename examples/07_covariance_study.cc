@@ -29,7 +29,7 @@ int main() {
   for (const Eigen::Vector3d& station_m : candidates_m) {
     dn::Network net = plan;
     range(net, station_m);
-    const Eigen::Vector3d sigma_m = dn::MarginalCovariance(net, antenna).diagonal().cwiseSqrt();
+    const Eigen::Vector3d sigma_m = dn::MarginalSigma(net, antenna);
     std::printf("station at %4.0f %4.0f %3.0f  sigma %.3f %.3f %.3f m\n", station_m.x(),
                 station_m.y(), station_m.z(), sigma_m.x(), sigma_m.y(), sigma_m.z());
     if (sigma_m.norm() < best_m) {

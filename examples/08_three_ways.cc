@@ -55,7 +55,7 @@ void Locate(const char* way, const Add& add) {
     add(net, place, landmark, row[2]);
   }
   const bool converged = dn::Solve(net).converged;
-  const Eigen::Vector2d sigma_m = dn::MarginalCovariance(net, landmark).diagonal().cwiseSqrt();
+  const Eigen::Vector2d sigma_m = dn::MarginalSigma(net, landmark);
   std::printf("%-9s %s %.4f %.4f m, sigma %.4f %.4f m\n", way, converged ? "at" : "not solved",
               net.Value(landmark).x(), net.Value(landmark).y(), sigma_m.x(), sigma_m.y());
 }

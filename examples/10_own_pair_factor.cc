@@ -84,7 +84,7 @@ int main() {
   const dn::Solution own(sim.flight, options);
   Print("scaled pairs", own, sim.boresight_rad);
   const double value = own.network().net.Value(scale);
-  const double sigma = std::sqrt(own.marginals().Covariance(scale)(0, 0));
+  const double sigma = own.marginals().Sigma(scale);
   std::printf("scale %.0f ppm, sigma %.0f ppm, %s three sigmas of the truth\n", 1e6 * value,
               1e6 * sigma, std::abs(value - kScale) < 3.0 * sigma ? "within" : "beyond");
   return 0;

@@ -303,10 +303,9 @@ void FlightNetwork::AddInertialEdges() {
   const std::vector<std::size_t> of_edge = EffectsOfInertial(calibration);
   for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
     if (HasGap(*flight_->imu, node_t_s_[i], node_t_s_[i + 1])) continue;
-    std::vector<BlockId> blocks{nodes[i].q_mb.id,     nodes[i].p_mb.id,     nodes[i].v_m.id,
-                                nodes[i + 1].q_mb.id, nodes[i + 1].p_mb.id, nodes[i + 1].v_m.id};
-    for (const ProcessChain& chain : gyro_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
-    for (const ProcessChain& chain : accel_bias) blocks.push_back(chain.At(node_t_s_[i]).id);
+    std::vector<BlockId> blocks = StateBlocks(i);
+    blocks.insert(blocks.begin() + 3,
+                  {nodes[i + 1].q_mb.id, nodes[i + 1].p_mb.id, nodes[i + 1].v_m.id});
     AppendEffects(of_edge, &blocks);
     InertialEdge edge{i, -1};
     edge.id =
@@ -562,6 +561,13 @@ FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {
           ? Preintegrate(*flight_->imu, node_t_s_[k], t_s, correction, noise_)
           : IdentityIncrement(*flight_->imu, node_t_s_[k], correction);
   return {k, StateAfterNode(flight_->frame, increments, NodePose(k).p_mb), increments};
+}
+
+std::vector<BlockId> FlightNetwork::StateBlocks(std::size_t k) const {
+  std::vector<BlockId> blocks{nodes[k].q_mb.id, nodes[k].p_mb.id, nodes[k].v_m.id};
+  for (const ProcessChain& chain : gyro_bias) blocks.push_back(chain.At(node_t_s_[k]).id);
+  for (const ProcessChain& chain : accel_bias) blocks.push_back(chain.At(node_t_s_[k]).id);
+  return blocks;
 }
 
 Eigen::Vector3d FlightNetwork::PairDifference(std::size_t k) const {

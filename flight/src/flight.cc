@@ -153,7 +153,7 @@ class FolderReader {
     }
   }
 
-  /// The trajectory file: that of the section, else one with the contract's name.
+  /// The trajectory file: that of the section, else one with a default name.
   void ResolveTrajectoryFile() {
     std::optional<TrajectoryConfig>& section = flight_.config.trajectory;
     const std::string usual = TrajectoryConfig().file;

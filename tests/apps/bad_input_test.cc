@@ -18,8 +18,8 @@ using ::testing::IsEmpty;
 using ::testing::StartsWith;
 namespace fs = std::filesystem;
 
-/// The run failed as the contract wants it: the exit code, one line on stderr with `what`, no
-/// result but report.json with the same message.
+/// The run failed as it should: the exit code, one line on stderr with `what`, no result but
+/// report.json with the same message.
 void ExpectFailure(const ProgramRun& run, const DamagedFlight& flight, int exit_code,
                    const std::string& kind, const std::string& what) {
   EXPECT_EQ(run.exit_code, exit_code) << run.err;

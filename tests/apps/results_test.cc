@@ -118,7 +118,7 @@ TEST(CliSmooth, SmoothJson) {
 
 TEST(CliCalibrate, TrajectoryFiles) { ExpectTrajectoryFiles(CalibrateResult()); }
 
-TEST(CliCalibrate, ResultHasTheKeysOfTheContract) {
+TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   const Json result = JsonOf(CalibrateResult() / "result.json");
   EXPECT_THAT(KeysOf(result), UnorderedElementsAre("schema", "flight", "method", "boresight",
                                                    "assessment", "correlations", "estimates",

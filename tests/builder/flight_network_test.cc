@@ -455,6 +455,37 @@ TEST(FlightNetwork, StatesBetweenNodesFollowTheMotion) {
                          0);
 }
 
+TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
+  FlightNetwork network = AtTruth(Drone().flight);
+  const double t_s = network.node_times()[40] + 0.7;
+  const auto shift = network.net.AddVector<3>("shift", Eigen::Vector3d(1.0, 2.0, 3.0));
+  const auto whole_state = [](const auto& state, const auto& s) {
+    using T = typename std::decay_t<decltype(state.v_m)>::Scalar;
+    Eigen::Matrix<T, 9, 1> f;
+    f << Log(state.q_mb), state.p_mb - s, state.v_m;
+    return f;
+  };
+  const FactorId id = network.AddAt(t_s, whole_state, Noise<9>::Sigma(0.5), shift);
+  network.net.SetValue(network.gyro_bias.back().At(t_s), Eigen::Vector3d(2e-4, -1e-4, 1e-4));
+  network.net.SetValue(network.accel_bias.back().At(t_s), Eigen::Vector3d(0.02, 0.03, -0.05));
+
+  Eigen::VectorXd r;
+  ASSERT_TRUE(network.net.EvaluateFactor(id, &r));
+  const FlightNetwork::StateBetween at = network.StateAt(t_s);  // integrated anew
+  const MapPose node = network.NodePose(at.node);
+  const KinematicState<double> state = at.state.At<double>(node.q_mb, node.p_mb, node.v_m);
+  EXPECT_LE((0.5 * r.head<3>() - Log(state.q_mb)).norm(), 1e-8);
+  EXPECT_LE((0.5 * r.segment<3>(3) - (state.p_mb - Eigen::Vector3d(1, 2, 3))).norm(), 1e-7);
+  EXPECT_LE((0.5 * r.tail<3>() - state.v_m).norm(), 1e-6);
+  EXPECT_EQ(network.net.factor(id).blocks.back(), shift.id);
+  testing::ExpectInvalid(
+      [&] {
+        network.AddAt(
+            1.0, [](const auto& s) { return s.v_m; }, Noise<3>::Sigma(1.0));
+      },
+      "outside its nodes", 0);
+}
+
 TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {
   InitialStates initial;
   initial.nodes.resize(2);

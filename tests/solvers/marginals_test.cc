@@ -218,6 +218,17 @@ struct Difference : AutoFactor<Difference, 2, Vec<2>, Vec<2>> {
   }
 };
 
+TEST(Marginals, SigmaOfAScalarIsANumber) {
+  Network net;
+  const Block<Scalar> a = net.AddScalar("a", 1.0), b = net.AddScalar("b", 2.0);
+  net.Add([](const auto& x) { return x - 1.0; }, Noise<1>::Sigma(0.3), a);
+  net.Add([](const auto& x, const auto& y) { return y - x - 1.0; }, Noise<1>::Sigma(0.4), a, b);
+  const double sigma = MarginalSigma(net, b);
+  EXPECT_NEAR(sigma, 0.5, 1e-14);
+  net.Hold(b);
+  EXPECT_EQ(MarginalSigma(net, b), 0.0);
+}
+
 // sigma of a chain of n differences from a held end: sigma sqrt(n).
 TEST(Marginals, VarianceGrowsAlongAChain) {
   Network net;
@@ -231,6 +242,7 @@ TEST(Marginals, VarianceGrowsAlongAChain) {
   EXPECT_NEAR(marginals.Covariance(x[9])(0, 0), 9 * 0.01, 1e-13);
   EXPECT_NEAR(marginals.Covariance(x[9])(1, 1), 9 * 0.09, 1e-13);
   EXPECT_NEAR(marginals.Covariance(x[9], x[4])(0, 0), 4 * 0.01, 1e-13);
+  EXPECT_NEAR((marginals.Sigma(x[9]) - Eigen::Vector2d(0.3, 0.9)).norm(), 0.0, 1e-13);
   EXPECT_EQ(marginals.num_parameters(), 18);
   EXPECT_GE(marginals.factor_nonzeros(), 18);
 }

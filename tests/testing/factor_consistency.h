@@ -1,7 +1,7 @@
 #pragma once
 
+#include <ceres/autodiff_cost_function.h>
 #include <ceres/dynamic_autodiff_cost_function.h>
-#include <ceres/internal/autodiff.h>
 #include <dn/block.h>
 #include <dn/factor.h>
 #include <gtest/gtest.h>
@@ -36,22 +36,36 @@ inline constexpr double kVanishingBlock = 1e-6;
 /// First step of Ridders' method, in the tangent (rad, m, m/s, ...).
 inline constexpr double kNumericStep = 1e-2;
 
+namespace internal {
+
+/// A factor as the functor that Ceres differentiates.
+template <class F>
+struct FixedCall {
+  const F* factor;
+  template <class... Args>
+  bool operator()(Args... args) const {
+    return factor->Residual(args...);
+  }
+};
+
+}  // namespace internal
+
 /// Automatic differentiation of `template <class T> bool Residual(const T* x0, ..., T* r) const` of
 /// a class derived from Factor<F, R, Kinds...>. The factor must outlive the evaluator.
 template <class F>
 Evaluator Autodiff(const F& factor) {
   return [&factor]<class... Kinds>(std::tuple<Kinds...>*) -> Evaluator {
     return [&factor](double const* const* x, double* r, double** J) {
-      const auto residual = [&factor](auto... args) { return factor.Residual(args...); };
-      using Dims = ceres::internal::StaticParameterDims<Kinds::kSize...>;
-      return ceres::internal::AutoDifferentiate<F::kResiduals, Dims>(residual, x, F::kResiduals, r,
-                                                                     J);
+      using Call = internal::FixedCall<F>;
+      return ceres::AutoDiffCostFunction<Call, F::kResiduals, Kinds::kSize...>(new Call{&factor})
+          .Evaluate(x, r, J);
     };
   }(static_cast<typename F::BlockKinds*>(nullptr));
 }
 
 namespace internal {
 
+/// The same with a list of blocks.
 template <class F>
 struct DynamicCall {
   const F* factor;

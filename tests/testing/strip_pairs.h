@@ -30,6 +30,7 @@ inline std::vector<FlightLine> CrossingLines() {
           {{0, -800, 300}, {0, 800, 300}, 1260.0}};
 }
 
+/// The flight lines, pairs and noise of a made-up strip flight.
 struct StripPairOptions {
   std::vector<FlightLine> lines = CrossingLines();
   int count = 300;

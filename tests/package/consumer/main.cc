@@ -43,7 +43,7 @@ int main() {
   }
 
   const dn::SolveReport report = dn::Solve(net);
-  const Eigen::Vector3d sigma_m = dn::MarginalCovariance(net, p_ma).diagonal().cwiseSqrt();
+  const Eigen::Vector3d sigma_m = dn::MarginalSigma(net, p_ma);
   const double error_m = (net.Value(p_ma) - truth_m).norm();
   std::printf("converged %d, error %.1e m, sigma %.3f %.3f %.3f m\n", report.converged, error_m,
               sigma_m.x(), sigma_m.y(), sigma_m.z());

@@ -4,6 +4,7 @@
 #include <dn/builder/edge_factors.h>
 #include <dn/builder/node_grid.h>
 #include <dn/builder/process_chain.h>
+#include <dn/builder/state_function_factor.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/factors/state_after_node.h>
 #include <dn/flight/flight.h>
@@ -54,6 +55,7 @@ struct PairModel {
   std::function<std::shared_ptr<const FactorBase>(const Flight&, const PairParts&)> make;
 };
 
+/// Options of a FlightNetwork.
 struct FlightNetworkOptions {
   /// Longest interval over which a Gauss-Markov process is held, as a fraction of tau and in seconds.
   /// That of a GNSS error is shorter where its sigma exceeds the white one of the positions, so that
@@ -111,8 +113,8 @@ class FlightNetwork {
 
   MapPose NodePose(std::size_t k) const;
 
-  /// The state at any time as a function of the node before it, for factors of measurements between
-  /// nodes, at the present biases and calibration.
+  /// The state at any time as a function of the node before it, at the present biases and
+  /// calibration: to look at. A factor of it would hold the biases, see AddAt.
   struct StateBetween {
     std::size_t node = 0;      ///< its blocks are the factor's
     StateAfterNode state;      ///< from theirs
@@ -120,6 +122,26 @@ class FlightNetwork {
   };
   /// Throws InvalidInput when t_s lies outside the nodes, or no inertial data lead to it.
   StateBetween StateAt(double t_s) const;
+
+  /// Adds a factor on the state at any time, r = W f(state, own blocks):
+  ///
+  ///   flight.AddAt(t_s, [](const auto& state) { return state.v_m; }, dn::Noise<3>::Sigma(0.02));
+  ///
+  /// `function` takes a KinematicState<T>, then one `const auto&` per block of one's own, and
+  /// returns R numbers as in Network::Add. The state follows the node before t_s and the biases
+  /// that hold there: within one interval a tilt and an accelerometer bias undo each other, and
+  /// both are unknown. The white noise of the increments from the node to t_s does not count beside
+  /// `noise`. Throws as StateAt.
+  template <class Function, int R, class... Own>
+  FactorId AddAt(double t_s, Function function, const Noise<R>& noise, Block<Own>... own) {
+    const StateBetween at = StateAt(t_s);
+    std::vector<BlockId> blocks = StateBlocks(at.node);
+    (blocks.push_back(own.id), ...);
+    using F = StateFunctionFactor<Function, R, Own...>;
+    return net.AddFactor(std::make_shared<F>(std::move(function), noise, at.state, at.increments,
+                                             gyro_bias.size(), accel_bias.size()),
+                         blocks);
+  }
 
   /// The factor of an edge for another calibration, at the present trajectory and biases: with its
   /// blocks, then the effects of the calibration in the order of EffectsOf...
@@ -187,6 +209,8 @@ class FlightNetwork {
   long pairs_in_imu_gaps = 0;      ///< left out: no inertial data lead to one of their epochs
 
  private:
+  /// Node k's, then those of the biases that hold there.
+  std::vector<BlockId> StateBlocks(std::size_t k) const;
   void AddMounting(const CalibrationState& calibration);
   void AddNodes(const InitialStates& initial);
   void AddBiases(const InitialStates& initial);

@@ -48,6 +48,7 @@ struct StripDiversity {
   bool sufficient() const { return strips >= 4 || (strips == 3 && (crossing || heights)); }
 };
 
+/// A flight adjusted on its fixed trajectory, with what stands behind the result.
 struct GaussHelmertCalibration {
   GaussHelmertProblem problem;
   GaussHelmertOptions options;
@@ -68,6 +69,7 @@ struct GaussHelmertCalibration {
   double covariance_time_s = 0.0;
 };
 
+/// How the adjustment on a fixed trajectory runs.
 struct GaussHelmertFlightOptions {
   int threads = 1;
   std::function<void(const std::string& stage)> progress = {};

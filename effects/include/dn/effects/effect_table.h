@@ -11,6 +11,7 @@ namespace dn {
 /// What an effect touches first.
 enum class EffectSensor { kGnss, kImu, kGyro, kAccel, kLidar, kPairs, kTrajectory };
 
+/// What the values of an effect are.
 enum class EffectKind {
   kFixed,       ///< a few constants: may be an unknown of the adjustment (`estimate:`)
   kStochastic,  ///< random numbers: noise, processes, gross errors

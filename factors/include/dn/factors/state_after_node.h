@@ -43,13 +43,24 @@ class StateAfterNode {
   KinematicState<T> At(const Eigen::Quaternion<T>& q_mb, const Eigen::Matrix<T, 3, 1>& p_mb,
                        const Eigen::Matrix<T, 3, 1>& v_m) const {
     using Vec3 = Eigen::Matrix<T, 3, 1>;
+    return At(q_mb, p_mb, v_m, Eigen::Quaternion<T>(delta_q_.template cast<T>()),
+              Vec3(delta_v_.template cast<T>()), Vec3(delta_p_.template cast<T>()));
+  }
+
+  /// The same with other increments.
+  template <class T>
+  KinematicState<T> At(const Eigen::Quaternion<T>& q_mb, const Eigen::Matrix<T, 3, 1>& p_mb,
+                       const Eigen::Matrix<T, 3, 1>& v_m, const Eigen::Quaternion<T>& delta_q,
+                       const Eigen::Matrix<T, 3, 1>& delta_v,
+                       const Eigen::Matrix<T, 3, 1>& delta_p) const {
+    using Vec3 = Eigen::Matrix<T, 3, 1>;
     const auto times = [](const Eigen::Matrix3d& M, const Vec3& x) {
       return Vec3(M.template cast<T>() * x);
     };
     const Eigen::Quaternion<T> q_C_inverse = q_C_inverse_.template cast<T>();
-    const Vec3 R_dp = q_mb * Vec3(delta_p_.template cast<T>());
-    const Vec3 R_dv = q_mb * Vec3(delta_v_.template cast<T>());
-    return {q_C_inverse * q_mb * delta_q_.template cast<T>(),
+    const Vec3 R_dp = q_mb * delta_p;
+    const Vec3 R_dv = q_mb * delta_v;
+    return {q_C_inverse * q_mb * delta_q,
             times(step_.p_p, p_mb) + times(step_.p_v, v_m) + times(step_.p_d, R_dp) +
                 step_.p_0.template cast<T>(),
             times(step_.v_p, p_mb) + times(step_.v_v, v_m) + times(step_.v_d, R_dp) +

@@ -17,8 +17,10 @@
 
 namespace dn {
 
+/// The robust loss of a sensor.
 enum class RobustKind { kNone, kHuber, kCauchy };
 
+/// Section `imu`.
 struct ImuConfig {
   std::string file = "IMU.txt";
   ImuReadOptions read;  ///< format, sampling; body and span are filled in from the top level
@@ -26,6 +28,7 @@ struct ImuConfig {
   ImuModel model;                    ///< resolved: preset overridden by explicit noise
 };
 
+/// Section `gnss`.
 struct GnssConfig {
   std::string file = "GPS.txt";
   GnssFormat format = GnssFormat::kOdyn;
@@ -37,6 +40,7 @@ struct GnssConfig {
   RobustKind robust = RobustKind::kNone;
 };
 
+/// Which pairs of the files are used; see SelectPairs.
 struct PairSelection {
   enum class Strategy { kAll, kMax, kFreq, kTimeWindow };
   Strategy strategy = Strategy::kAll;
@@ -46,6 +50,7 @@ struct PairSelection {
   std::uint64_t seed = 0;
 };
 
+/// Section `lidar`.
 struct LidarConfig {
   std::vector<std::string> p2p{"LiDAR_p2p.txt"};
   PairSelection pairs;
@@ -58,6 +63,7 @@ struct LidarConfig {
   RobustKind robust = RobustKind::kNone;
 };
 
+/// Section `trajectory`: a given trajectory and what is known of its accuracy.
 struct TrajectoryConfig {
   std::string file = "trajectory.out";
   std::string sigma_file;  ///< of its accuracy; empty: what lies beside the trajectory
@@ -67,17 +73,20 @@ struct TrajectoryConfig {
   double sigma_y_rad = 0.005 * 3.14159265358979323846 / 180.0;
 };
 
+/// Section `gh`: the Gauss-Helmert adjustment.
 struct GhConfig {
   bool exponential = true;  ///< rotation: exp | small_angle
   bool libor_compat = false;
 };
 
+/// A strip by name and time.
 struct StripInterval {
   std::string name;
   double t0_s = 0.0;
   double t1_s = 0.0;
 };
 
+/// Section `network`.
 struct NetworkConfig {
   enum class Inertial { kPreintegrated, kRaw };
   Inertial inertial = Inertial::kPreintegrated;

@@ -22,8 +22,10 @@ struct GnssEpoch {
   long line = 0;
 };
 
+/// Formats of GNSS files; see ReadGnss.
 enum class GnssFormat { kOdyn, kRtklib, kObGins };
 
+/// GNSS solutions of one receiver, sorted by time.
 struct GnssData {
   std::vector<GnssEpoch> epochs;
   long repeated_rows_dropped = 0;

@@ -17,13 +17,17 @@ struct ImuSample {
   Eigen::Vector3d f_b_mps2 = Eigen::Vector3d::Zero();      ///< mean specific force
 };
 
+/// Formats of inertial files; see ReadImu.
 enum class ImuFormat { kOdyn, kIncrements };
+
+/// What a row of rates stands for.
 enum class ImuSampling {
   kMean,           ///< the file's rates are means over the interval that ends at the time tag
   kInstantaneous,  ///< point samples: the mean of an interval is taken from its two ends
                    ///< (trapezoid)
 };
 
+/// How a file of inertial data is read.
 struct ImuReadOptions {
   ImuFormat format = ImuFormat::kOdyn;
   ImuSampling sampling = ImuSampling::kMean;
@@ -66,10 +70,10 @@ struct ImuData {
   double t_end_s() const { return samples.back().t_s; }
 };
 
-/// Reads IMU.txt (contract: t, w xyz [rad/s], f xyz [m/s^2]; or increments t, dtheta [rad], dv
-/// [m/s]). Throws InvalidInput naming file:line for bad rows, and for values that cannot be in
-/// these units (mean |f| near 1: specific force in g; rates whose rms cannot be rad/s: deg/s; a
-/// usual interval above 1 s: milliseconds).
+/// Reads IMU.txt: t, w xyz [rad/s], f xyz [m/s^2]; or increments t, dtheta [rad], dv [m/s]. Throws
+/// InvalidInput naming file:line for bad rows, and for values that cannot be in these units (mean
+/// |f| near 1: specific force in g; rates whose rms cannot be rad/s: deg/s; a usual interval above 1
+/// s: milliseconds).
 ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options);
 
 /// Finds the steps between samples that are longer than 1.5 nominal_dt_s: one of up to max_gap_s

@@ -54,6 +54,7 @@ struct Preintegrated {
   double dt_s() const { return t_end_s - t_begin_s; }
 };
 
+/// White noise that the covariance of increments grows from.
 struct PreintegrationNoise {
   double gyro_white_rad_per_sqrt_s = 0.0;
   double accel_white_mps_per_sqrt_s = 0.0;

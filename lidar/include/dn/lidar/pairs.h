@@ -20,6 +20,7 @@ struct LidarPair {
   long line = 0;      ///< line of that file, from 1; 0: not from a file
 };
 
+/// Point pairs of a flight and the files they came from.
 struct PairData {
   std::vector<std::filesystem::path> files;
   std::vector<LidarPair> pairs;

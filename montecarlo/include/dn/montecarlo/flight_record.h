@@ -48,6 +48,7 @@ struct FlightRecord {
   double BoresightNees() const;
 };
 
+/// How a flight is adjusted and recorded.
 struct FlightRecordOptions {
   bool with_pairs = true;
   double epoch_spacing_s = 1.0;  ///< of the recorded epochs, at nodes; > 0

@@ -48,6 +48,7 @@ struct SensorConsistency {
   JudgedFigure lag1;            ///< judged for innovations only, which must be white
 };
 
+/// What many simulated flights together say about the covariances.
 struct MonteCarloSummary {
   long flights = 0;
   long failures = 0;

@@ -35,6 +35,7 @@ struct Innovation {
   double nis = 0.0;            ///< normalised innovation squared of the three axes together
 };
 
+/// How far the filter runs and what it uses.
 struct FilterOptions {
   double t_end_s = 1e300;  ///< stop after this epoch
   /// Innovations beyond this many sigmas (root of NIS) are de-weighted so that they pull no more
@@ -49,6 +50,7 @@ struct FilterOptions {
   std::optional<CalibrationState> calibration = {};  ///< absent: AssumedCalibration of the flight
 };
 
+/// The states and innovations of a filtered flight.
 struct FilterRun {
   std::vector<FilterState>
       states;  ///< one per requested time, after its measurements; covariance left empty

@@ -33,6 +33,7 @@ struct TurbulenceScenario {
   double height_m = 0.0;
 };
 
+/// The path to fly and how the aircraft moves on it.
 struct PlanScenario {
   double warm_up_s = 0.0;  ///< turns and lines before the first strip
   std::vector<PlannedLine> lines;
@@ -45,8 +46,10 @@ struct PlanScenario {
   FileLocation where;  ///< of the lines in the scenario
 };
 
+/// Landscapes that a scenario can name.
 enum class TerrainKind { kBuiltUp, kMixed, kNatural, kMountain, kFlat };
 
+/// The ground: its shape, and what stands on it.
 struct TerrainScenario {
   TerrainKind kind = TerrainKind::kMixed;
   double relief_m = 0.0;      ///< the ground stays within base_m +- relief_m / 2
@@ -57,12 +60,14 @@ struct TerrainScenario {
   std::uint64_t seed = 1;
 };
 
+/// The inertial sensor.
 struct ImuScenario {
   double rate_hz = 200.0;
   std::optional<std::string> preset;  ///< kept only where no explicit noise overrides it
   ImuModel model;
 };
 
+/// The GNSS receiver.
 struct GnssScenario {
   double rate_hz = 1.0;
   Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);
@@ -71,11 +76,13 @@ struct GnssScenario {
   std::vector<GnssProcess> processes;  ///< assumed, and simulated
 };
 
+/// How the beams of a scanner are spread.
 enum class ScanPattern {
   kLine,  ///< the beams lie in the plane that is perpendicular to the scan axis
   kCone   ///< the beams lie on the cone of half angle fov/2 about the nadir axis
 };
 
+/// The laser scanner and its mounting.
 struct LidarScenario {
   Mounting mounting;  ///< lever arm: assumed; boresight: the true one
   Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
@@ -87,6 +94,7 @@ struct LidarScenario {
   double beam_divergence_rad = 0.0;
 };
 
+/// The point pairs: how many, and how good.
 struct PairScenario {
   long count = 0;
   double sigma_p_m = 0.0;  ///< per coordinate of the pair's difference

@@ -14,6 +14,7 @@
 
 namespace dn {
 
+/// How a scenario is simulated.
 struct SimulateOptions {
   std::uint64_t seed =
       1;  ///< of noise, turbulence and the choice of pairs; the terrain has its own

@@ -38,11 +38,13 @@ struct GaussHelmertProblem {
   std::vector<GaussHelmertPair> pairs;
 };
 
+/// How the boresight turns a laser vector.
 enum class BoresightModel {
   kExponential,  ///< u = Exp([theta]x) T u_s, relinearised, theta <- Log(Exp(d) Exp(theta))
   kSmallAngle,   ///< u = (I + [theta]x) T u_s, as in the paper; theta <- theta + d
 };
 
+/// Options of the Gauss-Helmert adjustment.
 struct GaussHelmertOptions {
   BoresightModel model = BoresightModel::kExponential;
   /// Reproduce the public code libor: its small-angle model, observations that are not corrected
@@ -87,6 +89,7 @@ PairLinearisation LinearisePair(const GaussHelmertPair& pair, const Eigen::Vecto
                                 BoresightModel model, const Eigen::Vector3d& theta_rad,
                                 const PairCorrection& v);
 
+/// The adjusted boresight with its covariances.
 struct GaussHelmertResult {
   Eigen::Vector3d boresight_rad;  ///< theta: rotation vector about the body axes
   Eigen::Matrix3d normal;         ///< N, of a left perturbation, with the prior if any, rad^-2

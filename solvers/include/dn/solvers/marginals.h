@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 namespace dn {
@@ -88,6 +89,17 @@ class Marginals {
     return Covariance(a.id);
   }
 
+  /// Standard deviations of a block in its tangent: as Value, a number for a Scalar.
+  template <class Kind>
+  auto Sigma(Block<Kind> a) const {
+    const Eigen::Matrix<double, Kind::kTangentSize, 1> sigma = Covariance(a).diagonal().cwiseSqrt();
+    if constexpr (std::is_same_v<ValueOf<Kind>, double>) {
+      return sigma[0];
+    } else {
+      return sigma;
+    }
+  }
+
   /// Cross covariance E[da db^T] of any two blocks, tangent size of a x tangent size of b. Solves
   /// for the columns of the smaller block unless they, or the selected inverse, are at hand.
   Eigen::MatrixXd Covariance(BlockId a, BlockId b) const;
@@ -148,6 +160,12 @@ template <class Kind>
 Eigen::Matrix<double, Kind::kTangentSize, Kind::kTangentSize> MarginalCovariance(
     const Network& network, Block<Kind> block) {
   return Marginals(network).Covariance(block);
+}
+
+/// Standard deviations of one block: Marginals(network).Sigma(block).
+template <class Kind>
+auto MarginalSigma(const Network& network, Block<Kind> block) {
+  return Marginals(network).Sigma(block);
 }
 
 }  // namespace dn

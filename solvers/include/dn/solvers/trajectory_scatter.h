@@ -27,6 +27,7 @@ enum class StatedBy {
   kDataSheet,  ///< of the sensor, or a guess: each within a factor of 1.6
 };
 
+/// What is known of the errors of a trajectory.
 struct TrajectoryScatterOptions {
   /// Where a smoother states how its errors correlate: nothing else below is used.
   std::optional<PoseCovariance> covariance = {};
