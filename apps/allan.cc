@@ -3,6 +3,7 @@
 #include <dn/geo/local_frame.h>
 #include <dn/imu/allan.h>
 #include <dn/imu/imu_data.h>
+#include <dn/imu/rest_check.h>
 #include <dn/report/plot.h>
 #include <fmt/format.h>
 
@@ -24,11 +25,6 @@ struct Options {
 
 // Rate given against rate found: more is another file or another sensor.
 constexpr double kRateTolerance = 0.01;
-// A second's mean that departs from the record's by more was no sensor at rest.
-constexpr double kRestGyroRadps = 0.02;
-constexpr double kRestAccelMps2 = 0.2;
-// Drift between the first and last third of the record, in sigmas of what the other terms explain.
-constexpr double kDriftSigmas = 4.0;
 
 /// One sensor in the units that flight.yaml uses.
 struct SensorUnits {
@@ -71,33 +67,6 @@ std::vector<double> AxisValues(const ImuData& imu, bool gyro, int axis) {
   return values;
 }
 
-double Mean(const std::vector<double>& values, std::size_t first, std::size_t past) {
-  double sum = 0.0;
-  for (std::size_t k = first; k < past; ++k) sum += values[k];
-  return sum / static_cast<double>(past - first);
-}
-
-bool AtRest(const std::vector<double>& values, double dt_s, double limit) {
-  const auto second = static_cast<std::size_t>(std::max(1.0, std::round(1.0 / dt_s)));
-  const double mean = Mean(values, 0, values.size());
-  for (std::size_t k = 0; k + second <= values.size(); k += second) {
-    if (std::abs(Mean(values, k, k + second) - mean) > limit) return false;
-  }
-  return true;
-}
-
-// The difference of the means of the first and last third against what the terms without the
-// random walk, which may itself be that drift, let it be.
-double DriftInSigmas(const std::vector<double>& values, const Axis& axis, double dt_s) {
-  const std::size_t third = values.size() / 3;
-  const double drift = Mean(values, values.size() - third, values.size()) - Mean(values, 0, third);
-  NoiseFit stationary = axis.fit;
-  stationary.random_walk.reset();
-  const double tau_s = static_cast<double>(third) * dt_s;
-  const double sigma = std::sqrt(2.0 * std::max(stationary.Variance(tau_s), 1e-300));
-  return drift / sigma;
-}
-
 Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run,
                std::vector<std::string>* warnings) {
   Sensor sensor{units, {}, {}, {}};
@@ -107,7 +76,7 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
     if (Interrupted()) throw dn::Interrupted();
     const std::vector<double> values = AxisValues(imu, gyro, i);
     Axis axis;
-    axis.mean = Mean(values, 0, values.size());
+    axis.mean = MeanRate(values);
     axis.curve = AllanVariance(values, imu.nominal_dt_s);
     axis.fit = FitNoise(axis.curve);
     if (!AtRest(values, imu.nominal_dt_s, gyro ? kRestGyroRadps : kRestAccelMps2)) {
@@ -115,7 +84,7 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
           fmt::format("{} {}: the sensor was not at rest; the terms hold motion as well as noise",
                       units.name, kAxes[i]));
     }
-    const double drift = DriftInSigmas(values, axis, imu.nominal_dt_s);
+    const double drift = DriftInSigmas(values, imu.nominal_dt_s, axis.fit);
     if (std::abs(drift) > kDriftSigmas) {
       warnings->push_back(fmt::format(
           "{} {}: the record drifts from its first to its last third by {:.0f} times what its "

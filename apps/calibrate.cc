@@ -1,4 +1,5 @@
 #include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/calibration/words.h>
 #include <dn/flight/truth.h>
 #include <fmt/format.h>
 
@@ -48,9 +49,9 @@ void PrintAngles(const FlightConfig& config, const BoresightResult& boresight,
 }
 
 void PrintAssessment(const BoresightResult& boresight) {
-  fmt::print("assessment: {}", boresight.verdict);
-  const bool contradicted = boresight.verdict == "contradicted";
-  for (const std::string& reason : boresight.reasons) {
+  fmt::print("assessment: {}", Word(boresight.verdict));
+  const bool contradicted = boresight.verdict == Verdict::kContradicted;
+  for (const std::string& reason : Words(boresight.reasons)) {
     fmt::print("{}{}", contradicted ? "\n  " : "; ", reason);
   }
 }
@@ -220,12 +221,13 @@ void FillReport(const Flight& flight, const GaussHelmertRun& gauss_helmert, Run*
 
 void FailUnlessReliable(const std::vector<const BoresightResult*>& results) {
   for (const BoresightResult* boresight : results) {
-    if (boresight->verdict == "contradicted") {
-      ThrowContradicted(boresight->reasons.front(), "the result file");
+    if (boresight->verdict == Verdict::kContradicted) {
+      ThrowContradicted(Words(boresight->reasons.front()), "the result file");
     }
-    if (boresight->verdict != "not_observable") continue;
-    throw FailedWithResults("not_observable", fmt::format("the boresight is not observable: {}",
-                                                          fmt::join(boresight->reasons, "; ")));
+    if (boresight->verdict != Verdict::kNotObservable) continue;
+    throw FailedWithResults(Word(boresight->verdict),
+                            fmt::format("the boresight is not observable: {}",
+                                        fmt::join(Words(boresight->reasons), "; ")));
   }
 }
 

@@ -1,6 +1,7 @@
 #include "flight_run.h"
 
 #include <dn/calibration/gnss_errors.h>
+#include <dn/calibration/words.h>
 #include <dn/report/plot.h>
 #include <fmt/format.h>
 
@@ -64,12 +65,13 @@ void AddPlots(const FlightRun& flight_run, Run* run) {
 }
 
 std::vector<std::string> Warnings(const FlightRun& flight_run) {
-  std::vector<std::string> warnings = flight_run.adjustment().warnings;
+  std::vector<Finding> findings = flight_run.adjustment().warnings;
   const auto& statistics = flight_run.solution->trajectory().warnings;
-  warnings.insert(warnings.end(), statistics.begin(), statistics.end());
+  findings.insert(findings.end(), statistics.begin(), statistics.end());
   if (const auto warning = WarningOfGnssErrors(flight_run.adjustment())) {
-    warnings.push_back(*warning);
+    findings.push_back(*warning);
   }
+  std::vector<std::string> warnings = Words(findings);
   const std::vector<std::size_t>& rejected = flight_run.adjustment().gnss_rejected;
   if (!rejected.empty()) {
     const GnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
@@ -184,8 +186,8 @@ void FillReport(const FlightRun& flight_run, Run* run) {
 }
 
 void PrintFindings(const ModelCheck& check) {
-  fmt::print("assessment: {}\n", check.contradicted() ? "contradicted" : "consistent");
-  for (const std::string& text : TextsOf(check)) fmt::print("  {}\n", text);
+  fmt::print("assessment: {}\n", Word(check));
+  for (const std::string& text : Words(check.findings)) fmt::print("  {}\n", text);
 }
 
 void ThrowContradicted(const std::string& first_finding, const std::string& file) {

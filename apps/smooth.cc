@@ -1,3 +1,4 @@
+#include <dn/calibration/words.h>
 #include <fmt/format.h>
 
 #include <utility>
@@ -52,7 +53,7 @@ void Smooth(const SmoothOptions& options, Run& run) {
   const Json& errors = run.report["reference_errors"];
   if (!errors.is_null()) fmt::print("differences from the reference: {}\n", errors.dump());
   PrintFindings(check);
-  if (check.contradicted()) ThrowContradicted(check.findings.front().text, "smooth.json");
+  if (check.contradicted()) ThrowContradicted(Words(check.findings.front()), "smooth.json");
 }
 
 }  // namespace

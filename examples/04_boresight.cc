@@ -3,6 +3,7 @@
 // Prints the true angles, the estimates with their standard deviations, the correlation of the
 // boresight with the biases that were estimated with it, and whether the data follow the model.
 #include <dn/calibration/solution.h>
+#include <dn/calibration/words.h>
 #include <dn/sim/simulate.h>
 
 #include <algorithm>
@@ -35,7 +36,7 @@ int main() {
   }
   std::printf("correlation with the biases: gyro %.2f, accelerometer %.2f\n",
               boresight.gyro_bias.max_abs, boresight.accel_bias.max_abs);
-  std::printf("%s, %s four sigmas of the truth\n", boresight.verdict.c_str(),
+  std::printf("%s, %s four sigmas of the truth\n", dn::Word(boresight.verdict),
               worst < 4.0 ? "within" : "beyond");
   return worst < 4.0 ? 0 : 1;
 }

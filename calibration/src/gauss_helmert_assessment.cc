@@ -8,9 +8,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 #include <numbers>
+#include <utility>
 
 namespace dn {
 namespace {
@@ -29,15 +28,6 @@ constexpr double kEnvelopeDeg[] = {0.01, 0.01, 0.02};
 constexpr double kThreeSigma = 0.0027;
 // Where the reliable sigma exceeds the formal one by more than this, it is worth a sentence.
 constexpr double kMuchWider = 1.2;
-
-[[gnu::format(printf, 1, 2)]] std::string Format(const char* format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof(text), format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 struct StripMotion {
   double course_rad = 0.0;
@@ -72,7 +62,7 @@ double PairSigma(const GaussHelmertProblem& problem) {
 
 /// Largest sigma (per coordinate) of the difference of a pair by the attitude errors of its two
 /// epochs: roll and pitch act over the range, heading over the distance from the nadir.
-double AttitudeInPairs(const GaussHelmertProblem& problem, const Vector3d& sigma_rph_rad) {
+double LargestChange(const GaussHelmertProblem& problem, const Vector3d& sigma_rph_rad) {
   double range2 = 0.0, aside2 = 0.0;
   for (const GaussHelmertPair& pair : problem.pairs) {
     for (const GaussHelmertEnd* end : {&pair.i, &pair.j}) {
@@ -86,45 +76,37 @@ double AttitudeInPairs(const GaussHelmertProblem& problem, const Vector3d& sigma
                                         sigma_rph_rad.z() * std::sqrt(aside2 / n));
 }
 
-std::string Triple(const Vector3d& rad) {
-  return Format("%.5f, %.5f, %.5f deg", rad.x() * kDegPerRad, rad.y() * kDegPerRad,
-                rad.z() * kDegPerRad);
+facts::AttitudeInPairs AttitudeErrors(const GaussHelmertCalibration& calibration) {
+  facts::AttitudeInPairs fact;
+  fact.sigma_rph_rad =
+      calibration.accuracy.sigma_rph_rad * std::max(1.0, calibration.scatter.attitude_ratio);
+  fact.change_m = LargestChange(calibration.problem, fact.sigma_rph_rad);
+  fact.range_m = calibration.mean_range_m;
+  fact.pair_sigma_m = PairSigma(calibration.problem);
+  const Vector3d envelope_rad = kRadPerDeg * Eigen::Map<const Vector3d>(kEnvelopeDeg);
+  using Size = facts::AttitudeInPairs::Size;
+  if (fact.change_m <= kNoiseLevel * fact.pair_sigma_m) {
+    fact.size = Size::kNoise;
+  } else {
+    const bool tactical = (fact.sigma_rph_rad.array() <= envelope_rad.array()).all();
+    fact.size = tactical ? Size::kHeld : Size::kAbsorbed;
+  }
+  return fact;
 }
 
-std::string WhyTheSigmasDiffer(const GaussHelmertCalibration& calibration) {
+facts::SigmasWidened WhyTheSigmasDiffer(const GaussHelmertCalibration& calibration) {
   const BoresightResult& boresight = calibration.boresight;
   const TrajectoryScatter& scatter = calibration.scatter;
-  const Vector3d ratio = boresight.sigma_rad().cwiseQuotient(*boresight.sigma_scaled_rad);
-  if (ratio.maxCoeff() < kMuchWider) return {};
-  std::string text = Format(
-      "the reliable sigmas are %.1f, %.1f and %.1f times those of the normal matrix "
-      "(sigma_scaled_deg: %s), which take the errors of the trajectory as new at every epoch",
-      ratio.x(), ratio.y(), ratio.z(), Triple(*boresight.sigma_scaled_rad).c_str());
-  const std::string scattered = Triple(scatter.covariance_rad2.diagonal().cwiseSqrt());
-  if (calibration.accuracy.covariance) {
-    return text + "; by " + calibration.accuracy.source + " they last, and scatter the angles by " +
-           scattered;
-  }
-  text += Format(
-      "; an attitude error that is constant over the flight, of %s in roll, pitch and yaw by %s, "
-      "is absorbed without a trace",
-      Triple(calibration.constant_rad2.diagonal().cwiseSqrt()).c_str(),
-      calibration.accuracy.source.c_str());
-  if (scatter.evidence_nats > kEvidentNats) {
-    text += Format(
-        ", and the pairs show errors that last for about %.0f s and scatter the angles by %s",
-        scatter.tau_s, scattered.c_str());
-  }
-  return text;
-}
-
-std::string AboutStrips(const StripDiversity& diversity) {
-  if (diversity.sufficient()) return {};
-  return Format(
-      "%d strip%s%s: four parallel strips, or three of which one crosses or lies at another "
-      "height, determine yaw more reliably",
-      diversity.strips, diversity.strips == 1 ? "" : "s",
-      diversity.strips == 3 ? ", parallel and at one height" : "");
+  facts::SigmasWidened fact;
+  fact.ratio = boresight.sigma_rad().cwiseQuotient(*boresight.sigma_scaled_rad);
+  fact.scaled_rad = *boresight.sigma_scaled_rad;
+  fact.scattered_rad = scatter.covariance_rad2.diagonal().cwiseSqrt();
+  fact.constant_rad = calibration.constant_rad2.diagonal().cwiseSqrt();
+  fact.source = calibration.accuracy.source;
+  fact.times_stated = calibration.accuracy.covariance.has_value();
+  fact.times_shown = scatter.evidence_nats > kEvidentNats;
+  fact.tau_s = scatter.tau_s;
+  return fact;
 }
 
 /// |C_a - C_b|, floored, in the metric of C_a.
@@ -165,40 +147,22 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   BoresightResult& boresight = calibration->boresight;
   const GaussHelmertResult& adjustment = calibration->adjustment;
   AssessObservability(flight, *boresight.sigma_apriori_rad, Vector3d::Zero(), &boresight);
-  if (boresight.verdict == "calibrated") AssessLargestSigma(boresight.sigma_rad(), &boresight);
-  const auto add = [&](const std::string& reason) {
-    if (!reason.empty()) boresight.reasons.push_back(reason);
-  };
-  const Vector3d attitude_rad =
-      calibration->accuracy.sigma_rph_rad * std::max(1.0, calibration->scatter.attitude_ratio);
-  const double attitude_m = AttitudeInPairs(calibration->problem, attitude_rad);
-  const double pair_m = PairSigma(calibration->problem);
-  const std::string sizes = Format(
-      "the attitude error of the trajectory (%s) changes the difference of a pair by %.3f m at "
-      "%.0f m, whose own sigma is %.3f m",
-      Triple(attitude_rad).c_str(), attitude_m, calibration->mean_range_m, pair_m);
-  const bool noise_level = attitude_m <= kNoiseLevel * pair_m;
-  const Vector3d envelope_rad = kRadPerDeg * Eigen::Map<const Vector3d>(kEnvelopeDeg);
-  if (!noise_level && (attitude_rad.array() > envelope_rad.array()).any()) {
-    if (boresight.verdict == "calibrated") boresight.verdict = "absorbed";
-    add(sizes +
-        ": the angles contain that error and make the cloud consistent, but are not those of "
-        "the mounting; the dynamic network separates the two");
-  } else if (noise_level) {
-    add(sizes + ": noise level");
-  } else {
-    add(sizes + ": tactical grade or better, held by the sigmas given");
+  if (boresight.verdict == Verdict::kCalibrated)
+    AssessLargestSigma(boresight.sigma_rad(), &boresight);
+  const auto add = [&](Fact fact) { boresight.reasons.push_back({std::move(fact)}); };
+  const facts::AttitudeInPairs attitude = AttitudeErrors(*calibration);
+  if (attitude.size == facts::AttitudeInPairs::Size::kAbsorbed &&
+      boresight.verdict == Verdict::kCalibrated) {
+    boresight.verdict = Verdict::kAbsorbed;
   }
-  add(AboutStrips(calibration->diversity));
-  if (adjustment.pairs_kept < kFewPairs) {
-    add(Format("only %ld pairs", adjustment.pairs_kept));
-  }
-  add(WhyTheSigmasDiffer(*calibration));
+  add(attitude);
+  const StripDiversity& diversity = calibration->diversity;
+  if (!diversity.sufficient()) add(facts::StripsAlike{diversity.strips});
+  if (adjustment.pairs_kept < kFewPairs) add(facts::FewPairs{adjustment.pairs_kept});
+  const facts::SigmasWidened widened = WhyTheSigmasDiffer(*calibration);
+  if (widened.ratio.maxCoeff() >= kMuchWider) add(widened);
   for (const EstimateEntry& entry : flight.config.estimate) {
-    if (entry.unknown != "boresight") {
-      add(entry.unknown +
-          " is not estimated: the Gauss-Helmert adjustment knows the boresight only");
-    }
+    if (entry.unknown != "boresight") add(facts::NotEstimated{entry.unknown});
   }
 }
 
@@ -217,14 +181,11 @@ void AssessAgainstNetwork(const BoresightResult& network, GaussHelmertCalibratio
   BoresightResult& boresight = gauss_helmert->boresight;
   const MethodDifference difference = Compare(boresight, network);
   const bool contradicts = difference.p_value < kThreeSigma;
-  if (contradicts && boresight.verdict == "calibrated") boresight.verdict = "absorbed";
+  if (contradicts && boresight.verdict == Verdict::kCalibrated) {
+    boresight.verdict = Verdict::kAbsorbed;
+  }
   boresight.reasons.push_back(
-      Format("differs from the dynamic network by %s (p = %.2g): %s",
-             Triple(difference.difference_rad).c_str(), difference.p_value,
-             contradicts
-                 ? "more than their covariances explain, so the trajectory holds an attitude error "
-                   "beyond its stated sigma, and the network's angles are the mounting's"
-                 : "within what their covariances explain"));
+      {facts::NetworkDiffers{difference.difference_rad, difference.p_value, contradicts}});
 }
 
 }  // namespace dn

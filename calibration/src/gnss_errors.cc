@@ -1,21 +1,8 @@
 #include <dn/calibration/gnss_errors.h>
 #include <dn/geo/text_table.h>
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
 
 namespace dn {
 namespace {
-
-/// Two digits are as many as the test is good for.
-double Rounded(double value) { return value > 0.0 ? std::stod(fmt::format("{:.1e}", value)) : 0.0; }
-
-GnssProcess Rounded(GnssProcess process) {
-  for (double& sigma_m : process.sigma_enu_m) sigma_m = Rounded(sigma_m);
-  process.tau_s = Rounded(process.tau_s);
-  return process;
-}
 
 Json TestJson(const GnssCorrelation& test) {
   if (test.process.tau_s == 0.0) return nullptr;
@@ -87,21 +74,9 @@ std::string FormatGnssErrors(const FlightNetwork& network, const Marginals& marg
   return text;
 }
 
-std::optional<std::string> WarningOfGnssErrors(const Adjustment& adjustment) {
-  const GnssCorrelation& test = adjustment.gnss_correlation;
-  if (!test.significant()) return std::nullopt;
-  const GnssProcess process = Rounded(test.process);
-  return fmt::format(
-      "the GNSS positions have errors that last: the lag-1 correlation of their residuals is "
-      "{:.2f}, {:.2f}, {:.2f} (east, north, up) where white noise leaves {:.2f}, {:.2f}, {:.2f} "
-      "(p = {:.1g}), as by a process of {:g} s and {:g}, {:g}, {:g} m. Unless the inertial noise "
-      "is "
-      "stated too small, add to flight.yaml gnss.processes: [{}]; without it the covariances are "
-      "too small",
-      test.lag1.x(), test.lag1.y(), test.lag1.z(), test.lag1_expected.x(), test.lag1_expected.y(),
-      test.lag1_expected.z(), std::min(test.p_value_together, test.p_value.minCoeff()),
-      process.tau_s, process.sigma_enu_m.x(), process.sigma_enu_m.y(), process.sigma_enu_m.z(),
-      FormatGnssProcess(process));
+std::optional<Finding> WarningOfGnssErrors(const Adjustment& adjustment) {
+  if (!adjustment.gnss_correlation.significant()) return std::nullopt;
+  return Finding{facts::GnssErrorsLast{adjustment.gnss_correlation}};
 }
 
 }  // namespace dn

@@ -1,5 +1,6 @@
 #include "model_check_json.h"
 
+#include <dn/calibration/words.h>
 #include <dn/rotation.h>
 
 namespace dn {
@@ -42,24 +43,24 @@ Json List(const std::vector<T>& values, const Convert& convert) {
 }  // namespace
 
 Json ModelCheckJson(const ModelCheck& check) {
-  return {
-      {"groups", List(check.groups, GroupJson)},
-      {"common_errors", List(check.common_errors, CommonErrorJson)},
-      {"effects",
-       List(check.effects,
-            [&](const EffectCheck& effect) { return EffectJson(effect, check.of_boresight); })},
-      {"priors", List(check.priors,
-                      [](const PriorCheck& prior) {
-                        return Json{{"unknown", prior.unknown},
-                                    {"statistic", prior.statistic},
-                                    {"dof", prior.dof},
-                                    {"p_value", prior.p_value}};
-                      })},
-      {"findings", List(check.findings,
-                        [](const Finding& finding) {
-                          return Json{{"contradicts", finding.contradicts}, {"text", finding.text}};
-                        })},
-      {"p_value", check.p_value}};
+  return {{"groups", List(check.groups, GroupJson)},
+          {"common_errors", List(check.common_errors, CommonErrorJson)},
+          {"effects",
+           List(check.effects,
+                [&](const EffectCheck& effect) { return EffectJson(effect, check.of_boresight); })},
+          {"priors", List(check.priors,
+                          [](const PriorCheck& prior) {
+                            return Json{{"unknown", prior.unknown},
+                                        {"statistic", prior.statistic},
+                                        {"dof", prior.dof},
+                                        {"p_value", prior.p_value}};
+                          })},
+          {"findings",
+           List(check.findings,
+                [](const Finding& finding) {
+                  return Json{{"contradicts", finding.contradicts}, {"text", Words(finding)}};
+                })},
+          {"p_value", check.p_value}};
 }
 
 }  // namespace dn

@@ -8,7 +8,7 @@ namespace dn::internal {
 /// Significance, for the family of all tests of one flight, at which the model is in doubt.
 inline constexpr double kFamilyLevel = 1e-3;
 
-/// Judges what was tested and adds the findings, in words, those that contradict first.
+/// Judges what was tested and adds the findings, those that contradict first.
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
                  ModelCheck* check);
 void AddFindings(const GaussHelmertCalibration& calibration, ModelCheck* check);

@@ -1,5 +1,4 @@
 #include <dn/calibration/result.h>
-#include <dn/geo/text_table.h>
 #include <dn/solvers/prediction.h>
 #include <dn/solvers/solve.h>
 
@@ -8,13 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "residual_statistics.h"
 
 namespace dn {
 namespace {
-
-constexpr const char* kAngles[] = {"roll", "pitch", "yaw"};
 
 TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Marginals& marginals) {
   const LocalFrame& frame = network.flight().frame;
@@ -85,21 +83,12 @@ constexpr double kVarianceFactor = 2.0;
 
 void WarnOfInnovations(TrajectoryResult* result) {
   const auto judge = [&](double nis, const std::string& sensor) {
-    const auto text = [&](const std::string& verdict) {
-      result->warnings.push_back("the innovations of the " + sensor + "s are " +
-                                 FormatDouble(std::round(std::sqrt(nis) * 100.0) / 100.0) +
-                                 " times as large as the model expects: " + verdict);
-    };
-    if (nis > kVarianceFactor) {
-      text(
-          "the stated sigmas or the inertial noise are too small, or something is not modelled; "
-          "the covariances are too small as well");
-    } else if (nis > 0.0 && nis < 1.0 / kVarianceFactor) {
-      text("the stated sigmas are too large, or the errors are correlated in time");
+    if (nis > kVarianceFactor || (nis > 0.0 && nis < 1.0 / kVarianceFactor)) {
+      result->warnings.push_back({facts::InnovationSize{sensor, std::sqrt(nis)}});
     }
   };
-  judge(result->nis_position, "GNSS position");
-  judge(result->nis_velocity, "GNSS velocity");
+  judge(result->nis_position, "GNSS positions");
+  judge(result->nis_velocity, "GNSS velocities");
 }
 
 AdjustmentFigures Figures(const Adjustment& adjustment) {
@@ -202,10 +191,8 @@ void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* resul
   constexpr double kLargestSigmaDeg = 0.5;
   for (int i = 0; i < 3; ++i) {
     if (sigma_rad[i] <= kLargestSigmaDeg * kRadPerDeg) continue;
-    result->verdict = "not_observable";
-    result->reasons.push_back(std::string("the standard deviation of ") + kAngles[i] +
-                              " exceeds 0.5 deg: more pairs, more overlapping strips, or a better "
-                              "attitude are needed");
+    result->verdict = Verdict::kNotObservable;
+    result->reasons.push_back({facts::SigmaTooLarge{i}});
   }
 }
 
@@ -217,24 +204,20 @@ void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
   constexpr double kAttitudeSigmas = 3.0;
   const double pairs_rad = kPairResolutions * PairResolution(flight);
   const Eigen::Matrix3d correlation = result->correlation();
-  result->verdict = "calibrated";
+  result->verdict = Verdict::kCalibrated;
+  const auto add = [&](Fact fact) {
+    result->verdict = Verdict::kNotObservable;
+    result->reasons.push_back({std::move(fact)});
+  };
   for (int i = 0; i < 3; ++i) {
     if (sigma_rad[i] > pairs_rad + kAttitudeSigmas * attitude_sigma_rad[i]) {
-      result->verdict = "not_observable";
-      result->reasons.push_back(std::string("the standard deviation of ") + kAngles[i] +
-                                " exceeds ten times the resolution of a single pair: more "
-                                "overlapping strips are needed");
+      add(facts::SigmaAbovePairs{i});
     }
     for (int j = 0; j < i; ++j) {
-      if (std::abs(correlation(i, j)) > kInseparable) {
-        result->verdict = "not_observable";
-        result->reasons.push_back(
-            std::string(kAngles[j]) + " and " + kAngles[i] +
-            " cannot be told apart: add a cross strip or a strip at another height");
-      }
+      if (std::abs(correlation(i, j)) > kInseparable) add(facts::AnglesInseparable{j, i});
     }
   }
-  if (result->verdict == "calibrated") AssessLargestSigma(sigma_rad, result);
+  if (result->verdict == Verdict::kCalibrated) AssessLargestSigma(sigma_rad, result);
 }
 
 TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals& marginals) {
@@ -286,12 +269,13 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
   AssessObservability(
       network.flight(), sigma,
       SigmaAt(network, NodeNear(network.node_times(), barycentre_s), marginals).rph_rad, &result);
-  if (result.verdict == "calibrated" && !adjustment.warnings.empty()) result.verdict = "absorbed";
+  if (result.verdict == Verdict::kCalibrated && !adjustment.warnings.empty()) {
+    result.verdict = Verdict::kAbsorbed;
+  }
   result.reasons.insert(result.reasons.end(), adjustment.warnings.begin(),
                         adjustment.warnings.end());
   if (result.reasons.empty()) {  // the network models the trajectory's errors: none is absorbed
-    result.reasons.emplace_back(
-        "the trajectory and its time-correlated errors are estimated with the boresight");
+    result.reasons.push_back({facts::TrajectoryEstimated{}});
   }
   return result;
 }

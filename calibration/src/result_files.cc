@@ -1,4 +1,5 @@
 #include <dn/calibration/result_files.h>
+#include <dn/calibration/words.h>
 #include <dn/geo/text_table.h>
 
 #include <cmath>
@@ -46,6 +47,10 @@ Json BoresightJson(const BoresightResult& boresight) {
           {"sigma_scaled_deg", SigmaJson(boresight.sigma_scaled_rad)}};
 }
 
+Json AssessmentJson(const BoresightResult& boresight) {
+  return {{"verdict", Word(boresight.verdict)}, {"reasons", Words(boresight.reasons)}};
+}
+
 void AppendRow(std::string* text, double t_s, std::initializer_list<Eigen::Vector3d> columns) {
   *text += FormatDouble(t_s);
   for (const Eigen::Vector3d& column : columns) {
@@ -82,7 +87,7 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
   json["flight"] = flight;
   json["method"] = "dn";
   json["boresight"] = BoresightJson(boresight);
-  json["assessment"] = {{"verdict", boresight.verdict}, {"reasons", boresight.reasons}};
+  json["assessment"] = AssessmentJson(boresight);
   json["correlations"] = {{"boresight_to_accel_bias", CorrelationJson(boresight.accel_bias)},
                           {"boresight_to_gyro_bias", CorrelationJson(boresight.gyro_bias)}};
   json["estimates"] = UnknownsJson(unknowns);
@@ -104,7 +109,7 @@ Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& c
   json["flight"] = flight;
   json["method"] = "gh";
   json["boresight"] = BoresightJson(boresight);
-  json["assessment"] = {{"verdict", boresight.verdict}, {"reasons", boresight.reasons}};
+  json["assessment"] = AssessmentJson(boresight);
   json["correlations"] = nullptr;
   json["estimates"] = nullptr;
   Json figures = AdjustmentJson(calibration.figures);
@@ -157,7 +162,7 @@ namespace {
 Json MethodJson(const BoresightResult& boresight) {
   return {{"angles_deg", ToJson(boresight.angles_rad * kDegPerRad)},
           {"sigma_deg", ToJson(boresight.sigma_rad() * kDegPerRad)},
-          {"verdict", boresight.verdict}};
+          {"verdict", Word(boresight.verdict)}};
 }
 
 }  // namespace
@@ -198,8 +203,7 @@ Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
   Json json;
   json["schema"] = "dn.smooth/1";
   json["flight"] = flight;
-  json["assessment"] = {{"verdict", check.contradicted() ? "contradicted" : "consistent"},
-                        {"reasons", TextsOf(check)}};
+  json["assessment"] = {{"verdict", Word(check)}, {"reasons", Words(check.findings)}};
   json["adjustment"] = AdjustmentJson(trajectory.figures);
   json["innovations"] = StatisticsToJson(trajectory.innovations);
   if (!trajectory.innovations.empty()) {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "robust_loss_of.h"
 
@@ -83,35 +84,27 @@ void TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_f
   }
 }
 
-std::string LeverArmWarning(const Eigen::VectorXd& correction_m) {
-  return "the innovations of the GNSS positions ask for a correction of gnss.lever_arm_m by about "
-         "[" +
-         FormatDouble(correction_m[0]) + ", " + FormatDouble(correction_m[1]) + ", " +
-         FormatDouble(correction_m[2]) +
-         "] m (forward, right, down): check its sign and axes, or estimate gnss_lever_arm";
-}
-
 // True where a wrong lever arm or wrong time tags lie behind the misfit: a warning. Throws
 // InvalidInput when a clock steps, which no single correction undoes.
 bool MisfitExplained(const Marginals& marginals, AdjustmentRun& run) {
   const std::optional<GnssMisfit> misfit = ExplainGnssMisfit(run.network(), marginals);
   if (!misfit) return false;
-  const Eigen::VectorXd rounded = (misfit->estimate * 1e4).array().round() / 1e4;
+  const auto warn = [&](Fact fact) {
+    run.result().warnings.push_back({std::move(fact), true});
+    return true;
+  };
   switch (misfit->cause) {
     case GnssMisfit::Cause::kLeverArm:
-      run.result().warnings.push_back(LeverArmWarning(rounded));
-      return true;
+      return warn(facts::GnssLeverArmOff{misfit->estimate});
     case GnssMisfit::Cause::kTimeOffset:
-      run.result().warnings.push_back(
-          "the innovations of the GNSS positions ask for time tags that are earlier by about " +
-          FormatDouble(rounded[0]) + " s: check the time systems of IMU and GNSS");
-      return true;
+      return warn(facts::GnssTimeOff{misfit->estimate[0]});
     case GnssMisfit::Cause::kClockStep:
       break;
   }
   const GnssEpoch& epoch = run.flight().gnss->epochs[run.network().gnss_edges[misfit->first].epoch];
   throw InvalidInput("a clock steps: from about t = " + FormatDouble(epoch.t_s) +
-                         " s on, the GNSS time tags are " + FormatDouble(rounded[0]) +
+                         " s on, the GNSS time tags are " +
+                         FormatDouble(std::round(misfit->estimate[0] * 1e4) / 1e4) +
                          " s late against those of the inertial data; correct the time tags, or "
                          "limit time_span_s to one part",
                      {run.flight().config.gnss->file, epoch.line});

@@ -162,7 +162,7 @@ void PrintConsistency(const std::vector<SetResult>& sets) {
         dn::ChiSquareInterval(kProbability, 3.0 * static_cast<double>(set.flights.size()));
     const auto calibrated =
         std::count_if(set.flights.begin(), set.flights.end(),
-                      [](const Calibrated& f) { return f.gh_verdict == "calibrated"; });
+                      [](const Calibrated& f) { return f.gh_verdict == dn::Verdict::kCalibrated; });
     fmt::print(
         "{:<10} {:>6.1f} {:>6.1f} {:>6.1f} {:>8.2f} {:>8.2f} {:>8.2f} {:>6.2f}..{:.2f}  "
         "{} of {} calibrated\n",

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <dn/calibration/finding.h>
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
@@ -23,7 +25,7 @@ struct Calibrated {
   Eigen::Vector3d gh_sigma_formal_deg;  ///< of the normal matrix, times sigma0
   double condition_number = 0.0, sigma0 = 0.0, residual_initial_m = 0.0, residual_final_m = 0.0;
   Eigen::Matrix3d dn_accel, dn_gyro;  ///< correlation of the boresight with the biases
-  std::string gh_verdict, dn_verdict;
+  dn::Verdict gh_verdict, dn_verdict;
 };
 
 /// node_rate_hz: of the network within the strips; absent: as the program chooses.

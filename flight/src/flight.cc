@@ -41,6 +41,7 @@ class FolderReader {
     if (needs_.imu) ReadImuPart();
     if (needs_.gnss) ReadGnssPart();
     if (needs_.trajectory) ReadTrajectoryPart();
+    AlignStrips();
     if (needs_.pairs) ReadPairsPart();
     flight_.initial_guess = ReadIfPresent("initial_guess");
     flight_.reference = ReadIfPresent("reference");
@@ -173,6 +174,19 @@ class FolderReader {
     flight_.trajectory = ReadTrajectory(file, flight_.config.body_is_flu);
     flight_.counts["trajectory points"] = static_cast<long>(flight_.trajectory->points().size());
     Count("trajectory repeated rows", flight_.trajectory->notes().repeated_rows_dropped);
+  }
+
+  /// The strips of flight.yaml in the week of the data, as their pairs.
+  void AlignStrips() {
+    if (!flight_.imu && !flight_.trajectory) return;
+    const CoveredTime covered =
+        flight_.imu ? internal::Cover(*flight_.imu) : internal::Cover(*flight_.trajectory);
+    for (StripInterval& strip : flight_.config.strips) {
+      const double middle_s = 0.5 * (strip.t0_s + strip.t1_s);
+      const double shift_s = internal::AlignWeek(middle_s, covered) - middle_s;
+      strip.t0_s += shift_s;
+      strip.t1_s += shift_s;
+    }
   }
 
   /// True when every pattern of lidar.p2p names a file.

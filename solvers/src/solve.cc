@@ -3,7 +3,6 @@
 #include <dn/parallel.h>
 #include <dn/solvers/robust_loss.h>
 #include <dn/solvers/solve.h>
-#include <glog/logging.h>
 
 #include <algorithm>
 #include <string>
@@ -13,6 +12,7 @@
 #include "factor_text.h"
 #include "flat_check.h"
 #include "linearization.h"
+#include "quiet_log.h"
 #include "serial_blas.h"
 
 namespace dn {
@@ -34,18 +34,6 @@ class ProgressCallback final : public ceres::IterationCallback {
 
  private:
   const std::function<bool(const IterationProgress&)>& on_iteration_;
-};
-
-/// No message of Ceres reaches stderr while it lives.
-class QuietLog {
- public:
-  QuietLog() : level_(FLAGS_minloglevel) { FLAGS_minloglevel = google::FATAL; }
-  ~QuietLog() { FLAGS_minloglevel = level_; }
-  QuietLog(const QuietLog&) = delete;
-  QuietLog& operator=(const QuietLog&) = delete;
-
- private:
-  int level_;
 };
 
 ceres::Solver::Options CeresOptions(const SolveOptions& options) {

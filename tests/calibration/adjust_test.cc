@@ -64,7 +64,7 @@ TEST(Adjust, NoisyFlightsStayWithinTheirSigmas) {
       const auto n = static_cast<double>(figures.redundancy);
       EXPECT_NEAR(figures.chi2 / n, 1.0, kSigmas * std::sqrt(2.0 / n));
       EXPECT_NEAR(figures.sigma0, std::sqrt(figures.chi2 / n), 1e-12);
-      EXPECT_EQ(c.boresight.verdict, "calibrated");
+      EXPECT_EQ(c.boresight.verdict, Verdict::kCalibrated);
       const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);
       nees += e.dot(c.boresight.covariance_rad2.ldlt().solve(e));
       chi2 += figures.chi2;

@@ -360,7 +360,7 @@ TEST(Observability, OnePointSeenFromTwoPairsOfPosesIsNotACalibration) {
     pair.u_j_s = sight(pair.t_j_s);
   }
   const Calibration c(sim.flight);
-  EXPECT_EQ(c.boresight.verdict, "not_observable");
+  EXPECT_EQ(c.boresight.verdict, Verdict::kNotObservable);
   EXPECT_FALSE(c.boresight.reasons.empty());
   EXPECT_GT(c.boresight.condition_number, 1e3);
   const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);

@@ -1,4 +1,5 @@
 #include <dn/calibration/adjust.h>
+#include <dn/calibration/words.h>
 #include <dn/error.h>
 #include <dn/sim/random.h>
 #include <gmock/gmock.h>
@@ -66,7 +67,7 @@ class Faults : public ::testing::TestWithParam<const char*> {
   void ExpectHonest(const Calibration& c) const {
     const Eigen::Vector3d e = c.BoresightError(sim_.boresight_rad);
     EXPECT_LT(e.cwiseQuotient(c.boresight.sigma_rad()).cwiseAbs().maxCoeff(), kSigmas);
-    EXPECT_EQ(c.boresight.verdict, "calibrated");
+    EXPECT_EQ(c.boresight.verdict, Verdict::kCalibrated);
     for (const NodeBlocks& node : c.adjustment.network->nodes) {
       const Eigen::Vector3d dp =
           c.adjustment.network->net.Value(node.p_mb) - sim_.truth->Pose(node.t_s).p_mb;
@@ -227,9 +228,9 @@ TEST_P(Faults, ALeverArmOfTheWrongSignIsNamed) {
   lever_arm_b_m *= -1.0;
   const Calibration c(sim_.flight);
   ASSERT_EQ(c.adjustment.warnings.size(), 1U);
-  EXPECT_THAT(c.adjustment.warnings[0], HasSubstr("gnss.lever_arm_m"));
-  EXPECT_EQ(c.boresight.verdict, "absorbed");
-  EXPECT_THAT(c.boresight.reasons, ::testing::Contains(c.adjustment.warnings[0]));
+  EXPECT_THAT(Words(c.adjustment.warnings[0]), HasSubstr("gnss.lever_arm_m"));
+  EXPECT_EQ(c.boresight.verdict, Verdict::kAbsorbed);
+  EXPECT_THAT(Words(c.boresight.reasons), ::testing::Contains(Words(c.adjustment.warnings[0])));
 }
 
 TEST_P(Faults, SigmasThatAreFarOffShowInTheInnovations) {
@@ -239,7 +240,8 @@ TEST_P(Faults, SigmasThatAreFarOffShowInTheInnovations) {
     const TrajectoryResult& result = c.solution.trajectory();
     ASSERT_EQ(result.warnings.size(), ratio == 1.0 ? 0U : 1U) << ratio;
     if (ratio == 1.0) continue;
-    EXPECT_THAT(result.warnings[0], HasSubstr(ratio > 1.0 ? "sigmas are too large" : "too small"));
+    EXPECT_THAT(Words(result.warnings[0]),
+                HasSubstr(ratio > 1.0 ? "sigmas are too large" : "too small"));
   }
 }
 
@@ -247,7 +249,7 @@ TEST_P(Faults, LateTimeTagsOfTheWholeFlightAreNamed) {
   for (GnssEpoch& epoch : sim_.flight.gnss->epochs) epoch.t_s += 0.05;
   const Calibration c(sim_.flight);
   ASSERT_EQ(c.adjustment.warnings.size(), 1U);
-  EXPECT_THAT(c.adjustment.warnings[0], HasSubstr("earlier by about 0.0"));
+  EXPECT_THAT(Words(c.adjustment.warnings[0]), HasSubstr("earlier by about 0.0"));
 }
 
 TEST_P(Faults, DataThatDoNotBelongTogetherAreRefused) {

@@ -1,6 +1,7 @@
 #include <dn/calibration/gauss_helmert_flight.h>
 #include <dn/calibration/result_files.h>
 #include <dn/calibration/trajectory_covariance.h>
+#include <dn/calibration/words.h>
 #include <dn/geo/trajectory_covariance.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -76,8 +77,9 @@ std::vector<std::string> NamedEffects(const ModelCheck& check) {
 }
 
 std::string Words(const GaussHelmertCalibration& calibration) {
-  std::string words = calibration.boresight.verdict;
-  for (const std::string& reason : calibration.boresight.reasons) words += "\n  " + reason;
+  std::string words = Word(calibration.boresight.verdict);
+  for (const std::string& reason : dn::Words(calibration.boresight.reasons))
+    words += "\n  " + reason;
   return words;
 }
 
@@ -88,7 +90,7 @@ TEST(GaussHelmertCheck, ATrueTrajectoryIsCalibrated) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
       const GaussHelmertCalibration gh = CalibrateGaussHelmert(OnTruth(scenario, seed));
-      EXPECT_EQ(gh.boresight.verdict, "calibrated") << Words(gh);
+      EXPECT_EQ(gh.boresight.verdict, Verdict::kCalibrated) << Words(gh);
       EXPECT_TRUE(gh.model_check.effects.empty()) << Words(gh);
     }
   }
@@ -103,7 +105,8 @@ TEST_P(OfASmoother, ATrajectoryIsNotContradicted) {
     for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
       const Smoothed smoothed(scenario, seed, GetParam());
       const GaussHelmertCalibration gh = CalibrateGaussHelmert(smoothed.flight);
-      EXPECT_THAT(gh.boresight.verdict, AnyOf("calibrated", "absorbed")) << Words(gh);
+      EXPECT_THAT(gh.boresight.verdict, AnyOf(Verdict::kCalibrated, Verdict::kAbsorbed))
+          << Words(gh);
       EXPECT_TRUE(gh.model_check.effects.empty()) << Words(gh);
     }
   }
@@ -147,7 +150,7 @@ class GaussHelmertFault : public ::testing::TestWithParam<Fault> {};
 
 void ExpectContradictedAndNamed(const Flight& flight, const std::string& effect) {
   const GaussHelmertCalibration gh = CalibrateGaussHelmert(flight);
-  EXPECT_EQ(gh.boresight.verdict, "contradicted") << Words(gh);
+  EXPECT_EQ(gh.boresight.verdict, Verdict::kContradicted) << Words(gh);
   EXPECT_THAT(NamedEffects(gh.model_check), Contains(effect)) << Words(gh);
 }
 
@@ -186,8 +189,8 @@ TEST(GaussHelmertCheck, ASigmaAboveHalfADegreeIsNotObservable) {
   const GaussHelmertCalibration gh = CalibrateGaussHelmert(flight);
   EXPECT_GT(gh.boresight.sigma_rad().z(), 0.5 * kRadPerDeg);
   EXPECT_LT(gh.boresight.sigma_apriori_rad->z(), 0.5 * kRadPerDeg);
-  EXPECT_EQ(gh.boresight.verdict, "not_observable") << Words(gh);
-  EXPECT_THAT(gh.boresight.reasons, Contains(HasSubstr("yaw exceeds 0.5 deg")));
+  EXPECT_EQ(gh.boresight.verdict, Verdict::kNotObservable) << Words(gh);
+  EXPECT_THAT(Words(gh.boresight.reasons), Contains(HasSubstr("yaw exceeds 0.5 deg")));
 }
 
 TEST(GaussHelmertCheck, AMisreadTrajectoryIsNotCalibrated) {
@@ -200,10 +203,12 @@ TEST(GaussHelmertCheck, AMisreadTrajectoryIsNotCalibrated) {
   };
   const GaussHelmertCalibration heights =
       changed([](NavPoint* point) { point->position.h_m *= -1.0; });
-  EXPECT_THAT(heights.boresight.verdict, AnyOf("not_observable", "contradicted")) << Words(heights);
+  EXPECT_THAT(heights.boresight.verdict, AnyOf(Verdict::kNotObservable, Verdict::kContradicted))
+      << Words(heights);
   const GaussHelmertCalibration columns =
       changed([](NavPoint* point) { std::swap(point->q_nb.x(), point->q_nb.y()); });
-  EXPECT_THAT(columns.boresight.verdict, AnyOf("not_observable", "contradicted")) << Words(columns);
+  EXPECT_THAT(columns.boresight.verdict, AnyOf(Verdict::kNotObservable, Verdict::kContradicted))
+      << Words(columns);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/calibration/words.h>
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory_covariance.h>
@@ -58,7 +59,7 @@ TEST(GaussHelmertFlight, NoiseFreeReturnsTheBoresight) {
   constexpr double kInterpolationRad = 2e-7;
   EXPECT_LE(BoresightError(result.boresight.angles_rad, truth.simulated.boresight_rad).norm(),
             kInterpolationRad);
-  EXPECT_EQ(result.boresight.verdict, "calibrated");
+  EXPECT_EQ(result.boresight.verdict, Verdict::kCalibrated);
   EXPECT_EQ(result.diversity.strips, 3);
   EXPECT_TRUE(result.diversity.crossing);
   EXPECT_TRUE(result.diversity.sufficient());
@@ -89,15 +90,16 @@ TEST(GaussHelmertFlight, SigmaHoldsTheConstantThatIsAbsorbed) {
   EXPECT_GE(sigma.z(), 0.10 * kRadPerDeg * kOfTheStated);
   const Vector3d error = BoresightError(result.boresight.angles_rad, truth.simulated.boresight_rad);
   EXPECT_LE((error.cwiseQuotient(sigma)).cwiseAbs().maxCoeff(), 3.0);
-  EXPECT_THAT(result.boresight.reasons, Contains(HasSubstr("times those of the normal matrix")));
+  EXPECT_THAT(Words(result.boresight.reasons),
+              Contains(HasSubstr("times those of the normal matrix")));
 }
 
 TEST(GaussHelmertFlight, AbsorbedWhereTheAttitudeErrorIsNotAtNoiseLevel) {
   TruthFlight truth(true);
   truth.flight.config.trajectory->sigma_rp_rad = 0.08 * kRadPerDeg;  // 0.14 m at 100 m, of 0.03 m
   const GaussHelmertCalibration stated = CalibrateGaussHelmert(truth.flight);
-  EXPECT_EQ(stated.boresight.verdict, "absorbed");
-  EXPECT_THAT(stated.boresight.reasons, Contains(HasSubstr("not those of the mounting")));
+  EXPECT_EQ(stated.boresight.verdict, Verdict::kAbsorbed);
+  EXPECT_THAT(Words(stated.boresight.reasons), Contains(HasSubstr("not those of the mounting")));
   // Not stated, but there: an error that changes from strip to strip, within twice the variance, or
   // beyond it, where it contradicts the statement.
   const auto hidden = [](double size) {
@@ -108,10 +110,10 @@ TEST(GaussHelmertFlight, AbsorbedWhereTheAttitudeErrorIsNotAtNoiseLevel) {
     return CalibrateGaussHelmert(flown.flight);
   };
   const GaussHelmertCalibration small = hidden(0.3);
-  EXPECT_EQ(small.boresight.verdict, "absorbed") << small.boresight.reasons.front();
+  EXPECT_EQ(small.boresight.verdict, Verdict::kAbsorbed) << Words(small.boresight.reasons.front());
   const GaussHelmertCalibration large = hidden(1.0);
-  EXPECT_EQ(large.boresight.verdict, "contradicted");
-  EXPECT_THAT(large.boresight.reasons, Contains(HasSubstr("not those of the mounting")));
+  EXPECT_EQ(large.boresight.verdict, Verdict::kContradicted);
+  EXPECT_THAT(Words(large.boresight.reasons), Contains(HasSubstr("not those of the mounting")));
   EXPECT_GT(large.model_check.groups.front().variance_ratio, 2.0);
 }
 
@@ -121,8 +123,8 @@ TEST(GaussHelmertFlight, APriorThatContradictsThePairsIsNamed) {
   truth.flight.config.lidar->mounting.boresight_rad =
       truth.simulated.boresight_rad + Vector3d(0.0, 0.5, 0.0) * kRadPerDeg;
   const GaussHelmertCalibration result = CalibrateGaussHelmert(truth.flight);
-  EXPECT_EQ(result.boresight.verdict, "contradicted");
-  EXPECT_THAT(result.boresight.reasons, Contains(HasSubstr("lidar.boresight_sigma_deg")));
+  EXPECT_EQ(result.boresight.verdict, Verdict::kContradicted);
+  EXPECT_THAT(Words(result.boresight.reasons), Contains(HasSubstr("lidar.boresight_sigma_deg")));
 }
 
 TEST(GaussHelmertFlight, AgreesWithTheNetworkOnATrueTrajectory) {
@@ -132,8 +134,9 @@ TEST(GaussHelmertFlight, AgreesWithTheNetworkOnATrueTrajectory) {
   const MethodDifference difference = Compare(gh.boresight, network.boresight);
   EXPECT_GT(difference.p_value, 1e-3);
   AssessAgainstNetwork(network.boresight, &gh);
-  EXPECT_EQ(gh.boresight.verdict, "calibrated");
-  EXPECT_THAT(gh.boresight.reasons, Contains(HasSubstr("within what their covariances explain")));
+  EXPECT_EQ(gh.boresight.verdict, Verdict::kCalibrated);
+  EXPECT_THAT(Words(gh.boresight.reasons),
+              Contains(HasSubstr("within what their covariances explain")));
 }
 
 TEST(GaussHelmertFlight, TheNetworkExposesAnUnstatedConstant) {
@@ -141,10 +144,10 @@ TEST(GaussHelmertFlight, TheNetworkExposesAnUnstatedConstant) {
   const testing::Calibration network(truth.flight);
   truth.Turn([](double) { return Vector3d(Vector3d(0.2, 0.2, 0.3) * kRadPerDeg); });
   GaussHelmertCalibration gh = CalibrateGaussHelmert(truth.flight);
-  EXPECT_EQ(gh.boresight.verdict, "calibrated");  // no trace of it in the pairs
+  EXPECT_EQ(gh.boresight.verdict, Verdict::kCalibrated);  // no trace of it in the pairs
   AssessAgainstNetwork(network.boresight, &gh);
-  EXPECT_EQ(gh.boresight.verdict, "absorbed");
-  EXPECT_THAT(gh.boresight.reasons, Contains(HasSubstr("beyond its stated sigma")));
+  EXPECT_EQ(gh.boresight.verdict, Verdict::kAbsorbed);
+  EXPECT_THAT(Words(gh.boresight.reasons), Contains(HasSubstr("beyond its stated sigma")));
 }
 
 TEST(GaussHelmertFlight, PValueOfADifference) {
@@ -364,7 +367,7 @@ TEST(GaussHelmertFlight, TheCovarianceOfTheTrajectoryIsThatOfTheAngles) {
   const double stated_rad = std::sqrt(5e-9);
   EXPECT_GT(gh.boresight.sigma_rad().x(), 0.3 * stated_rad);
   EXPECT_LT(gh.boresight.sigma_rad().x(), 1.1 * stated_rad);
-  EXPECT_THAT(gh.boresight.reasons, Contains(HasSubstr("by trajectory_covariance.txt")));
+  EXPECT_THAT(Words(gh.boresight.reasons), Contains(HasSubstr("by trajectory_covariance.txt")));
 }
 
 // ---- Bad input ----------------------------------------------------------------------------------
@@ -387,7 +390,7 @@ TEST(GaussHelmertFlight, MissingPartsAreNamed) {
   truth.flight.config.estimate = {{"gnss_lever_arm", {}}};
   EXPECT_THROW(CalibrateGaussHelmert(truth.flight), InvalidConfig);
   truth.flight.config.estimate = {{"boresight", {}}, {"gnss_lever_arm", {}}};
-  EXPECT_THAT(CalibrateGaussHelmert(truth.flight).boresight.reasons,
+  EXPECT_THAT(Words(CalibrateGaussHelmert(truth.flight).boresight.reasons),
               Contains(HasSubstr("gnss_lever_arm is not estimated")));
   truth.flight.trajectory.reset();
   EXPECT_THROW(CalibrateGaussHelmert(truth.flight), InvalidInput);
@@ -448,7 +451,7 @@ TEST(GaussHelmertFlight, TheReliableSigmaHoldsOnTheReferenceFlight) {
   const Vector3d error = BoresightError(result.boresight.angles_rad, truth);
   EXPECT_LT(error.dot(result.boresight.covariance_rad2.inverse() * error), 16.3);  // chi2_3, 0.1 %
   EXPECT_LT(result.boresight.sigma_rad().maxCoeff() * kDegPerRad, 0.002);
-  EXPECT_EQ(result.boresight.verdict, "calibrated");
+  EXPECT_EQ(result.boresight.verdict, Verdict::kCalibrated);
 }
 
 /// Point, its epoch and its laser vector, of a text strip.
@@ -502,7 +505,7 @@ TEST(GaussHelmertFlight, DrawsTheLinesOfARealFlightTogether) {
   EXPECT_LT(result.boresight.angles_rad.cwiseAbs().maxCoeff() * kDegPerRad, 1.0);
   EXPECT_EQ(result.diversity.strips, 2);
   EXPECT_FALSE(result.diversity.sufficient());
-  EXPECT_THAT(result.boresight.reasons, Contains(HasSubstr("2 strips")));
+  EXPECT_THAT(Words(result.boresight.reasons), Contains(HasSubstr("2 strips")));
 }
 
 }  // namespace

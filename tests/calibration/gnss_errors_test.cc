@@ -1,6 +1,7 @@
 // Many flights whose GNSS positions have errors that last, with and without the states that model
 // them.
 #include <dn/calibration/gnss_errors.h>
+#include <dn/calibration/words.h>
 #include <dn/report/distributions.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -92,8 +93,8 @@ TEST(GnssErrors, TheWarningHasTheEntryToPaste) {
   test.process = {{0.01234, 0.0, 0.0567}, 118.0};
   const auto warning = WarningOfGnssErrors(adjustment);
   ASSERT_TRUE(warning);
-  EXPECT_THAT(*warning, HasSubstr("lag-1 correlation"));
-  const std::vector<GnssProcess> pasted = Pasted(*warning);
+  EXPECT_THAT(Words(*warning), HasSubstr("lag-1 correlation"));
+  const std::vector<GnssProcess> pasted = Pasted(Words(*warning));
   ASSERT_EQ(pasted.size(), 1U);
   EXPECT_EQ(pasted.front(), (GnssProcess{{0.012, 0.0, 0.057}, 120.0}));
   test.p_value.setConstant(0.01);

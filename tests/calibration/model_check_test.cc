@@ -1,5 +1,6 @@
 #include <dn/calibration/candidate_effects.h>
 #include <dn/calibration/model_check.h>
+#include <dn/calibration/words.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +42,7 @@ struct Checked {
   }
 
   const BoresightResult& boresight() const { return calibration.boresight; }
-  std::string first_reason() const { return boresight().reasons.front(); }
+  std::string first_reason() const { return Words(boresight().reasons.front()); }
 };
 
 TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
@@ -49,7 +50,7 @@ TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
       const Checked flight(Fly(scenario, seed));
-      EXPECT_EQ(flight.boresight().verdict, "calibrated") << flight.first_reason();
+      EXPECT_EQ(flight.boresight().verdict, Verdict::kCalibrated) << flight.first_reason();
       EXPECT_TRUE(flight.check.effects.empty());
       EXPECT_GT(flight.check.p_value, 1e-3);
     }
@@ -133,7 +134,7 @@ TEST_P(InjectedEffect, IsEstimatedNamedAndItsDamageForetold) {
     }
   }
   if (moved.cwiseQuotient(without.boresight().sigma_rad()).cwiseAbs().maxCoeff() > 4.0) {
-    EXPECT_EQ(with.boresight().verdict, "contradicted");
+    EXPECT_EQ(with.boresight().verdict, Verdict::kContradicted);
   }
 }
 
@@ -160,21 +161,21 @@ TEST(ModelCheck, APriorThatContradictsIsNamedWithItsKey) {
   simulated.flight.config.lidar->boresight_sigma_rad =
       Eigen::Vector3d::Constant(0.01 * kRadPerDeg);  // about zero; the truth is .2, .03, .35
   const Checked flight(std::move(simulated));
-  EXPECT_EQ(flight.boresight().verdict, "contradicted");
+  EXPECT_EQ(flight.boresight().verdict, Verdict::kContradicted);
   EXPECT_THAT(flight.first_reason(), HasSubstr("lidar.boresight_sigma_deg"));
 }
 
 TEST(ModelCheck, AnHonestPriorIsNot) {
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
   simulated.flight.config.lidar->boresight_sigma_rad = Eigen::Vector3d::Constant(kRadPerDeg);
-  EXPECT_EQ(Checked(std::move(simulated)).boresight().verdict, "calibrated");
+  EXPECT_EQ(Checked(std::move(simulated)).boresight().verdict, Verdict::kCalibrated);
 }
 
 TEST(ModelCheck, NoiseOfTwiceItsStatedSigmaIsTooMuch) {
   SimulatedFlight simulated = Fly(DroneScenario(), 4);
   simulated.flight.config.lidar->sigma_p_m *= 0.5;
   const Checked flight(std::move(simulated));
-  EXPECT_EQ(flight.boresight().verdict, "contradicted");
+  EXPECT_EQ(flight.boresight().verdict, Verdict::kContradicted);
   EXPECT_THAT(flight.first_reason(), HasSubstr("lidar.sigma_p_m"));
 }
 
@@ -184,7 +185,7 @@ TEST(ModelCheck, AShiftOfOnePairOfStripsIsFound) {
     if (pair.file == 0) pair.u_j_s += Eigen::Vector3d(0.15, 0.1, 0.15);
   }
   const Checked flight(std::move(simulated));
-  EXPECT_EQ(flight.boresight().verdict, "contradicted") << flight.first_reason();
+  EXPECT_EQ(flight.boresight().verdict, Verdict::kContradicted) << flight.first_reason();
 }
 
 TEST(ModelCheck, WithoutPairsTheTrajectoryIsChecked) {

@@ -1,4 +1,5 @@
 #include <dn/calibration/solution.h>
+#include <dn/calibration/words.h>
 #include <gtest/gtest.h>
 
 #include <type_traits>
@@ -43,8 +44,8 @@ TEST(Solution, WhatTakesTimeIsComputedOnce) {
 TEST(Solution, TheModelCheckHasTheLastWord) {
   const SimulatedFlight sim = Fly("effects: [{effect: gnss_time_offset, value: 0.05}]\n");
   const Solution solution(sim.flight);
-  EXPECT_NE(solution.Boresight().verdict, "contradicted");
-  EXPECT_EQ(solution.CheckedBoresight().verdict, "contradicted");
+  EXPECT_NE(solution.Boresight().verdict, Verdict::kContradicted);
+  EXPECT_EQ(solution.CheckedBoresight().verdict, Verdict::kContradicted);
 }
 
 }  // namespace

@@ -189,7 +189,7 @@ void ExpectLeastSquares(const Calibration& c, const SimulatedFlight& sim) {
   EXPECT_NEAR(figures.chi2 / n, 1.0, kSigmas * std::sqrt(2.0 / n));
   const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);
   EXPECT_LT(e.dot(c.boresight.covariance_rad2.ldlt().solve(e)), 25.0) << "6e-5 of chi_3^2";
-  EXPECT_EQ(c.solution.CheckedBoresight().verdict, "calibrated");
+  EXPECT_EQ(c.solution.CheckedBoresight().verdict, Verdict::kCalibrated);
 }
 
 class RobustKernels : public ::testing::TestWithParam<RobustKind> {};

@@ -173,6 +173,22 @@ TEST(ReadFlight, BringsPairsAndGnssAcrossAWeekRollover) {
   EXPECT_EQ(flight.gnss->epochs.front().t_s, 604805.0);
 }
 
+TEST(ReadFlight, BringsStripsAcrossAWeekRollover) {
+  const TempFolder folder;
+  WriteFlight(folder,
+              std::string(kYaml) +
+                  "strips: [{name: a, t0: 604785, t1: 604795}, {name: b, t0: 5, t1: 25}]\n");
+  folder.Write("IMU.txt", StillImu(604780.0, 604799.99) + StillImu(0.0, 20.0));
+  folder.Write("GPS.txt", StillGnss(5.0, 15.0));
+  folder.Write("LiDAR_p2p.txt", Pair(604790.0, 10.0));
+  const std::vector<StripInterval> strips = FindStrips(ReadFlight(folder.path(), kDn));
+  ASSERT_EQ(strips.size(), 2u);
+  EXPECT_EQ(strips[0].t0_s, 604785.0);
+  EXPECT_EQ(strips[0].t1_s, 604795.0);
+  EXPECT_EQ(strips[1].t0_s, 604805.0);
+  EXPECT_EQ(strips[1].t1_s, 604825.0);  // beyond the data, but of one piece
+}
+
 TEST(ReadFlight, OptionalLeavesOutWhatIsNotThere) {
   const TempFolder folder;
   folder.Write("flight.yaml", "{imu: {grade: airins}, lidar: {gsd_m: 1, p2p: absent/*.txt}}");

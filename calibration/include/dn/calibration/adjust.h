@@ -2,6 +2,7 @@
 
 #include <dn/builder/flight_network.h>
 #include <dn/builder/flight_nodes.h>
+#include <dn/calibration/finding.h>
 #include <dn/flight/flight.h>
 #include <dn/interrupted.h>
 #include <dn/navigation/alignment.h>
@@ -77,9 +78,8 @@ struct Adjustment {
   /// Of the INS/GNSS solution with the epochs that are left; untested where another cause of misfit
   /// was found.
   GnssCorrelation gnss_correlation;
-  /// What its user should look into, in one sentence each: the adjustment stands, but its model is
-  /// in doubt.
-  std::vector<std::string> warnings;
+  /// What its user should look into: the adjustment stands, but its model is in doubt.
+  std::vector<Finding> warnings;
   double residual_initial_m = 0.0;  ///< mean norm of the pairs' differences before the lidar stages
   double residual_final_m = 0.0;    ///< of the pairs kept, at the solution
   double cost = 0.0;

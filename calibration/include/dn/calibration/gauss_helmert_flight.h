@@ -106,7 +106,7 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelme
 ///                   of the pairs are outliers, the stated prior contradicts the pairs, or an angle
 ///                   exceeds 15 deg (model_check); wins over the others,
 ///   calibrated      else,
-/// with the reasons in words. Effects are looked for beside errors of the trajectory that last, of
+/// with the reasons. Effects are looked for beside errors of the trajectory that last, of
 /// the stated size or larger. Hidden stay those that look like such errors: late tags in quiet
 /// flight, a lever arm in strips at one height, a mount that moves, and an attitude error that is
 /// constant over the flight. Throws InvalidConfig when `estimate` does not name the boresight;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/calibration/adjust.h>
+#include <dn/calibration/finding.h>
 #include <dn/report/json.h>
 #include <dn/solvers/marginals.h>
 
@@ -19,8 +20,7 @@ Json GnssErrorsJson(const Adjustment& adjustment, const Marginals& marginals);
 /// [m], and its standard deviations. `marginals` must have its selected inverse.
 std::string FormatGnssErrors(const FlightNetwork& network, const Marginals& marginals);
 
-/// What is to be said where the test finds errors that last: how large, how long, and the process to
-/// add. Nothing elsewhere.
-std::optional<std::string> WarningOfGnssErrors(const Adjustment& adjustment);
+/// facts::GnssErrorsLast where the test finds errors that last. Nothing elsewhere.
+std::optional<Finding> WarningOfGnssErrors(const Adjustment& adjustment);
 
 }  // namespace dn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/calibration/adjust.h>
+#include <dn/calibration/finding.h>
 #include <dn/geo/trajectory.h>
 #include <dn/report/statistics.h>
 #include <dn/solvers/marginals.h>
@@ -70,8 +71,7 @@ struct TrajectoryResult {
   std::vector<SeriesStatistics> innovations;  ///< of the forward filter, per sensor and axis
   double nis_position = 0.0;                  ///< mean normalised innovation squared / 3
   double nis_velocity = 0.0;                  ///< 0 without velocities
-  /// What the statistics say against the assumed model, in one sentence each.
-  std::vector<std::string> warnings;
+  std::vector<Finding> warnings;              ///< what the statistics say against the assumed model
 };
 
 /// The boresight with its posterior covariance.
@@ -87,8 +87,8 @@ struct BoresightResult {
   /// the same times sigma0.
   std::optional<Eigen::Vector3d> sigma_apriori_rad;
   std::optional<Eigen::Vector3d> sigma_scaled_rad;
-  std::string verdict;  ///< calibrated | absorbed | not_observable | contradicted
-  std::vector<std::string> reasons;
+  Verdict verdict = Verdict::kCalibrated;
+  std::vector<Finding> reasons;  ///< those that decide first
 
   Eigen::Vector3d sigma_rad() const { return covariance_rad2.diagonal().cwiseSqrt(); }
   Eigen::Matrix3d correlation() const;
@@ -97,10 +97,10 @@ struct BoresightResult {
 /// What a single pair resolves: its own sigma_p at the mean range, rad.
 double PairResolution(const Flight& flight);
 
-/// Sets the verdict not_observable, with the reasons, where a standard deviation exceeds 0.5 deg.
+/// Sets the verdict to not observable, with the reasons, where a standard deviation exceeds 0.5 deg.
 void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* result);
 
-/// Sets the verdict not_observable, with the reasons, when two angles correlate by more than 0.999,
+/// Sets the verdict to not observable, with the reasons, when two angles correlate by more than 0.999,
 /// a standard deviation that the geometry leaves exceeds ten times PairResolution, beyond three
 /// times the attitude sigma that no geometry helps against, or else as AssessLargestSigma says.
 /// Else calibrated.

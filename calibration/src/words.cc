@@ -1,0 +1,319 @@
+#include <dn/calibration/words.h>
+#include <dn/geo/text_table.h>
+#include <dn/gnss/gnss_process.h>
+#include <dn/rotation.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dn {
+namespace {
+
+constexpr const char* kAngles[] = {"roll", "pitch", "yaw"};
+
+std::string P(double p_value) {
+  return p_value < 1e-12 ? "p < 1e-12" : fmt::format("p = {:.1g}", p_value);
+}
+
+std::string Values(const EffectCheck& effect) {
+  std::string text;
+  for (Eigen::Index i = 0; i < effect.estimate.size(); ++i) {
+    text +=
+        fmt::format("{}{:.4g} +- {:.2g}", i > 0 ? ", " : "", effect.estimate[i], effect.sigma[i]);
+  }
+  return text + " " + effect.unit;
+}
+
+std::string Triple(const Eigen::Vector3d& rad) {
+  return fmt::format("{:.5f}, {:.5f}, {:.5f} deg", rad.x() * kDegPerRad, rad.y() * kDegPerRad,
+                     rad.z() * kDegPerRad);
+}
+
+bool StartsWith(const std::string& text, const char* prefix) { return text.rfind(prefix, 0) == 0; }
+
+/// What would state the noise of a group larger.
+std::string LargerNoise(const std::string& group) {
+  if (StartsWith(group, "lidar p2p")) return "lidar.sigma_p_m is too small";
+  if (StartsWith(group, "gnss error")) return "the sigmas of gnss.processes are too small";
+  if (StartsWith(group, "gnss")) return "the sigmas of gnss.file are too small (gnss.sigma_scale)";
+  const bool gyro = StartsWith(group, "gyro") || StartsWith(group, "inertial gyro");
+  const bool accel = StartsWith(group, "accel") || StartsWith(group, "inertial");
+  if (gyro) return "the noise under imu.gyro is too small";
+  if (accel) return "the noise under imu.accel is too small";
+  return "their noise is too small";
+}
+
+/// What may lie behind errors that last.
+std::string LastingErrors(const CommonErrorCheck& common) {
+  if (StartsWith(common.name, "lidar p2p, over pairs of strips")) {
+    return fmt::format(
+        "strips {} disagree most; look at the matching of that file, and at the "
+        "trajectory there",
+        common.worst);
+  }
+  if (StartsWith(common.group, "lidar p2p")) {
+    return "neighbouring pairs are not independent: thin them (lidar.pairs), or look at the "
+           "matching";
+  }
+  if (StartsWith(common.group, "gnss")) {
+    return "GNSS errors that last (gnss_correlated_noise): state them under gnss.processes";
+  }
+  return LargerNoise(common.group) + ", or a process is missing there";
+}
+
+std::string Say(const facts::EffectPresent& fact) {
+  const EffectCheck& effect = fact.effect;
+  std::string text =
+      fmt::format("the data ask for {} of {} ({})", effect.name, Values(effect), P(effect.p_value));
+  const Eigen::Vector3d mdeg = effect.boresight_rad * kDegPerRad * 1e3;
+  text += fact.moves_boresight
+              ? fmt::format(", which moves the boresight by {:.3g}, {:.3g}, {:.3g} mdeg", mdeg.x(),
+                            mdeg.y(), mdeg.z())
+              : std::string(", which moves the trajectory");
+  text += fmt::format(" ({:.1f} sigma)", effect.damage);
+  if (!effect.inseparable_from.empty()) {
+    text += fmt::format("; {} would explain it nearly as well",
+                        fmt::join(effect.inseparable_from, " or "));
+  }
+  return text + ": " + effect.remedy;
+}
+
+std::string Say(const facts::VarianceTooLarge& fact) {
+  const GroupCheck& group = fact.group;
+  return fmt::format(
+      "the residuals of {} have {:.2f} times the variance that their stated noise allows ({}){}: "
+      "{}, or something is not modelled",
+      group.name, group.variance_ratio, P(group.p_value),
+      group.worst_standardised != 0.0 ? fmt::format(", the worst at t = {:.3f} s", group.worst_t_s)
+                                      : std::string(),
+      LargerNoise(group.name));
+}
+
+std::string Say(const facts::ErrorsShared& fact) {
+  const CommonErrorCheck& common = fact.common;
+  return fmt::format(
+      "the residuals of {} share errors that the model takes as independent, of about {:.2g} of "
+      "their sigmas ({}), which may move the result by {:.1f} sigma: {}",
+      common.name, common.sigma, P(common.p_value), common.damage, LastingErrors(common));
+}
+
+std::string Say(const facts::PriorContradicted& fact) {
+  const PriorCheck& prior = fact.prior;
+  const std::string key = prior.unknown == "boresight"
+                              ? "lidar.boresight_deg with lidar.boresight_sigma_deg"
+                              : "the sigma of " + prior.unknown + " under estimate";
+  return fmt::format(
+      "the stated prior of {} contradicts all other data by {:.1f} sigma ({}): check {}",
+      prior.unknown, std::sqrt(prior.statistic / prior.dof), P(prior.p_value), key);
+}
+
+std::string Say(const facts::MountingImpossible& fact) {
+  const Eigen::Vector3d deg = fact.angles_rad * kDegPerRad;
+  return fmt::format(
+      "the boresight came out as {:.1f}, {:.1f}, {:.1f} deg, which no mounting has: check "
+      "lidar.R_sensor_to_body, lidar.boresight_deg and the key body",
+      deg.x(), deg.y(), deg.z());
+}
+
+std::string Say(const facts::UpsideDown&) {
+  return "the body is upside down for the whole flight: are its axes forward-left-up (body: FLU), "
+         "or does imu.R_imu_to_body miss a turn?";
+}
+
+std::string Say(const facts::Sigma0TooLarge& fact) {
+  return fmt::format(
+      "sigma0 is {:.1f}: the residuals are that many times their stated noise; check units, axes, "
+      "lever arms, time tags and the stochastic model",
+      fact.sigma0);
+}
+
+std::string Say(const facts::PairsLeftOut& fact) {
+  return fmt::format(
+      "{:.0f} % of the pairs contradict the others and were left out: check the matching, and that "
+      "lidar.p2p belongs to this flight",
+      100.0 * fact.share);
+}
+
+std::string Say(const facts::GnssLeftOut& fact) {
+  return fmt::format(
+      "{:.0f} % of the GNSS epochs contradict all other data and were left out: check gnss.file, "
+      "its time tags, sigmas and the lever arm",
+      100.0 * fact.share);
+}
+
+double ToTenthOfMilli(double value) { return std::round(value * 1e4) / 1e4; }
+
+std::string Say(const facts::GnssLeverArmOff& fact) {
+  const Eigen::Vector3d& by_m = fact.correction_b_m;
+  return fmt::format(
+      "the innovations of the GNSS positions ask for a correction of gnss.lever_arm_m by about "
+      "[{}, {}, {}] m (forward, right, down): check its sign and axes, or estimate gnss_lever_arm",
+      FormatDouble(ToTenthOfMilli(by_m[0])), FormatDouble(ToTenthOfMilli(by_m[1])),
+      FormatDouble(ToTenthOfMilli(by_m[2])));
+}
+
+std::string Say(const facts::GnssTimeOff& fact) {
+  return fmt::format(
+      "the innovations of the GNSS positions ask for time tags that are earlier by about {} s: "
+      "check the time systems of IMU and GNSS",
+      FormatDouble(ToTenthOfMilli(fact.late_s)));
+}
+
+std::string Say(const facts::InnovationSize& fact) {
+  return fmt::format(
+      "the innovations of the {} are {} times as large as the model expects: {}", fact.sensor,
+      FormatDouble(std::round(fact.ratio * 100.0) / 100.0),
+      fact.ratio > 1.0
+          ? "the stated sigmas or the inertial noise are too small, or something is not modelled; "
+            "the covariances are too small as well"
+          : "the stated sigmas are too large, or the errors are correlated in time");
+}
+
+/// Two digits are as many as the test is good for.
+double Rounded(double value) { return value > 0.0 ? std::stod(fmt::format("{:.1e}", value)) : 0.0; }
+
+GnssProcess Rounded(GnssProcess process) {
+  for (double& sigma_m : process.sigma_enu_m) sigma_m = Rounded(sigma_m);
+  process.tau_s = Rounded(process.tau_s);
+  return process;
+}
+
+std::string Say(const facts::GnssErrorsLast& fact) {
+  const GnssCorrelation& test = fact.test;
+  const GnssProcess process = Rounded(test.process);
+  return fmt::format(
+      "the GNSS positions have errors that last: the lag-1 correlation of their residuals is "
+      "{:.2f}, {:.2f}, {:.2f} (east, north, up) where white noise leaves {:.2f}, {:.2f}, {:.2f} "
+      "(p = {:.1g}), as by a process of {:g} s and {:g}, {:g}, {:g} m. Unless the inertial noise "
+      "is stated too small, add to flight.yaml gnss.processes: [{}]; without it the covariances "
+      "are too small",
+      test.lag1.x(), test.lag1.y(), test.lag1.z(), test.lag1_expected.x(), test.lag1_expected.y(),
+      test.lag1_expected.z(), std::min(test.p_value_together, test.p_value.minCoeff()),
+      process.tau_s, process.sigma_enu_m.x(), process.sigma_enu_m.y(), process.sigma_enu_m.z(),
+      FormatGnssProcess(process));
+}
+
+std::string Say(const facts::SigmaTooLarge& fact) {
+  return fmt::format(
+      "the standard deviation of {} exceeds 0.5 deg: more pairs, more overlapping strips, or a "
+      "better attitude are needed",
+      kAngles[fact.angle]);
+}
+
+std::string Say(const facts::SigmaAbovePairs& fact) {
+  return fmt::format(
+      "the standard deviation of {} exceeds ten times the resolution of a single pair: more "
+      "overlapping strips are needed",
+      kAngles[fact.angle]);
+}
+
+std::string Say(const facts::AnglesInseparable& fact) {
+  return fmt::format(
+      "{} and {} cannot be told apart: add a cross strip or a strip at another height",
+      kAngles[fact.first], kAngles[fact.second]);
+}
+
+std::string Say(const facts::TrajectoryEstimated&) {
+  return "the trajectory and its time-correlated errors are estimated with the boresight";
+}
+
+const char* Say(facts::AttitudeInPairs::Size size) {
+  switch (size) {
+    case facts::AttitudeInPairs::Size::kNoise:
+      return "noise level";
+    case facts::AttitudeInPairs::Size::kHeld:
+      return "tactical grade or better, held by the sigmas given";
+    case facts::AttitudeInPairs::Size::kAbsorbed:
+      break;
+  }
+  return "the angles contain that error and make the cloud consistent, but are not those of the "
+         "mounting; the dynamic network separates the two";
+}
+
+std::string Say(const facts::AttitudeInPairs& fact) {
+  return fmt::format(
+      "the attitude error of the trajectory ({}) changes the difference of a pair by {:.3f} m at "
+      "{:.0f} m, whose own sigma is {:.3f} m: {}",
+      Triple(fact.sigma_rph_rad), fact.change_m, fact.range_m, fact.pair_sigma_m, Say(fact.size));
+}
+
+std::string Say(const facts::StripsAlike& fact) {
+  return fmt::format(
+      "{} strip{}{}: four parallel strips, or three of which one crosses or lies at another "
+      "height, "
+      "determine yaw more reliably",
+      fact.strips, fact.strips == 1 ? "" : "s",
+      fact.strips == 3 ? ", parallel and at one height" : "");
+}
+
+std::string Say(const facts::FewPairs& fact) { return fmt::format("only {} pairs", fact.pairs); }
+
+std::string Say(const facts::SigmasWidened& fact) {
+  std::string text = fmt::format(
+      "the reliable sigmas are {:.1f}, {:.1f} and {:.1f} times those of the normal matrix "
+      "(sigma_scaled_deg: {}), which take the errors of the trajectory as new at every epoch",
+      fact.ratio.x(), fact.ratio.y(), fact.ratio.z(), Triple(fact.scaled_rad));
+  if (fact.times_stated) {
+    return text + fmt::format("; by {} they last, and scatter the angles by {}", fact.source,
+                              Triple(fact.scattered_rad));
+  }
+  text += fmt::format(
+      "; an attitude error that is constant over the flight, of {} in roll, pitch and yaw by {}, "
+      "is "
+      "absorbed without a trace",
+      Triple(fact.constant_rad), fact.source);
+  if (fact.times_shown) {
+    text += fmt::format(
+        ", and the pairs show errors that last for about {:.0f} s and scatter the angles by {}",
+        fact.tau_s, Triple(fact.scattered_rad));
+  }
+  return text;
+}
+
+std::string Say(const facts::NotEstimated& fact) {
+  return fact.unknown + " is not estimated: the Gauss-Helmert adjustment knows the boresight only";
+}
+
+std::string Say(const facts::NetworkDiffers& fact) {
+  return fmt::format(
+      "differs from the dynamic network by {} (p = {:.2g}): {}", Triple(fact.difference_rad),
+      fact.p_value,
+      fact.contradicts
+          ? "more than their covariances explain, so the trajectory holds an attitude error beyond "
+            "its stated sigma, and the network's angles are the mounting's"
+          : "within what their covariances explain");
+}
+
+}  // namespace
+
+const char* Word(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kCalibrated:
+      return "calibrated";
+    case Verdict::kAbsorbed:
+      return "absorbed";
+    case Verdict::kNotObservable:
+      return "not_observable";
+    case Verdict::kContradicted:
+      break;
+  }
+  return "contradicted";
+}
+
+const char* Word(const ModelCheck& check) {
+  return check.contradicted() ? Word(Verdict::kContradicted) : "consistent";
+}
+
+std::string Words(const Finding& finding) {
+  return std::visit([](const auto& fact) { return Say(fact); }, finding.fact);
+}
+
+std::vector<std::string> Words(const std::vector<Finding>& findings) {
+  std::vector<std::string> texts;
+  for (const Finding& finding : findings) texts.push_back(Words(finding));
+  return texts;
+}
+
+}  // namespace dn

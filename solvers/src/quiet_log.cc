@@ -1,0 +1,28 @@
+#include "quiet_log.h"
+
+#include <glog/logging.h>
+
+#include <mutex>
+
+namespace dn {
+namespace {
+
+std::mutex g_mutex;
+int g_living = 0;
+int g_level = 0;  // before the first one
+
+}  // namespace
+
+QuietLog::QuietLog() {
+  const std::lock_guard lock(g_mutex);
+  if (g_living++ > 0) return;
+  g_level = FLAGS_minloglevel;
+  FLAGS_minloglevel = google::FATAL;
+}
+
+QuietLog::~QuietLog() {
+  const std::lock_guard lock(g_mutex);
+  if (--g_living == 0) FLAGS_minloglevel = g_level;
+}
+
+}  // namespace dn

@@ -1,0 +1,107 @@
+#include <dn/calibration/words.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace dn {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kDeg = kRadPerDeg;
+
+EffectCheck LateTags() {
+  EffectCheck effect;
+  effect.name = "lidar_time_offset";
+  effect.unit = "ms";
+  effect.remedy = "estimate it";
+  effect.p_value = 1e-20;
+  effect.estimate = Eigen::VectorXd::Constant(1, 20.0);
+  effect.sigma = Eigen::VectorXd::Constant(1, 0.5);
+  effect.boresight_rad = Eigen::Vector3d(0.1, -0.02, 0.003) * kDeg;
+  effect.damage = 12.0;
+  return effect;
+}
+
+TEST(Words, VerdictsAreThoseOfTheResultFile) {
+  EXPECT_STREQ(Word(Verdict::kCalibrated), "calibrated");
+  EXPECT_STREQ(Word(Verdict::kAbsorbed), "absorbed");
+  EXPECT_STREQ(Word(Verdict::kNotObservable), "not_observable");
+  EXPECT_STREQ(Word(Verdict::kContradicted), "contradicted");
+}
+
+TEST(Words, ACheckIsConsistentUntilAFindingContradicts) {
+  ModelCheck check;
+  check.findings.push_back({facts::GnssLeftOut{0.2}});
+  EXPECT_STREQ(Word(check), "consistent");
+  check.findings.push_back({facts::UpsideDown{}, true});
+  EXPECT_STREQ(Word(check), "contradicted");
+}
+
+TEST(Words, AnEffectIsToldWithWhatItMoves) {
+  facts::EffectPresent fact{LateTags(), true};
+  EXPECT_EQ(Words(Finding{fact}),
+            "the data ask for lidar_time_offset of 20 +- 0.5 ms (p < 1e-12), which moves the "
+            "boresight by 100, -20, 3 mdeg (12.0 sigma): estimate it");
+  fact.moves_boresight = false;
+  fact.effect.inseparable_from = {"a", "b"};
+  EXPECT_EQ(Words(Finding{fact}),
+            "the data ask for lidar_time_offset of 20 +- 0.5 ms (p < 1e-12), which moves the "
+            "trajectory (12.0 sigma); a or b would explain it nearly as well: estimate it");
+}
+
+TEST(Words, AnglesHaveTheirNames) {
+  EXPECT_THAT(Words(Finding{facts::SigmaTooLarge{2}}), HasSubstr("of yaw exceeds 0.5 deg"));
+  EXPECT_THAT(Words(Finding{facts::SigmaAbovePairs{0}}), HasSubstr("of roll exceeds ten times"));
+  EXPECT_THAT(Words(Finding{facts::AnglesInseparable{0, 1}}),
+              HasSubstr("roll and pitch cannot be told apart"));
+}
+
+TEST(Words, SidesOfATestAreToldApart) {
+  EXPECT_THAT(Words(Finding{facts::InnovationSize{"GNSS velocities", 1.756}}),
+              HasSubstr("of the GNSS velocities are 1.76 times as large as the model expects: the "
+                        "stated sigmas or the inertial noise are too small"));
+  EXPECT_THAT(Words(Finding{facts::InnovationSize{"GNSS positions", 0.5}}),
+              HasSubstr("the stated sigmas are too large"));
+  EXPECT_THAT(Words(Finding{facts::NetworkDiffers{Eigen::Vector3d::Zero(), 1e-4, true}}),
+              HasSubstr("more than their covariances explain"));
+  EXPECT_THAT(Words(Finding{facts::NetworkDiffers{Eigen::Vector3d::Zero(), 0.4, false}}),
+              HasSubstr("within what their covariances explain"));
+}
+
+TEST(Words, OfTwoSourcesOfHowLongErrorsLastTheFileWins) {
+  facts::SigmasWidened fact;
+  fact.ratio = {2.0, 3.0, 4.0};
+  fact.scaled_rad = fact.constant_rad = Eigen::Vector3d::Constant(0.001 * kDeg);
+  fact.scattered_rad = Eigen::Vector3d::Constant(0.002 * kDeg);
+  fact.source = "a.txt";
+  fact.tau_s = 41.0;
+  EXPECT_THAT(Words(Finding{fact}), HasSubstr("by a.txt, is absorbed without a trace"));
+  EXPECT_THAT(Words(Finding{fact}), Not(HasSubstr("41 s")));
+  fact.times_shown = true;
+  EXPECT_THAT(Words(Finding{fact}), HasSubstr("last for about 41 s and scatter the angles by "
+                                              "0.00200, 0.00200, 0.00200 deg"));
+  fact.times_stated = true;
+  EXPECT_THAT(Words(Finding{fact}), HasSubstr("by a.txt they last, and scatter the angles"));
+  EXPECT_THAT(Words(Finding{fact}), Not(HasSubstr("41 s")));
+}
+
+TEST(Words, TheFindingsOfACheckComeFirstAndOnce) {
+  ModelCheck check;
+  check.findings.push_back({facts::GnssTimeOff{0.05}, true});
+  BoresightResult boresight;
+  boresight.verdict = Verdict::kAbsorbed;
+  boresight.reasons.push_back({facts::GnssTimeOff{0.05}, true});
+  boresight.reasons.push_back({facts::FewPairs{12}});
+  Assess(check, &boresight);
+  EXPECT_EQ(boresight.verdict, Verdict::kContradicted);
+  EXPECT_THAT(Words(boresight.reasons),
+              ElementsAre(HasSubstr("earlier by about 0.05 s"), "only 12 pairs"));
+}
+
+}  // namespace
+}  // namespace dn
