@@ -164,7 +164,7 @@ TEST_F(PairOfEffects, RejectsEndsWithOtherEffects) {
   LidarEnd plain = End(4.0, 4.2, {900.0, 0.0, 0.0});
   plain.partial = Preintegrate(imu_, 4.0, 4.2, {}, kNoise);
   EXPECT_THROW(PointToPointBetweenNodes(motion_.frame, End(1.0, 1.3, {900.0, 0.0, 0.0}), plain, 1.3,
-                                       4.2, Mounting(), {}, {}, Noise<3>::Sigma(1.0)),
+                                        4.2, Mounting(), {}, {}, Noise<3>::Sigma(1.0)),
                InvalidInput);
 }
 
