@@ -35,7 +35,8 @@ NodeBridge::NodeBridge(const LocalFrame& frame, const Preintegrated& partial,
 
 NodeBridge::Correction NodeBridge::At(const Quaterniond& q, const Quaterniond& q_after,
                                       const Eigen::VectorXd& d_effects) const {
-  const Vector3d xi = J_q_effects_ * d_effects;
+  Vector3d xi = Vector3d::Zero();
+  if (J_q_effects_.cols() > 0) xi = J_q_effects_ * d_effects;
   const Quaterniond turned = q.conjugate() * (q_C_ * q_after);
   const Quaterniond error = (delta_q_ * Exp(xi)).conjugate() * turned;
   const Vector3d r = Log(error);

@@ -111,7 +111,8 @@ PointToPointBetweenNodes::EndAt PointToPointBetweenNodes::At(const End& end,
   at.reading = Corrected(lidar_, values, end.tag_s, end.u_s);
   at.theta = Log(Eigen::Quaterniond(x[6])) + at.reading.turn_b_rad;
   const VectorXd change = ImuChange(x);
-  Eigen::Matrix<double, 9, 1> moved = end.J_increments * change;
+  Eigen::Matrix<double, 9, 1> moved = Eigen::Matrix<double, 9, 1>::Zero();
+  if (change.size() > 0) moved = end.J_increments * change;
   double const* const* node = x + end.node;
   if (end.bridge) {
     at.bridged =
