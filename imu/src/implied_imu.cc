@@ -14,7 +14,7 @@ namespace {
 ImuSample Between(const LocalFrame& frame, const EarthStep& step, const MapPose& i,
                   const MapPose& j) {
   const Eigen::Matrix3d R_bm = i.q_mb.toRotationMatrix().transpose();
-  const Eigen::Vector3d w_m = frame.w_ie_m();
+  const Eigen::Vector3d& w_m = frame.w_ie_m();
   const Eigen::Vector3d phi =
       Log(Eigen::Quaterniond(R_bm * step.C * j.q_mb.toRotationMatrix()).normalized());
   const Eigen::Vector3d dv_m =
