@@ -167,18 +167,14 @@ bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, doubl
   out.noalias() = W_ * Difference(i, at_i.arguments.ddt_s, j, at_j.arguments.ddt_s);
   if (J == nullptr) return true;
 
-  if (i_.bridge) {
-    const Eigen::Matrix<double, 3, 9> by_increments = ByIncrements(at_i);
-    i.q += by_increments * at_i.bridged.J_q;
-    Put(static_cast<int>(i_.node_after), x, J,
-        Matrix3d(W_ * by_increments * at_i.bridged.J_q_after));
-  }
-  if (j_.bridge) {
-    const Eigen::Matrix<double, 3, 9> by_increments = ByIncrements(at_j);
-    j.q += by_increments * at_j.bridged.J_q;
-    Put(static_cast<int>(j_.node_after), x, J,
-        Matrix3d(-W_ * by_increments * at_j.bridged.J_q_after));
-  }
+  const auto add_bridge = [&](const End& end, const EndAt& at, const Matrix3d& W, Matrix3d* q) {
+    if (!end.bridge) return;
+    const Eigen::Matrix<double, 3, 9> by_increments = ByIncrements(at);
+    *q += by_increments * at.bridged.J_q;
+    Put(static_cast<int>(end.node_after), x, J, Matrix3d(W * by_increments * at.bridged.J_q_after));
+  };
+  add_bridge(i_, at_i, W_, &i.q);
+  add_bridge(j_, at_j, -W_, &j.q);
   Put(0, x, J, Matrix3d(W_ * i.q));
   Put(1, x, J, Matrix3d(W_ * i.p));
   Put(2, x, J, Matrix3d(W_ * i.v));

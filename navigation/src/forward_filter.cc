@@ -33,6 +33,7 @@ class Filter {
       : flight_(flight),
         options_(options),
         calibration_(options.calibration.value_or(AssumedCalibration(flight))),
+        gnss_processes_(GnssProcessesInSigmas(*flight.config.gnss)),
         state_(start) {
     const ImuModel& model = flight.config.imu->model;
     noise_ = {model.gyro.white, model.accel.white, FlightNetworkOptions{}.position_floor_m};
@@ -163,7 +164,7 @@ class Filter {
     };
     step(model.gyro.processes, state_.gyro_bias);
     step(model.accel.processes, state_.accel_bias);
-    step(GnssProcessesInSigmas(*flight_.config.gnss), state_.gnss_error);
+    step(gnss_processes_, state_.gnss_error);
   }
 
   void StepProcess(const BiasProcess& process, double dt_s, Eigen::Index row,
@@ -230,6 +231,7 @@ class Filter {
   const Flight& flight_;
   FilterOptions options_;
   CalibrationState calibration_;
+  std::vector<BiasProcess> gnss_processes_;
   FilterState state_;
   PreintegrationNoise noise_;
 };
