@@ -45,6 +45,19 @@ Linearization::Linearization(const Network& network, const UnknownLayout& layout
               [&](int e) { EvaluateEdge(network, edges_[Index(e)]); });
 }
 
+Linearization::Linearization(const Linearization& other, const UnknownLayout& layout,
+                             const Eigen::VectorXd& row_scale)
+    : layout_(layout),
+      edges_(other.edges_),
+      positions_(other.positions_),
+      values_(other.values_.size()),
+      residual_(other.residual_.cwiseProduct(row_scale)) {
+  for (const Edge& edge : edges_) {
+    Eigen::Map<Eigen::MatrixXd> J(values_.data() + edge.data, edge.rows, edge.cols);
+    J = row_scale.segment(edge.first_row, edge.rows).asDiagonal() * other.jacobian(edge);
+  }
+}
+
 void Linearization::Reserve(const Network& network) {
   std::size_t size = 0;
   int rows = 0;
@@ -117,6 +130,22 @@ void Linearization::AddProduct(const Edge& edge, const Eigen::MatrixXd& X,
     out.noalias() += J.middleCols(column, size) * X.middleRows(layout_.offset[Index(p)], size);
     column += size;
   }
+}
+
+Eigen::MatrixXd Linearization::TransposeTimes(const Eigen::MatrixXd& E) const {
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(layout_.size(), E.cols());
+  for (const Edge& edge : edges_) {
+    const auto J = jacobian(edge);
+    int column = 0;
+    for (int b = 0; b < edge.num_blocks; ++b) {
+      const int p = positions(edge)[b];
+      const int size = layout_.size_of(p);
+      G.middleRows(layout_.offset[Index(p)], size).noalias() +=
+          J.middleCols(column, size).transpose() * E.middleRows(edge.first_row, edge.rows);
+      column += size;
+    }
+  }
+  return G;
 }
 
 Eigen::MatrixXd Linearization::TriangularFactorOfProduct(const Eigen::MatrixXd& X) const {

@@ -41,6 +41,11 @@ class Linearization {
 
   /// Throws InvalidInput naming a factor that is undefined at the current values.
   Linearization(const Network& network, const UnknownLayout& layout, int threads);
+  /// Another one with its rows times row_scale; layout is equal to the other's.
+  Linearization(const Linearization& other, const UnknownLayout& layout,
+                const Eigen::VectorXd& row_scale);
+  Linearization(const Linearization&) = delete;
+  Linearization& operator=(const Linearization&) = delete;
 
   const std::vector<Edge>& edges() const { return edges_; }
   /// Whitened residuals, with the same weights.
@@ -53,6 +58,9 @@ class Linearization {
   /// Adds J X of one factor to `out`, edge.rows x k; X: unknowns x k.
   void AddProduct(const Edge& edge, const Eigen::MatrixXd& X,
                   Eigen::Ref<Eigen::MatrixXd> out) const;
+
+  /// J^T E; E: rows x k.
+  Eigen::MatrixXd TransposeTimes(const Eigen::MatrixXd& E) const;
 
   /// Triangular factor of J X, which has the singular values of J X; X: unknowns x k.
   Eigen::MatrixXd TriangularFactorOfProduct(const Eigen::MatrixXd& X) const;

@@ -35,6 +35,7 @@ struct LinearizedNetwork::Impl {
   };
 
   Impl(const Network& network, int threads);
+  Impl(const Impl& other, const Eigen::VectorXd& scale);
 
   const BlockInfo& block(BlockId b) const;
   const FactorInfo& factor(FactorId id) const;
@@ -47,6 +48,7 @@ struct LinearizedNetwork::Impl {
   int threads;
   UnknownLayout layout;
   Linearization linearization;
+  Eigen::VectorXd row_scale;
   std::vector<FactorRows> factor_rows;
   std::vector<FactorInfo> factors;
   std::map<FactorId, IdleFactor> idle;

@@ -22,6 +22,7 @@ LinearizedNetwork::Impl::Impl(const Network& network, int num_threads)
     : threads(num_threads),
       layout(network),
       linearization(network, layout, threads),
+      row_scale(Eigen::VectorXd::Ones(linearization.residual().size())),
       groups(network.groups()) {
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     const FactorRecord& record = network.factor(id);
@@ -38,6 +39,18 @@ LinearizedNetwork::Impl::Impl(const Network& network, int num_threads)
     values.insert(values.end(), block.value.get(), block.value.get() + block.kind.stored_size);
   }
 }
+
+LinearizedNetwork::Impl::Impl(const Impl& other, const Eigen::VectorXd& scale)
+    : threads(other.threads),
+      layout(other.layout),
+      linearization(other.linearization, layout, scale),
+      row_scale(other.row_scale.cwiseProduct(scale)),
+      factor_rows(other.factor_rows),
+      factors(other.factors),
+      idle(other.idle),
+      groups(other.groups),
+      blocks(other.blocks),
+      values(other.values) {}
 
 const LinearizedNetwork::Impl::BlockInfo& LinearizedNetwork::Impl::block(BlockId b) const {
   if (b < 0 || b >= static_cast<int>(blocks.size())) {
@@ -100,6 +113,23 @@ LinearizedNetwork::Factor LinearizedNetwork::Impl::OfIdle(const IdleFactor& of, 
 
 LinearizedNetwork::LinearizedNetwork(const Network& network, int threads)
     : impl_(std::make_shared<Impl>(network, threads)) {}
+
+LinearizedNetwork LinearizedNetwork::Scaled(const Eigen::VectorXd& row_scale) const {
+  ExpectRows(row_scale.size(), rows(), "residuals to scale");
+  for (Eigen::Index row = 0; row < rows(); ++row) {
+    if (row_scale[row] > 0.0 && std::isfinite(row_scale[row])) continue;
+    throw InvalidInput("linearised network: the scale of row " + std::to_string(row) + " is " +
+                       std::to_string(row_scale[row]) + ", must be positive and finite");
+  }
+  return LinearizedNetwork(std::make_shared<const Impl>(*impl_, row_scale));
+}
+
+const Eigen::VectorXd& LinearizedNetwork::row_scale() const { return impl_->row_scale; }
+
+Eigen::MatrixXd LinearizedNetwork::AsRows(const FactorRows& rows, const Eigen::MatrixXd& L) const {
+  ExpectRows(L.rows(), rows.count, "residuals of the factor");
+  return std::sqrt(rows.weight) * (row_scale().segment(rows.first, rows.count).asDiagonal() * L);
+}
 
 int LinearizedNetwork::parameters() const { return impl_->layout.size(); }
 
@@ -168,21 +198,7 @@ Eigen::MatrixXd LinearizedNetwork::Times(const Eigen::MatrixXd& X) const {
 
 Eigen::MatrixXd LinearizedNetwork::TransposeTimes(const Eigen::MatrixXd& E) const {
   ExpectRows(E.rows(), rows(), "residuals");
-  const Linearization& linearization = impl_->linearization;
-  const UnknownLayout& layout = impl_->layout;
-  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(parameters(), E.cols());
-  for (const Linearization::Edge& edge : linearization.edges()) {
-    const auto J = linearization.jacobian(edge);
-    int column = 0;
-    for (int b = 0; b < edge.num_blocks; ++b) {
-      const int p = linearization.positions(edge)[b];
-      const int size = layout.size_of(p);
-      G.middleRows(layout.offset[static_cast<std::size_t>(p)], size).noalias() +=
-          J.middleCols(column, size).transpose() * E.middleRows(edge.first_row, edge.rows);
-      column += size;
-    }
-  }
-  return G;
+  return impl_->linearization.TransposeTimes(E);
 }
 
 }  // namespace dn

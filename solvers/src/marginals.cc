@@ -23,25 +23,6 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// 1 / sqrt(N_ii); 1 for an unknown on which nothing depends.
-Eigen::VectorXd JacobiScale(const SymmetricCsc& N) {
-  Eigen::VectorXd scale(N.n);
-  for (int c = 0; c < N.n; ++c) {
-    const double diagonal =
-        N.value[static_cast<std::size_t>(N.column_start[static_cast<std::size_t>(c)])];
-    scale[c] = diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : 1.0;
-  }
-  return scale;
-}
-
-void ApplyScale(const Eigen::VectorXd& scale, SymmetricCsc* N) {
-  for (int c = 0; c < N->n; ++c) {
-    const auto begin = static_cast<std::size_t>(N->column_start[static_cast<std::size_t>(c)]);
-    const auto end = static_cast<std::size_t>(N->column_start[static_cast<std::size_t>(c) + 1]);
-    for (std::size_t e = begin; e < end; ++e) N->value[e] *= scale[c] * scale[N->row[e]];
-  }
-}
-
 }  // namespace
 
 void MarginalsOptions::Validate() const {
@@ -283,6 +264,11 @@ Eigen::MatrixXd Marginals::Project(const Eigen::MatrixXd& E) const {
 const LinearizedNetwork& Marginals::linearized() const { return impl_->linearized; }
 
 int Marginals::num_parameters() const { return impl_->layout().size(); }
+
+double Marginals::LogDeterminant() const {
+  if (!impl_->cholesky) return 0.0;
+  return impl_->cholesky->LogDeterminant() - 2.0 * impl_->scale.array().log().sum();
+}
 
 long Marginals::factor_nonzeros() const {
   return impl_->cholesky ? impl_->cholesky->num_nonzeros() : 0;

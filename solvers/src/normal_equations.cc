@@ -3,6 +3,7 @@
 #include <dn/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -44,13 +45,50 @@ SymmetricCsc BlockPattern(int num_blocks, const std::vector<std::uint64_t>& pair
   return pattern;
 }
 
+/// Scalar rows above each entry within its block column; the diagonal block is first.
+std::vector<int> Heights(const UnknownLayout& layout, const SymmetricCsc& blocks) {
+  std::vector<int> heights(blocks.row.size());
+  for (int c = 0; c < blocks.n; ++c) {
+    int height = 0;
+    for (int e = blocks.column_start[Index(c)]; e < blocks.column_start[Index(c) + 1]; ++e) {
+      heights[Index(e)] = height;
+      height += layout.size_of(blocks.row[Index(e)]);
+    }
+  }
+  return heights;
+}
+
+void AppendColumn(const UnknownLayout& layout, const SymmetricCsc& blocks, int c, int k,
+                  SymmetricCsc* N) {
+  for (int e = blocks.column_start[Index(c)]; e < blocks.column_start[Index(c) + 1]; ++e) {
+    const int r = blocks.row[Index(e)];
+    for (int i = r == c ? k : 0; i < layout.size_of(r); ++i) {
+      N->row.push_back(layout.offset[Index(r)] + i);
+    }
+  }
+  if (N->row.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    throw InvalidInput("marginals: the normal matrix has more than 2^31 entries");
+  }
+  N->column_start.push_back(static_cast<int>(N->row.size()));
+}
+
+SymmetricCsc ScalarPattern(const UnknownLayout& layout, const SymmetricCsc& blocks) {
+  SymmetricCsc N;
+  N.n = layout.size();
+  N.column_start.assign(1, 0);
+  for (int c = 0; c < blocks.n; ++c) {
+    for (int k = 0; k < layout.size_of(c); ++k) AppendColumn(layout, blocks, c, k, &N);
+  }
+  return N;
+}
+
 /// Fills the scalar matrix block by block.
 class Assembler {
  public:
-  Assembler(const UnknownLayout& layout, const SymmetricCsc& blocks, SymmetricCsc* N)
-      : layout_(layout), blocks_(blocks), N_(*N) {
-    FindHeights();
-    FillPattern();
+  Assembler(const UnknownLayout& layout, const SymmetricCsc& blocks,
+            const std::vector<int>& heights, SymmetricCsc* N)
+      : layout_(layout), blocks_(blocks), heights_(heights), N_(*N) {
+    N_.value.assign(N_.row.size(), 0.0);
   }
 
   /// Adds the block (row position, column position), row >= column.
@@ -59,7 +97,7 @@ class Assembler {
     const auto begin = blocks_.row.begin() + blocks_.column_start[Index(column)];
     const auto end = blocks_.row.begin() + blocks_.column_start[Index(column) + 1];
     const int height =
-        height_[Index(static_cast<int>(std::lower_bound(begin, end, row) - blocks_.row.begin()))];
+        heights_[Index(static_cast<int>(std::lower_bound(begin, end, row) - blocks_.row.begin()))];
     for (int k = 0; k < block.cols(); ++k) {
       const int start = N_.column_start[Index(layout_.offset[Index(column)] + k)] + height - k;
       for (int i = row == column ? k : 0; i < block.rows(); ++i) {
@@ -69,56 +107,29 @@ class Assembler {
   }
 
  private:
-  /// height_[e]: scalar rows above entry e within its block column; the diagonal block is first.
-  void FindHeights() {
-    height_.resize(blocks_.row.size());
-
-    for (int c = 0; c < blocks_.n; ++c) {
-      int height = 0;
-      for (int e = blocks_.column_start[Index(c)]; e < blocks_.column_start[Index(c) + 1]; ++e) {
-        height_[Index(e)] = height;
-        height += layout_.size_of(blocks_.row[Index(e)]);
-      }
-    }
-  }
-
-  void FillPattern() {
-    N_.n = layout_.size();
-    N_.column_start.assign(1, 0);
-    for (int c = 0; c < blocks_.n; ++c) {
-      for (int k = 0; k < layout_.size_of(c); ++k) AppendColumn(c, k);
-    }
-    N_.value.assign(N_.row.size(), 0.0);
-  }
-
-  void AppendColumn(int c, int k) {
-    for (int e = blocks_.column_start[Index(c)]; e < blocks_.column_start[Index(c) + 1]; ++e) {
-      const int r = blocks_.row[Index(e)];
-      for (int i = r == c ? k : 0; i < layout_.size_of(r); ++i) {
-        N_.row.push_back(layout_.offset[Index(r)] + i);
-      }
-    }
-    if (N_.row.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-      throw InvalidInput("marginals: the normal matrix has more than 2^31 entries");
-    }
-    N_.column_start.push_back(static_cast<int>(N_.row.size()));
-  }
-
   const UnknownLayout& layout_;
   const SymmetricCsc& blocks_;
+  const std::vector<int>& heights_;
   SymmetricCsc& N_;
-  std::vector<int> height_;
 };
 
 }  // namespace
 
 NormalEquations::NormalEquations(const UnknownLayout& layout, const Linearization& linearization)
-    : blocks(BlockPattern(layout.num_blocks(), BlockPairs(linearization))) {
-  Assembler assembler(layout, blocks, &N);
-  Eigen::MatrixXd product;
+    : blocks(BlockPattern(layout.num_blocks(), BlockPairs(linearization))),
+      height_(Heights(layout, blocks)) {
+  N = ScalarPattern(layout, blocks);
+  Assemble(layout, linearization, Eigen::VectorXd::Ones(linearization.residual().size()));
+}
+
+void NormalEquations::Assemble(const UnknownLayout& layout, const Linearization& linearization,
+                               const Eigen::VectorXd& row_weight) {
+  Assembler assembler(layout, blocks, height_, &N);
+  Eigen::MatrixXd weighted, product;
   for (const Linearization::Edge& edge : linearization.edges()) {
     const auto J = linearization.jacobian(edge);
-    product.noalias() = J.transpose() * J;
+    weighted.noalias() = row_weight.segment(edge.first_row, edge.rows).asDiagonal() * J;
+    product.noalias() = J.transpose() * weighted;
     const int* position = linearization.positions(edge);
     int row = 0;
     for (int a = 0; a < edge.num_blocks; ++a) {
@@ -133,6 +144,23 @@ NormalEquations::NormalEquations(const UnknownLayout& layout, const Linearizatio
       }
       row += rows;
     }
+  }
+}
+
+Eigen::VectorXd JacobiScale(const SymmetricCsc& N) {
+  Eigen::VectorXd scale(N.n);
+  for (int c = 0; c < N.n; ++c) {
+    const double diagonal = N.value[Index(N.column_start[Index(c)])];
+    scale[c] = diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : 1.0;
+  }
+  return scale;
+}
+
+void ApplyScale(const Eigen::VectorXd& scale, SymmetricCsc* N) {
+  for (int c = 0; c < N->n; ++c) {
+    const auto begin = Index(N->column_start[Index(c)]);
+    const auto end = Index(N->column_start[Index(c) + 1]);
+    for (std::size_t e = begin; e < end; ++e) N->value[e] *= scale[c] * scale[N->row[e]];
   }
 }
 

@@ -2,6 +2,7 @@
 #include <dn/solvers/score_test.h>
 #include <dn/symmetric_eigen.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
@@ -35,9 +36,15 @@ void CheckPart(const LinearizedNetwork& linearized, const EffectPart& part, Eige
                      " derivatives");
 }
 
-/// Adds J^T L of a factor to g, both with its robust weight.
-void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const Eigen::MatrixXd& L,
-                   BlockColumns* g) {
+/// Columns of several effects side by side that are not zero on one factor.
+struct Touched {
+  std::vector<Eigen::Index> columns;
+  Eigen::MatrixXd L;
+};
+
+/// Adds J^T L of a factor to g, of `width` columns, both as its rows have them.
+void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const Touched& touched,
+                   Eigen::Index width, BlockColumns* g) {
   const LinearizedNetwork::Impl& network = linearized.impl();
   const Linearization::Edge& edge =
       network.linearization.edges()[static_cast<std::size_t>(network.factor(factor).edge)];
@@ -47,8 +54,11 @@ void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const E
     const int p = network.linearization.positions(edge)[b];
     const int size = network.layout.size_of(p);
     Eigen::MatrixXd& sum = (*g)[network.layout.blocks[static_cast<std::size_t>(p)]];
-    if (sum.size() == 0) sum = Eigen::MatrixXd::Zero(size, L.cols());
-    sum.noalias() += J.middleCols(column, size).transpose() * L;
+    if (sum.size() == 0) sum = Eigen::MatrixXd::Zero(size, width);
+    const Eigen::MatrixXd product = J.middleCols(column, size).transpose() * touched.L;
+    for (std::size_t k = 0; k < touched.columns.size(); ++k) {
+      sum.col(touched.columns[k]) += product.col(static_cast<Eigen::Index>(k));
+    }
     column += size;
   }
 }
@@ -60,10 +70,12 @@ Sums Sum(const LinearizedNetwork& linearized, const EffectModel& effect) {
     CheckPart(linearized, part, q);
     const auto rows = linearized.RowsOf(part.factor);
     if (!rows) continue;
-    const Eigen::MatrixXd L = std::sqrt(rows->weight) * part.L;
+    const Eigen::MatrixXd L = linearized.AsRows(*rows, part.L);
     sums.s += L.transpose() * linearized.residual().segment(rows->first, rows->count);
     sums.LL += L.transpose() * L;
-    AddProjection(linearized, part.factor, L, &sums.g);
+    Touched all{{}, L};
+    for (Eigen::Index c = 0; c < q; ++c) all.columns.push_back(c);
+    AddProjection(linearized, part.factor, all, q, &sums.g);
   }
   return sums;
 }
@@ -112,11 +124,13 @@ void TestBatch(const Marginals& marginals, const std::vector<Sums>& batch, Eigen
   }
 }
 
+using Parts = std::vector<std::pair<Eigen::Index, const Eigen::MatrixXd*>>;
+
 // The columns of all effects on one factor, side by side; rows of zeros where an effect has none.
-std::map<FactorId, std::vector<std::pair<Eigen::Index, const Eigen::MatrixXd*>>> ByFactor(
-    const LinearizedNetwork& linearized, const std::vector<EffectModel>& effects,
-    const std::vector<Eigen::Index>& first) {
-  std::map<FactorId, std::vector<std::pair<Eigen::Index, const Eigen::MatrixXd*>>> by_factor;
+std::map<FactorId, Parts> ByFactor(const LinearizedNetwork& linearized,
+                                   const std::vector<EffectModel>& effects,
+                                   const std::vector<Eigen::Index>& first) {
+  std::map<FactorId, Parts> by_factor;
   for (std::size_t k = 0; k < effects.size(); ++k) {
     for (const EffectPart& part : effects[k]) {
       CheckPart(linearized, part, first[k + 1] - first[k]);
@@ -124,6 +138,25 @@ std::map<FactorId, std::vector<std::pair<Eigen::Index, const Eigen::MatrixXd*>>>
     }
   }
   return by_factor;
+}
+
+Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts,
+                         const LinearizedNetwork::FactorRows& rows) {
+  Touched touched;
+  std::vector<std::pair<const Eigen::MatrixXd*, Eigen::Index>> from;
+  for (const auto& [first, part] : parts) {
+    for (Eigen::Index c = 0; c < part->cols(); ++c) {
+      if (part->col(c).isZero(0.0)) continue;
+      touched.columns.push_back(first + c);
+      from.emplace_back(part, c);
+    }
+  }
+  touched.L.resize(rows.count, static_cast<Eigen::Index>(from.size()));
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    touched.L.col(static_cast<Eigen::Index>(k)) = from[k].first->col(from[k].second);
+  }
+  touched.L = linearized.AsRows(rows, touched.L);
+  return touched;
 }
 
 Eigen::MatrixXd Submatrix(const Eigen::MatrixXd& A, const std::vector<Eigen::Index>& rows,
@@ -173,13 +206,12 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
   BlockColumns G;  // J^T L
   for (const auto& [id, parts] : ByFactor(linearized, effects, score.first)) {
     const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
-    Eigen::MatrixXd L = Eigen::MatrixXd::Zero(rows.count, q);
-    for (const auto& [column, part] : parts) {
-      L.middleCols(column, part->cols()) = std::sqrt(rows.weight) * *part;
-    }
-    score.s += L.transpose() * linearized.residual().segment(rows.first, rows.count);
-    score.A += L.transpose() * L;
-    AddProjection(linearized, id, L, &G);
+    const Touched touched = ColumnsThatTouch(linearized, parts, rows);
+    const Eigen::MatrixXd& L = touched.L;
+    score.s(touched.columns) +=
+        L.transpose() * linearized.residual().segment(rows.first, rows.count);
+    score.A(touched.columns, touched.columns) += L.transpose() * L;
+    AddProjection(linearized, id, touched, q, &G);
   }
   score.signature2 = score.A.diagonal();
   if (G.empty()) {  // no effect has an active factor
@@ -200,9 +232,14 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
   return score;
 }
 
+ScoreTest TestScore(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
+                    const Eigen::VectorXd& signature2) {
+  return Conclude(s, A, signature2, kAbsorbedJointly);
+}
+
 ScoreTest TestTogether(const JointScore& score, const std::vector<Eigen::Index>& components) {
-  return Conclude(score.s(components), Submatrix(score.A, components, components),
-                  score.signature2(components), kAbsorbedJointly);
+  return TestScore(score.s(components), Submatrix(score.A, components, components),
+                   score.signature2(components));
 }
 
 JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Index>& components) {
@@ -214,6 +251,49 @@ JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Ind
   given.A -= A_jk * gain;
   if (score.shift.size() > 0) given.shift -= score.shift(Eigen::all, components) * gain;
   return given;
+}
+
+EvidenceForm::EvidenceForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& typical) {
+  const SymmetricEigen eigen(typical.asDiagonal() * A * typical.asDiagonal());
+  W_ = typical.asDiagonal() * eigen.vectors;
+  d_ = eigen.values.cwiseMax(0.0);
+}
+
+double EvidenceForm::LogEvidence(const Eigen::VectorXd& s, double variance) const {
+  const Eigen::VectorXd c = W_.transpose() * s;
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < d_.size(); ++i) {
+    const double growth = 1.0 + variance * d_[i];
+    sum += 0.5 * (variance * c[i] * c[i] / growth - std::log(growth));
+  }
+  return sum;
+}
+
+double EvidenceForm::LogEvidence(const Eigen::VectorXd& s) const {
+  constexpr double kVariances[] = {0.01, 0.1, 1.0, 10.0, 100.0};
+  constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
+  double log_of_each[5];
+  for (int g = 0; g < 5; ++g) {
+    log_of_each[g] = std::log(kWeights[g]) + LogEvidence(s, kVariances[g]);
+  }
+  const double largest = *std::max_element(log_of_each, log_of_each + 5);
+  double sum = 0.0;
+  for (const double one : log_of_each) sum += std::exp(one - largest);
+  return largest + std::log(sum);
+}
+
+Eigen::MatrixXd TransposeTimes(const LinearizedNetwork& linearized, const EffectModel& effect,
+                               const Eigen::MatrixXd& R) {
+  const Eigen::Index q = effect.empty() ? 0 : effect.front().L.cols();
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(q, R.cols());
+  for (const EffectPart& part : effect) {
+    CheckPart(linearized, part, q);
+    const auto rows = linearized.RowsOf(part.factor);
+    if (!rows) continue;
+    product.noalias() +=
+        std::sqrt(rows->weight) * part.L.transpose() * R.middleRows(rows->first, rows->count);
+  }
+  return product;
 }
 
 }  // namespace dn

@@ -1,5 +1,6 @@
 #include "sparse_cholesky.h"
 
+#include <cmath>
 #include <new>
 #include <string>
 
@@ -38,6 +39,24 @@ std::vector<int> ExpandOrder(const std::vector<int>& block_order, const UnknownL
 
 SparseCholesky::SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks,
                                const UnknownLayout& layout) {
+  Start();
+  std::vector<int> order = ExpandOrder(BlockOrder(blocks), layout);
+  cholmod_sparse view = View(A);
+  factor_ = cholmod_analyze_p(&view, order.data(), nullptr, 0, &common_);
+  CheckStatus("analysing");
+  permuted_index_.resize(static_cast<std::size_t>(A.n));
+  const int* permutation = static_cast<const int*>(factor_->Perm);
+  for (int i = 0; i < A.n; ++i) permuted_index_[static_cast<std::size_t>(permutation[i])] = i;
+}
+
+SparseCholesky::SparseCholesky(const SparseCholesky& analysed)
+    : permuted_index_(analysed.permuted_index_) {
+  Start();
+  factor_ = cholmod_copy_factor(analysed.factor_, &common_);
+  CheckStatus("analysing");
+}
+
+void SparseCholesky::Start() {
   cholmod_start(&common_);
   common_.print = 0;
   common_.try_catch = 1;
@@ -46,13 +65,6 @@ SparseCholesky::SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks
   common_.supernodal = CHOLMOD_SUPERNODAL;
   common_.final_ll = 1;
   common_.quick_return_if_not_posdef = 1;
-  std::vector<int> order = ExpandOrder(BlockOrder(blocks), layout);
-  cholmod_sparse view = View(A);
-  factor_ = cholmod_analyze_p(&view, order.data(), nullptr, 0, &common_);
-  CheckStatus("analysing");
-  permuted_index_.resize(static_cast<std::size_t>(A.n));
-  const int* permutation = static_cast<const int*>(factor_->Perm);
-  for (int i = 0; i < A.n; ++i) permuted_index_[static_cast<std::size_t>(permutation[i])] = i;
 }
 
 SparseCholesky::~SparseCholesky() {
@@ -105,6 +117,18 @@ Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& B) const {
                                                         B.rows(), B.cols());
   cholmod_free_dense(&solution, &common_);
   return X;
+}
+
+double SparseCholesky::LogDeterminant() const {
+  const SupernodalView L = view();
+  double sum = 0.0;
+  for (int s = 0; s < L.num_supernodes; ++s) {
+    const int rows = L.row_start[s + 1] - L.row_start[s];
+    const int columns = L.column[s + 1] - L.column[s];
+    const double* value = L.value + L.value_start[s];
+    for (int c = 0; c < columns; ++c) sum += std::log(value[c * (rows + 1)]);
+  }
+  return 2.0 * sum;
 }
 
 SupernodalView SparseCholesky::view() const {

@@ -28,8 +28,9 @@ class SparseCholesky {
   /// Orders the graph of the blocks by approximate minimum degree, expands the order to the scalar
   /// unknowns and analyses the pattern of A. layout gives the sizes of the blocks.
   SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks, const UnknownLayout& layout);
+  /// Another factor of a pattern that is analysed already.
+  explicit SparseCholesky(const SparseCholesky& analysed);
   ~SparseCholesky();
-  SparseCholesky(const SparseCholesky&) = delete;
   SparseCholesky& operator=(const SparseCholesky&) = delete;
 
   /// Factors A + shift I, of the pattern analysed. Returns false where it is not numerically
@@ -39,12 +40,16 @@ class SparseCholesky {
   /// A^-1 B.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& B) const;
 
+  /// log |A|, of what was factored last.
+  double LogDeterminant() const;
+
   SupernodalView view() const;
   /// Row of P A P^T in which unknown i of A stands.
   const std::vector<int>& permuted_index() const { return permuted_index_; }
   long num_nonzeros() const;
 
  private:
+  void Start();
   std::vector<int> BlockOrder(const SymmetricCsc& blocks);
   void CheckStatus(const char* step) const;
 

@@ -21,7 +21,7 @@ bool GnuplotIsInstalled() { return std::system("gnuplot --version >/dev/null 2>&
 const std::vector<PlotPanel>& TwoPanels() {
   static const std::vector<PlotPanel> panels{
       {"east [m]", {{"it's", {{0.0, 1.0}, {1.0, -1.0}}}, {"empty", {}}}},
-      {"north [m]", {{"points", {{0.0, 2.0}, {1.0, 3.0}}, false}}}};
+      {"north [m]", {{"points", {{0.0, 2.0}, {1.0, 3.0}}, PlotStyle::kPoints}}}};
   return panels;
 }
 
@@ -40,6 +40,46 @@ TEST(Plot, DrawsEveryLabel) {
 TEST(Plot, TheSameInputGivesTheSameText) {
   if (!GnuplotIsInstalled()) GTEST_SKIP() << "gnuplot is not installed";
   EXPECT_EQ(DrawSvg("a", "t", TwoPanels()), DrawSvg("a", "t", TwoPanels()));
+}
+
+/// The shapes of a kind that an SVG has.
+std::size_t Count(const std::string& svg, const std::string& shape) {
+  std::size_t count = 0;
+  for (std::size_t at = svg.find(shape); at != std::string::npos; at = svg.find(shape, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+TEST(Plot, DrawsBarsAndSpansOnNamedRows) {
+  if (!GnuplotIsInstalled()) GTEST_SKIP() << "gnuplot is not installed";
+  const PlotPanel bars{
+      "", {{"size", {{3.0, 0.0}, {-1.0, 1.0}}, PlotStyle::kBars}}, {"first row", "second row"}};
+  const PlotPanel more{
+      "",
+      {{"size", {{3.0, 0.0}, {-1.0, 1.0}, {2.0, 1.0}}, PlotStyle::kBars},
+       {"range", {{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}, {2.0, 1.0}}, PlotStyle::kSpans}},
+      {"first row", "second row"}};
+  const auto svg = DrawSvg("Rows", "x", {bars});
+  const auto longer = DrawSvg("Rows", "x", {more});
+  ASSERT_TRUE(svg && longer);
+  EXPECT_THAT(*svg, HasSubstr("first row"));
+  EXPECT_THAT(*svg, HasSubstr("second row"));
+  EXPECT_GT(Count(*longer, "<polygon"), Count(*svg, "<polygon"));
+  EXPECT_GT(Count(*longer, "<path"), Count(*svg, "<path"));
+}
+
+TEST(Plot, ManyRowsMakeAHighPlot) {
+  if (!GnuplotIsInstalled()) GTEST_SKIP() << "gnuplot is not installed";
+  PlotPanel panel{"", {{"size", {}, PlotStyle::kBars}}, {}};
+  for (int i = 0; i < 40; ++i) {
+    panel.series[0].points.emplace_back(1.0, i);
+    panel.rows.push_back("row " + std::to_string(i));
+  }
+  const auto svg = DrawSvg("Rows", "x", {panel});
+  ASSERT_TRUE(svg.has_value());
+  EXPECT_THAT(*svg, HasSubstr("row 39"));
+  EXPECT_THAT(*svg, HasSubstr("height=\"850\""));
 }
 
 TEST(Plot, NothingWithoutPanels) { EXPECT_FALSE(DrawSvg("a", "t", {}).has_value()); }

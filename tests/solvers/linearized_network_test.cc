@@ -1,12 +1,15 @@
 #include <dn/error.h>
 #include <dn/solvers/linearized_network.h>
 #include <dn/solvers/marginals.h>
+#include <dn/solvers/prediction.h>
+#include <dn/solvers/score_test.h>
 #include <dn/solvers/solve.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "solvers/pose_graph.h"
@@ -150,6 +153,111 @@ TEST(LinearizedNetwork, AFactorByItselfIsWithoutItsRobustWeight) {
   EXPECT_EQ(factor.jacobian[1].first, triangle.x[1].id);
   EXPECT_LT((factor.jacobian[1].second - J[1]).norm(), 1e-14);
   EXPECT_NEAR(factor.weight, 1.0 / r.norm(), 1e-14) << "Huber of width 1";
+}
+
+/// A chain of positions whose noise is stated `ratio` times, for every second factor.
+struct Stated {
+  Network net;
+  std::vector<FactorId> scaled;
+  Block<Vec<3>> x[6];
+
+  explicit Stated(double ratio) {
+    for (int k = 0; k < 6; ++k) {
+      x[k] = net.AddVector<3>("x/" + std::to_string(k), Eigen::Vector3d(0.1 * k, 0.0, -0.2));
+      const double sigma = 0.5 * (k % 2 == 0 ? ratio : 1.0);
+      const FactorId id =
+          net.Add(MakeVectorPrior<3>(Eigen::Vector3d(0.3, 0.1 * k, 1.0), sigma), x[k]);
+      if (k % 2 == 0) scaled.push_back(id);
+      Difference step;
+      step.z = Eigen::Vector3d(0.2, 0.1, -0.1 * k);
+      if (k > 0) net.Add(step, x[k - 1], x[k]);
+    }
+  }
+
+  LinearizedNetwork Scaled(double ratio) const {
+    const LinearizedNetwork linearized(net);
+    Eigen::VectorXd scale = Eigen::VectorXd::Ones(linearized.rows());
+    for (const FactorId id : scaled) {
+      const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
+      scale.segment(rows.first, rows.count).setConstant(1.0 / ratio);
+    }
+    return linearized.Scaled(scale);
+  }
+
+  /// A drift of the positions that are scaled, in sigmas of `sigma`.
+  EffectModel Drift(double sigma) const {
+    EffectModel effect;
+    for (const FactorId id : scaled) {
+      effect.push_back(
+          {id, Eigen::MatrixXd(static_cast<double>(id) / sigma * Eigen::Matrix3d::Identity())});
+    }
+    return effect;
+  }
+};
+
+// Everything that is computed from the snapshot, the effects' derivatives stated as before.
+TEST(ScaledNetwork, IsTheNetworkWithThatNoise) {
+  constexpr double kRatio = 1.7, kTolerance = 1e-12;
+  const Stated before(1.0), wanted(kRatio);
+  Marginals a(before.Scaled(kRatio)), b{LinearizedNetwork(wanted.net)};
+  EXPECT_LT((a.linearized().residual() - b.linearized().residual()).norm(), kTolerance);
+  EXPECT_LT((a.Covariance(before.x[3].id) - b.Covariance(wanted.x[3].id)).norm(), kTolerance);
+  EXPECT_NEAR(a.LogDeterminant(), b.LogDeterminant(), kTolerance);
+  const JointScore of_a = ScoreEffects(a, {before.Drift(0.5)}, {before.x[3].id});
+  const JointScore of_b = ScoreEffects(b, {wanted.Drift(0.5 * kRatio)}, {wanted.x[3].id});
+  EXPECT_LT((of_a.s - of_b.s).norm(), 1e-11);
+  EXPECT_LT((of_a.A - of_b.A).norm(), 1e-11);
+  EXPECT_LT((of_a.shift - of_b.shift).norm(), 1e-11);
+  EXPECT_NEAR(TestEffects(a, {before.Drift(0.5)}).front().statistic,
+              TestEffects(b, {wanted.Drift(0.5 * kRatio)}).front().statistic, 1e-11);
+  a.ComputeSelectedInverse();
+  b.ComputeSelectedInverse();
+  EXPECT_LT((RedundancyNumbers(a) - RedundancyNumbers(b)).norm(), kTolerance);
+  const FactorId factor = before.scaled[1];
+  EXPECT_NEAR(PredictFactor(a, factor).statistic, PredictFactor(b, factor).statistic, 1e-11);
+}
+
+TEST(ScaledNetwork, LeavesTheFirstAsItIs) {
+  const Stated stated(1.0);
+  const LinearizedNetwork linearized(stated.net);
+  const Eigen::VectorXd before = linearized.residual();
+  const LinearizedNetwork half =
+      linearized.Scaled(Eigen::VectorXd::Constant(linearized.rows(), 0.5));
+  const LinearizedNetwork quarter = half.Scaled(Eigen::VectorXd::Constant(linearized.rows(), 0.5));
+  EXPECT_EQ(linearized.residual(), before);
+  EXPECT_EQ(linearized.row_scale(), Eigen::VectorXd::Ones(linearized.rows()));
+  EXPECT_EQ(quarter.residual(), 0.25 * before);
+  EXPECT_EQ(quarter.row_scale(), Eigen::VectorXd::Constant(linearized.rows(), 0.25));
+}
+
+// An effect that is one of the unknowns is absorbed, whatever the scale and weight of a row are.
+TEST(ScaledNetwork, EffectsHaveTheRobustWeightAsWell) {
+  const Triangle triangle;
+  const LinearizedNetwork linearized(triangle.net);
+  Eigen::VectorXd scale(linearized.rows());
+  for (Eigen::Index row = 0; row < scale.size(); ++row) scale[row] = 0.4 + 0.3 * (row % 4);
+  EffectModel as_unknown;
+  for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
+    for (const auto& [block, J] : linearized.FactorAt(rows.factor).jacobian) {
+      if (block == triangle.x[1].id) as_unknown.push_back({rows.factor, J});
+    }
+  }
+  ASSERT_EQ(as_unknown.size(), 2U);
+  const Marginals marginals(linearized.Scaled(scale));
+  EXPECT_EQ(TestEffects(marginals, {as_unknown}).front().dof, 0);
+  const JointScore score = ScoreEffects(marginals, {as_unknown}, {triangle.x[1].id});
+  EXPECT_LT((score.shift - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+}
+
+TEST(ScaledNetwork, AScaleThatCannotBeIsNamed) {
+  const Triangle triangle;
+  const LinearizedNetwork linearized(triangle.net);
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(linearized.rows());
+  EXPECT_THROW(linearized.Scaled(scale.head(3)), InvalidInput);
+  scale[2] = 0.0;
+  EXPECT_THROW(linearized.Scaled(scale), InvalidInput);
+  scale[2] = std::nan("");
+  EXPECT_THROW(linearized.Scaled(scale), InvalidInput);
 }
 
 TEST(LinearizedNetwork, SizesThatDoNotFitAreNamed) {

@@ -26,6 +26,21 @@ bool ParseAll(std::string_view text, T& value) {
 long LineOf(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.line + 1; }
 long ColumnOf(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.column + 1; }
 
+std::string OnOneLine(const YAML::Node& node) {
+  YAML::Emitter out;
+  out.SetMapFormat(YAML::Flow);
+  out.SetSeqFormat(YAML::Flow);
+  out << node;
+  return out.c_str();
+}
+
+/// Throws where what is under `parent`, on the way to `path`, is no map.
+void ExpectRoomForKeys(const YAML::Node& node, const std::string& path, const std::string& parent) {
+  if (node.IsMap()) return;
+  throw InvalidConfig(path + ": " + (parent.empty() ? "the file" : "'" + parent + "'") +
+                      " holds no keys");
+}
+
 /// The text as a message shows it: its beginning, without control characters.
 std::string Shown(const std::string& text) {
   constexpr std::size_t kMostShown = 40;
@@ -208,6 +223,17 @@ Eigen::Matrix3d YamlValue::Matrix3() const {
   return matrix;
 }
 
+std::vector<std::string> YamlValue::Keys() const {
+  std::vector<std::string> keys;
+  if (!IsMap()) return keys;
+  for (const auto& entry : node_->yaml) keys.push_back(entry.first.Scalar());
+  return keys;
+}
+
+std::string YamlValue::Yaml() const {
+  return node_->yaml.IsDefined() ? OnOneLine(node_->yaml) : "~";
+}
+
 YamlValue ParseYaml(const std::string& text, const std::string& file) {
   try {
     const YAML::Node root = YAML::Load(text);
@@ -218,6 +244,30 @@ YamlValue ParseYaml(const std::string& text, const std::string& file) {
   } catch (const YAML::Exception& e) {
     throw InvalidConfig("not valid YAML: " + e.msg,
                         FileLocation{file, LineOf(e.mark), e.mark.column + 1});
+  }
+}
+
+std::string WithYamlValue(const std::string& text, const std::string& path,
+                          const std::string& value) {
+  try {
+    YAML::Node root = YAML::Load(text);
+    YAML::Node place = root;
+    std::size_t begin = 0;
+    for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', begin)) {
+      const std::string key = path.substr(begin, dot - begin);
+      ExpectRoomForKeys(place, path, path.substr(0, begin));
+      if (!place[key].IsDefined() || place[key].IsNull())
+        place[key] = YAML::Node(YAML::NodeType::Map);
+      place.reset(place[key]);
+      begin = dot + 1;
+    }
+    ExpectRoomForKeys(place, path, path.substr(0, begin));
+    place[path.substr(begin)] = YAML::Load(value);
+    YAML::Emitter out;
+    out << root;
+    return std::string(out.c_str()) + "\n";
+  } catch (const YAML::Exception& e) {
+    throw InvalidConfig(path + ": not valid YAML: " + e.msg);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <dn/report/plot.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <string_view>
 
@@ -11,6 +12,8 @@ namespace dn {
 namespace {
 
 constexpr int kPanelHeight = 260;
+constexpr int kRowHeight = 18;
+constexpr int kFrameHeight = 90;  // title, label and numbers of the abscissa
 constexpr int kWidth = 900;
 
 /// A gnuplot string in which every character that might end it or mean something is an octal code.
@@ -26,28 +29,71 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
+/// What follows "plot" for the data block of a series.
+std::string Drawn(const std::string& data, PlotStyle style) {
+  switch (style) {
+    case PlotStyle::kLines:
+      return data + " using 1:2 with lines";
+    case PlotStyle::kPoints:
+      return data + " using 1:2 with points pointtype 7 pointsize 0.3";
+    case PlotStyle::kBars:
+      return data +
+             " using (0.5*$1):2:(0):1:($2-0.16):($2+0.16) with boxxyerror fillstyle solid 0.6";
+    case PlotStyle::kSpans:
+      return data + " using 1:2 with lines linewidth 5";
+  }
+  return {};
+}
+
+std::string DataBlock(int number, const PlotSeries& series) {
+  std::string text = fmt::format("$d{} << EOD\n", number);
+  for (std::size_t i = 0; i < series.points.size(); ++i) {
+    if (series.style == PlotStyle::kSpans && i > 0 && i % 2 == 0) text += "\n";
+    text += fmt::format("{:.10g} {:.6g}\n", series.points[i].first, series.points[i].second);
+  }
+  return text + "EOD\n";
+}
+
+/// The ordinate: numbers, or the names of rows.
+std::string Ordinate(const std::vector<std::string>& rows) {
+  if (rows.empty()) return "set ytics autofreq\nset yrange [*:*]\n";
+  std::string tics;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", Quoted(rows[i]), i);
+  }
+  return fmt::format("set ytics ({})\nset yrange [{:.1f}:-0.5]\n", tics,
+                     static_cast<double>(rows.size()) - 0.5);
+}
+
+/// Of one panel; all of a plot are as high as the highest.
+int PanelHeight(const std::vector<PlotPanel>& panels) {
+  int height = kPanelHeight;
+  for (const PlotPanel& panel : panels) {
+    height = std::max(height, kRowHeight * static_cast<int>(panel.rows.size()) + kFrameHeight);
+  }
+  return height;
+}
+
 std::string Script(const std::string& title, const std::string& x_label,
                    const std::vector<PlotPanel>& panels) {
   std::string script = fmt::format(
       "set encoding utf8\n"
       "set terminal svg noenhanced size {},{} background rgb 'white' font 'sans,12'\n"
       "set multiplot layout {},1 title {}\nset grid\nset key outside right\n",
-      kWidth, kPanelHeight * static_cast<int>(panels.size()) + 40, panels.size(), Quoted(title));
+      kWidth, PanelHeight(panels) * static_cast<int>(panels.size()) + 40, panels.size(),
+      Quoted(title));
   int data = 0;
   for (const PlotPanel& panel : panels) {
     std::string plot;
     for (const PlotSeries& series : panel.series) {
       if (series.points.empty()) continue;
-      script += fmt::format("$d{} << EOD\n", data);
-      for (const auto& [x, y] : series.points) script += fmt::format("{:.10g} {:.6g}\n", x, y);
-      script += "EOD\n";
-      plot += fmt::format("{}$d{} using 1:2 with {} title {}", plot.empty() ? "plot " : ", ", data,
-                          series.lines ? "lines" : "points pointtype 7 pointsize 0.3",
-                          Quoted(series.label));
+      script += DataBlock(data, series);
+      plot += fmt::format("{}{} title {}", plot.empty() ? "plot " : ", ",
+                          Drawn(fmt::format("$d{}", data), series.style), Quoted(series.label));
       ++data;
     }
     if (plot.empty()) continue;
-    script += fmt::format("set ylabel {}\n", Quoted(panel.y_label));
+    script += fmt::format("set ylabel {}\n", Quoted(panel.y_label)) + Ordinate(panel.rows);
     if (&panel == &panels.back()) script += fmt::format("set xlabel {}\n", Quoted(x_label));
     script += plot + "\n";
   }

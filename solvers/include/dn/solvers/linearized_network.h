@@ -32,7 +32,7 @@ class LinearizedNetwork {
     FactorId factor = -1;
     int first = 0;
     int count = 0;
-    double weight = 1.0;  ///< rho' of its robust loss; the rows are times its root
+    double weight = 1.0;  ///< rho' of its robust loss; the rows are times its root, see AsRows
   };
 
   /// What a row is.
@@ -45,7 +45,7 @@ class LinearizedNetwork {
   };
 
   /// A factor by itself: its whitened residual without the robust weight and, for each of its
-  /// blocks that is free, d residual / d block.
+  /// blocks that is free, d residual / d block; of an active factor times its row scale.
   struct Factor {
     Eigen::VectorXd residual;
     std::vector<std::pair<BlockId, Eigen::MatrixXd>> jacobian;
@@ -55,6 +55,14 @@ class LinearizedNetwork {
   /// `threads` evaluate the factors, and later multiply. Throws InvalidInput naming a factor that
   /// is undefined at the present values.
   explicit LinearizedNetwork(const Network& network, int threads = 1);
+
+  /// The network as if its noise were stated otherwise: row i of r and J times row_scale[i], which
+  /// is what a standard deviation 1 / row_scale[i] times as large makes of it. Robust weights stay
+  /// those of the noise first stated. Holds r and J once more. Throws InvalidInput for another
+  /// number of rows, or a scale that is not positive and finite.
+  LinearizedNetwork Scaled(const Eigen::VectorXd& row_scale) const;
+  /// The product of all scales so far; ones where there were none.
+  const Eigen::VectorXd& row_scale() const;
 
   Eigen::Index rows() const { return residual().size(); }
   int parameters() const;
@@ -72,6 +80,10 @@ class LinearizedNetwork {
   double t_s(FactorId factor) const;
   /// The name of a row.
   Row RowAt(Eigen::Index row) const;
+
+  /// Derivatives L of the whitened residual of an active factor (its rows x anything) as its rows
+  /// have them: times the root of the robust weight and the row scale.
+  Eigen::MatrixXd AsRows(const FactorRows& rows, const Eigen::MatrixXd& L) const;
 
   /// A factor at these values, active or not. One that is not active is evaluated now: throws
   /// InvalidInput where it is undefined.
@@ -93,6 +105,8 @@ class LinearizedNetwork {
   const Impl& impl() const { return *impl_; }
 
  private:
+  explicit LinearizedNetwork(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+
   std::shared_ptr<const Impl> impl_;
 };
 

@@ -144,6 +144,9 @@ class Marginals {
   /// The network that the covariances are of.
   const LinearizedNetwork& linearized() const;
 
+  /// log |N|, from its factor.
+  double LogDeterminant() const;
+
   int num_parameters() const;    ///< order of N
   long factor_nonzeros() const;  ///< stored entries of L
   const Timings& timings() const;

@@ -31,7 +31,8 @@ struct ScoreTest {
 };
 
 /// Rao's score test of every effect by itself, at the minimum of the cost, without solving anew.
-/// With L the effect's columns and r, J, N those of the network (weighted by rho'),
+/// With L the effect's columns and r, J, N those of the network (rows weighted and scaled, see
+/// LinearizedNetwork::AsRows),
 ///
 ///   s = L^T r,  A = L^T L - (J^T L)^T N^-1 (J^T L),  estimate = -A^-1 s,  statistic = s^T A^-1 s.
 ///
@@ -58,6 +59,11 @@ struct JointScore {
 JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectModel>& effects,
                         const std::vector<BlockId>& watched);
 
+/// The score test of components, or of combinations of components, with this s and A (as in
+/// JointScore) and the diagonal of their L^T L.
+ScoreTest TestScore(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
+                    const Eigen::VectorXd& signature2);
+
 /// The score test of some components together, all others being absent.
 ScoreTest TestTogether(const JointScore& score, const std::vector<Eigen::Index>& components);
 
@@ -65,5 +71,34 @@ ScoreTest TestTogether(const JointScore& score, const std::vector<Eigen::Index>&
 ///
 ///   s_j - A_jk A_kk^+ s_k,   A_ij - A_ik A_kk^+ A_kj,   shift_j - shift_k A_kk^+ A_kj.
 JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Index>& components);
+
+/// Log of the likelihood of the residuals with an effect over that without it, averaged over its
+/// size. With s and A of its components in units of their usual sizes, A = U diag(d) U^T, c = U^T s,
+///
+///   log sum_g w_g exp( 1/2 sum_i [ v_g c_i^2 / (1 + v_g d_i) - ln(1 + v_g d_i) ] )
+///
+/// over variances v_g of 0.01 to 100, the weights w_g falling to both sides of 1.
+class EvidenceForm {
+ public:
+  /// Of the components W^T s, which have the covariance diag(d) where the effect is absent.
+  EvidenceForm() = default;
+  /// A: L^T M L of the components, or of as many combinations of them.
+  EvidenceForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& typical);
+
+  /// s: L^T r of the same components.
+  double LogEvidence(const Eigen::VectorXd& s) const;
+  /// Of a variance that is known, in squares of the usual size.
+  double LogEvidence(const Eigen::VectorXd& s, double variance) const;
+
+  Eigen::Index size() const { return d_.size(); }
+
+ private:
+  Eigen::MatrixXd W_;
+  Eigen::VectorXd d_;
+};
+
+/// L^T R of an effect for residuals R of the network (rows x any number).
+Eigen::MatrixXd TransposeTimes(const LinearizedNetwork& linearized, const EffectModel& effect,
+                               const Eigen::MatrixXd& R);
 
 }  // namespace dn

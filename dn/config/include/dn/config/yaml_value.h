@@ -31,6 +31,12 @@ class YamlValue {
   bool IsMap() const;
   bool IsScalar() const;
 
+  /// The keys of this map, in the order of the file; none where this is no map.
+  std::vector<std::string> Keys() const;
+
+  /// This value as YAML on one line.
+  std::string Yaml() const;
+
   /// Value under a key of this map; absent when there is none.
   YamlValue operator[](const std::string& key) const;
 
@@ -95,5 +101,11 @@ class YamlValue {
 /// The top level of a YAML text; `file` is what messages name. Throws InvalidConfig at the line of
 /// a syntax error, or when it is empty.
 YamlValue ParseYaml(const std::string& text, const std::string& file);
+
+/// The YAML text with another value (YAML, too) under a path of keys such as "plan.lines"; maps that
+/// are not there on the way are added, comments are lost. Throws InvalidConfig for what is not YAML,
+/// and where a key on the way holds something else than a map.
+std::string WithYamlValue(const std::string& text, const std::string& path,
+                          const std::string& value);
 
 }  // namespace dn

@@ -8,17 +8,28 @@
 
 namespace dn {
 
-/// One curve or cloud of points.
+/// How the points of a series are drawn.
+enum class PlotStyle {
+  kLines,   ///< joined
+  kPoints,  ///< a cloud
+  kBars,    ///< each a horizontal bar from abscissa 0
+  kSpans,   ///< each two, one after the other, joined by a thick line
+};
+
+/// One curve, cloud of points, or set of bars.
 struct PlotSeries {
   std::string label;
   std::vector<std::pair<double, double>> points;
-  bool lines = true;
+  PlotStyle style = PlotStyle::kLines;
 };
 
 /// A plot with one or several panels stacked above a common abscissa.
 struct PlotPanel {
   std::string y_label;
   std::vector<PlotSeries> series;
+  /// Names of the ordinates 0, 1, ..., from the top down; empty: numbers. The panel is as high as
+  /// they need.
+  std::vector<std::string> rows = {};
 };
 
 /// SVG text of the plot, drawn by gnuplot. Nothing where gnuplot is not installed, fails, takes

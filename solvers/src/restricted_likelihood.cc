@@ -1,0 +1,163 @@
+#include <dn/error.h>
+#include <dn/parallel.h>
+#include <dn/solvers/residual_form.h>
+#include <dn/solvers/restricted_likelihood.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "linearized_impl.h"
+#include "normal_equations.h"
+#include "serial_blas.h"
+#include "sparse_cholesky.h"
+
+namespace dn {
+namespace {
+
+constexpr int kMostThreads = 2;
+constexpr Eigen::Index kExactRows = 400;
+
+void ExpectRows(Eigen::Index shares, const LinearizedNetwork& linearized) {
+  if (shares == linearized.rows()) return;
+  throw InvalidInput("restricted likelihood: " + std::to_string(shares) + " shares for " +
+                     std::to_string(linearized.rows()) + " residuals");
+}
+
+void CheckShare(const Eigen::VectorXd& share) {
+  for (Eigen::Index row = 0; row < share.size(); ++row) {
+    if (share[row] >= 0.0 && std::isfinite(share[row])) continue;
+    throw InvalidInput("restricted likelihood: the share of row " + std::to_string(row) + " is " +
+                       std::to_string(share[row]) + ", must be finite and at least 0");
+  }
+}
+
+void CheckTheta(double theta, double largest_share) {
+  if (std::isfinite(theta) && 1.0 + theta * largest_share > 0.0) return;
+  throw InvalidInput("restricted likelihood: with theta " + std::to_string(theta) +
+                     " the smallest variance is " + std::to_string(1.0 + theta * largest_share) +
+                     ", must be positive");
+}
+
+/// The likelihood of one variance after another, by one thread.
+class Likelihood {
+ public:
+  /// `analysed`: of the pattern of `equations`; nothing where there are no unknowns.
+  Likelihood(const LinearizedNetwork::Impl& network, const NormalEquations& equations,
+             const SparseCholesky* analysed)
+      : network_(network), equations_(equations) {
+    if (analysed != nullptr) cholesky_ = std::make_unique<SparseCholesky>(*analysed);
+  }
+
+  double At(const Eigen::VectorXd& variance) {
+    const Eigen::VectorXd& r = network_.linearization.residual();
+    const Eigen::VectorXd weighted = r.cwiseQuotient(variance);
+    const double rows = r.dot(weighted) + variance.array().log().sum();
+    return -0.5 * (rows + (cholesky_ ? OfUnknowns(variance, weighted) : 0.0));
+  }
+
+ private:
+  /// log |N| less what one step takes off the cost.
+  double OfUnknowns(const Eigen::VectorXd& variance, const Eigen::VectorXd& weighted) {
+    const Linearization& linearization = network_.linearization;
+    equations_.Assemble(network_.layout, linearization, variance.cwiseInverse());
+    const Eigen::VectorXd scale = JacobiScale(equations_.N);
+    ApplyScale(scale, &equations_.N);
+    if (!cholesky_->Factorize(equations_.N)) {
+      throw RankDeficient("restricted likelihood: the normal matrix cannot be factored");
+    }
+    const Eigen::VectorXd g = scale.cwiseProduct(linearization.TransposeTimes(weighted));
+    return cholesky_->LogDeterminant() - 2.0 * scale.array().log().sum() -
+           g.dot(cholesky_->Solve(g).col(0));
+  }
+
+  const LinearizedNetwork::Impl& network_;
+  NormalEquations equations_;
+  std::unique_ptr<SparseCholesky> cholesky_;
+};
+
+/// Calls use(R) for matrices with R R^T = M, on the average, and returns their number.
+template <class Use>
+double ForResidualParts(const Marginals& marginals, const Use& use) {
+  const Eigen::Index rows = marginals.linearized().rows();
+  if (rows <= kExactRows) {
+    use(marginals.Project(Eigen::MatrixXd::Identity(rows, rows)));
+    return 1.0;
+  }
+  int samples = 0;
+  ForSampledResiduals(marginals, [&](const auto& residual) {
+    use(Eigen::MatrixXd(residual));
+    ++samples;
+  });
+  return samples;
+}
+
+}  // namespace
+
+double RestrictedLogLikelihood(const Marginals& marginals) {
+  const LinearizedNetwork& linearized = marginals.linearized();
+  const Eigen::VectorXd& r = linearized.residual();
+  const double cost = r.dot(marginals.Project(r).col(0));
+  const double log_V = -2.0 * linearized.row_scale().array().log().sum();
+  return -0.5 * (cost + log_V + marginals.LogDeterminant());
+}
+
+VarianceProfile ProfileVariance(const LinearizedNetwork& linearized, const Eigen::VectorXd& share,
+                                const std::vector<double>& thetas, int threads) {
+  ExpectRows(share.size(), linearized);
+  CheckShare(share);
+  for (const double theta : thetas) CheckTheta(theta, share.maxCoeff());
+  std::vector<double> wanted = thetas;
+  wanted.push_back(0.0);
+
+  const LinearizedNetwork::Impl& network = linearized.impl();
+  const NormalEquations equations(network.layout, network.linearization);
+  std::unique_ptr<const SparseCholesky> analysed;
+  if (network.layout.size() > 0) {
+    analysed = std::make_unique<SparseCholesky>(equations.N, equations.blocks, network.layout);
+  }
+  std::vector<double> likelihood(wanted.size());
+  const auto size = static_cast<std::size_t>(std::clamp(threads, 1, kMostThreads));
+  ParallelFor(static_cast<int>(size), static_cast<int>(size), [&](int thread) {
+    const SerialBlas serial;
+    Likelihood at(network, equations, analysed.get());
+    for (auto k = static_cast<std::size_t>(thread); k < wanted.size(); k += size) {
+      likelihood[k] = at.At((1.0 + wanted[k] * share.array()).matrix());
+    }
+  });
+
+  VarianceProfile profile{thetas, {}};
+  for (std::size_t k = 0; k < thetas.size(); ++k) {
+    profile.log_likelihood_ratio.push_back(likelihood[k] - likelihood.back());
+  }
+  return profile;
+}
+
+VarianceScore ScoreVariances(const Marginals& marginals, const Eigen::MatrixXd& shares) {
+  ExpectRows(shares.rows(), marginals.linearized());
+  const Eigen::Index n = shares.cols();
+  Eigen::VectorXd traces = Eigen::VectorXd::Zero(n);
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(n, n);
+  const double samples = ForResidualParts(marginals, [&](const Eigen::MatrixXd& R) {
+    std::vector<Eigen::MatrixXd> DR, MDR;
+    for (Eigen::Index k = 0; k < n; ++k) {
+      DR.emplace_back(shares.col(k).asDiagonal() * R);
+      MDR.push_back(marginals.Project(DR.back()));
+      traces[k] += R.cwiseProduct(DR.back()).sum();
+    }
+    for (Eigen::Index k = 0; k < n; ++k) {
+      for (Eigen::Index l = 0; l < n; ++l) {
+        products(k, l) +=
+            DR[static_cast<std::size_t>(k)].cwiseProduct(MDR[static_cast<std::size_t>(l)]).sum();
+      }
+    }
+  });
+  const Eigen::VectorXd r2 = marginals.Project(marginals.linearized().residual()).cwiseAbs2();
+  VarianceScore score;
+  score.u = 0.5 * (shares.transpose() * r2 - traces / samples);
+  score.information = 0.25 * (products + products.transpose()) / samples;
+  return score;
+}
+
+}  // namespace dn
