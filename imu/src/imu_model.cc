@@ -73,6 +73,18 @@ void CheckSensor(const SensorNoise& noise, const std::string& sensor) {
   }
 }
 
+void CheckVibration(const ImuVibration& vibration, const std::string& which) {
+  if (!(vibration.t0_s < vibration.t1_s)) {
+    throw InvalidConfig(which + ": the window from " + std::to_string(vibration.t0_s) + " s to " +
+                        std::to_string(vibration.t1_s) + " s must begin before it ends");
+  }
+  for (const double sigma : {vibration.gyro_sigma_radps, vibration.accel_sigma_mps2}) {
+    if (sigma >= 0.0 && std::isfinite(sigma)) continue;
+    throw InvalidConfig(which + ": a sigma is " + std::to_string(sigma) +
+                        ", must be finite and at least 0");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> ImuPresetNames() {
@@ -116,6 +128,9 @@ double Mps2PerSqrtSFromMgPerSqrtHour(double mg_sqrt_h) {
 void Validate(const ImuModel& model) {
   CheckSensor(model.gyro, "imu.gyro");
   CheckSensor(model.accel, "imu.accel");
+  for (std::size_t i = 0; i < model.vibration.size(); ++i) {
+    CheckVibration(model.vibration[i], "imu.vibration " + std::to_string(i + 1));
+  }
 }
 
 }  // namespace dn

@@ -26,7 +26,22 @@ struct Piece {
 /// Densities of white noise, rad^2/s and m^2/s^3.
 struct Densities {
   double gyro = 0.0, accel = 0.0;
+
+  friend Densities operator+(const Densities& a, const Densities& b) {
+    return {a.gyro + b.gyro, a.accel + b.accel};
+  }
 };
+
+/// What vibration adds to the white noise of a sample.
+Densities VibrationNoise(const std::vector<ImuVibration>& vibration, const ImuSample& sample) {
+  Densities sum;
+  for (const ImuVibration& v : vibration) {
+    if (!v.Covers(sample.t_s)) continue;
+    sum = sum + Densities{v.gyro_sigma_radps * v.gyro_sigma_radps * sample.dt_s,
+                          v.accel_sigma_mps2 * v.accel_sigma_mps2 * sample.dt_s};
+  }
+  return sum;
+}
 
 /// What bridged holes add to the white noise of samples that are visited in the order of time.
 class BridgeNoise {
@@ -371,13 +386,20 @@ void CheckBias(const ImuCorrection& bias, double t_s) {
                      "data, and the sigmas of the biases and of GNSS");
 }
 
+void CheckNoise(double value) {
+  if (!(value >= 0.0) || !std::isfinite(value)) {
+    throw InvalidInput("inertial increments: a noise is " + std::to_string(value) +
+                       ", must be finite and not negative");
+  }
+}
+
 void CheckNoise(const PreintegrationNoise& noise) {
-  for (const double value : {noise.gyro_white_rad_per_sqrt_s, noise.accel_white_mps_per_sqrt_s,
-                             noise.position_floor_m}) {
-    if (!(value >= 0.0) || !std::isfinite(value)) {
-      throw InvalidInput("inertial increments: a noise is " + std::to_string(value) +
-                         ", must be finite and not negative");
-    }
+  CheckNoise(noise.gyro_white_rad_per_sqrt_s);
+  CheckNoise(noise.accel_white_mps_per_sqrt_s);
+  CheckNoise(noise.position_floor_m);
+  for (const ImuVibration& vibration : noise.vibration) {
+    CheckNoise(vibration.gyro_sigma_radps);
+    CheckNoise(vibration.accel_sigma_mps2);
   }
 }
 
@@ -438,7 +460,7 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
     const LinearSample linear(imu, k, correction);
     Piece piece = linear.Part(t_s, stop_s);
     if (!corrector.empty()) corrector.Correct(t_s + 0.5 * (stop_s - t_s), &piece);
-    integrator.Add(piece, bridge_noise.Of(sample),
+    integrator.Add(piece, bridge_noise.Of(sample) + VibrationNoise(noise.vibration, sample),
                    corrector.empty() ? nullptr : &corrector.reading());
     if (last) WriteEnd(linear, &corrector, &out);
     t_s = stop_s;

@@ -125,6 +125,12 @@ TEST(ImuModel, ValidateNamesWhatIsWrong) {
   EXPECT_THAT(message(model), ::testing::HasSubstr("imu.gyro: bias process 1: sigma"));
   model.gyro.processes.clear();
   EXPECT_EQ(message(model), "valid");  // white noise alone is a model
+  model.vibration = {{1.0, 2.0, 0.1, 0.0}, {1.0, 1.0, 0.1, 0.1}};
+  EXPECT_THAT(message(model), ::testing::HasSubstr("imu.vibration 2: the window"));
+  model.vibration[1] = {1.0, 2.0, 0.1, -0.1};
+  EXPECT_THAT(message(model), ::testing::HasSubstr("imu.vibration 2: a sigma"));
+  model.vibration.pop_back();
+  EXPECT_EQ(message(model), "valid");
 }
 
 }  // namespace

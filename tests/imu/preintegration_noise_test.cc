@@ -1,3 +1,4 @@
+#include <dn/error.h>
 #include <dn/imu/preintegration.h>
 #include <dn/rotation.h>
 #include <gtest/gtest.h>
@@ -50,6 +51,70 @@ TEST(PreintegrationNoise, CovarianceIsThatOfMonteCarlo) {
       }
     }
     const Vector9 d = Difference(Preintegrate(noisy, 0.1, 1.1, {}, kNoise), reference);
+    sum += d * d.transpose();
+  }
+  const Vector9 sigma = reference.covariance.diagonal().cwiseSqrt();
+  const Matrix9 difference = Normalised(sum / kRuns - reference.covariance, sigma);
+  EXPECT_LE(difference.cwiseAbs().maxCoeff(), std::sqrt(2.0) * kTolerance) << difference;
+}
+
+/// Of an angle or velocity over `all` samples of 0.01 s, `inside` of them vibrating.
+double Variance(double white, double sigma, int inside, int all) {
+  return 0.01 * all * white * white + 1e-4 * inside * sigma * sigma;
+}
+
+// Samples 31 to 50 of 10 to 110; angle and velocity by hand, a motion without turns.
+TEST(PreintegrationNoise, VibrationAddsToTheSamplesOfItsWindow) {
+  ImuData imu = testing::VibratingMotion().Measure(0.0, 1.2, 100.0);
+  for (ImuSample& sample : imu.samples) {
+    sample.w_ib_b_radps.setZero();
+    sample.f_b_mps2.setZero();
+  }
+  PreintegrationNoise noise = kNoise;
+  noise.vibration = {{0.305, 0.4, 0.05, 0.2}, {0.404, 0.505, 0.05, 0.0}};
+  const auto covariance = [&](double t0_s, double t1_s) {
+    return Preintegrate(imu, t0_s, t1_s, {}, noise).covariance;
+  };
+  constexpr double kRelative = 1e-9;
+  const auto expect = [&](double actual, double expected) {
+    EXPECT_NEAR(actual, expected, kRelative * expected);
+  };
+  const Matrix9 P = covariance(0.1, 1.1);
+  expect(P(0, 0), Variance(2e-3, 0.05, 20, 100));
+  expect(P(3, 3), Variance(5e-3, 0.2, 10, 100));
+  // A quarter of sample 31 and half of sample 51, which has none.
+  expect(covariance(0.3075, 0.505)(0, 0), 0.1975 * 4e-6 + 19.25 * 1e-4 * 0.05 * 0.05);
+  expect(covariance(0.6, 0.8)(0, 0), Variance(2e-3, 0.0, 0, 20));
+}
+
+TEST(PreintegrationNoise, RefusesVibrationThatIsNegative) {
+  const ImuData imu = testing::VibratingMotion().Measure(0.0, 1.2, 100.0);
+  PreintegrationNoise noise = kNoise;
+  noise.vibration = {{0.3, 0.4, 0.1, -0.2}};
+  EXPECT_THROW(Preintegrate(imu, 0.1, 1.1, {}, noise), InvalidInput);
+}
+
+// The increments of a motion that turns, with a window that begins and ends within them.
+TEST(PreintegrationNoise, CovarianceOfVibrationIsThatOfMonteCarlo) {
+  constexpr int kRuns = 4000;
+  constexpr double kTolerance = 4.0 / 63.0;  // as above
+  const ImuData clean = testing::VibratingMotion().Measure(0.0, 1.2, 100.0);
+  const ImuVibration vibration{0.405, 0.755, 0.05, 0.15};
+  const PreintegrationNoise noise{1e-6, 1e-6, 0.0, {vibration}};
+  const Preintegrated reference = Preintegrate(clean, 0.1, 1.1, {}, noise);
+  std::mt19937 rng(8);
+  std::normal_distribution<double> normal;
+  Matrix9 sum = Matrix9::Zero();
+  for (int run = 0; run < kRuns; ++run) {
+    ImuData noisy = clean;
+    for (ImuSample& sample : noisy.samples) {
+      if (!vibration.Covers(sample.t_s)) continue;
+      for (int i = 0; i < 3; ++i) {
+        sample.w_ib_b_radps[i] += vibration.gyro_sigma_radps * normal(rng);
+        sample.f_b_mps2[i] += vibration.accel_sigma_mps2 * normal(rng);
+      }
+    }
+    const Vector9 d = Difference(Preintegrate(noisy, 0.1, 1.1, {}, noise), reference);
     sum += d * d.transpose();
   }
   const Vector9 sigma = reference.covariance.diagonal().cwiseSqrt();

@@ -23,13 +23,25 @@ struct SensorNoise {
   std::vector<BiasProcess> processes;
 };
 
+/// White noise that every sample has beyond that of the sensors while a vibration lasts.
+struct ImuVibration {
+  double t0_s = 0.0;  ///< of the time tags of samples; both ends included
+  double t1_s = 0.0;
+  double gyro_sigma_radps = 0.0;  ///< of a sample, per axis
+  double accel_sigma_mps2 = 0.0;
+
+  bool Covers(double t_s) const { return t_s >= t0_s && t_s <= t1_s; }
+  bool operator==(const ImuVibration&) const = default;
+};
+
 /// The assumed stochastic model of an inertial measurement unit.
 struct ImuModel {
   std::string name;
   SensorNoise gyro;
   SensorNoise accel;
-  std::string source;        ///< where the figures come from
-  bool approximate = false;  ///< true when not all figures are the maker's
+  std::vector<ImuVibration> vibration;  ///< where windows overlap, the variances add up
+  std::string source;                   ///< where the figures come from
+  bool approximate = false;             ///< true when not all figures are the maker's
 };
 
 /// Names of the presets: ln200, airins, apx15, imu57, isa100c.
@@ -57,7 +69,8 @@ double MpsPerSqrtSFromUgPerSqrtHz(double ug_sqrt_hz);
 double RadpsPerSqrtSFromDegPerHourPerSqrtHour(double deg_h_sqrt_h);
 double Mps2PerSqrtSFromMgPerSqrtHour(double mg_sqrt_h);
 
-/// Throws InvalidConfig when a sigma, density or correlation time is not positive and finite.
+/// Throws InvalidConfig when a sigma, density or correlation time is not positive and finite, when a
+/// vibration does not begin before it ends, or has a sigma that is negative or not finite.
 void Validate(const ImuModel& model);
 
 }  // namespace dn

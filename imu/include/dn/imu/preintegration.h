@@ -2,6 +2,7 @@
 
 #include <dn/imu/imu_data.h>
 #include <dn/imu/imu_effect.h>
+#include <dn/imu/imu_model.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -60,6 +61,8 @@ struct PreintegrationNoise {
   double accel_white_mps_per_sqrt_s = 0.0;
   /// Floor added to the position covariance of every increment: quantisation and conditioning.
   double position_floor_m = 1e-6;
+  /// A sample within one has its variance beside that of the densities.
+  std::vector<ImuVibration> vibration = {};
 };
 
 /// Integrates the samples over [t_begin_s, t_end_s]. The ends need not be sample epochs: within a
@@ -70,7 +73,8 @@ struct PreintegrationNoise {
 /// The derivatives with respect to the effects of the correction come with the increments, at about
 /// 0.1 us per sample and effect. The white noise is a density: the covariance is
 /// that of continuous white noise and does not depend on the sampling. The errors of bridged holes
-/// (ImuBridge) enter as white noise within their samples.
+/// (ImuBridge) and vibration enter as white noise within their samples, vibration with the density
+/// sigma^2 dt; a sample of which the interval has only a part adds that part.
 /// Throws InvalidInput when the interval is not positive, or not covered by samples without a gap
 /// (naming the times). An end may exceed the data by 1e-7 s (rounding of time tags).
 /// Linear in the number of samples, about 0.3 us each; finding the first is logarithmic.
