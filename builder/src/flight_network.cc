@@ -90,7 +90,7 @@ FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& no
                              const InitialStates& initial, const FlightNetworkOptions& options)
     : flight_(&flight), node_t_s_(node_t_s), options_(options) {
   const ImuModel& model = flight.config.imu->model;
-  noise_ = {model.gyro.white, model.accel.white, options.position_floor_m};
+  noise_ = {model.gyro.white, model.accel.white, options.position_floor_m, model.vibration};
   const CalibrationState assumed = AssumedCalibration(flight);
   const CalibrationState& calibration = initial.calibration ? *initial.calibration : assumed;
   AddMounting(calibration);
@@ -438,10 +438,11 @@ void FlightNetwork::Bridge(PairEdge* edge) const {
         inertial_edges.begin(), inertial_edges.end(), node,
         [](const InertialEdge& inertial, std::size_t k) { return inertial.node_i < k; });
     if (at == inertial_edges.end() || at->node_i != node) return std::nullopt;
-    const double noise_m = noise_.gyro_white_rad_per_sqrt_s * range_m;
-    const double added_m2 = noise_m * noise_m * (node_t_s_[node + 1] - node_t_s_[node]);
+    const auto k = static_cast<std::size_t>(at - inertial_edges.begin());
+    const double turn_rad2 = InertialFactorInUse(k)->increments().covariance(0, 0);
+    const double added_m2 = turn_rad2 * range_m * range_m;
     if (added_m2 <= kNoiseCountedTwice * variance_m2) return std::nullopt;
-    return static_cast<std::size_t>(at - inertial_edges.begin());
+    return k;
   };
   edge->bridge_i = bridge_of(edge->node_i, edge->pair.u_i_s.norm());
   edge->bridge_j = bridge_of(edge->node_j, edge->pair.u_j_s.norm());

@@ -2,6 +2,7 @@
 #include <dn/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <string>
 
@@ -19,6 +20,19 @@ std::vector<TimeInterval> StripsOfPairs(const Flight& flight) {
     t_s.push_back(pair.t_j_s);
   }
   return ClusterEpochs(std::move(t_s), kStripJoinS);
+}
+
+/// Angle random walk, rad/sqrt(s), with the strongest vibration that a strip has.
+double LargestGyroWhite(const Flight& flight, const std::vector<TimeInterval>& strips) {
+  const ImuModel& model = flight.config.imu->model;
+  double added = 0.0;
+  for (const ImuVibration& v : model.vibration) {
+    const bool in_strip = std::any_of(strips.begin(), strips.end(), [&](const TimeInterval& s) {
+      return v.t0_s <= s.t1_s && v.t1_s >= s.t0_s;
+    });
+    if (in_strip) added = std::max(added, v.gyro_sigma_radps * std::sqrt(flight.imu->nominal_dt_s));
+  }
+  return std::hypot(model.gyro.white, added);
 }
 
 }  // namespace
@@ -68,9 +82,10 @@ double AutoNodeRateHz(const Flight& flight) {
   if (!flight.config.lidar || !flight.pairs || flight.pairs->pairs.empty()) return kLowestRateHz;
   const auto ends = 2.0 * static_cast<double>(flight.pairs->pairs.size());
   double strips_s = kShortestStripS;
-  for (const TimeInterval& strip : StripsOfPairs(flight)) strips_s += strip.t1_s - strip.t0_s;
+  const std::vector<TimeInterval> strips = StripsOfPairs(flight);
+  for (const TimeInterval& strip : strips) strips_s += strip.t1_s - strip.t0_s;
   const double noise_m_per_sqrt_s =
-      flight.config.imu->model.gyro.white * MeanRange(flight.pairs->pairs);
+      LargestGyroWhite(flight, strips) * MeanRange(flight.pairs->pairs);
   const double relative = noise_m_per_sqrt_s / flight.config.lidar->sigma_p_m;
   for (const auto& [rate_hz, shared] : kLadder) {
     const double ends_per_interval = std::max(1.0, ends / strips_s / rate_hz);

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <dn/config/yaml_value.h>
+#include <dn/flight/file_units.h>
 #include <dn/flight/flight_config.h>
 #include <dn/flight/yaml_sections.h>
 
 #include "config_names.h"
-#include "config_units.h"
 
 namespace dn::internal {
 

@@ -2,15 +2,12 @@
 #include <dn/geo/text_table.h>
 
 namespace dn {
-namespace {
 
 std::pair<double, double> ReadWindow(const YamlValue& value) {
   const Eigen::VectorXd window_s = value.Numbers(2);
   if (!(window_s[0] < window_s[1])) value.Fail("must be [begin, end] with begin before end");
   return {window_s[0], window_s[1]};
 }
-
-}  // namespace
 
 EffectTimes ReadEffectTimes(const YamlValue& entry, const EffectSpec& effect) {
   const std::string needed = TimingKey(effect.timing);

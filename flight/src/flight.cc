@@ -57,7 +57,7 @@ class FolderReader {
     if (!present && !needs_.optional) {
       throw InvalidConfig(
           std::string("the section '") + section + "' is missing, and this command needs it",
-          FileLocation{InFolder("flight.yaml").string(), 0, 0});
+          FileLocation{flight_.config.file.string(), 0, 0});
     }
     return present;
   }
@@ -85,7 +85,7 @@ class FolderReader {
     try {
       flight_.imu = ReadImu(file, imu.read);
     } catch (const InvalidConfig& e) {
-      throw InvalidConfig(e.what(), PlaceOfMaxGap(InFolder("flight.yaml")));
+      throw InvalidConfig(e.what(), PlaceOfMaxGap(flight_.config.file));
     }
     if (flight_.imu->samples.empty()) {
       throw InvalidInput("no IMU sample lies inside time_span_s",

@@ -13,16 +13,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string ReadText(const fs::path& folder) {
-  if (!fs::is_directory(folder)) {
-    throw InvalidConfig("there is no flight folder '" + folder.string() + "'");
-  }
-  const fs::path file = folder / "flight.yaml";
+bool IsThere(const fs::path& path) {
   std::error_code none;
-  if (fs::status(file, none).type() == fs::file_type::not_found) {
+  return fs::status(path, none).type() != fs::file_type::not_found;
+}
+
+/// The file of a flight folder, or the file itself.
+fs::path ConfigFile(const fs::path& folder_or_file) {
+  if (fs::is_directory(folder_or_file)) {
+    fs::path file = folder_or_file / "flight.yaml";
+    if (IsThere(file)) return file;
     throw InvalidConfig("the flight folder has no flight.yaml; docs/flight.yaml is a model",
                         FileLocation{file.string(), 0, 0});
   }
+  if (IsThere(folder_or_file)) return folder_or_file;
+  throw InvalidConfig("there is no flight folder '" + folder_or_file.string() + "'");
+}
+
+std::string ReadText(const fs::path& file) {
   try {
     return ReadWholeFile(file, kMostYamlBytes);
   } catch (const InvalidInput& e) {
@@ -35,7 +43,7 @@ Geodetic ReadOrigin(const YamlValue& value) {
   if (std::abs(v.x()) > 90.0) value.Fail("latitude must lie in -90..90 deg");
   if (std::abs(v.y()) > 360.0) value.Fail("longitude must lie in -360..360 deg");
   if (std::abs(v.z()) > 1e6) value.Fail("height must lie in -1e6..1e6 m");
-  return {internal::RadFromDeg(v.x()), internal::RadFromDeg(v.y()), v.z()};
+  return {RadFromDeg(v.x()), RadFromDeg(v.y()), v.z()};
 }
 
 std::optional<Geodetic> ReadFrame(const YamlValue& section) {
@@ -57,20 +65,6 @@ StripInterval ReadStrip(const YamlValue& item) {
   StripInterval strip{item["name"].Name(), item["t0"].Number(), item["t1"].Number()};
   if (!(strip.t0_s < strip.t1_s)) item["t1"].Fail("must be later than t0");
   return strip;
-}
-
-std::vector<StripInterval> ReadStrips(const YamlValue& value) {
-  std::vector<StripInterval> strips;
-  if (!value) return strips;
-  for (const YamlValue& item : value.List()) {
-    StripInterval strip = ReadStrip(item);
-    const auto same = [&](const StripInterval& s) { return s.name == strip.name; };
-    if (std::any_of(strips.begin(), strips.end(), same)) {
-      item["name"].Fail("strip '" + strip.name + "' is given twice");
-    }
-    strips.push_back(std::move(strip));
-  }
-  return strips;
 }
 
 std::string ReadCrs(const YamlValue& value) {
@@ -119,21 +113,30 @@ void ReadSensors(const YamlValue& root, FlightConfig& config) {
   }
 }
 
+/// Whether the first data file that is named lies in the folder.
+bool HoldsData(const fs::path& folder, const FlightConfig& config) {
+  if (config.imu) return IsThere(folder / config.imu->file);
+  if (config.gnss) return IsThere(folder / config.gnss->file);
+  return !config.trajectory || IsThere(folder / config.trajectory->file);
+}
+
+/// Where the data of a file in `folder` lie.
+fs::path DataFolder(const YamlValue& key, const fs::path& folder, const FlightConfig& config) {
+  return key && !HoldsData(folder, config) ? folder / key.Text() : folder;
+}
+
 // A folder may be called anything.
 std::string NameOfFolder(const fs::path& folder) {
   const fs::path full = fs::weakly_canonical(folder);
   return WithoutControls(full.filename().string());
 }
 
-}  // namespace
-
-FlightConfig ParseFlightConfig(const std::string& text, const fs::path& folder) {
-  const YamlValue root = ParseYaml(text, (folder / "flight.yaml").string());
-  root.ExpectMap({"name", "body", "frame", "time_span_s", "strips", "strips_crs", "imu", "gnss",
-                  "lidar", "trajectory", "gh", "estimate", "network"});
+FlightConfig ParseFile(const std::string& text, const fs::path& file) {
+  const YamlValue root = ParseYaml(text, file.string());
+  root.ExpectMap({"name", "data_folder", "body", "frame", "time_span_s", "strips", "strips_crs",
+                  "imu", "gnss", "lidar", "trajectory", "gh", "estimate", "network"});
   FlightConfig config;
-  config.folder = folder;
-  config.name = root["name"] ? root["name"].Name() : NameOfFolder(folder);
+  config.file = file;
   if (root["body"]) config.body_is_flu = root["body"].Choice(internal::BodyWords());
   config.origin = ReadFrame(root["frame"]);
   config.time_span_s = ReadSpan(root["time_span_s"]);
@@ -143,11 +146,34 @@ FlightConfig ParseFlightConfig(const std::string& text, const fs::path& folder) 
   if (root["gh"]) config.gh = ReadGh(root["gh"]);
   if (root["estimate"]) config.estimate = internal::ReadEstimate(root["estimate"]);
   if (root["network"]) config.network = ReadNetwork(root["network"]);
+  config.folder = DataFolder(root["data_folder"], file.parent_path(), config);
+  config.name = root["name"] ? root["name"].Name() : NameOfFolder(config.folder);
   return config;
 }
 
-FlightConfig ReadFlightConfig(const fs::path& folder) {
-  return ParseFlightConfig(ReadText(folder), folder);
+}  // namespace
+
+std::vector<StripInterval> ReadStrips(const YamlValue& list) {
+  std::vector<StripInterval> strips;
+  if (!list) return strips;
+  for (const YamlValue& item : list.List()) {
+    StripInterval strip = ReadStrip(item);
+    const auto same = [&](const StripInterval& s) { return s.name == strip.name; };
+    if (std::any_of(strips.begin(), strips.end(), same)) {
+      item["name"].Fail("strip '" + strip.name + "' is given twice");
+    }
+    strips.push_back(std::move(strip));
+  }
+  return strips;
+}
+
+FlightConfig ParseFlightConfig(const std::string& text, const fs::path& folder) {
+  return ParseFile(text, folder / "flight.yaml");
+}
+
+FlightConfig ReadFlightConfig(const fs::path& folder_or_file) {
+  const fs::path file = ConfigFile(folder_or_file);
+  return ParseFile(ReadText(file), file);
 }
 
 }  // namespace dn

@@ -5,29 +5,9 @@
 namespace dn {
 namespace {
 
-using internal::InUnit;
-using internal::RadFromDeg;
-using internal::ToSi;
 using internal::WordOf;
 
 double Same(double value) { return value; }
-
-/// A double-quoted YAML scalar.
-std::string Quote(const std::string& text) {
-  static const char* const kHex = "0123456789abcdef";
-  std::string quoted = "\"";
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') {
-      quoted += {'\\', c};
-    } else if (byte < 0x20) {
-      quoted += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
-    } else {
-      quoted += c;
-    }
-  }
-  return quoted + "\"";
-}
 
 std::string Number(double value, ToSi to_si = &Same) { return FormatDouble(InUnit(value, to_si)); }
 
@@ -69,14 +49,13 @@ void WriteStrips(const std::vector<StripInterval>& strips, Writer& out) {
   if (strips.empty()) return out.Key(0, "strips", "~");
   out.Line(0, "strips:");
   for (const StripInterval& strip : strips) {
-    out.Line(1, "- {name: " + Quote(strip.name) + ", t0: " + Number(strip.t0_s) +
-                    ", t1: " + Number(strip.t1_s) + "}");
+    out.Line(1, "- " + FormatStrip(strip));
   }
 }
 
 std::string Process(const BiasProcess& process, const internal::ProcessKeys& keys) {
   const bool walk = process.type == BiasProcess::Type::kRandomWalk;
-  std::string text = "- {type: " + WordOf(process.type, internal::ProcessWords()) + ", " +
+  std::string text = "{type: " + WordOf(process.type, internal::ProcessWords()) + ", " +
                      (walk ? keys.walk : keys.sigma) + ": " +
                      Number(process.sigma, walk ? keys.walk_to_si : keys.sigma_to_si);
   if (process.type == BiasProcess::Type::kGaussMarkov) {
@@ -91,18 +70,40 @@ void WriteSensor(const char* name, const SensorNoise& noise, const internal::Pro
   out.Key(2, keys.white, Number(noise.white, keys.white_to_si));
   if (noise.processes.empty()) return out.Key(2, "processes", "[]");
   out.Line(2, "processes:");
-  for (const BiasProcess& process : noise.processes) out.Line(3, Process(process, keys));
+  for (const BiasProcess& process : noise.processes) {
+    out.Line(3, "- " + Process(process, keys));
+  }
+}
+
+std::string Noise(const SensorNoise& noise, const internal::ProcessKeys& keys) {
+  std::string processes;
+  for (const BiasProcess& process : noise.processes) {
+    processes += (processes.empty() ? "" : ", ") + Process(process, keys);
+  }
+  return "{" + std::string(keys.white) + ": " + Number(noise.white, keys.white_to_si) +
+         ", processes: [" + processes + "]}";
+}
+
+void WriteVibration(const std::vector<ImuVibration>& vibration, Writer& out) {
+  if (vibration.empty()) return out.Key(1, "vibration", "[]");
+  out.Line(1, "vibration:");
+  for (const ImuVibration& v : vibration) {
+    out.Line(2, "- {window_s: [" + Number(v.t0_s) + ", " + Number(v.t1_s) +
+                    "], sigma_gyro_deg_s: " + Number(v.gyro_sigma_radps, &RadFromDeg) +
+                    ", sigma_accel_m_s2: " + Number(v.accel_sigma_mps2) + "}");
+  }
 }
 
 void WriteImu(const ImuConfig& imu, Writer& out) {
   out.Line(0, "imu:");
-  out.Key(1, "file", Quote(imu.file));
+  out.Key(1, "file", QuoteYaml(imu.file));
   out.Key(1, "format", WordOf(imu.read.format, internal::ImuFormatWords()));
   out.Key(1, "sampling", WordOf(imu.read.sampling, internal::ImuSamplingWords()));
   out.Key(1, "max_gap_s", Number(imu.read.max_gap_s));
-  out.Key(1, "grade", imu.grade ? Quote(*imu.grade) : "~");
+  out.Key(1, "grade", imu.grade ? QuoteYaml(*imu.grade) : "~");
   WriteSensor("gyro", imu.model.gyro, internal::GyroKeys(), out);
   WriteSensor("accel", imu.model.accel, internal::AccelKeys(), out);
+  WriteVibration(imu.model.vibration, out);
 }
 
 void WriteGnssProcesses(const std::vector<GnssProcess>& processes, Writer& out) {
@@ -113,7 +114,7 @@ void WriteGnssProcesses(const std::vector<GnssProcess>& processes, Writer& out) 
 
 void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Line(0, "gnss:");
-  out.Key(1, "file", Quote(gnss.file));
+  out.Key(1, "file", QuoteYaml(gnss.file));
   out.Key(1, "format", WordOf(gnss.format, internal::GnssFormatWords()));
   out.Key(1, "lever_arm_m", List(gnss.lever_arm_b_m));
   out.Key(1, "sigma_enu_m", List(gnss.sigma_enu_m));
@@ -133,7 +134,7 @@ std::string Selection(const PairSelection& selection) {
 void WriteLidar(const LidarConfig& lidar, Writer& out) {
   out.Line(0, "lidar:");
   std::string files;
-  for (const std::string& file : lidar.p2p) files += (files.empty() ? "" : ", ") + Quote(file);
+  for (const std::string& file : lidar.p2p) files += (files.empty() ? "" : ", ") + QuoteYaml(file);
   out.Key(1, "p2p", "[" + files + "]");
   out.Key(1, "pairs", Selection(lidar.pairs));
   out.Key(1, "R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
@@ -150,12 +151,12 @@ void WriteLidar(const LidarConfig& lidar, Writer& out) {
 
 void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
   out.Line(0, "trajectory:");
-  out.Key(1, "file", Quote(trajectory.file));
+  out.Key(1, "file", QuoteYaml(trajectory.file));
   out.Key(1, "sigma_xy_m", Number(trajectory.sigma_xy_m));
   out.Key(1, "sigma_z_m", Number(trajectory.sigma_z_m));
   out.Key(1, "sigma_rp_deg", Number(trajectory.sigma_rp_rad, &RadFromDeg));
   out.Key(1, "sigma_y_deg", Number(trajectory.sigma_y_rad, &RadFromDeg));
-  out.Key(1, "sigma_file", trajectory.sigma_file.empty() ? "~" : Quote(trajectory.sigma_file));
+  out.Key(1, "sigma_file", trajectory.sigma_file.empty() ? "~" : QuoteYaml(trajectory.sigma_file));
 }
 
 std::string Estimate(const EstimateEntry& entry) {
@@ -178,12 +179,23 @@ void WriteEstimate(const std::vector<EstimateEntry>& entries, Writer& out) {
   out.Key(0, "estimate", "[" + text + "]");
 }
 
-void WriteHead(const FlightConfig& config, Writer& out) {
+void WriteBegin(const FlightConfig& config, Writer& out) {
   if (config.body_is_flu) {
     out.Line(0, "# Resolved from 'body: FLU': here in FRD; the flight's data files remain FLU.");
   }
-  out.Key(0, "name", Quote(config.name));
+  out.Key(0, "name", QuoteYaml(config.name));
   out.Key(0, "body", "FRD");
+}
+
+void WriteBeginOfFile(const FlightConfig& config, Writer& out) {
+  out.Key(0, "name", QuoteYaml(config.name));
+  out.Line(0, "# Where the data are looked for if they do not lie beside this file.");
+  const std::filesystem::path folder = std::filesystem::absolute(config.folder);
+  out.Key(0, "data_folder", QuoteYaml(folder.lexically_normal().string()));
+  out.Key(0, "body", WordOf(config.body_is_flu, internal::BodyWords()));
+}
+
+void WriteHead(const FlightConfig& config, Writer& out) {
   const std::optional<Geodetic>& o = config.origin;
   out.Key(0, "frame",
           o ? "{origin_deg_m: [" + Number(o->lat_rad, &RadFromDeg) + ", " +
@@ -191,18 +203,22 @@ void WriteHead(const FlightConfig& config, Writer& out) {
             : "{origin_deg_m: ~}");
   out.Key(0, "time_span_s", config.time_span_s ? List(*config.time_span_s) : "~");
   WriteStrips(config.strips, out);
-  out.Key(0, "strips_crs", Quote(config.strips_crs));
+  out.Key(0, "strips_crs", QuoteYaml(config.strips_crs));
 }
 
-}  // namespace
-
-std::string FormatGnssProcess(const GnssProcess& process) {
-  return "{type: gauss_markov, sigma_enu_m: " + List(process.sigma_enu_m) +
-         ", tau_s: " + Number(process.tau_s) + "}";
+/// Body quantities in forward-left-up.
+FlightConfig WithBodyFlipped(FlightConfig config) {
+  using internal::FlipBody;
+  if (config.gnss) config.gnss->lever_arm_b_m = FlipBody(config.gnss->lever_arm_b_m);
+  if (!config.lidar) return config;
+  Mounting& mounting = config.lidar->mounting;
+  mounting.R_bs_nominal.bottomRows<2>() *= -1.0;
+  mounting.lever_arm_b_m = FlipBody(mounting.lever_arm_b_m);
+  mounting.boresight_rad = FlipBody(mounting.boresight_rad);
+  return config;
 }
 
-std::string FormatFlightConfig(const FlightConfig& config) {
-  Writer out;
+void WriteRest(const FlightConfig& config, Writer& out) {
   WriteHead(config, out);
   if (config.imu) WriteImu(*config.imu, out);
   if (config.gnss) WriteGnss(*config.gnss, out);
@@ -216,6 +232,53 @@ std::string FormatFlightConfig(const FlightConfig& config) {
           "{inertial: " + WordOf(config.network.inertial, internal::InertialWords()) +
               ", node_rate_hz: " +
               (config.network.node_rate_hz ? Number(*config.network.node_rate_hz) : "auto") + "}");
+}
+
+}  // namespace
+
+std::string QuoteYaml(const std::string& text) {
+  static const char* const kHex = "0123456789abcdef";
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      quoted += {'\\', c};
+    } else if (byte < 0x20) {
+      quoted += {'\\', 'x', kHex[byte >> 4], kHex[byte & 15]};
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "\"";
+}
+
+std::string FormatGnssProcess(const GnssProcess& process) {
+  return "{type: gauss_markov, sigma_enu_m: " + List(process.sigma_enu_m) +
+         ", tau_s: " + Number(process.tau_s) + "}";
+}
+
+std::string FormatGyroNoise(const SensorNoise& noise) { return Noise(noise, internal::GyroKeys()); }
+
+std::string FormatAccelNoise(const SensorNoise& noise) {
+  return Noise(noise, internal::AccelKeys());
+}
+
+std::string FormatStrip(const StripInterval& strip) {
+  return "{name: " + QuoteYaml(strip.name) + ", t0: " + Number(strip.t0_s) +
+         ", t1: " + Number(strip.t1_s) + "}";
+}
+
+std::string FormatFlightConfig(const FlightConfig& config) {
+  Writer out;
+  WriteBegin(config, out);
+  WriteRest(config, out);
+  return out.Take();
+}
+
+std::string FormatFlightFile(const FlightConfig& config) {
+  Writer out;
+  WriteBeginOfFile(config, out);
+  WriteRest(config.body_is_flu ? WithBodyFlipped(config) : config, out);
   return out.Take();
 }
 

@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/flight/effect_times.h>
 #include <dn/names.h>
 
 #include <filesystem>
@@ -65,6 +66,18 @@ bool SameNoise(const SensorNoise& a, const SensorNoise& b) {
   return true;
 }
 
+ImuVibration ReadVibration(const YamlValue& item) {
+  item.ExpectMap({"window_s", "sigma_gyro_deg_s", "sigma_accel_m_s2"});
+  if (!item["window_s"]) item["window_s"].Fail("is missing");
+  const auto [t0_s, t1_s] = ReadWindow(item["window_s"]);
+  const ImuVibration vibration{t0_s, t1_s, RadFromDeg(item["sigma_gyro_deg_s"].NotNegativeOr(0.0)),
+                               item["sigma_accel_m_s2"].NotNegativeOr(0.0)};
+  if (vibration.gyro_sigma_radps == 0.0 && vibration.accel_sigma_mps2 == 0.0) {
+    item.Fail("sigma_gyro_deg_s and sigma_accel_m_s2 are both 0, one must be positive");
+  }
+  return vibration;
+}
+
 }  // namespace
 
 const ProcessKeys& GyroKeys() {
@@ -82,7 +95,8 @@ const ProcessKeys& AccelKeys() {
 }
 
 ImuConfig ReadImuSection(const YamlValue& section) {
-  section.ExpectMap({"file", "format", "sampling", "max_gap_s", "grade", "gyro", "accel"});
+  section.ExpectMap(
+      {"file", "format", "sampling", "max_gap_s", "grade", "gyro", "accel", "vibration"});
   ImuConfig imu;
   if (section["file"]) imu.file = section["file"].Text();
   if (section["format"]) imu.read.format = section["format"].Choice(ImuFormatWords());
@@ -90,6 +104,11 @@ ImuConfig ReadImuSection(const YamlValue& section) {
   if (section["max_gap_s"]) imu.read.max_gap_s = section["max_gap_s"].Positive();
   if (section["grade"]) imu.grade = section["grade"].Name();
   imu.model = ReadImuNoise(section, "grade");
+  if (section["vibration"]) {
+    for (const YamlValue& item : section["vibration"].List()) {
+      imu.model.vibration.push_back(ReadVibration(item));
+    }
+  }
   return imu;
 }
 

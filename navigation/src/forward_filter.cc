@@ -36,7 +36,8 @@ class Filter {
         gnss_processes_(GnssProcessesInSigmas(*flight.config.gnss)),
         state_(start) {
     const ImuModel& model = flight.config.imu->model;
-    noise_ = {model.gyro.white, model.accel.white, FlightNetworkOptions{}.position_floor_m};
+    noise_ = {model.gyro.white, model.accel.white, FlightNetworkOptions{}.position_floor_m,
+              model.vibration};
   }
 
   void PredictTo(double t_s) {

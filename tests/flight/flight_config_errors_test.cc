@@ -121,6 +121,18 @@ TEST(FlightConfigErrors, ImuWithoutGradeNeedsBothWhiteNoises) {
             "imu.gyro.white_deg_sqrt_h: the white noise is missing", 3);
 }
 
+TEST(FlightConfigErrors, Vibration) {
+  const auto bad = [](const std::string& item, const std::string& what) {
+    ExpectBad("imu:\n  grade: ln200\n  vibration:\n    - " + item + "\n", what, 4);
+  };
+  bad("{sigma_gyro_deg_s: 0.1}", "imu.vibration[0].window_s: is missing");
+  bad("{window_s: [2, 1], sigma_gyro_deg_s: 0.1}", "begin before end");
+  bad("{window_s: [1, 2]}", "one must be positive");
+  bad("{window_s: [1, 2], sigma_gyro_deg_s: -0.1}", "sigma_gyro_deg_s");
+  bad("{window_s: [1, 2], sigma_accel_m_s2: -0.1}", "sigma_accel_m_s2");
+  bad("{window_s: [1, 2], sigma_gyro_deg: 0.1}", "sigma_gyro_deg_s");
+}
+
 TEST(FlightConfigErrors, UnknownGrade) { ExpectBad("imu:\n  grade: ln100\n", "ln200", 2); }
 
 TEST(FlightConfigErrors, ProcessesOfTheWrongKind) {

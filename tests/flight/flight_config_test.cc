@@ -40,6 +40,9 @@ imu:
     processes:
       - {type: gauss_markov, sigma_mg: 0.07, tau_s: 3e2}
       - {type: random_walk, sigma_mg_sqrt_h: 0.03}
+  vibration:
+    - {window_s: [381100.7, 381150.1], sigma_gyro_deg_s: 0.17, sigma_accel_m_s2: 0.3}
+    - {window_s: [381140, 381200], sigma_accel_m_s2: 0.07}
 gnss:
   file: rover.pos
   format: rtklib
@@ -94,6 +97,7 @@ void ExpectSameSensors(const FlightConfig& a, const FlightConfig& b) {
     EXPECT_EQ(a.imu->model.source, b.imu->model.source);
     ExpectSameNoise(a.imu->model.gyro, b.imu->model.gyro);
     ExpectSameNoise(a.imu->model.accel, b.imu->model.accel);
+    EXPECT_EQ(a.imu->model.vibration, b.imu->model.vibration);
   }
   ASSERT_EQ(a.gnss.has_value(), b.gnss.has_value());
   if (a.gnss) {
@@ -195,6 +199,10 @@ TEST(FlightConfig, ConvertsEveryKeyToSi) {
   EXPECT_NEAR(c.imu->model.accel.white, 0.07 / 60.0, kRelative);
   EXPECT_NEAR(c.imu->model.accel.processes[0].sigma, 0.07e-3 * 9.80665, kRelative);
   EXPECT_EQ(c.imu->model.accel.processes[0].tau_s, 300.0);
+  ASSERT_EQ(c.imu->model.vibration.size(), 2U);
+  EXPECT_NEAR(c.imu->model.vibration[0].gyro_sigma_radps, 0.17 * kDeg, kRelative);
+  EXPECT_EQ(c.imu->model.vibration[0].accel_sigma_mps2, 0.3);
+  EXPECT_EQ(c.imu->model.vibration[1], (ImuVibration{381140.0, 381200.0, 0.0, 0.07}));
   EXPECT_EQ(c.gnss->lever_arm_b_m, Eigen::Vector3d(0.4, -0.1, -1.1));
   EXPECT_EQ(c.gnss->use_velocity, std::optional<bool>(false));
   ASSERT_EQ(c.gnss->processes.size(), 2U);
@@ -322,6 +330,38 @@ TEST(FlightConfig, ReadsTheFolder) {
   EXPECT_EQ(config.folder, folder.path());
   EXPECT_EQ(config.name, folder.path().filename().string());
   EXPECT_EQ(config.gnss->file, "g.txt");
+}
+
+TEST(FlightConfig, ReadsAFileUnderAnotherName) {
+  const TempFolder folder;
+  folder.Write("adapted.yaml", "gnss: {file: g.txt}\n");
+  const FlightConfig config = ReadFlightConfig(folder.path() / "adapted.yaml");
+  EXPECT_EQ(config.folder, folder.path());
+  EXPECT_EQ(config.file, folder.path() / "adapted.yaml");
+}
+
+TEST(FlightConfig, FindsItsDataBesideItElseInTheFolderThatItNames) {
+  const TempFolder data, other;
+  data.Write("g.txt", "");
+  const std::string text = "{data_folder: " + data.path().string() + ", gnss: {file: g.txt}}";
+  EXPECT_EQ(ParseFlightConfig(text, other.path()).folder, data.path());
+  other.Write("g.txt", "");
+  EXPECT_EQ(ParseFlightConfig(text, other.path()).folder, other.path());
+}
+
+TEST(FlightConfig, AFileForElsewhereNamesTheDataAndKeepsTheirAxes) {
+  const TempFolder data, other;
+  data.Write("flight.yaml", kForwardLeftUp);
+  const FlightConfig config = ReadFlightConfig(data.path());
+  data.Write(config.imu->file, "");
+  const std::string text = FormatFlightFile(config);
+  EXPECT_THAT(text, HasSubstr("body: FLU"));
+  const FlightConfig again = ParseFlightConfig(text, other.path());
+  EXPECT_EQ(again.folder, data.path());
+  EXPECT_TRUE(again.imu->read.body_is_flu);
+  ExpectSameSensors(config, again);
+  ExpectSameLidar(*config.lidar, *again.lidar);
+  ExpectSameRest(config, again);
 }
 
 TEST(FlightConfig, AcceptsTheAnnotatedExample) {

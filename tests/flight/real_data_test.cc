@@ -1,5 +1,6 @@
 // Real flight folders, outside this project; skipped where they are absent.
 #include <dn/flight/flight.h>
+#include <dn/imu/noise_check.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -47,6 +48,25 @@ TEST_F(RealData, PsinsCar) {
   EXPECT_GE(flight.gnss->epochs.size(), 99u);
   EXPECT_TRUE(flight.reference);
   ExpectRoundTrip(flight.config);
+}
+
+// Engines, hands and roads shake more than a sensor's noise, more at lower frequencies, and not
+// alike at all times: no white noise, of whatever size, is a good account.
+TEST_F(RealData, InertialNoiseIsNotWhite) {
+  for (const char* name : {"thor75", "walk", "psins-car"}) {
+    SCOPED_TRACE(name);
+    const Flight flight = ReadFlight(Folder(name), {.imu = true});
+    HighBandOptions options;
+    options.sampling = flight.config.imu->read.sampling;
+    const NoiseCheck check =
+        CheckNoise(MeasureHighBand(*flight.imu, flight.config.imu->model, options));
+    for (const ImuTriad triad : {kGyroTriad, kAccelTriad}) {
+      ASSERT_TRUE(check.level[triad]);
+      EXPECT_GT(check.level[triad]->ratio, 3.0);
+      EXPECT_LT(check.level[triad]->tilt, -0.2);
+    }
+    EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kNotWhite);
+  }
 }
 
 TEST_F(RealData, LiborCheck) {

@@ -64,6 +64,25 @@ class ForwardFilter : public ::testing::Test {
   std::vector<double> times_;
 };
 
+/// Mean square of the normalised innovations, per axis.
+double MeanSquare(const FilterRun& run) {
+  double nis = 0.0;
+  for (const Innovation& innovation : run.innovations) nis += innovation.nis;
+  return nis / (3.0 * static_cast<double>(run.innovations.size()));
+}
+
+TEST_F(ForwardFilter, InnovationsInAVibrationThatIsStatedAreOfUnitVariance) {
+  Scenario scenario = WithoutPairs();
+  scenario.effects = {{"imu_vibration", {2.0, 20.0}, {}, {}}};
+  scenario.effects[0].times.window_s = {381100.0, 381140.0};
+  sim_ = Simulate(scenario, Seeded(5));
+  const double scatter = std::sqrt(2.0 / (3.0 * static_cast<double>(times_.size())));
+  EXPECT_GT(MeanSquare(RunForwardFilter(sim_.flight, times_, Start())),
+            1.0 + 2 * kSigmas * scatter);
+  sim_.flight.config.imu->model.vibration = {{381100.0, 381140.0, 2.0 * kRadPerDeg, 20.0}};
+  EXPECT_NEAR(MeanSquare(RunForwardFilter(sim_.flight, times_, Start())), 1.0, kSigmas * scatter);
+}
+
 TEST_F(ForwardFilter, InnovationsAreWhiteAndOfUnitVariance) {
   const FilterRun run = RunForwardFilter(sim_.flight, times_, Start());
   ASSERT_EQ(run.innovations.size(), times_.size());

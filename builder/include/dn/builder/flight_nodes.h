@@ -19,8 +19,8 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span);
 /// which the angle random walk of one interval, less what the bridge to its end takes of it, seen at
 /// the mean laser range, has a small share of the variance of the mean of the pairs in that interval:
 /// a fiftieth at 1 and 2 Hz, a tenth from 5 Hz on. The pairs of an interval have that noise in
-/// common, which the network takes as independent; no sigma falls by more than 1 %. Without pairs
-/// 1 Hz.
+/// common, which the network takes as independent; no sigma falls by more than 1 %. The strongest
+/// vibration of a strip counts as if all strips had it. Without pairs 1 Hz.
 double AutoNodeRateHz(const Flight& flight);
 
 /// The rate of the nodes, Hz: within strips, and without pairs over the whole span. That of the

@@ -21,6 +21,9 @@ struct EffectTimes {
   }
 };
 
+/// A window in time, [begin, end]. Throws InvalidConfig unless it begins before it ends.
+std::pair<double, double> ReadWindow(const YamlValue& value);
+
 /// The keys `window_s` and `t0_s` beside an effect. Throws InvalidConfig where the effect needs one
 /// that is missing, has one that does not belong to it, or a window ends before it begins.
 EffectTimes ReadEffectTimes(const YamlValue& entry, const EffectSpec& effect);

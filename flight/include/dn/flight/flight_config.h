@@ -95,7 +95,8 @@ struct NetworkConfig {
 
 /// flight.yaml, checked, converted to SI, radian and forward-right-down, with defaults filled in.
 struct FlightConfig {
-  std::filesystem::path folder;
+  std::filesystem::path folder;  ///< of the data
+  std::filesystem::path file;    ///< that this was read from, for messages
   std::string name;
   bool body_is_flu = false;
   std::optional<Geodetic> origin;
@@ -111,11 +112,12 @@ struct FlightConfig {
   NetworkConfig network;
 };
 
-/// Reads and checks FOLDER/flight.yaml. Throws InvalidConfig with file:line for a missing file, bad
-/// YAML, an unknown key (naming the nearest known one), a value of the wrong type, shape or range,
-/// an unknown preset, what is no fixed effect under `estimate`. A missing section is not an error
-/// here: the command that needs it says so.
-FlightConfig ReadFlightConfig(const std::filesystem::path& folder);
+/// Reads and checks flight.yaml of a flight folder, or a file of that kind under another name. The
+/// data lie beside it, else in its `data_folder`. Throws InvalidConfig with file:line for a missing
+/// file, bad YAML, an unknown key (naming the nearest known one), a value of the wrong type, shape
+/// or range, an unknown preset, what is no fixed effect under `estimate`. A missing section is not
+/// an error here: the command that needs it says so.
+FlightConfig ReadFlightConfig(const std::filesystem::path& folder_or_file);
 
 /// The same for a text: that of `folder`/flight.yaml, which need not exist.
 FlightConfig ParseFlightConfig(const std::string& text, const std::filesystem::path& folder);
@@ -124,6 +126,10 @@ FlightConfig ParseFlightConfig(const std::string& text, const std::filesystem::p
 /// back gives the same configuration. Body quantities are written in FRD with `body: FRD`, as all
 /// results are.
 std::string FormatFlightConfig(const FlightConfig& config);
+
+/// The same as a file that commands run on wherever it lies: body quantities in the axes of the
+/// data files, and the folder of these.
+std::string FormatFlightFile(const FlightConfig& config);
 
 /// An element of gnss.processes: "{type: gauss_markov, sigma_enu_m: [0.01, 0.01, 0.02], tau_s: 120}".
 std::string FormatGnssProcess(const GnssProcess& process);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/config/yaml_value.h>
+#include <dn/flight/flight_config.h>
 #include <dn/gnss/gnss_process.h>
 #include <dn/imu/imu_model.h>
 
@@ -16,6 +17,21 @@ namespace dn {
 /// preset that `preset_key` names, if any. Throws InvalidConfig where neither gives the white
 /// noise.
 ImuModel ReadImuNoise(const YamlValue& section, const std::string& preset_key);
+
+/// White noise and processes of a triad as ReadImuNoise reads them under `gyro` and `accel`:
+/// "{white_deg_sqrt_h: 0.1, processes: [{type: random_constant, sigma_deg_h: 10}]}".
+std::string FormatGyroNoise(const SensorNoise& noise);
+std::string FormatAccelNoise(const SensorNoise& noise);
+
+/// A list of strips: [{name, t0, t1}, ...]; none where it is absent. Throws InvalidConfig for one
+/// that ends before it begins, and a name given twice.
+std::vector<StripInterval> ReadStrips(const YamlValue& list);
+
+/// "{name: "1", t0: 100, t1: 160}".
+std::string FormatStrip(const StripInterval& strip);
+
+/// A double-quoted YAML scalar.
+std::string QuoteYaml(const std::string& text);
 
 /// The list `processes` of a section on GNSS; nothing where it is absent. Throws InvalidConfig for
 /// another type than gauss_markov, a sigma below 0, sigmas that are all 0, and a tau_s that is not

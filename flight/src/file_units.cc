@@ -1,11 +1,10 @@
-#include "config_units.h"
-
+#include <dn/flight/file_units.h>
 #include <dn/geo/text_table.h>
 
 #include <cmath>
 #include <limits>
 
-namespace dn::internal {
+namespace dn {
 namespace {
 
 constexpr int kNeighbours = 4;  // two roundings: the exact preimage lies within two ulp
@@ -37,4 +36,4 @@ double InUnit(double si, ToSi to_si) {
   return best;
 }
 
-}  // namespace dn::internal
+}  // namespace dn

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace dn::internal {
+namespace dn {
 
 /// Conversion from the unit of a configuration key to SI.
 using ToSi = double (*)(double);
@@ -13,4 +13,4 @@ double RadFromDeg(double deg);
 /// exactly the nearest one is returned.
 double InUnit(double si, ToSi to_si);
 
-}  // namespace dn::internal
+}  // namespace dn

@@ -1,0 +1,22 @@
+#include <dn/flight/strip_at.h>
+
+#include <algorithm>
+
+namespace dn {
+
+const StripInterval* StripAt(const std::vector<StripInterval>& strips, double t_s) {
+  const auto at = std::find_if(strips.begin(), strips.end(), [&](const StripInterval& strip) {
+    return t_s >= strip.t0_s && t_s <= strip.t1_s;
+  });
+  return at == strips.end() ? nullptr : &*at;
+}
+
+std::string StripPairName(const std::vector<StripInterval>& strips, double t_i_s, double t_j_s) {
+  const auto name = [&](double t_s) {
+    const StripInterval* strip = StripAt(strips, t_s);
+    return strip == nullptr ? std::string("?") : strip->name;
+  };
+  return name(t_i_s) + "-" + name(t_j_s);
+}
+
+}  // namespace dn
