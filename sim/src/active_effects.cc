@@ -33,6 +33,29 @@ ActiveEffects MakeActiveEffects(const Scenario& scenario, std::uint64_t seed, bo
   return active;
 }
 
+void AddOwnErrors(const OwnErrors& own, const std::shared_ptr<const TruthTrajectory>& truth,
+                  ActiveEffects* active) {
+  if (own.gyro_radps) {
+    active->triads.emplace_back(
+        [error_radps = own.gyro_radps](const ImuSample&, ImuSample* sample) {
+          sample->w_ib_b_radps += error_radps(sample->t_s);
+        });
+  }
+  if (own.antenna_enu_m) active->antenna_enu_m.push_back(own.antenna_enu_m);
+  if (own.boresight_rad) {
+    active->boresight_rad.emplace_back(
+        [more_rad = own.boresight_rad, truth](double t_s, const LidarSpan&) {
+          return more_rad(truth->Pose(t_s));
+        });
+  }
+  if (own.laser_vector) active->laser_vector.push_back(own.laser_vector);
+  if (own.lidar_tag_shift_s) {
+    active->lidar_tag_shift_s.emplace_back(
+        [shift_s = own.lidar_tag_shift_s](double t_s, const LidarSpan&) { return shift_s(t_s); });
+  }
+  if (own.pairs) active->all_pairs.push_back(own.pairs);
+}
+
 void RefuseStepBack(const std::vector<TagShift>& shifts, double before_s, double t_s) {
   for (const TagShift& shift : shifts) {
     if (shift.shift_s(t_s) < shift.shift_s(before_s)) {

@@ -4,12 +4,15 @@
 #include <dn/geo/local_frame.h>
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
+#include <dn/sim/own_errors.h>
 #include <dn/sim/scenario.h>
+#include <dn/sim/truth.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -72,14 +75,16 @@ struct ActiveEffects {
   std::vector<std::function<Eigen::Vector3d(double t_s, const LidarSpan& span)>> boresight_rad;
   /// Angle by which the beams are turned toward +scan_axis beyond what is assumed.
   double scan_cone_rad = 0.0;
-  /// What the scanner makes of a vector in its frame.
-  std::vector<std::function<Eigen::Vector3d(const Eigen::Vector3d& u_s)>> laser_vector;
+  /// What the scanner makes of a vector in its frame at the true time t_s.
+  std::vector<std::function<Eigen::Vector3d(const Eigen::Vector3d& u_s, double t_s)>> laser_vector;
   std::vector<std::function<double(double t_s, const LidarSpan& span)>> lidar_tag_shift_s;
 
   /// sigma_p of a pair from the one before, m.
   std::vector<std::function<double(double sigma_p_m, double mean_range_m)>> pair_sigma_m;
   /// Errors of a finished pair.
   std::vector<std::function<void(LidarPair* pair)>> pairs;
+  /// Errors of all pairs together, when those of each are done.
+  std::vector<std::function<void(PairData* pairs)>> all_pairs;
 
   /// The attitude of trajectory.out is multiplied from the right by these.
   std::vector<Eigen::Quaterniond> trajectory_turn;
@@ -88,6 +93,10 @@ struct ActiveEffects {
 /// The effects of a scenario. Random numbers go by the seed, the effect's name and its index among
 /// the entries of that name. Without `noise` the stochastic effects are left out.
 ActiveEffects MakeActiveEffects(const Scenario& scenario, std::uint64_t seed, bool noise);
+
+/// Adds the caller's errors to the lists, behind the effects. The functions refer to the truth.
+void AddOwnErrors(const OwnErrors& own, const std::shared_ptr<const TruthTrajectory>& truth,
+                  ActiveEffects* active);
 
 /// Throws InvalidConfig about the shift that makes the tag at t_s not later than the one before.
 [[noreturn]] void RefuseStepBack(const std::vector<TagShift>& shifts, double before_s, double t_s);

@@ -1,6 +1,7 @@
 #include "pair_simulation.h"
 
 #include <dn/error.h>
+#include <dn/sim/no_overlap.h>
 #include <dn/sim/random.h>
 
 #include <algorithm>
@@ -223,10 +224,9 @@ class PairSimulator {
   std::vector<Overlap> SharedOut(const PairSampler& sampler) const {
     std::vector<Overlap> overlaps = FindOverlaps(strips_, sampler, options_.seed);
     if (overlaps.empty()) {
-      throw InvalidConfig(
-          "no two strips of scenario '" + scenario_.name +
-              "' see the same ground: bring its lines closer, or set pairs: {count: 0}",
-          scenario_.pairs.where);
+      throw NoOverlap("no two strips of scenario '" + scenario_.name +
+                          "' see the same ground: bring its lines closer, or set pairs: {count: 0}",
+                      scenario_.pairs.where);
     }
     Allocate(overlaps, scenario_.pairs.count);
     std::sort(overlaps.begin(), overlaps.end(),
@@ -242,8 +242,9 @@ class PairSimulator {
     return sigma_p_m / std::numbers::sqrt2;
   }
 
-  Vector3d Measured(Vector3d u_s) const {
-    for (const auto& measured : effects_.laser_vector) u_s = measured(u_s);
+  Vector3d Measured(const Sighting& sighting) const {
+    Vector3d u_s = sighting.u_s;
+    for (const auto& measured : effects_.laser_vector) u_s = measured(u_s, sighting.t_s);
     return u_s;
   }
 
@@ -252,8 +253,8 @@ class PairSimulator {
     LidarPair pair;
     pair.t_i_s = sightings.i.t_s;
     pair.t_j_s = sightings.j.t_s;
-    pair.u_i_s = Measured(sightings.i.u_s) + sigma_m * random.Normal3();
-    pair.u_j_s = Measured(sightings.j.u_s) + sigma_m * random.Normal3();
+    pair.u_i_s = Measured(sightings.i) + sigma_m * random.Normal3();
+    pair.u_j_s = Measured(sightings.j) + sigma_m * random.Normal3();
     return pair;
   }
 
@@ -277,6 +278,7 @@ void Finish(const ActiveEffects& effects, PairData* data) {
     pair.t_j_s = tag(pair.t_j_s);
     for (const auto& spoil : effects.pairs) spoil(&pair);
   }
+  for (const auto& spoil : effects.all_pairs) spoil(data);
 }
 
 }  // namespace

@@ -5,9 +5,11 @@
 #include <dn/sim/scenario.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "scenario_limits.h"
+#include "scenario_words.h"
 
 namespace dn {
 namespace {
@@ -43,6 +45,23 @@ TurbulenceScenario ReadTurbulence(const YamlValue& s) {
   return t;
 }
 
+/// The name of a strip becomes part of file names.
+bool IsPlainName(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-';
+  });
+}
+
+std::vector<StripInterval> ReadReplayedStrips(const YamlValue& s) {
+  if (s["strips"] && !s["replay"]) s["strips"].Fail("belongs to replay; lines are strips");
+  std::vector<StripInterval> strips = ReadStrips(s["strips"]);
+  for (const StripInterval& strip : strips) {
+    if (IsPlainName(strip.name)) continue;
+    s["strips"].Fail("the name '" + strip.name + "' must consist of letters, digits and '-'");
+  }
+  return strips;
+}
+
 /// Turbulence that would turn the aircraft over or stop it is a mistake.
 void CheckTurbulence(const YamlValue& turbulence, const PlanScenario& plan) {
   constexpr double kMostAttitude_rad = 10.0 * kRadPerDeg;
@@ -59,11 +78,11 @@ void CheckTurbulence(const YamlValue& turbulence, const PlanScenario& plan) {
 }
 
 PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
-  s.ExpectMapOrNothing(
-      {"warm_up_s", "lines", "bank_deg", "turbulence", "crab_deg", "stabilised_mount", "replay"});
+  s.ExpectMapOrNothing({"warm_up_s", "lines", "bank_deg", "turbulence", "crab_deg",
+                        "stabilised_mount", "replay", "strips"});
   PlanScenario plan;
   plan.warm_up_s = s["warm_up_s"].NotNegativeOr(0.0);
-  plan.where = s["lines"].where();
+  plan.where = s[s["strips"] ? "strips" : "lines"].where();
   if (s["lines"]) {
     for (const YamlValue& row : s["lines"].List()) plan.lines.push_back(ReadLine(row));
   }
@@ -79,21 +98,16 @@ PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   } else if (plan.lines.empty()) {
     s["lines"].Fail("at least one line is required (or replay: a trajectory file)");
   }
+  plan.strips = ReadReplayedStrips(s);
   CheckTurbulence(s["turbulence"], plan);
   return plan;
 }
 
 TerrainScenario ReadTerrain(const YamlValue& s) {
-  static const std::vector<std::pair<std::string, TerrainKind>> kinds{
-      {"built_up", TerrainKind::kBuiltUp},
-      {"mixed", TerrainKind::kMixed},
-      {"natural", TerrainKind::kNatural},
-      {"mountain", TerrainKind::kMountain},
-      {"flat", TerrainKind::kFlat}};
   s.ExpectMapOrNothing(
       {"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2", "trees_per_km2", "seed"});
   TerrainScenario terrain;
-  if (s["kind"]) terrain.kind = s["kind"].Choice(kinds);
+  if (s["kind"]) terrain.kind = s["kind"].Choice(TerrainWords());
   terrain.relief_m = s["relief_m"].NotNegativeOr(0.0);
   terrain.wavelength_m = s["wavelength_m"].PositiveOr(1000.0);
   terrain.base_m = s["base_m"].NumberOr(0.0);
@@ -126,8 +140,6 @@ GnssScenario ReadGnssScenario(const YamlValue& s) {
 }
 
 LidarScenario ReadLidar(const YamlValue& s) {
-  static const std::vector<std::pair<std::string, ScanPattern>> patterns{
-      {"line", ScanPattern::kLine}, {"cone", ScanPattern::kCone}};
   s.ExpectMapOrNothing({"R_sensor_to_body", "scan_axis", "nadir_axis", "lever_arm_m",
                         "boresight_deg", "fov_deg", "pattern", "pulse_rate_hz", "gsd_m",
                         "beam_divergence_mrad"});
@@ -141,7 +153,7 @@ LidarScenario ReadLidar(const YamlValue& s) {
   const double fov_deg = s["fov_deg"].PositiveOr(60.0);
   if (fov_deg > 150.0) s["fov_deg"].Fail("must be at most 150");
   lidar.fov_rad = fov_deg * kRadPerDeg;
-  if (s["pattern"]) lidar.pattern = s["pattern"].Choice(patterns);
+  if (s["pattern"]) lidar.pattern = s["pattern"].Choice(ScanPatternWords());
   lidar.pulse_rate_hz = s["pulse_rate_hz"].PositiveOr(100000.0);
   lidar.gsd_m = s["gsd_m"].Positive();
   lidar.beam_divergence_rad = 1e-3 * s["beam_divergence_mrad"].NotNegativeOr(0.0);

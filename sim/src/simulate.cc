@@ -30,11 +30,14 @@ struct FlownPlan {
   Disturbance disturbance;
 };
 
-FlownPlan Plan(const Scenario& scenario, const LocalFrame& frame, std::uint64_t seed) {
-  if (scenario.plan.replay) {
-    const Trajectory trajectory = ReadTrajectory(*scenario.plan.replay);
-    return {ReplayFlight(trajectory, frame), trajectory.t_begin_s() + kReplayMargin_s, {}};
-  }
+FlownPlan Replay(const Trajectory& trajectory, const LocalFrame& frame) {
+  return {ReplayFlight(trajectory, frame), trajectory.t_begin_s() + kReplayMargin_s, {}};
+}
+
+FlownPlan Plan(const Scenario& scenario, const LocalFrame& frame, std::uint64_t seed,
+               const Trajectory* replay) {
+  if (replay != nullptr) return Replay(*replay, frame);
+  if (scenario.plan.replay) return Replay(ReadTrajectory(*scenario.plan.replay), frame);
   FlightPlan plan = PlanFlight(scenario.plan);
   Disturbance disturbance = MakeDisturbance(scenario.plan.turbulence, plan.mean_speed_mps,
                                             scenario.plan.stabilised_mount, seed);
@@ -49,7 +52,20 @@ double FlownTime(const Disturbance& disturbance, double path_s) {
   return std::max(0.0, t_s);
 }
 
-std::vector<StripInterval> Strips(const FlownPlan& flown) {
+/// The strips that the scenario names, which must be flown.
+std::vector<StripInterval> NamedStrips(const PlanScenario& plan, const FlownPlan& flown) {
+  const double end_s = flown.begin_s + flown.plan.duration_s;
+  for (const StripInterval& strip : plan.strips) {
+    if (strip.t0_s >= flown.begin_s && strip.t1_s <= end_s) continue;
+    throw InvalidConfig("strip '" + strip.name + "' lies outside the time that is flown, " +
+                            FormatDouble(flown.begin_s) + " to " + FormatDouble(end_s) + " s",
+                        plan.where);
+  }
+  return plan.strips;
+}
+
+std::vector<StripInterval> Strips(const PlanScenario& plan, const FlownPlan& flown) {
+  if (!plan.strips.empty()) return NamedStrips(plan, flown);
   std::vector<StripInterval> strips;
   for (const Vector2d& strip_s : flown.plan.strips_s) {
     strips.push_back({std::to_string(strips.size() + 1),
@@ -120,6 +136,11 @@ std::optional<Trajectory> TurnedTrajectory(const ActiveEffects& effects,
 
 }  // namespace
 
+FlightTimes PlannedTimes(const Scenario& scenario, std::uint64_t seed) {
+  const FlownPlan flown = Plan(scenario, LocalFrame(scenario.origin), seed, nullptr);
+  return {flown.begin_s, flown.begin_s + flown.plan.duration_s, Strips(scenario.plan, flown)};
+}
+
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options) {
   const auto report = [&](const char* stage) {
     return [&options, stage](double fraction) {
@@ -131,18 +152,19 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   out.seed = options.seed;
   out.frame = LocalFrame(scenario.origin);
   out.boresight_rad = scenario.lidar.mounting.boresight_rad;
-  const ActiveEffects effects = MakeActiveEffects(scenario, options.seed, options.noise);
+  ActiveEffects effects = MakeActiveEffects(scenario, options.seed, options.noise);
   out.gnss_lever_arm_b_m = scenario.gnss.lever_arm_b_m + effects.gnss_lever_arm_b_m;
   out.lidar_lever_arm_b_m = scenario.lidar.mounting.lever_arm_b_m + effects.lidar_lever_arm_b_m;
 
   report("trajectory")(0.0);
   CheckLimits(scenario, [](const auto&, const auto&) { return FileLocation(); });
-  const FlownPlan flown = Plan(scenario, out.frame, options.seed);
+  const FlownPlan flown = Plan(scenario, out.frame, options.seed, options.replay);
   CheckSamples(scenario.imu, flown.plan.duration_s);
   out.truth =
       std::make_shared<TruthTrajectory>(out.frame, flown.plan.path, flown.disturbance,
                                         flown.begin_s, flown.begin_s + flown.plan.duration_s);
-  out.strips = Strips(flown);
+  AddOwnErrors(options.own, out.truth, &effects);
+  out.strips = Strips(scenario.plan, flown);
   const auto terrain = std::make_shared<const Terrain>(scenario.terrain);
   CheckClearance(scenario, out.strips, *out.truth, *terrain);
 

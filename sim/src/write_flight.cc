@@ -4,13 +4,10 @@
 #include <array>
 #include <charconv>
 #include <initializer_list>
-#include <numbers>
 #include <string>
 
 namespace dn {
 namespace {
-
-constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
 /// Numbers separated by commas, each the shortest that reads back to the same bits.
 class TableText {
@@ -89,7 +86,17 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
-std::string TruthYaml(const SimulatedFlight& simulated) {
+std::string PairText(const PairData& data, int file) {
+  std::vector<LidarPair> pairs;
+  for (const LidarPair& pair : data.pairs) {
+    if (pair.file == file) pairs.push_back(pair);
+  }
+  return FormatPairs(pairs);
+}
+
+}  // namespace
+
+std::string FormatTruth(const SimulatedFlight& simulated) {
   std::string text = "scenario: " + Quoted(simulated.scenario.name) + "\n";
   text += "seed: " + std::to_string(simulated.seed) + "\n";
   text += "boresight_deg: " + YamlList(kDegPerRad * simulated.boresight_rad) + "\n";
@@ -109,17 +116,7 @@ std::string TruthYaml(const SimulatedFlight& simulated) {
   return text + "\n";
 }
 
-std::string PairText(const PairData& data, int file) {
-  std::vector<LidarPair> pairs;
-  for (const LidarPair& pair : data.pairs) {
-    if (pair.file == file) pairs.push_back(pair);
-  }
-  return FormatPairs(pairs);
-}
-
-}  // namespace
-
-void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory) {
+void WriteMeasurements(const SimulatedFlight& simulated, OutputDirectory& directory) {
   const Flight& flight = simulated.flight;
   directory.Add("flight.yaml", FormatFlightConfig(flight.config));
   directory.Add("IMU.txt", ImuText(*flight.imu));
@@ -130,9 +127,13 @@ void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory) {
                     PairText(*flight.pairs, static_cast<int>(i)));
     }
   }
-  directory.Add("reference.out", FormatSbet(flight.reference->points()));
   if (flight.trajectory) directory.Add("trajectory.out", FormatSbet(flight.trajectory->points()));
-  directory.Add("truth.yaml", TruthYaml(simulated));
+}
+
+void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory) {
+  WriteMeasurements(simulated, directory);
+  directory.Add("reference.out", FormatSbet(simulated.flight.reference->points()));
+  directory.Add("truth.yaml", FormatTruth(simulated));
 }
 
 }  // namespace dn

@@ -2,6 +2,7 @@
 
 #include <dn/error.h>
 #include <dn/flight/effect_times.h>
+#include <dn/flight/flight_config.h>
 #include <dn/geo/local_frame.h>
 #include <dn/gnss/gnss_process.h>
 #include <dn/imu/imu_model.h>
@@ -43,6 +44,8 @@ struct PlanScenario {
   bool stabilised_mount = false;  ///< the body is held level within 0.3 deg
   /// Trajectory to fly instead of `lines`, at its own times and with its own attitude.
   std::optional<std::filesystem::path> replay;
+  /// Of a replay, when the scanner sees the ground; empty: on its straight stretches.
+  std::vector<StripInterval> strips;
   FileLocation where;  ///< of the lines in the scenario
 };
 
@@ -140,5 +143,9 @@ std::string ScenarioText(const std::string& name_or_path);
 /// preset or terrain kind (with the nearest known one), and a value of the wrong type, shape or
 /// range.
 Scenario ParseScenario(const std::string& yaml_text, const std::string& where);
+
+/// The scenario as YAML: ParseScenario reads the same one from it, beside the same files where the
+/// path of its replay is a relative one.
+std::string FormatScenario(const Scenario& scenario);
 
 }  // namespace dn

@@ -2,6 +2,7 @@
 
 #include <dn/flight/atomic_file.h>
 #include <dn/flight/flight.h>
+#include <dn/sim/own_errors.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/truth.h>
 
@@ -21,6 +22,9 @@ struct SimulateOptions {
   /// false: noise and biases of every sensor are zero, stochastic effects are left out; fixed
   /// effects and faults stay, and flight.yaml still holds the assumed model.
   bool noise = true;
+  OwnErrors own = {};  ///< beside the scenario's effects; they have no place in truth.yaml
+  /// Replayed in place of the file that the scenario's plan names; must outlive the call.
+  const Trajectory* replay = nullptr;
   /// Called with the stage ("trajectory", "imu", "gnss", "pairs") and its fraction done.
   std::function<void(const std::string& stage, double fraction)> progress = nullptr;
 };
@@ -42,6 +46,16 @@ struct SimulatedFlight {
   std::vector<StripInterval> strips;
 };
 
+/// When a flight begins and ends, and its strips, in GPS seconds of week.
+struct FlightTimes {
+  double begin_s = 0.0;
+  double end_s = 0.0;
+  std::vector<StripInterval> strips;
+};
+
+/// The times that Simulate would have, without flying. Throws as Simulate for the plan.
+FlightTimes PlannedTimes(const Scenario& scenario, std::uint64_t seed);
+
 /// Flies the scenario. Throws InvalidConfig when it cannot be flown (no two strips overlap, a line
 /// below the ground), InvalidInput for a bad trajectory to replay.
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options);
@@ -50,5 +64,11 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
 /// rate), truth.yaml and, with the effect trajectory_attitude_offset, trajectory.out to
 /// `directory`; the caller commits.
 void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory);
+
+/// The same without what tells the truth, reference.out and truth.yaml.
+void WriteMeasurements(const SimulatedFlight& simulated, OutputDirectory& directory);
+
+/// The text of truth.yaml.
+std::string FormatTruth(const SimulatedFlight& simulated);
 
 }  // namespace dn

@@ -1,0 +1,156 @@
+#include <dn/flight/file_units.h>
+#include <dn/flight/yaml_sections.h>
+#include <dn/geo/local_frame.h>
+#include <dn/geo/text_table.h>
+#include <dn/sim/scenario.h>
+
+#include "scenario_words.h"
+
+namespace dn {
+namespace {
+
+double Same(double value) { return value; }
+double FromDeg(double deg) { return deg * kRadPerDeg; }
+double FromMilli(double milli) { return 1e-3 * milli; }
+
+std::string Number(double value, ToSi to_si = &Same) { return FormatDouble(InUnit(value, to_si)); }
+
+template <class Values>
+std::string List(const Values& values, ToSi to_si = &Same) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ", ") + Number(value, to_si);
+  return "[" + text + "]";
+}
+
+std::string Matrix(const Eigen::Matrix3d& M) {
+  std::string text;
+  for (int row = 0; row < 3; ++row) {
+    text += (row == 0 ? "" : ", ") + List(Eigen::Vector3d(M.row(row)));
+  }
+  return "[" + text + "]";
+}
+
+template <class T>
+std::string WordOf(T value, const ScenarioWords<T>& words) {
+  for (const auto& [word, meaning] : words) {
+    if (meaning == value) return word;
+  }
+  return {};
+}
+
+/// Lines of YAML; those of a section are indented.
+class Writer {
+ public:
+  void Section(const std::string& name) { text_ += name + ":\n"; }
+  void Top(const std::string& key, const std::string& value) { text_ += key + ": " + value + "\n"; }
+  void Key(const std::string& key, const std::string& value) { Line(key + ": " + value); }
+  void Line(const std::string& line) { text_ += "  " + line + "\n"; }
+  std::string Take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string Turbulence(const TurbulenceScenario& t) {
+  return "{roll_deg: " + Number(t.roll_rad, &FromDeg) +
+         ", pitch_deg: " + Number(t.pitch_rad, &FromDeg) +
+         ", heading_deg: " + Number(t.heading_rad, &FromDeg) +
+         ", speed_m_s: " + Number(t.speed_mps) + ", height_m: " + Number(t.height_m) + "}";
+}
+
+std::string Row(const PlannedLine& line) {
+  return List(std::vector<double>{line.start_en_m.x(), line.start_en_m.y(), line.end_en_m.x(),
+                                  line.end_en_m.y(), line.height_m, line.speed_mps});
+}
+
+void WritePlan(const PlanScenario& plan, Writer* out) {
+  out->Section("plan");
+  out->Key("warm_up_s", Number(plan.warm_up_s));
+  if (plan.replay) out->Key("replay", QuoteYaml(plan.replay->string()));
+  if (!plan.strips.empty()) out->Line("strips:");
+  for (const StripInterval& strip : plan.strips) out->Line("  - " + FormatStrip(strip));
+  if (!plan.lines.empty()) out->Line("lines:");
+  for (const PlannedLine& line : plan.lines) out->Line("  - " + Row(line));
+  out->Key("bank_deg", Number(plan.bank_rad, &FromDeg));
+  out->Key("turbulence", Turbulence(plan.turbulence));
+  out->Key("crab_deg", Number(plan.crab_rad, &FromDeg));
+  out->Key("stabilised_mount", plan.stabilised_mount ? "true" : "false");
+}
+
+void WriteTerrain(const TerrainScenario& terrain, Writer* out) {
+  out->Section("terrain");
+  out->Key("kind", WordOf(terrain.kind, TerrainWords()));
+  out->Key("base_m", Number(terrain.base_m));
+  out->Key("relief_m", Number(terrain.relief_m));
+  out->Key("wavelength_m", Number(terrain.wavelength_m));
+  out->Key("buildings_per_km2", Number(terrain.buildings_per_km2));
+  out->Key("trees_per_km2", Number(terrain.trees_per_km2));
+  out->Key("seed", std::to_string(terrain.seed));
+}
+
+void WriteImu(const ImuScenario& imu, Writer* out) {
+  out->Section("imu");
+  out->Key("rate_hz", Number(imu.rate_hz));
+  if (imu.preset) return out->Key("preset", QuoteYaml(*imu.preset));
+  out->Key("gyro", FormatGyroNoise(imu.model.gyro));
+  out->Key("accel", FormatAccelNoise(imu.model.accel));
+}
+
+void WriteGnss(const GnssScenario& gnss, Writer* out) {
+  out->Section("gnss");
+  out->Key("rate_hz", Number(gnss.rate_hz));
+  out->Key("sigma_enu_m", List(gnss.sigma_enu_m));
+  out->Key("lever_arm_m", List(gnss.lever_arm_b_m));
+  out->Key("velocity", gnss.velocity ? "true" : "false");
+  std::string processes;
+  for (const GnssProcess& process : gnss.processes) {
+    processes += (processes.empty() ? "" : ", ") + FormatGnssProcess(process);
+  }
+  out->Key("processes", "[" + processes + "]");
+}
+
+void WriteLidar(const LidarScenario& lidar, Writer* out) {
+  out->Section("lidar");
+  out->Key("R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
+  out->Key("scan_axis", List(lidar.scan_axis_s));
+  out->Key("nadir_axis", List(lidar.nadir_axis_s));
+  out->Key("lever_arm_m", List(lidar.mounting.lever_arm_b_m));
+  out->Key("boresight_deg", List(lidar.mounting.boresight_rad, &FromDeg));
+  out->Key("fov_deg", Number(lidar.fov_rad, &FromDeg));
+  out->Key("pattern", WordOf(lidar.pattern, ScanPatternWords()));
+  out->Key("gsd_m", Number(lidar.gsd_m));
+  out->Key("pulse_rate_hz", Number(lidar.pulse_rate_hz));
+  out->Key("beam_divergence_mrad", Number(lidar.beam_divergence_rad, &FromMilli));
+}
+
+void WriteEffects(const std::vector<Effect>& effects, Writer* out) {
+  if (effects.empty()) return out->Top("effects", "[]");
+  out->Section("effects");
+  for (const Effect& effect : effects) {
+    std::string text = "- {effect: " + effect.name;
+    if (!effect.value.empty()) text += ", value: " + List(effect.value);
+    out->Line(text + FormatEffectTimes(effect.times) + "}");
+  }
+}
+
+}  // namespace
+
+std::string FormatScenario(const Scenario& scenario) {
+  Writer out;
+  out.Top("name", QuoteYaml(scenario.name));
+  const Geodetic& origin = scenario.origin;
+  out.Top("origin_deg_m", "[" + Number(origin.lat_rad, &FromDeg) + ", " +
+                              Number(origin.lon_rad, &FromDeg) + ", " + Number(origin.h_m) + "]");
+  out.Top("start_s", Number(scenario.start_s));
+  WritePlan(scenario.plan, &out);
+  WriteTerrain(scenario.terrain, &out);
+  WriteImu(scenario.imu, &out);
+  WriteGnss(scenario.gnss, &out);
+  WriteLidar(scenario.lidar, &out);
+  out.Top("pairs", "{count: " + std::to_string(scenario.pairs.count) +
+                       ", sigma_p_m: " + Number(scenario.pairs.sigma_p_m) + "}");
+  WriteEffects(scenario.effects, &out);
+  return out.Take();
+}
+
+}  // namespace dn

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <dn/sim/scenario.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dn {
+
+/// The words of a scenario and what they stand for.
+template <class T>
+using ScenarioWords = std::vector<std::pair<std::string, T>>;
+
+inline const ScenarioWords<TerrainKind>& TerrainWords() {
+  static const ScenarioWords<TerrainKind> words{{"built_up", TerrainKind::kBuiltUp},
+                                                {"mixed", TerrainKind::kMixed},
+                                                {"natural", TerrainKind::kNatural},
+                                                {"mountain", TerrainKind::kMountain},
+                                                {"flat", TerrainKind::kFlat}};
+  return words;
+}
+
+inline const ScenarioWords<ScanPattern>& ScanPatternWords() {
+  static const ScenarioWords<ScanPattern> words{{"line", ScanPattern::kLine},
+                                                {"cone", ScanPattern::kCone}};
+  return words;
+}
+
+}  // namespace dn

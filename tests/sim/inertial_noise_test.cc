@@ -1,0 +1,79 @@
+// The noise of simulated inertial data as their high band shows it: the motion of a flight must not.
+#include <dn/imu/noise_check.h>
+#include <dn/sim/simulate.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "sim/small_scenario.h"
+
+namespace dn {
+namespace {
+
+constexpr double kSigmas = 4.0;
+constexpr double kRadPerDegree = std::numbers::pi / 180.0;
+
+/// Survey aircraft (navigation grade) or drone (small sensor), at 100 Hz.
+SimulatedFlight Fly(const std::string& preset, const std::string& effects, bool noise = true) {
+  Scenario scenario = testing::SmallScenario("effects: [" + effects + "]\n");
+  scenario.imu.rate_hz = 100.0;
+  scenario.imu.model = ImuPreset(preset);
+  scenario.pairs.count = 10;
+  SimulateOptions options;
+  options.noise = noise;
+  return Simulate(scenario, options);
+}
+
+HighBand BandOf(const SimulatedFlight& flight) {
+  return MeasureHighBand(*flight.flight.imu, flight.scenario.imu.model);
+}
+
+class InertialNoise : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(InertialNoise, MotionDoesNotShow) {
+  const HighBand band = BandOf(Fly(GetParam(), "", false));
+  for (const ImuTriad triad : {kGyroTriad, kAccelTriad}) {
+    BandEnergy sum;
+    for (const HighBandWindow& window : band.windows) sum += window.Of(triad);
+    EXPECT_LT(sum.Variance(), 0.001);
+  }
+}
+
+TEST_P(InertialNoise, IsAsAssumed) {
+  const NoiseCheck check = CheckNoise(BandOf(Fly(GetParam(), "")));
+  for (const auto& level : check.level) {
+    ASSERT_TRUE(level);
+    EXPECT_NEAR(level->ratio, 1.0, kSigmas * level->sigma);
+    EXPECT_NEAR(level->tilt, 0.0, kSigmas * level->tilt_sigma);
+  }
+  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kAssumed);
+}
+
+TEST_P(InertialNoise, OfAnotherSizeIsMeasured) {
+  const NoiseCheck check = CheckNoise(BandOf(
+      Fly(GetParam(),
+          "{effect: gyro_noise_scale, value: 1.1}, {effect: accel_noise_scale, value: 1.5}")));
+  EXPECT_NEAR(check.level[kGyroTriad]->ratio, 1.1, kSigmas * check.level[kGyroTriad]->sigma);
+  EXPECT_NEAR(check.level[kAccelTriad]->ratio, 1.5, kSigmas * check.level[kAccelTriad]->sigma);
+  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kScale);
+}
+
+TEST_P(InertialNoise, OfAWindowIsFound) {
+  const NoiseCheck check = CheckNoise(BandOf(
+      Fly(GetParam(), "{effect: imu_vibration, value: [0.1, 0.3], window_s: [381150, 381180]}")));
+  ASSERT_TRUE(check.window);
+  const NoiseWindow& window = *check.window;
+  EXPECT_NEAR(window.t0_s, 381150.0, 0.3);
+  EXPECT_NEAR(window.t1_s, 381180.0, 0.3);
+  EXPECT_NEAR(window.sigma[kGyroTriad], 0.1 * kRadPerDegree,
+              kSigmas * window.sigma_of_sigma[kGyroTriad]);
+  EXPECT_NEAR(window.sigma[kAccelTriad], 0.3, kSigmas * window.sigma_of_sigma[kAccelTriad]);
+  EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kWindow);
+}
+
+INSTANTIATE_TEST_SUITE_P(Presets, InertialNoise, ::testing::Values("airins", "apx15"));
+
+}  // namespace
+}  // namespace dn
