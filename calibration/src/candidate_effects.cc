@@ -42,9 +42,10 @@ struct EdgeKind {
 /// Puts every candidate into the edges, at zero beside the present calibration.
 class Candidates {
  public:
-  Candidates(const FlightNetwork& network, int threads)
-      : network_(network), threads_(threads), state_(network.Calibration()) {
+  Candidates(const FlightNetwork& network, int threads, const std::vector<OwnEffect>& own)
+      : network_(network), threads_(threads), state_(network.Calibration()), num_own_(own.size()) {
     for (const EstimableEffect& effect : EstimableEffects()) Add(effect);
+    for (const OwnEffect& effect : own) Add(effect);
     of_state_.assign(state_.effects.size(), nullptr);
   }
 
@@ -54,7 +55,10 @@ class Candidates {
     AddInertial();
     AddGnss();
     AddPairs();
-    std::erase_if(found_, [](const CandidateEffect& effect) { return effect.model.empty(); });
+    const auto first_own = found_.end() - static_cast<std::ptrdiff_t>(num_own_);
+    found_.erase(std::remove_if(found_.begin(), first_own,
+                                [](const CandidateEffect& effect) { return effect.model.empty(); }),
+                 first_own);
     return std::move(found_);
   }
 
@@ -83,10 +87,23 @@ class Candidates {
   }
 
   void AddAtZero(const EstimableEffect& effect, const EffectSite& site) {
-    found_.push_back(DescribeEffect(effect));
+    CandidateEffect candidate = DescribeEffect(effect);
+    candidate.times = site.times;
+    AddAtZero(std::move(candidate), effect.make(site));
+  }
+
+  void Add(const OwnEffect& effect) {
+    CandidateEffect candidate;
+    candidate.name = effect.name;
+    candidate.typical = effect.typical;
+    AddAtZero(std::move(candidate), effect.action);
+  }
+
+  void AddAtZero(CandidateEffect candidate, EffectAction action) {
+    found_.push_back(std::move(candidate));
     at_zero_.push_back(found_.size() - 1);
-    state_.Insert(
-        {effect.name, effect.make(site), Eigen::VectorXd::Zero(found_.back().typical.size())});
+    const CandidateEffect& added = found_.back();
+    state_.Insert({added.name, std::move(action), Eigen::VectorXd::Zero(added.typical.size())});
   }
 
   /// A held block as an effect: its change from the value at which it is held.
@@ -245,6 +262,7 @@ class Candidates {
   const FlightNetwork& network_;
   int threads_;
   CalibrationState state_;
+  std::size_t num_own_;
   std::vector<CandidateEffect> found_;
   std::vector<std::size_t> at_zero_;  // of found_, those in the state
   std::vector<CandidateEffect*> of_state_;
@@ -267,8 +285,9 @@ CandidateEffect DescribeEffect(const EstimableEffect& effect) {
   return out;
 }
 
-std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network, int threads) {
-  return Candidates(network, threads).Run();
+std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network, int threads,
+                                              const std::vector<OwnEffect>& own) {
+  return Candidates(network, threads, own).Run();
 }
 
 }  // namespace dn

@@ -1,5 +1,7 @@
 #include "common_errors.h"
 
+#include <dn/flight/strip_at.h>
+
 #include <cmath>
 #include <map>
 #include <string>
@@ -55,15 +57,9 @@ class LabelledForms {
 /// Names the pair of strips of every pair edge, by its factor.
 std::map<FactorId, std::string> StripPairs(const FlightNetwork& network) {
   const std::vector<StripInterval> strips = FindStrips(network.flight());
-  const auto strip_at = [&](double t_s) {
-    for (std::size_t k = 0; k < strips.size(); ++k) {
-      if (t_s >= strips[k].t0_s && t_s <= strips[k].t1_s) return strips[k].name;
-    }
-    return std::string("?");
-  };
   std::map<FactorId, std::string> names;
   for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
-    names[edge.id] = strip_at(edge.pair.t_i_s) + "-" + strip_at(edge.pair.t_j_s);
+    names[edge.id] = StripPairName(strips, edge.pair.t_i_s, edge.pair.t_j_s);
   }
   return names;
 }

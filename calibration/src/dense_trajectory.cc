@@ -1,8 +1,12 @@
 #include <dn/calibration/result.h>
 #include <dn/imu/strapdown.h>
 
+#include <algorithm>
+
 namespace dn {
 namespace {
+
+constexpr double kSameTime_s = 1e-6;
 
 // One leg from node i to node i + 1: poses at the sample epochs, corrected so that the leg closes.
 void AppendLeg(const FlightNetwork& network, const CalibrationState& calibration, std::size_t i,
@@ -25,7 +29,8 @@ void AppendLeg(const FlightNetwork& network, const CalibrationState& calibration
   };
   for (std::size_t k = begin; k < past; ++k) {
     const double t_s = flight.imu->samples[k].t_s;
-    if (t_s - pose.t_s < min_spacing_s - 1e-6 || end.t_s - t_s < 0.5 * min_spacing_s) continue;
+    if (t_s - pose.t_s < min_spacing_s - kSameTime_s) continue;
+    if (end.t_s - t_s < std::max(kSameTime_s, 0.5 * min_spacing_s)) continue;
     step_to(t_s);
     out->push_back(pose);
     corrections->push_back(correction);

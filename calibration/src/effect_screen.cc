@@ -1,7 +1,6 @@
 #include "effect_screen.h"
 
 #include <dn/report/distributions.h>
-#include <dn/symmetric_eigen.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -144,25 +143,7 @@ class Screener {
 
 double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& components,
                    const Eigen::VectorXd& typical) {
-  constexpr double kSizes[] = {0.01, 0.1, 1.0, 10.0, 100.0};  // variances
-  constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
-  const Eigen::MatrixXd A =
-      typical.asDiagonal() * score.A(components, components) * typical.asDiagonal();
-  const SymmetricEigen eigen(A);
-  const Eigen::VectorXd c = eigen.vectors.transpose() * typical.cwiseProduct(score.s(components));
-  const Eigen::VectorXd d = eigen.values.cwiseMax(0.0);
-  double log_of_each[5];
-  for (int g = 0; g < 5; ++g) {
-    log_of_each[g] = std::log(kWeights[g]);
-    for (Eigen::Index i = 0; i < d.size(); ++i) {
-      const double growth = 1.0 + kSizes[g] * d[i];
-      log_of_each[g] += 0.5 * (kSizes[g] * c[i] * c[i] / growth - std::log(growth));
-    }
-  }
-  const double largest = *std::max_element(log_of_each, log_of_each + 5);
-  double sum = 0.0;
-  for (const double one : log_of_each) sum += std::exp(one - largest);
-  return largest + std::log(sum);
+  return EvidenceForm(score.A(components, components), typical).LogEvidence(score.s(components));
 }
 
 EffectScreen ScreenEffects(const std::vector<CandidateEffect>& candidates, const JointScore& score,

@@ -1,9 +1,10 @@
 #include "gauss_helmert_effects.h"
 
-#include <dn/calibration/pose_interpolator.h>
+#include <dn/calibration/lasting_errors.h>
+#include <dn/calibration/lidar_effects.h>
+#include <dn/calibration/linear_pairs.h>
 #include <dn/rotation.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <compare>
@@ -11,8 +12,6 @@
 #include <utility>
 
 #include "effect_screen.h"
-#include "lasting_errors.h"
-#include "lidar_effects.h"
 #include "model_findings.h"
 
 namespace dn::internal {
@@ -21,118 +20,11 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Half the step of the numerical derivatives by time.
-constexpr double kHalfStep_s = 5e-3;
-// More pairs say the same.
-constexpr std::size_t kMostPairs = 20000;
 // Of the errors of the trajectory, in octaves: about one above what is stated, five at most.
 constexpr int kMostOctaves = 5;
 constexpr double kOctavesSigma = 1.0;
 // Of the white noise, from what is stated to sigma0 times that.
 constexpr int kWhiteSteps = 2;
-
-/// Velocity of points that are fixed to the body, along a trajectory.
-class PointVelocity {
- public:
-  explicit PointVelocity(const Flight& flight)
-      : first_s_(flight.trajectory->points().front().t_s),
-        last_s_(flight.trajectory->points().back().t_s),
-        poses_(flight.trajectory->InMap(flight.frame)) {}
-
-  Vector3d At(double t_s, const Vector3d& s_b) const {
-    const double t0_s = std::max(first_s_, t_s - kHalfStep_s);
-    const double t1_s = std::min(last_s_, t_s + kHalfStep_s);
-    const MapPose a = poses_.At(t0_s), b = poses_.At(t1_s);
-    return (b.p_mb + b.q_mb * s_b - a.p_mb - a.q_mb * s_b) / (t1_s - t0_s);
-  }
-
- private:
-  double first_s_, last_s_;
-  PoseInterpolator poses_;
-};
-
-/// P^-1 of an end: position in map, attitude in body.
-Eigen::Matrix<double, 6, 6> NoiseOf(const GaussHelmertEnd& end) {
-  const Matrix3d L = end.q_mn.toRotationMatrix() * end.sigma_ned_m.asDiagonal();
-  const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
-  const Matrix3d F = BodyFromEulerRates(down_b) * end.sigma_rph_rad.asDiagonal();
-  Eigen::Matrix<double, 6, 6> noise = Eigen::Matrix<double, 6, 6>::Zero();
-  noise.topLeftCorner<3, 3>() = L * L.transpose();
-  noise.bottomRightCorner<3, 3>() = F * F.transpose();
-  return noise;
-}
-
-/// The stated covariance of an error of the trajectory, as a square root.
-Eigen::Matrix<double, 6, 6> ErrorSqrt(const GaussHelmertCalibration& calibration) {
-  const TrajectoryAccuracy& accuracy = calibration.accuracy;
-  const Eigen::Quaterniond& q_mn = calibration.problem.pairs.front().i.q_mn;
-  Eigen::Matrix<double, 6, 6> root = Eigen::Matrix<double, 6, 6>::Zero();
-  root.topLeftCorner<3, 3>() = q_mn.toRotationMatrix() * accuracy.sigma_ned_m.asDiagonal();
-  root.bottomRightCorner<3, 3>() = accuracy.attitude_covariance_rad2.llt().matrixL();
-  return root;
-}
-
-/// The pairs kept, linear and whitened, with the ends that effects are made of.
-class KeptPairs {
- public:
-  std::vector<PairRows> rows;
-  std::vector<PairEnds> ends;
-
-  KeptPairs(const Flight& flight, const GaussHelmertCalibration& calibration)
-      : lidar_(*flight.config.lidar), calibration_(calibration), velocity_(flight) {
-    q_boresight_ = Exp(calibration.adjustment.boresight_rad);
-    const auto kept = static_cast<std::size_t>(calibration.adjustment.pairs_kept);
-    const std::size_t every = 1 + kept / kMostPairs;
-    std::size_t seen = 0;
-    for (std::size_t k = 0; k < calibration.problem.pairs.size(); ++k) {
-      if (calibration.adjustment.weights[k] > 0.0 && seen++ % every == 0) Add(k);
-    }
-  }
-
- private:
-  void Add(std::size_t k) {
-    const GaussHelmertPair& pair = calibration_.problem.pairs[k];
-    const PairCorrection& v = calibration_.adjustment.corrections[k];
-    const PairLinearisation at =
-        LinearisePair(pair, calibration_.problem.lever_arm_b_m, calibration_.options.model,
-                      calibration_.adjustment.boresight_rad, v);
-    Matrix3d covariance = pair.covariance_m2;
-    covariance += at.B.leftCols<6>() * NoiseOf(pair.i) * at.B.leftCols<6>().transpose();
-    covariance += at.B.rightCols<6>() * NoiseOf(pair.j) * at.B.rightCols<6>().transpose();
-    const Matrix3d root = covariance.llt().matrixL();
-    const Matrix3d W = std::sqrt(calibration_.adjustment.weights[k]) * Matrix3d(root.inverse());
-    rows.push_back({pair.i.t_s, pair.j.t_s, W * (at.w - at.B * v), W * at.A, W * at.B.leftCols<6>(),
-                    W * at.B.rightCols<6>()});
-    ends.push_back({static_cast<FactorId>(ends.size()), EndOf(pair.i, v.segment<3>(3), W),
-                    EndOf(pair.j, v.segment<3>(9), -W)});
-  }
-
-  PairEnd EndOf(const GaussHelmertEnd& end, const Vector3d& v_phi, const Matrix3d& W) const {
-    const Matrix3d& R_bs = lidar_.mounting.R_bs_nominal;
-    const Vector3d s_b = calibration_.problem.lever_arm_b_m + q_boresight_ * end.u_b;
-    PairEnd out;
-    out.t_s = end.t_s;
-    out.u_s = R_bs.transpose() * end.u_b;
-    out.J_r_a = W * (end.q_mb * Exp(v_phi)).toRotationMatrix();
-    out.J_r_u = out.J_r_a * q_boresight_.toRotationMatrix() * R_bs;
-    out.J_r_t = -W * velocity_.At(end.t_s, s_b);
-    return out;
-  }
-
-  const LidarConfig& lidar_;
-  const GaussHelmertCalibration& calibration_;
-  PointVelocity velocity_;
-  Eigen::Quaterniond q_boresight_;
-};
-
-BoresightPrior PriorOfBoresight(const GaussHelmertCalibration& calibration) {
-  BoresightPrior prior;
-  if (const auto& sigma_rad = calibration.problem.boresight_sigma_rad) {
-    prior.weight = sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
-    prior.gradient = prior.weight * AwayFromStated(calibration);
-  }
-  return prior;
-}
 
 /// The scales looked at, by their steps from the stated ones.
 struct ScaleSteps {
@@ -249,10 +141,9 @@ Vector3d AwayFromStated(const GaussHelmertCalibration& calibration) {
 
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration) {
-  const KeptPairs pairs(flight, calibration);
+  const LinearPairs pairs = LinearisePairs(flight, calibration);
   const std::vector<CandidateEffect> candidates = EffectsOfScanner(flight, pairs.ends);
-  const LastingErrors errors(pairs.rows, strips, ErrorSqrt(calibration),
-                             PriorOfBoresight(calibration), candidates);
+  const LastingErrors errors(pairs.rows, strips, pairs.error_sqrt, pairs.prior, candidates);
   GaussHelmertEffects out;
   ScaleSearch search(errors, candidates, calibration.figures.sigma0);
   const ErrorScale scale = search.Likeliest();

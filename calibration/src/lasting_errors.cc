@@ -1,4 +1,4 @@
-#include "lasting_errors.h"
+#include <dn/calibration/lasting_errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace dn::internal {
+namespace dn {
 namespace {
 
 using Eigen::Index;
@@ -176,8 +176,8 @@ LastingErrors::AtScale LastingErrors::At(const ErrorScale& scale) const {
 
   AtScale out;
   const VectorXd pivots = llt.matrixLLT().diagonal();
-  out.log_likelihood = -0.5 * (rr_ / variance - b.dot(llt.solve(b))) - pivots.array().log().sum() -
-                       rows_ * std::log(scale.white);
+  out.chi2 = rr_ / variance - b.dot(llt.solve(b));
+  out.log_likelihood = -0.5 * out.chi2 - pivots.array().log().sum() - rows_ * std::log(scale.white);
   JointScore& score = out.score;
   score.first = first_;
   score.s = Lr_ / variance - Z.transpose() * b;
@@ -208,4 +208,4 @@ double LastingErrors::ShareLeft(const VectorXd& effects) const {
   return std::max(0.0, after) / std::max(before, std::numeric_limits<double>::min());
 }
 
-}  // namespace dn::internal
+}  // namespace dn

@@ -1,11 +1,10 @@
-#include "lidar_effects.h"
-
+#include <dn/calibration/lidar_effects.h>
 #include <dn/effects/effect_table.h>
 
 #include <functional>
 #include <string>
 
-namespace dn::internal {
+namespace dn {
 namespace {
 
 using Eigen::MatrixXd;
@@ -23,7 +22,7 @@ MatrixXd ByReading(const LidarEffect& effect, const PairEnd& end) {
   const int n = effect.components();
   LidarReading reading = LidarReading::Of(end.t_s, end.u_s, n);
   effect.Correct(Eigen::VectorXd::Zero(n), 0, &reading);
-  return end.J_r_u * reading.J_u + end.J_r_t * reading.J_delay;
+  return end.J_r_u * reading.J_u + end.J_r_turn * reading.J_turn + end.J_r_t * reading.J_delay;
 }
 
 EndModel EndModelOf(const EstimableEffect& effect, const Flight& flight) {
@@ -42,6 +41,10 @@ EndModel EndModelOf(const EstimableEffect& effect, const Flight& flight) {
 
 }  // namespace
 
+EffectModel ModelOf(const LidarEffect& effect, const std::vector<PairEnds>& pairs) {
+  return ModelOf(pairs, [&](const PairEnd& end) { return ByReading(effect, end); });
+}
+
 std::vector<CandidateEffect> EffectsOfScanner(const Flight& flight,
                                               const std::vector<PairEnds>& pairs) {
   std::vector<CandidateEffect> effects;
@@ -57,4 +60,4 @@ std::vector<CandidateEffect> EffectsOfScanner(const Flight& flight,
   return effects;
 }
 
-}  // namespace dn::internal
+}  // namespace dn

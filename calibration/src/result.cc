@@ -1,4 +1,6 @@
+#include <dn/calibration/bias_correlation.h>
 #include <dn/calibration/result.h>
+#include <dn/calibration/trajectory_sigma.h>
 #include <dn/solvers/prediction.h>
 #include <dn/solvers/solve.h>
 
@@ -114,48 +116,17 @@ AdjustmentFigures Figures(const Adjustment& adjustment) {
   return figures;
 }
 
-BiasCorrelation CorrelateWithBias(const FlightNetwork& network,
-                                  const std::vector<ProcessChain>& chains,
-                                  const Eigen::Vector3d& sigma_boresight, double barycentre_s,
-                                  const Marginals::Columns& columns, const Marginals& marginals) {
+BiasCorrelation Summarise(const std::vector<BiasCorrelationAt>& series,
+                          Eigen::Matrix3d BiasCorrelationAt::*triad, std::size_t barycentre) {
   BiasCorrelation result;
-  if (chains.empty()) return result;
+  result.at_barycentre = series[barycentre].*triad;
   double sum2 = 0.0;
-  long n = 0;
-  const std::size_t nearest = NodeNear(network.node_times(), barycentre_s);
-  std::vector<BlockId> before;
-  Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
-  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
-    const double t_s = network.nodes[k].t_s;
-    std::vector<BlockId> ids;
-    for (const ProcessChain& chain : chains) ids.push_back(chain.At(t_s).id);
-    if (ids != before) {
-      Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();  // bias x boresight
-      for (const BlockId id : ids) cross += columns.Rows(id);
-      const Eigen::Vector3d sigma_bias =
-          TotalBiasCovariance(chains, t_s, marginals).diagonal().cwiseMax(1e-300).cwiseSqrt();
-      correlation = sigma_boresight.cwiseInverse().asDiagonal() * cross.transpose() *
-                    sigma_bias.cwiseInverse().asDiagonal();
-      before = ids;
-    }
-    if (k == nearest) result.at_barycentre = correlation;
-    result.max_abs = std::max(result.max_abs, correlation.cwiseAbs().maxCoeff());
-    sum2 += correlation.squaredNorm();
-    n += correlation.size();
+  for (const BiasCorrelationAt& at : series) {
+    result.max_abs = std::max(result.max_abs, (at.*triad).cwiseAbs().maxCoeff());
+    sum2 += (at.*triad).squaredNorm();
   }
-  result.rms = std::sqrt(sum2 / static_cast<double>(n));
+  result.rms = std::sqrt(sum2 / (9.0 * static_cast<double>(series.size())));
   return result;
-}
-
-double Barycentre(const FlightNetwork& network) {
-  double sum = 0.0;
-  double n = 0.0;
-  for (const auto& edge : network.pair_edges) {
-    if (!network.net.factor(edge.id).active) continue;
-    sum += edge.pair.t_i_s + edge.pair.t_j_s;
-    n += 2.0;
-  }
-  return n > 0.0 ? sum / n : network.node_times().front();
 }
 
 }  // namespace
@@ -220,12 +191,21 @@ void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
   if (result->verdict == Verdict::kCalibrated) AssessLargestSigma(sigma_rad, result);
 }
 
+std::vector<TrajectorySigma> TrajectorySigmas(const FlightNetwork& network,
+                                              const Marginals& marginals) {
+  std::vector<TrajectorySigma> sigma;
+  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+    sigma.push_back(SigmaAt(network, k, marginals));
+  }
+  return sigma;
+}
+
 TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals& marginals) {
   const FlightNetwork& network = *adjustment.network;
   TrajectoryResult result;
+  result.sigma = TrajectorySigmas(network, marginals);
   for (std::size_t k = 0; k < network.nodes.size(); ++k) {
     const double t_s = network.nodes[k].t_s;
-    result.sigma.push_back(SigmaAt(network, k, marginals));
     BiasEstimate bias;
     bias.t_s = t_s;
     bias.gyro_radps = network.GyroBias(t_s);
@@ -260,15 +240,12 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
   result.covariance_rad2 = columns.Rows(network.boresight.id);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(result.covariance_rad2);
   result.condition_number = eigen.eigenvalues()[2] / eigen.eigenvalues()[0];
-  const double barycentre_s = Barycentre(network);
-  const Eigen::Vector3d sigma = result.sigma_rad();
-  result.accel_bias =
-      CorrelateWithBias(network, network.accel_bias, sigma, barycentre_s, columns, marginals);
-  result.gyro_bias =
-      CorrelateWithBias(network, network.gyro_bias, sigma, barycentre_s, columns, marginals);
-  AssessObservability(
-      network.flight(), sigma,
-      SigmaAt(network, NodeNear(network.node_times(), barycentre_s), marginals).rph_rad, &result);
+  const std::size_t barycentre = NodeNear(network.node_times(), LidarBarycentre(network));
+  const auto series = BiasCorrelationOverTime(network, marginals, columns);
+  result.accel_bias = Summarise(series, &BiasCorrelationAt::accel, barycentre);
+  result.gyro_bias = Summarise(series, &BiasCorrelationAt::gyro, barycentre);
+  AssessObservability(network.flight(), result.sigma_rad(),
+                      SigmaAt(network, barycentre, marginals).rph_rad, &result);
   if (result.verdict == Verdict::kCalibrated && !adjustment.warnings.empty()) {
     result.verdict = Verdict::kAbsorbed;
   }

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace dn::internal {
+namespace dn {
 
 /// The misclosure of a pair, linear and whitened:
 ///
@@ -46,6 +46,7 @@ class LastingErrors {
   /// What the pairs say beside errors of one scale.
   struct AtScale {
     double log_likelihood = 0.0;  ///< without effects, and without a constant
+    double chi2 = 0.0;            ///< weighted sum of squares at the solution, without effects
     /// Of the candidates. Its shift is that of the Gauss-Helmert adjustment, which takes the
     /// trajectory as given.
     JointScore score;
@@ -72,4 +73,4 @@ class LastingErrors {
   std::vector<Eigen::Index> first_;
 };
 
-}  // namespace dn::internal
+}  // namespace dn
