@@ -1,18 +1,9 @@
 #include <dn/montecarlo/flight_record.h>
 
-#include <limits>
+#include "json_numbers.h"
 
 namespace dn::apps {
 namespace {
-
-// JSON has no NaN: what cannot be judged is null.
-double Number(const Json& json) {
-  return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
-}
-
-Eigen::Vector3d Vector3FromJson(const Json& json) {
-  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
-}
 
 Eigen::Matrix3d Matrix3FromJson(const Json& json) {
   Eigen::Matrix3d matrix;

@@ -1,0 +1,95 @@
+#include <dn/error.h>
+#include <dn/geo/local_frame.h>
+#include <dn/montecarlo/blind_flight.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "draw_effect.h"
+#include "draw_lines.h"
+
+namespace dn::apps {
+namespace {
+
+constexpr double kBoresightSigma_rad = 0.3 * kRadPerDeg;
+constexpr double kLongestWarmUp_s = 420.0;
+constexpr double kShortestWarmUp_s = 240.0;
+
+BlindContent DrawContent(Random& random) {
+  const double share = random.Uniform();
+  if (share < 0.2) return BlindContent::kNothing;
+  if (share < 0.7) return BlindContent::kOneEffect;
+  if (share < 0.8) return BlindContent::kTwoEffects;
+  return BlindContent::kOutsider;
+}
+
+Scenario DrawScenario(const std::string& base, Random& random) {
+  Scenario scenario = ReadScenario(base);
+  if (scenario.plan.replay) {
+    throw InvalidConfig("scenario '" + base + "' replays a trajectory; its lines cannot be drawn");
+  }
+  DrawLines(scenario.terrain.base_m, random, &scenario.plan);
+  const double warm_up_s = random.Uniform(kShortestWarmUp_s, kLongestWarmUp_s);
+  scenario.plan.warm_up_s = std::min(scenario.plan.warm_up_s, warm_up_s);
+  const double fewer = random.Uniform(0.4, 0.8) * static_cast<double>(scenario.pairs.count);
+  scenario.pairs.count = static_cast<long>(fewer);
+  scenario.terrain.seed = 1 + DrawIndex(1000000, random);
+  scenario.lidar.mounting.boresight_rad = kBoresightSigma_rad * random.Normal3();
+  return scenario;
+}
+
+std::vector<Effect> DrawEffects(std::size_t count, const FlightTimes& times, Random& random) {
+  std::vector<const EffectSpec*> left = DiagnosableEffects();
+  std::vector<Effect> drawn;
+  while (drawn.size() < count) {
+    const auto chosen = left.begin() + static_cast<std::ptrdiff_t>(DrawIndex(left.size(), random));
+    drawn.push_back(DrawEffect(**chosen, times, random));
+    left.erase(chosen);
+  }
+  return drawn;
+}
+
+}  // namespace
+
+BlindContent BlindFlight::content() const {
+  if (outsider) return BlindContent::kOutsider;
+  if (scenario.effects.empty()) return BlindContent::kNothing;
+  return scenario.effects.size() == 1 ? BlindContent::kOneEffect : BlindContent::kTwoEffects;
+}
+
+std::vector<std::string> BlindScenarioNames() {
+  std::vector<std::string> names;
+  for (const std::string& name : ScenarioNames()) {
+    if (name.ends_with("_rest")) names.push_back(name);
+  }
+  return names;
+}
+
+BlindFlight DrawBlindFlight(const BlindSuite& suite, int number) {
+  Random random(suite.seed, fmt::format("blind flight {}", number));
+  BlindFlight flight;
+  flight.number = number;
+  flight.seed = MixBits(suite.seed ^ MixBits(static_cast<std::uint64_t>(number)));
+  flight.base = suite.scenarios[DrawIndex(suite.scenarios.size(), random)];
+  flight.scenario = DrawScenario(flight.base, random);
+  flight.scenario.name = fmt::format("flight_{:03}", number);
+  const FlightTimes times = PlannedTimes(flight.scenario, flight.seed);
+  switch (DrawContent(random)) {
+    case BlindContent::kNothing:
+      break;
+    case BlindContent::kOneEffect:
+      flight.scenario.effects = DrawEffects(1, times, random);
+      break;
+    case BlindContent::kTwoEffects:
+      flight.scenario.effects = DrawEffects(2, times, random);
+      break;
+    case BlindContent::kOutsider: {
+      const std::vector<std::string> names = OutsiderNames();
+      flight.outsider = DrawOutsider(names[DrawIndex(names.size(), random)], times, random);
+      break;
+    }
+  }
+  return flight;
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,287 @@
+#include <dn/effects/effect_table.h>
+#include <dn/error.h>
+#include <dn/montecarlo/blind_score.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace dn::apps {
+namespace {
+
+constexpr double kAlarmLevel = 0.05;
+constexpr double kBeyond_sigmas = 5.0;
+constexpr double kCovered_sigmas = 1.959963984540054;
+
+bool Holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool Contains(const BlindRecord& record, const std::string& effect) {
+  return std::any_of(record.effects.begin(), record.effects.end(),
+                     [&](const Effect& there) { return there.name == effect; });
+}
+
+Quartiles QuartilesOf(std::vector<double> values) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (values.empty()) return {0, kNone, kNone, kNone};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    const double place = share * static_cast<double>(values.size() - 1);
+    const auto k = static_cast<std::size_t>(place);
+    const std::size_t next = std::min(k + 1, values.size() - 1);
+    return values[k] + (place - static_cast<double>(k)) * (values[next] - values[k]);
+  };
+  return {static_cast<long>(values.size()), at(0.25), at(0.5), at(0.75)};
+}
+
+/// The entry of this name, made at the end where there is none.
+template <class T>
+T& Entry(const std::string& name, std::string T::*key, std::vector<T>* entries) {
+  for (T& entry : *entries) {
+    if (entry.*key == name) return entry;
+  }
+  entries->emplace_back();
+  entries->back().*key = name;
+  return entries->back();
+}
+
+const BlindCause* CauseOf(const BlindDiagnosis& diagnosis, const std::string& effect) {
+  for (const BlindCause& cause : diagnosis.causes) {
+    if (cause.effect == effect) return &cause;
+  }
+  return nullptr;
+}
+
+constexpr std::array<double, 3> kSizeLimits{0.0, 2.154, 4.642};  // 10^(1/3), 10^(2/3)
+
+std::size_t SizeClass(double size) {
+  if (size < kSizeLimits[1]) return 0;
+  return size < kSizeLimits[2] ? 1 : 2;
+}
+
+template <class Score>
+void Count(bool detected, bool named, bool with_group, Score* score) {
+  score->detected.Count(detected);
+  score->named.Count(named);
+  score->named_with_group.Count(with_group);
+}
+
+/// Gathers what is not simply counted.
+struct Samples {
+  std::vector<double> null_p_value, truth_posterior;
+  std::vector<double> shrinkage_right, shrinkage_wrong;
+  std::vector<double> diagnosis_time_s, calibration_time_s;
+  std::array<double, 10> stated_sum{};
+};
+
+void CountVerdict(BlindContent content, const std::string& verdict,
+                  std::vector<VerdictCount>* counts) {
+  for (VerdictCount& count : *counts) {
+    if (count.content != content || count.verdict != verdict) continue;
+    ++count.flights;
+    return;
+  }
+  counts->push_back({content, verdict, 1});
+}
+
+void ScoreNothing(const BlindDiagnosis& diagnosis, BlindScore* score, Samples* samples) {
+  samples->null_p_value.push_back(diagnosis.p_value);
+  score->false_alarms.Count(diagnosis.detected);
+  score->false_names.Count(!diagnosis.effects.empty());
+}
+
+void ScoreOne(const BlindRecord& record, BlindScore* score, Samples* samples) {
+  const BlindDiagnosis& diagnosis = *record.diagnosis.result;
+  const std::string& effect = record.effects.front().name;
+  const bool named = NamedStrictly(record), with_group = NamedWithGroup(record);
+  score->one_detected.Count(diagnosis.detected);
+  score->one_named.Count(named);
+  score->one_named_with_group.Count(with_group);
+  Count(diagnosis.detected, named, with_group,
+        &Entry(effect, &EffectScore::effect, &score->effects));
+  Count(diagnosis.detected, named, with_group,
+        &score->sizes[SizeClass(SizeOf(record.effects.front()))]);
+  const BlindCause* cause = CauseOf(diagnosis, effect);
+  if (diagnosis.detected) samples->truth_posterior.push_back(cause ? cause->posterior : 0.0);
+}
+
+void ScoreTwo(const BlindRecord& record, BlindScore* score) {
+  const BlindDiagnosis& diagnosis = *record.diagnosis.result;
+  score->two_detected.Count(diagnosis.detected);
+  score->two_named.Count(NamedStrictly(record));
+  score->two_named_with_group.Count(NamedWithGroup(record));
+  for (const Effect& effect : record.effects) {
+    score->two_members.Count(Holds(diagnosis.effects, effect.name));
+  }
+}
+
+void ScoreOutsider(const BlindRecord& record, BlindScore* score) {
+  const BlindDiagnosis& diagnosis = *record.diagnosis.result;
+  OutsiderScore& of_outsider =
+      Entry(record.outsider->name, &OutsiderScore::outsider, &score->outsiders);
+  score->outsider_detected.Count(diagnosis.detected);
+  of_outsider.detected.Count(diagnosis.detected);
+  if (!diagnosis.detected) return;
+  const bool rejected =
+      diagnosis.unknown || diagnosis.verdict == "unknown" || diagnosis.verdict == "partial";
+  score->outsider_rejected.Count(rejected);
+  of_outsider.rejected.Count(rejected);
+  score->outsider_misnamed.Count(!rejected && diagnosis.verdict == "identified");
+}
+
+void ScoreReliability(const BlindRecord& record, BlindScore* score, Samples* samples) {
+  for (const BlindCause& cause : record.diagnosis.result->causes) {
+    if (std::isnan(cause.posterior)) continue;
+    const auto tenth = static_cast<int>(10.0 * std::clamp(cause.posterior, 0.0, 1.0));
+    const auto bin = static_cast<std::size_t>(std::min(tenth, 9));
+    score->reliability[bin].true_ones.Count(Contains(record, cause.effect));
+    samples->stated_sum[bin] += cause.posterior;
+  }
+}
+
+void ScoreCoverage(const BlindRecord& record, BlindScore* score) {
+  const BlindDiagnosis& diagnosis = *record.diagnosis.result;
+  for (const Effect& effect : record.effects) {
+    const BlindCause* cause = CauseOf(diagnosis, effect.name);
+    if (!Holds(diagnosis.effects, effect.name) || cause == nullptr) continue;
+    const bool fixed = FindEffect(effect.name)->kind == EffectKind::kFixed;
+    Share* coverage = fixed ? &score->fixed_coverage : &score->stochastic_coverage;
+    const std::size_t count = std::min(cause->estimate.size(), cause->sigma.size());
+    for (std::size_t i = 0; i < std::min(count, effect.value.size()); ++i) {
+      if (!(cause->sigma[i] > 0.0) || std::isnan(cause->estimate[i])) continue;
+      const double error = cause->estimate[i] - effect.value[i];
+      coverage->Count(std::abs(error) <= kCovered_sigmas * cause->sigma[i]);
+    }
+  }
+}
+
+void ScoreSpurious(const BlindRecord& record, BlindScore* score) {
+  if (record.effects.empty()) return;
+  for (const std::string& name : record.diagnosis.result->effects) {
+    score->spurious += Contains(record, name) ? 0 : 1;
+  }
+}
+
+void ScoreShrinkage(const BlindRecord& record, Samples* samples) {
+  const BlindDiagnosis& diagnosis = *record.diagnosis.result;
+  if (!diagnosis.shrinkage || diagnosis.effects.empty()) return;
+  (NamedStrictly(record) ? samples->shrinkage_right : samples->shrinkage_wrong)
+      .push_back(*diagnosis.shrinkage);
+}
+
+void ScoreDiagnosis(const BlindRecord& record, BlindScore* score, Samples* samples) {
+  CountVerdict(record.content, record.diagnosis.result->verdict, &score->verdicts);
+  switch (record.content) {
+    case BlindContent::kNothing:
+      ScoreNothing(*record.diagnosis.result, score, samples);
+      break;
+    case BlindContent::kOneEffect:
+      ScoreOne(record, score, samples);
+      break;
+    case BlindContent::kTwoEffects:
+      ScoreTwo(record, score);
+      break;
+    case BlindContent::kOutsider:
+      ScoreOutsider(record, score);
+      break;
+  }
+  ScoreReliability(record, score, samples);
+  ScoreCoverage(record, score);
+  ScoreSpurious(record, score);
+  ScoreShrinkage(record, samples);
+  samples->diagnosis_time_s.push_back(record.diagnosis.time_s);
+}
+
+void ScoreCalibration(const BlindCalibration& calibration, std::vector<CalibrationScore>* scores) {
+  CalibrationScore& score = Entry(calibration.verdict, &CalibrationScore::verdict, scores);
+  ++score.flights;
+  score.beyond_5_sigma += calibration.worst() > kBeyond_sigmas ? 1 : 0;
+  score.rms_sigmas += calibration.error_sigmas.squaredNorm();  // its sum, up to the last flight
+}
+
+void Finish(std::vector<CalibrationScore>* scores) {
+  std::sort(scores->begin(), scores->end(),
+            [](const auto& a, const auto& b) { return a.verdict < b.verdict; });
+  for (CalibrationScore& score : *scores) {
+    score.rms_sigmas = std::sqrt(score.rms_sigmas / (3.0 * static_cast<double>(score.flights)));
+  }
+}
+
+void AddFailure(const BlindRecord& record, const char* program, const std::string& failure,
+                BlindScore* score) {
+  if (failure.empty()) return;
+  score->failures.push_back(fmt::format("flight {}: {}: {}", record.number, program, failure));
+}
+
+void Finish(const Samples& samples, BlindScore* score) {
+  score->alarms_allowed = score->false_alarms.of == 0
+                              ? Interval{0.0, 1.0}
+                              : BinomialInterval(0.95, score->false_alarms.of, kAlarmLevel);
+  for (std::size_t k = 0; k < score->reliability.size(); ++k) {
+    ReliabilityBin& bin = score->reliability[k];
+    bin.low = static_cast<double>(k) / 10.0;
+    bin.high = static_cast<double>(k + 1) / 10.0;
+    bin.stated = samples.stated_sum[k] / static_cast<double>(bin.true_ones.of);
+  }
+  for (std::size_t k = 0; k < score->sizes.size(); ++k) score->sizes[k].from = kSizeLimits[k];
+  score->null_p_value = QuartilesOf(samples.null_p_value);
+  score->truth_posterior = QuartilesOf(samples.truth_posterior);
+  score->shrinkage_right = QuartilesOf(samples.shrinkage_right);
+  score->shrinkage_wrong = QuartilesOf(samples.shrinkage_wrong);
+  score->diagnosis_time_s = QuartilesOf(samples.diagnosis_time_s);
+  score->calibration_time_s = QuartilesOf(samples.calibration_time_s);
+  Finish(&score->calibrated);
+  Finish(&score->adapted);
+  std::sort(score->verdicts.begin(), score->verdicts.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.content, a.verdict) < std::tie(b.content, b.verdict);
+  });
+  std::sort(score->effects.begin(), score->effects.end(),
+            [](const auto& a, const auto& b) { return a.effect < b.effect; });
+  std::sort(score->outsiders.begin(), score->outsiders.end(),
+            [](const auto& a, const auto& b) { return a.outsider < b.outsider; });
+}
+
+}  // namespace
+
+bool NamedStrictly(const BlindRecord& record) {
+  if (!record.diagnosis.result || record.effects.empty()) return false;
+  const std::vector<std::string>& named = record.diagnosis.result->effects;
+  return named.size() == record.effects.size() &&
+         std::all_of(named.begin(), named.end(),
+                     [&](const std::string& name) { return Contains(record, name); });
+}
+
+bool NamedWithGroup(const BlindRecord& record) {
+  if (!record.diagnosis.result || record.effects.empty()) return false;
+  if (NamedStrictly(record)) return true;
+  const BlindDiagnosis& diagnosis = *record.diagnosis.result;
+  if (diagnosis.verdict != "group") return false;
+  return std::all_of(record.effects.begin(), record.effects.end(), [&](const Effect& effect) {
+    return Holds(diagnosis.effects, effect.name) || Holds(diagnosis.credible_set, effect.name);
+  });
+}
+
+BlindScore ScoreBlindFlights(const std::vector<BlindRecord>& records) {
+  if (records.empty()) throw InvalidInput("there is no flight to score");
+  BlindScore score;
+  Samples samples;
+  score.flights = static_cast<long>(records.size());
+  for (const BlindRecord& record : records) {
+    AddFailure(record, "dn gap", record.diagnosis.failure, &score);
+    AddFailure(record, "dn calibrate", record.calibrated.failure, &score);
+    AddFailure(record, "dn calibrate, adapted", record.adapted.failure, &score);
+    if (record.diagnosis.result) ScoreDiagnosis(record, &score, &samples);
+    if (record.calibrated.result) {
+      ScoreCalibration(*record.calibrated.result, &score.calibrated);
+      samples.calibration_time_s.push_back(record.calibrated.time_s);
+    }
+    if (record.adapted.result) ScoreCalibration(*record.adapted.result, &score.adapted);
+  }
+  Finish(samples, &score);
+  return score;
+}
+
+}  // namespace dn::apps
