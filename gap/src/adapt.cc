@@ -1,0 +1,192 @@
+#include <dn/effects/effect_table.h>
+#include <dn/error.h>
+#include <dn/gap/adapt.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dn {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr double kTypicalSizesOfPrior = 10.0;
+constexpr double kEstimatesOfPrior = 3.0;
+// Below it flight.yaml takes no sigma, and a process is none.
+constexpr double kLeastSigma = 1e-12;
+
+const EffectSpec& SpecOf(const std::string& effect) {
+  const EffectSpec* spec = FindEffect(effect);
+  if (spec == nullptr) throw InvalidInput("there is no effect '" + effect + "'");
+  return *spec;
+}
+
+/// The section of a sensor. Throws where the flight has none.
+template <class Section>
+Section& Need(std::optional<Section>& section, const char* name) {
+  if (!section) {
+    throw InvalidInput(std::string("the effect needs the section '") + name + "' of flight.yaml");
+  }
+  return *section;
+}
+
+BiasProcess GaussMarkov(const VectorXd& si) {
+  return {BiasProcess::Type::kGaussMarkov, si[0], si[1]};
+}
+
+void AddProcess(const VectorXd& si, SensorNoise* noise) {
+  if (si[0] > kLeastSigma) noise->processes.push_back(GaussMarkov(si));
+}
+
+void AddGnssProcess(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
+  if (si.head<3>().maxCoeff() <= kLeastSigma) return;
+  Need(config->gnss, "gnss").processes.push_back({si.head<3>(), si[3]});
+}
+
+void ScaleGnss(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
+  Need(config->gnss, "gnss").sigma_scale *= si[0];
+}
+
+void ScaleGyro(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
+  Need(config->imu, "imu").model.gyro.white *= si[0];
+}
+
+void ScaleAccel(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
+  Need(config->imu, "imu").model.accel.white *= si[0];
+}
+
+void AddGyroProcess(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
+  AddProcess(si, &Need(config->imu, "imu").model.gyro);
+}
+
+void AddAccelProcess(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
+  AddProcess(si, &Need(config->imu, "imu").model.accel);
+}
+
+void AddVibration(const Flight&, const GapCause& cause, const VectorXd& si, FlightConfig* config) {
+  if (!cause.times.window_s) throw InvalidInput("imu_vibration needs its window");
+  if (si.maxCoeff() <= kLeastSigma) return;
+  const auto& [t0_s, t1_s] = *cause.times.window_s;
+  Need(config->imu, "imu").model.vibration.push_back({t0_s, t1_s, si[0], si[1]});
+}
+
+void ScalePairs(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
+  Need(config->lidar, "lidar").sigma_p_m *= si[0];
+}
+
+void AddRangeNoise(const Flight& flight, const GapCause&, const VectorXd& si,
+                   FlightConfig* config) {
+  LidarConfig& lidar = Need(config->lidar, "lidar");
+  if (!flight.pairs) throw InvalidInput("p2p_range_noise needs the pairs of the flight");
+  lidar.sigma_p_m = std::hypot(lidar.sigma_p_m, si[0] * MeanRange(flight.pairs->pairs));
+}
+
+void RejectPairs(const Flight&, const GapCause&, const VectorXd&, FlightConfig* config) {
+  RobustKind& robust = Need(config->lidar, "lidar").robust;
+  if (robust == RobustKind::kNone) robust = RobustKind::kCauchy;
+}
+
+void RejectEpochs(const Flight&, const GapCause&, const VectorXd&, FlightConfig* config) {
+  RobustKind& robust = Need(config->gnss, "gnss").robust;
+  if (robust == RobustKind::kNone) robust = RobustKind::kHuber;
+}
+
+/// Where flight.yaml states a random effect, and how it is put there.
+struct Statement {
+  const char* effect;
+  const char* key;
+  void (*put)(const Flight& flight, const GapCause& cause, const VectorXd& si,
+              FlightConfig* config);
+};
+
+constexpr Statement kStatements[] = {
+    {"gnss_correlated_noise", "gnss.processes", &AddGnssProcess},
+    {"gnss_noise_scale", "gnss.sigma_scale", &ScaleGnss},
+    {"gyro_noise_scale", "imu.gyro.white_deg_sqrt_h", &ScaleGyro},
+    {"accel_noise_scale", "imu.accel.white_m_s_sqrt_h", &ScaleAccel},
+    {"gyro_bias_process", "imu.gyro.processes", &AddGyroProcess},
+    {"accel_bias_process", "imu.accel.processes", &AddAccelProcess},
+    {"imu_vibration", "imu.vibration", &AddVibration},
+    {"p2p_noise_scale", "lidar.sigma_p_m", &ScalePairs},
+    {"p2p_range_noise", "lidar.sigma_p_m", &AddRangeNoise},
+    {"p2p_outliers", "lidar.robust", &RejectPairs},
+    {"gnss_outliers", "gnss.robust", &RejectEpochs},
+};
+
+const Statement* FindStatement(const std::string& effect) {
+  const auto* found = std::find_if(std::begin(kStatements), std::end(kStatements),
+                                   [&](const Statement& s) { return effect == s.effect; });
+  return found == std::end(kStatements) ? nullptr : found;
+}
+
+/// Effects that a free unknown would leave too loose for the first solution, which has no pairs.
+bool NeedsPrior(const std::string& effect) {
+  return effect == "accel_scale_factor" || effect == "accel_misalignment" ||
+         effect == "gravity_tilt" || effect == "gravity_disturbance";
+}
+
+/// Wide enough to leave the estimate to the data, in the unit of the table.
+double PriorSigma(const EffectSpec& spec, const VectorXd& estimate) {
+  double sigma = 0.0;
+  for (const EffectComponent& part : spec.components) {
+    sigma = std::max(sigma, kTypicalSizesOfPrior * part.typical);
+  }
+  return estimate.size() > 0 && estimate.allFinite()
+             ? std::max(sigma, kEstimatesOfPrior * estimate.cwiseAbs().maxCoeff())
+             : sigma;
+}
+
+void Estimate(const EffectSpec& spec, const GapCause& cause, FlightConfig* config) {
+  const auto same = [&](const EstimateEntry& entry) { return entry.unknown == spec.name; };
+  if (std::any_of(config->estimate.begin(), config->estimate.end(), same)) return;
+  EstimateEntry entry{.unknown = spec.name, .times = cause.times};
+  if (NeedsPrior(spec.name)) entry.sigma = {PriorSigma(spec, cause.estimate)};
+  config->estimate.push_back(std::move(entry));
+}
+
+}  // namespace
+
+std::vector<double> FileValue(const GapCause& cause) {
+  const EffectSpec& spec = SpecOf(cause.effect);
+  std::vector<double> value(cause.estimate.begin(), cause.estimate.end());
+  for (std::size_t i = 0; i < std::min(value.size(), spec.components.size()); ++i) {
+    const EffectComponent& part = spec.components[i];
+    value[i] = std::clamp(value[i], part.lowest, part.highest);
+  }
+  if (const auto fault = ValueFault(spec, value)) {
+    throw InvalidInput("the estimate of " + cause.effect + ": " + *fault);
+  }
+  return value;
+}
+
+std::vector<GapCause> CausesOfVerdict(const GapDiagnosis& diagnosis) {
+  std::vector<GapCause> named;
+  for (const std::string& effect : diagnosis.verdict.effects) {
+    for (const GapCause& cause : diagnosis.causes) {
+      if (cause.effect == effect) named.push_back(cause);
+    }
+  }
+  return named;
+}
+
+std::string AdaptedKey(const std::string& effect) {
+  if (SpecOf(effect).kind == EffectKind::kFixed) return "estimate";
+  const Statement* statement = FindStatement(effect);
+  return statement != nullptr ? statement->key : "";
+}
+
+FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes) {
+  FlightConfig config = flight.config;
+  for (const GapCause& cause : causes) {
+    const EffectSpec& spec = SpecOf(cause.effect);
+    if (spec.kind == EffectKind::kFixed) {
+      Estimate(spec, cause, &config);
+    } else if (const Statement* statement = FindStatement(cause.effect)) {
+      statement->put(flight, cause, ValueInSi(spec, FileValue(cause)), &config);
+    }
+  }
+  return config;
+}
+
+}  // namespace dn

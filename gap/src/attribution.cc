@@ -1,0 +1,249 @@
+#include "attribution.h"
+
+#include <dn/interrupted.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "refine_times.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr std::size_t kMostCauses = 4;
+// What is expected before any data: nothing, an effect of the table, one without a name.
+constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorGeneric = 0.1;
+// By so much another effect must explain the data better to take the place of one that was chosen.
+constexpr double kSwapNats = 1.0;
+constexpr double kCredible = 0.95;
+
+std::vector<double> LogPriors(const std::vector<ScreenedEffect>& effects) {
+  const auto physical = std::count_if(effects.begin(), effects.end(),
+                                      [](const ScreenedEffect& e) { return e.physical; });
+  const auto generic = static_cast<double>(effects.size()) - static_cast<double>(physical);
+  std::vector<double> log_priors;
+  for (const ScreenedEffect& effect : effects) {
+    log_priors.push_back(
+        effect.physical
+            ? std::log(kPriorPhysical / static_cast<double>(std::max<long>(1, physical)))
+            : std::log(kPriorGeneric / std::max(1.0, generic)));
+  }
+  return log_priors;
+}
+
+/// Smallest set of names with the stated probability among those that are something.
+std::vector<std::string> CredibleSet(const std::vector<ScreenedEffect>& effects,
+                                     const std::vector<double>& posterior) {
+  std::vector<std::size_t> order(effects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return posterior[a] > posterior[b]; });
+  double all = 0.0;
+  for (std::size_t k = 0; k < effects.size(); ++k) all += posterior[k];
+  std::vector<std::string> names;
+  double sum = 0.0;
+  for (const std::size_t k : order) {
+    if (sum >= kCredible * all) break;
+    sum += posterior[k];
+    if (effects[k].physical) names.push_back(effects[k].name);
+  }
+  return names;
+}
+
+class Attributor {
+ public:
+  Attributor(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
+             double threshold_nats)
+      : explainer_(explainer), threshold_nats_(threshold_nats) {
+    out_.base = std::move(base);
+  }
+
+  Attribution Run() {
+    explainer_.JudgeProcesses(out_.base.get());
+    for (const ScreenedEffect& effect : out_.base->effects) {
+      if (!effect.physical) out_.generic_nats = std::max(out_.generic_nats, effect.log_evidence);
+    }
+    Grow();
+    if (out_.causes.size() > 1) Revise();
+    MakeSlots();
+    return std::move(out_);
+  }
+
+ private:
+  const ExplainedFlight& Present() const { return out_.last(); }
+
+  static std::optional<ScreenedEffect> BestPhysical(const ExplainedFlight& explained) {
+    for (const ScreenedEffect& effect : explained.effects) {
+      if (effect.physical) return effect;
+    }
+    return std::nullopt;
+  }
+
+  GapCause Refined(const ExplainedFlight& explained, ScreenedEffect effect) const {
+    RefineTimes(explained.solution->network(), explained.solution->marginals(),
+                explainer_.options().threads, &effect);
+    return ToCause(effect);
+  }
+
+  void Report(const std::string& stage, double fraction) const {
+    if (explainer_.options().progress) explainer_.options().progress(stage, fraction);
+  }
+
+  /// The flight with these causes; nothing, with a note, where it cannot be adjusted.
+  std::unique_ptr<ExplainedFlight> TryExplain(const std::vector<GapCause>& causes) {
+    try {
+      auto explained = std::make_unique<ExplainedFlight>(explainer_.Explain(causes));
+      explainer_.JudgeProcesses(explained.get());
+      return explained;
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const std::exception& error) {
+      out_.notes.push_back("with " + causes.back().effect +
+                           " among the unknowns the flight cannot be adjusted: " + error.what());
+      return nullptr;
+    }
+  }
+
+  void Grow() {
+    while (out_.causes.size() < kMostCauses) {
+      const std::optional<ScreenedEffect> best = BestPhysical(Present());
+      if (!best || best->log_evidence < threshold_nats_) break;
+      std::vector<GapCause> causes = out_.causes;
+      causes.push_back(Refined(Present(), *best));
+      Report("with " + best->name, 0.3 + 0.1 * static_cast<double>(out_.causes.size()));
+      out_.explained_nats += best->log_evidence;
+      out_.causes = causes;
+      if (explainer_.options().depth == GapOptions::Depth::kScreen) break;
+      std::unique_ptr<ExplainedFlight> next = TryExplain(causes);
+      if (!next) break;
+      if (out_.final) before_.push_back(std::move(out_.final));
+      out_.final = std::move(next);
+    }
+  }
+
+  std::vector<GapCause> Without(std::size_t k) const {
+    std::vector<GapCause> others = out_.causes;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    return others;
+  }
+
+  /// The flight with all causes but one.
+  const ExplainedFlight* ExplainedWithout(std::size_t k) {
+    const std::size_t n = out_.causes.size();
+    if (n == 1) return out_.base.get();
+    if (k + 1 == n && !revised_ && !before_.empty()) return before_.back().get();
+    scratch_ = TryExplain(Without(k));
+    return scratch_.get();
+  }
+
+  /// An early choice was made beside fewer effects than there are now.
+  void Revise() {
+    for (std::size_t k = 0; k + 1 < out_.causes.size(); ++k) {
+      Report("without " + out_.causes[k].effect, 0.7);
+      const ExplainedFlight* others = ExplainedWithout(k);
+      if (others == nullptr) continue;
+      const std::optional<ScreenedEffect> best = BestPhysical(*others);
+      if (!best) continue;
+      const double own = EvidenceOf(*others, out_.causes[k].effect);
+      if (own < threshold_nats_ && best->log_evidence < threshold_nats_) {
+        Replace(Without(k));
+        return;
+      }
+      if (best->log_evidence < own + kSwapNats) {
+        KeepRivals(k, *others);
+        continue;
+      }
+      std::vector<GapCause> causes = Without(k);
+      causes.push_back(Refined(*others, *best));
+      Replace(causes);
+      return;
+    }
+  }
+
+  static double EvidenceOf(const ExplainedFlight& explained, const std::string& name) {
+    for (const ScreenedEffect& effect : explained.effects) {
+      if (effect.name == name) return effect.log_evidence;
+    }
+    return -std::numeric_limits<double>::infinity();
+  }
+
+  void Replace(const std::vector<GapCause>& causes) {
+    std::unique_ptr<ExplainedFlight> next = TryExplain(causes);
+    if (!next) return;
+    out_.causes = causes;
+    out_.final = std::move(next);
+    revised_ = true;
+    kept_.clear();
+  }
+
+  void KeepRivals(std::size_t k, const ExplainedFlight& others) {
+    kept_.emplace_back(k, others.effects);
+  }
+
+  void MakeSlots() {
+    if (out_.causes.empty()) {
+      out_.slots.push_back(MakeSlot("", out_.base->effects));
+      return;
+    }
+    for (std::size_t k = 0; k < out_.causes.size(); ++k) {
+      const auto kept =
+          std::find_if(kept_.begin(), kept_.end(), [&](const auto& one) { return one.first == k; });
+      if (kept != kept_.end()) {
+        out_.slots.push_back(MakeSlot(out_.causes[k].effect, kept->second));
+        continue;
+      }
+      const ExplainedFlight* others = ExplainedWithout(k);
+      if (others == nullptr) others = out_.base.get();
+      out_.slots.push_back(MakeSlot(out_.causes[k].effect, others->effects));
+    }
+  }
+
+  const Explainer& explainer_;
+  double threshold_nats_;
+  Attribution out_;
+  std::vector<std::unique_ptr<ExplainedFlight>> before_;  // with the first causes, one more each
+  std::unique_ptr<ExplainedFlight> scratch_;
+  std::vector<std::pair<std::size_t, std::vector<ScreenedEffect>>> kept_;
+  bool revised_ = false;
+};
+
+}  // namespace
+
+std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects) {
+  const std::vector<double> log_priors = LogPriors(effects);
+  double largest = std::log(kPriorNothing);
+  for (std::size_t k = 0; k < effects.size(); ++k) {
+    largest = std::max(largest, log_priors[k] + effects[k].log_evidence);
+  }
+  std::vector<double> posterior;
+  double sum = kPriorNothing * std::exp(-largest);
+  for (std::size_t k = 0; k < effects.size(); ++k) {
+    posterior.push_back(std::exp(log_priors[k] + effects[k].log_evidence - largest));
+    sum += posterior.back();
+  }
+  for (double& one : posterior) one /= sum;
+  return posterior;
+}
+
+Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& rivals) {
+  Slot slot;
+  slot.effect = effect;
+  slot.rivals = rivals;
+  slot.posterior = Posterior(rivals);
+  slot.credible_set = CredibleSet(rivals, slot.posterior);
+  for (std::size_t k = 0; k < rivals.size(); ++k) {
+    if (!rivals[k].physical) slot.generic_posterior += slot.posterior[k];
+  }
+  return slot;
+}
+
+Attribution Attribute(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
+                      double threshold_nats) {
+  return Attributor(explainer, std::move(base), threshold_nats).Run();
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,47 @@
+#include "design_limits.h"
+
+#include <dn/builder/build.h>
+#include <dn/solvers/marginals.h>
+
+#include <utility>
+
+#include "hidden_effects.h"
+#include "screen.h"
+#include "stopwatch.h"
+#include "unavailable.h"
+
+namespace dn::internal {
+namespace {
+
+// Evidence at which an effect is named: what the diagnosis of a flight asks for at least.
+constexpr double kThresholdNats = 6.0;
+constexpr PlannedRates kRates{.imu_hz = 100.0, .gnss_hz = 1.0};
+
+const Trajectory& PosesOf(const Flight& flight) {
+  if (flight.trajectory) return *flight.trajectory;
+  return flight.initial_guess ? *flight.initial_guess : *flight.reference;
+}
+
+}  // namespace
+
+bool HasPoses(const Flight& flight) {
+  return flight.trajectory || flight.initial_guess || flight.reference;
+}
+
+GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
+  GapDiagnosis diagnosis;
+  diagnosis.flight = flight.config.name;
+  Stopwatch watch(&diagnosis.timings_s);
+  Flight plan = flight;
+  const NetworkDesign design{PosesOf(flight).InMap(flight.frame)};
+  PlanMeasurements(design, kRates, &plan);
+  const FlightNetwork network = Build(plan, design);
+  const Marginals marginals(network.net, {.threads = options.threads});
+  const Screen screen(network, marginals, {options.effects, options.left_out, options.threads});
+  diagnosis.validity.observations = marginals.linearized().rows();
+  diagnosis.could_still_hide = HiddenEffects(screen, kThresholdNats, options.seed, options.depth);
+  watch.Lap("limits");
+  return WithLimits(flight, std::move(diagnosis));
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,560 @@
+#include <dn/calibration/result.h>
+#include <dn/effects/effect_table.h>
+#include <dn/error.h>
+#include <dn/gap/adapt.h>
+#include <dn/gap/diagnose.h>
+#include <dn/gap/report.h>
+#include <dn/gap/twin.h>
+#include <dn/interrupted.h>
+#include <dn/rotation.h>
+#include <dn/sim/random.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <utility>
+
+#include "attribution.h"
+#include "boresight_scatter.h"
+#include "design_limits.h"
+#include "diagnose_gauss_helmert.h"
+#include "explained_flight.h"
+#include "full_twins.h"
+#include "held_out.h"
+#include "hidden_effects.h"
+#include "shrinkage.h"
+#include "stopwatch.h"
+#include "unavailable.h"
+
+namespace dn {
+namespace {
+
+using namespace internal;
+
+constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // of each kind
+constexpr int kTwinsFull = 400, kTwinsQuick = 200, kTwinsScreen = 100;
+// Beyond the evidence that one flight in twenty without any effect has somewhere in the library.
+constexpr double kSafetyNats = 2.0, kLeastThresholdNats = 4.0;
+// Evidence, more than a physical effect has, at which a discrepancy without a name is the better one.
+constexpr double kGenericNats = 3.0;
+// Share of its evidence that a large effect may lose by what is not of first order.
+constexpr double kSecondOrder = 0.05;
+// p-value of the high band and of gross errors, which the twins do not have, that counts by itself.
+constexpr double kCertain = 1e-3;
+// p-value of twins against twins below which they are no reference.
+constexpr double kUnequalTwins = 1e-4;
+constexpr double kTrajectoryStepS = 0.01;
+constexpr int kFullTwins = 8;  // of each kind
+// p-value of the flight among its simulated twins below which they are not like it.
+constexpr double kUnlike = 0.01;
+constexpr std::size_t kPlaces = 20;
+constexpr long kLeastRedundancy = 30;
+constexpr std::size_t kFingerprint = 60;
+
+double Quantile(std::vector<double> values, double p) {
+  std::sort(values.begin(), values.end());
+  const double at = p * static_cast<double>(values.size() - 1);
+  const auto low = static_cast<std::size_t>(at);
+  const std::size_t high = std::min(low + 1, values.size() - 1);
+  return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
+}
+
+std::vector<double> Over(const Twins& twins, double Appearance::*what) {
+  std::vector<double> values;
+  for (const Appearance& twin : twins.all) values.push_back(twin.*what);
+  return values;
+}
+
+double Mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+double RootExcess(double value, const std::vector<double>& of_twins) {
+  const double usual = Mean(of_twins);
+  return std::sqrt(std::max(0.0, value * value - usual * usual));
+}
+
+/// A flight beside its twins.
+struct Compared {
+  Appearance appearance;
+  Twins twins;
+  std::vector<LocationStatistic> statistics;
+  TwinTest test;
+};
+
+class Diagnosis {
+ public:
+  Diagnosis(const Flight& flight, const GapOptions& options)
+      : flight_(flight), options_(options), explainer_(flight, options), watch_(&out_.timings_s) {
+    out_.flight = flight.config.name;
+    out_.validity.alpha = options.alpha;
+  }
+
+  GapResult Run() {
+    Report("adjusting", 0.0);
+    auto base = std::make_unique<ExplainedFlight>(explainer_.Explain({}));
+    watch_.Lap("adjustment and screen");
+    if (options_.depth == GapOptions::Depth::kLimits) return Limits(*base);
+    if (base->solution->trajectory().figures.redundancy < kLeastRedundancy) {
+      return Unavailable(flight_, options_,
+                         "the measurements hardly exceed the unknowns, so that nothing can "
+                         "contradict; it takes a longer flight");
+    }
+    Report("twins", 0.15);
+    before_ = Compare(*base);
+    watch_.Lap("twins");
+    JudgeGap(*base);
+    Attribution attribution = Attribute(explainer_, std::move(base), Threshold());
+    watch_.Lap("attribution");
+    if (!out_.detected) Forget(&attribution);
+    if (attribution.final) {
+      Report("twins with the effects", 0.8);
+      after_ = Compare(*attribution.final);
+      watch_.Lap("twins with the effects");
+    }
+    FillCauses(attribution);
+    FillVerdict(attribution);
+    if (attribution.final) {
+      MeasureShrinkage(attribution);
+      Report("data held out", 0.85);
+      HoldOut(attribution);
+      watch_.Lap("data held out");
+    }
+    if (options_.depth == GapOptions::Depth::kFull) {
+      Report("simulated twins", 0.88);
+      FlyAgain(attribution);
+      watch_.Lap("simulated twins");
+    }
+    Report("limits", 0.95);
+    out_.could_still_hide =
+        HiddenEffects(*attribution.base->screen, Threshold(), options_.seed, options_.depth);
+    watch_.Lap("limits");
+    for (const std::string& note : attribution.notes) out_.validity.notes.push_back(note);
+    out_.verdict.text = VerdictSentence(out_);
+    return Result(attribution);
+  }
+
+  /// By the geometry at the solution.
+  GapResult Limits(const ExplainedFlight& base) {
+    out_.could_still_hide = HiddenEffects(*base.screen, kLeastThresholdNats + kSafetyNats,
+                                          options_.seed, options_.depth);
+    out_.validity.observations = base.solution->linearized().rows();
+    watch_.Lap("limits");
+    return WithLimits(flight_, std::move(out_));
+  }
+
+ private:
+  void Report(const std::string& stage, double fraction) const {
+    if (options_.interrupted && options_.interrupted()) throw Interrupted();
+    if (options_.progress) options_.progress(stage, fraction);
+  }
+
+  int NumTwins() const {
+    switch (options_.depth) {
+      case GapOptions::Depth::kFull:
+        return kTwinsFull;
+      case GapOptions::Depth::kQuick:
+        return kTwinsQuick;
+      default:
+        return kTwinsScreen;
+    }
+  }
+
+  Compared Compare(const ExplainedFlight& explained) const {
+    Compared out;
+    out.test = explainer_.Test(explained, NumTwins(), &out.appearance, &out.twins, &out.statistics);
+    return out;
+  }
+
+  double Threshold() const {
+    return std::max(kLeastThresholdNats, before_.test.evidence_95 + kSafetyNats);
+  }
+
+  /// What the twins cannot show: raw inertial noise, gross errors.
+  static double POutsideTwins(const ExplainedFlight& explained) {
+    double p = std::exp(-std::max(0.0, explained.coloured_imu_nats));
+    for (const ScreenedEffect& effect : explained.effects) {
+      const bool outside = effect.name == "imu_vibration" || effect.name == "gyro_noise_scale" ||
+                           effect.name == "accel_noise_scale" || effect.name == "p2p_outliers" ||
+                           effect.name == "gnss_outliers";
+      if (outside) p = std::min(p, std::exp(-std::max(0.0, effect.log_evidence)));
+    }
+    return p;
+  }
+
+  void JudgeGap(const ExplainedFlight& base) {
+    const double outside = POutsideTwins(base);
+    out_.p_value =
+        outside < kCertain ? std::min(outside, before_.test.p_value) : before_.test.p_value;
+    out_.detected = out_.p_value <= options_.alpha;
+    FillSize();
+    FillWhere(base);
+    FillUserUnits();
+    out_.user_units.boresight_inconsistency_rad =
+        BoresightScatter(base.solution->network(), options_.threads);
+    out_.validity.observations = base.solution->linearized().rows();
+    out_.validity.twins = static_cast<int>(before_.twins.all.size());
+    out_.validity.tests = static_cast<int>(before_.statistics.size() + base.effects.size());
+    JudgeTwins();
+  }
+
+  void JudgeTwins() {
+    out_.validity.aa_p_value = TwinsAgainstTwins(before_.twins);
+    if (out_.validity.aa_p_value >= kUnequalTwins) return;
+    out_.validity.notes.push_back(
+        "twins of the flight differ among themselves: nothing can be said of it");
+  }
+
+  void FillSize() {
+    const std::vector<double> of_twins = Over(before_.twins, &Appearance::size_nats);
+    const double usual = Mean(of_twins);
+    out_.size.value = before_.appearance.size_nats - usual;
+    out_.size.null_low = Quantile(of_twins, 0.025) - usual;
+    out_.size.null_high = Quantile(of_twins, 0.975) - usual;
+    out_.size.upper_limit_95 = std::max(0.0, out_.size.value - (Quantile(of_twins, 0.05) - usual));
+  }
+
+  void FillUserUnits() {
+    if (before_.appearance.pair_rms_m > 0.0) {
+      out_.user_units.p2p_excess_m =
+          RootExcess(before_.appearance.pair_rms_m, Over(before_.twins, &Appearance::pair_rms_m));
+    }
+    if (before_.appearance.gnss_rms_m > 0.0) {
+      out_.user_units.gnss_excess_m =
+          RootExcess(before_.appearance.gnss_rms_m, Over(before_.twins, &Appearance::gnss_rms_m));
+    }
+  }
+
+  void FillWhere(const ExplainedFlight& base) {
+    const TwinTest& test = before_.test;
+    std::vector<Eigen::Index> order;
+    for (Eigen::Index k = 0; k < test.z.size(); ++k) order.push_back(k);
+    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return std::abs(test.z[a]) > std::abs(test.z[b]);
+    });
+    if (base.coloured_imu_nats > -std::log(kCertain)) {
+      out_.where.push_back({"imu", "raw data, highest octaves", "the whole flight",
+                            base.coloured_imu_nats, std::exp(-base.coloured_imu_nats)});
+    }
+    for (const Eigen::Index k : order) {
+      const LocationStatistic& at = before_.statistics[static_cast<std::size_t>(k)];
+      if (out_.fingerprint.size() < kFingerprint) {
+        out_.fingerprint.push_back({NameOf(at), before_.appearance.locations[k], test.mean[k],
+                                    test.sigma[k], std::nullopt, std::nullopt});
+      }
+      if (out_.where.size() >= kPlaces || test.p_adjusted[k] > options_.alpha) continue;
+      out_.where.push_back({at.sensor, at.quantity,
+                            at.location.empty() ? "the whole flight" : at.location, test.z[k],
+                            test.p_adjusted[k]});
+    }
+  }
+
+  static void Forget(Attribution* attribution) {
+    attribution->causes.clear();
+    attribution->final.reset();
+    attribution->explained_nats = 0.0;
+  }
+
+  /// Every effect with its probability over all causes; those of the verdict first.
+  void FillCauses(const Attribution& attribution) {
+    for (const ScreenedEffect& effect : attribution.base->effects) {
+      double absent = 1.0;
+      for (const Slot& slot : attribution.slots) absent *= 1.0 - ProbabilityIn(slot, effect.name);
+      if (!effect.physical) {
+        out_.discrepancies.push_back({effect.name, effect.log_evidence, 1.0 - absent});
+        continue;
+      }
+      GapCause cause = ToCause(effect);
+      cause.posterior = 1.0 - absent;
+      out_.causes.push_back(std::move(cause));
+    }
+    for (std::size_t k = attribution.causes.size(); k-- > 0;) {
+      PutFirst(attribution, k);
+    }
+  }
+
+  static double ProbabilityIn(const Slot& slot, const std::string& name) {
+    for (std::size_t k = 0; k < slot.rivals.size(); ++k) {
+      if (slot.rivals[k].name == name) return slot.posterior[k];
+    }
+    return 0.0;
+  }
+
+  void PutFirst(const Attribution& attribution, std::size_t k) {
+    const GapCause& named = attribution.causes[k];
+    const auto at =
+        std::find_if(out_.causes.begin(), out_.causes.end(),
+                     [&](const GapCause& cause) { return cause.effect == named.effect; });
+    GapCause cause = at == out_.causes.end() ? named : *at;
+    if (at != out_.causes.end()) out_.causes.erase(at);
+    cause.times = named.times;
+    cause.estimate = named.estimate;
+    cause.sigma = named.sigma;
+    cause.boresight_damage_rad = named.boresight_damage_rad;
+    for (const Slot& slot : attribution.slots) {
+      if (slot.effect != named.effect) continue;
+      cause.posterior = ProbabilityIn(slot, named.effect);
+      for (const ScreenedEffect& rival : slot.rivals) {
+        if (rival.name == named.effect) cause.log_evidence = rival.log_evidence;
+      }
+      for (const std::string& name : slot.credible_set) {
+        if (name != named.effect) cause.inseparable_from.push_back(name);
+      }
+    }
+    if (attribution.final) TakeEstimate(*attribution.final, &cause);
+    out_.causes.insert(out_.causes.begin(), std::move(cause));
+  }
+
+  /// A fixed effect's values from the adjustment that has it among its unknowns.
+  static void TakeEstimate(const ExplainedFlight& final, GapCause* cause) {
+    for (const UnknownEstimate& unknown : final.solution->Unknowns()) {
+      if (unknown.name != cause->effect) continue;
+      const auto n = static_cast<Eigen::Index>(unknown.value.size());
+      cause->estimate = Eigen::VectorXd::Map(unknown.value.data(), n);
+      cause->sigma = Eigen::VectorXd::Map(unknown.sigma.data(), n);
+    }
+  }
+
+  void FillVerdict(const Attribution& attribution) {
+    GapVerdict& verdict = out_.verdict;
+    if (out_.validity.aa_p_value < kUnequalTwins) {
+      verdict.kind = GapVerdictKind::kUnavailable;
+      return;
+    }
+    for (const GapCause& cause : attribution.causes) verdict.effects.push_back(cause.effect);
+    if (!out_.detected) {
+      verdict.kind = GapVerdictKind::kNoGap;
+      return;
+    }
+    for (const Slot& slot : attribution.slots) {
+      for (const std::string& name : slot.credible_set) {
+        if (std::find(verdict.credible_set.begin(), verdict.credible_set.end(), name) ==
+            verdict.credible_set.end()) {
+          verdict.credible_set.push_back(name);
+        }
+      }
+    }
+    const bool group = std::any_of(attribution.slots.begin(), attribution.slots.end(),
+                                   [](const Slot& slot) { return slot.credible_set.size() > 1; });
+    const bool generic = GenericIsBetter(attribution);
+    if (attribution.causes.empty() || generic) {
+      verdict.kind = GapVerdictKind::kUnknown;
+      verdict.unknown = true;
+      if (attribution.causes.empty()) verdict.credible_set.clear();
+      if (generic) verdict.effects.clear();
+    } else if (SomethingLeft(attribution)) {
+      verdict.kind = GapVerdictKind::kPartial;
+      verdict.unknown = true;
+    } else {
+      verdict.kind = group ? GapVerdictKind::kGroup : GapVerdictKind::kIdentified;
+    }
+  }
+
+  /// A large effect is of more than first order: a discrepancy of many components may fit that as
+  /// well, and is nothing once the flight is adjusted with the effect.
+  bool GenericIsBetter(const Attribution& attribution) const {
+    const double margin = std::max(kGenericNats, kSecondOrder * attribution.explained_nats);
+    if (attribution.generic_nats <= attribution.explained_nats + kGenericNats) return false;
+    if (attribution.final) return SomethingLeft(attribution);
+    return attribution.generic_nats > attribution.explained_nats + margin;
+  }
+
+  bool SomethingLeft(const Attribution& attribution) const {
+    if (!attribution.final) return false;
+    for (const ScreenedEffect& effect : attribution.final->effects) {
+      if (!effect.physical && effect.log_evidence > Threshold()) return true;
+    }
+    return after_.test.p_value <= options_.alpha;
+  }
+
+  void MeasureShrinkage(const Attribution& attribution) {
+    if (!out_.detected || out_.verdict.effects.empty()) return;
+    GapShrinkage shrinkage = OmnibusShrinkage(before_.test, after_.test);
+    shrinkage.before.p_value = out_.p_value;
+    shrinkage.before.size_nats_per_obs = out_.size.value;
+    shrinkage.after.p_value = after_.test.p_value;
+    shrinkage.after.size_nats_per_obs =
+        after_.appearance.size_nats - Mean(Over(after_.twins, &Appearance::size_nats));
+    FillState(*attribution.base, before_, &shrinkage.before);
+    FillState(*attribution.final, after_, &shrinkage.after);
+    out_.shrinkage = shrinkage;
+  }
+
+  /// What the causes are worth for the prediction of data that are taken out.
+  void HoldOut(const Attribution& attribution) {
+    if (!out_.shrinkage) return;
+    HeldOutOptions options;
+    options.of_each_kind = options_.depth == GapOptions::Depth::kFull ? kFoldsFull : kFoldsQuick;
+    options.threads = options_.threads;
+    options.interrupted = options_.interrupted;
+    const HeldOutGains gains = MeasureHeldOut(*attribution.base, *attribution.final, options);
+    if (gains.folds == 0) return;
+    FillReachable(gains, &*out_.shrinkage);
+    for (std::size_t k = 0; k < attribution.causes.size(); ++k) {
+      for (GapCause& cause : out_.causes) {
+        if (cause.effect == attribution.causes[k].effect) {
+          cause.held_out_gain_nats = gains.of_causes[k];
+        }
+      }
+    }
+  }
+
+  /// The best of all further effects gains something of every flight: what it gains of twins is
+  /// nothing that could be reached.
+  void FillReachable(const HeldOutGains& gains, GapShrinkage* shrinkage) const {
+    double of_twins = 0.0;
+    for (const Appearance& twin : after_.twins.all) {
+      of_twins += std::max(0.0, twin.log_evidence.size() > 0 ? twin.log_evidence.maxCoeff() : 0.0);
+    }
+    of_twins /= static_cast<double>(after_.twins.all.size());
+    const double left = std::max(0.0, gains.further_nats - of_twins);
+    const double gain = std::max(0.0, gains.gain_nats);
+    shrinkage->held_out_gain_nats = gains.gain_nats;
+    shrinkage->reachable_left_nats = left;
+    if (gain + left > 0.0) shrinkage->share_of_reachable = gain / (gain + left);
+  }
+
+  static void FillState(const ExplainedFlight& explained, const Compared& compared,
+                        GapState* state) {
+    if (compared.appearance.pair_rms_m > 0.0) state->p2p_m = compared.appearance.pair_rms_m;
+    if (compared.appearance.gnss_rms_m > 0.0) state->gnss_m = compared.appearance.gnss_rms_m;
+    const Solution& solution = *explained.solution;
+    if (solution.linearized().FirstColumn(solution.network().boresight.id) < 0) return;
+    const BoresightResult boresight = solution.Boresight();
+    state->boresight_rad = boresight.angles_rad;
+    state->boresight_sigma_rad = boresight.sigma_rad();
+  }
+
+  /// Twins simulated anew, without the effects and with them.
+  void FlyAgain(const Attribution& attribution) {
+    const ExplainedFlight& last = attribution.last();
+    const Trajectory trajectory(DenseTrajectory(last.solution->network(), kTrajectoryStepS));
+    const LinearTwins linear = NamedLinearTwins(before_.statistics, before_.twins, before_.test);
+    const std::vector<NamedStatistics> without = FlyTwinsWith({}, last, trajectory);
+    out_.validity.full_twins = static_cast<int>(without.size());
+    out_.validity.full_against_linear_p = FullAgainstLinear(without, linear, options_.seed);
+    const std::vector<GapCause> named = CausesOfVerdict(out_);
+    if (named.empty()) return;
+    const std::vector<NamedStatistics> with = FlyTwinsWith(named, last, trajectory);
+    out_.validity.full_twins += static_cast<int>(with.size());
+    for (FingerprintValue& value : out_.fingerprint) {
+      const std::optional<MeanAndSigma> of_twins = MeanOver(with, value.name);
+      if (!of_twins) continue;
+      value.twin_mean = of_twins->mean;
+      value.twin_sigma = of_twins->sigma;
+    }
+    const NamedStatistics flight = Comparable(before_.statistics, before_.appearance.locations);
+    out_.validity.like_twins_p = LikeTwins(flight, with, linear, options_.seed);
+    if (out_.validity.like_twins_p.value_or(1.0) < kUnlike) Doubt();
+  }
+
+  /// None, with a note, where the simulator cannot fly them.
+  std::vector<NamedStatistics> FlyTwinsWith(const std::vector<GapCause>& causes,
+                                            const ExplainedFlight& last,
+                                            const Trajectory& trajectory) {
+    FullTwinOptions options;
+    options.count = kFullTwins;
+    options.seed = MixBits(options_.seed) + causes.size();
+    options.threads = options_.threads;
+    options.interrupted = options_.interrupted;
+    try {
+      const Scenario scenario = TwinScenario(flight_, trajectory, causes, BoresightOf(last));
+      return FlyTwins(flight_, scenario, trajectory, options);
+    } catch (const InvalidInput& error) {
+      out_.validity.notes.push_back(std::string("no simulated twins: ") + error.what());
+    }
+    return {};
+  }
+
+  /// What is named explains the flight in part.
+  void Doubt() {
+    GapVerdict& verdict = out_.verdict;
+    if (verdict.kind == GapVerdictKind::kIdentified || verdict.kind == GapVerdictKind::kGroup) {
+      verdict.kind = GapVerdictKind::kPartial;
+      verdict.unknown = true;
+    }
+  }
+
+  static Eigen::Vector3d BoresightOf(const ExplainedFlight& explained) {
+    const Solution& solution = *explained.solution;
+    if (solution.linearized().FirstColumn(solution.network().boresight.id) < 0) {
+      return Eigen::Vector3d::Zero();
+    }
+    return solution.Boresight().angles_rad;
+  }
+
+  GapResult Result(const Attribution& attribution) {
+    GapResult result;
+    const ExplainedFlight& last = attribution.last();
+    result.adapted = Adapted(flight_, CausesOfVerdict(out_));
+    result.trajectory = Trajectory(DenseTrajectory(last.solution->network(), kTrajectoryStepS));
+    result.boresight_rad = BoresightOf(last);
+    result.diagnosis = std::move(out_);
+    return result;
+  }
+
+  const Flight& flight_;
+  const GapOptions& options_;
+  Explainer explainer_;
+  GapDiagnosis out_;
+  Stopwatch watch_;
+  Compared before_, after_;
+};
+
+GapResult DiagnoseByWhatThereIs(const Flight& flight, const GapOptions& options) {
+  const bool limits = options.depth == GapOptions::Depth::kLimits;
+  if (limits && flight.config.imu && flight.config.gnss && HasPoses(flight)) {
+    return LimitsOfDesign(flight, options);
+  }
+  if (!flight.imu || !flight.gnss) return DiagnoseGaussHelmert(flight, options);
+  return Diagnosis(flight, options).Run();
+}
+
+/// A flight that cannot be adjusted has no diagnosis, which is an answer.
+GapResult WithoutFailing(const Flight& flight, const GapOptions& options) {
+  try {
+    return DiagnoseByWhatThereIs(flight, options);
+  } catch (const InvalidConfig&) {
+    throw;
+  } catch (const InvalidInput& error) {
+    return Unavailable(flight, options, error.what());
+  } catch (const RankDeficient& error) {
+    return Unavailable(flight, options, error.what());
+  } catch (const NotConverged& error) {
+    return Unavailable(flight, options, error.what());
+  } catch (const std::bad_alloc&) {
+    return Unavailable(
+        flight, options,
+        "its network is too large for the memory of this machine; diagnose a part of "
+        "the flight (time_span_s), or fewer pairs (lidar.pairs)");
+  }
+}
+
+void ExpectEffects(const std::vector<std::string>& names, const char* option) {
+  for (const std::string& name : names) {
+    if (FindEffect(name) == nullptr) {
+      throw InvalidConfig(std::string("diagnosis: ") + option + " names '" + name +
+                          "', which is no effect of the table");
+    }
+  }
+}
+
+}  // namespace
+
+void GapOptions::Validate() const {
+  if (!(alpha > 0.0 && alpha < 1.0))
+    throw InvalidConfig("diagnosis: alpha must lie between 0 and 1");
+  if (threads < 1) throw InvalidConfig("diagnosis: threads must be at least 1");
+  ExpectEffects(effects, "effects");
+  ExpectEffects(left_out, "left_out");
+}
+
+GapResult Diagnose(const Flight& flight, const GapOptions& options) {
+  options.Validate();
+  return WithoutFailing(flight, options);
+}
+
+}  // namespace dn

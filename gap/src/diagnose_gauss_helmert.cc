@@ -1,0 +1,572 @@
+#include "diagnose_gauss_helmert.h"
+
+#include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/effects/effect_table.h>
+#include <dn/gap/adapt.h>
+#include <dn/gap/report.h>
+#include <dn/interrupted.h>
+#include <dn/rotation.h>
+#include <dn/sim/random.h>
+#include <dn/symmetric_eigen.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "attribution.h"
+#include "gauss_helmert_evidence.h"
+#include "hidden_effects.h"
+#include "outlier_evidence.h"
+#include "stopwatch.h"
+#include "twins.h"
+#include "unavailable.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr std::size_t kFewestPairs = 100;
+constexpr std::size_t kMostCauses = 4;
+constexpr std::size_t kPlaces = 20;
+constexpr double kLeastThresholdNats = 4.0, kSafetyNats = 2.0;
+constexpr double kSwapNats = 1.0;
+// Evidence, more than a physical effect has, at which a discrepancy without a name is the better one.
+constexpr double kGenericNats = 3.0;
+// Of larger errors of the trajectory: what else its errors do, which the model of them leaves out,
+// takes up to about half of it on good flights.
+constexpr double kLargerErrorsNats = 20.0;
+// Share that good pairs lose to the threshold of gross errors.
+constexpr double kGrossNorm = 4.6, kGoodPairsLost = 2e-4;
+
+bool Has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// The pairs beside their twins, with what was chosen among the unknowns.
+struct ComparedPairs {
+  Appearance appearance;
+  Twins twins;
+  TwinTest test;
+};
+
+class GaussHelmertDiagnosis {
+ public:
+  GaussHelmertDiagnosis(const Flight& flight, const GapOptions& options,
+                        GaussHelmertCalibration calibration)
+      : flight_(flight),
+        options_(options),
+        calibration_(std::move(calibration)),
+        strips_(FindStrips(flight)),
+        pairs_(LinearisePairs(flight, calibration_)),
+        library_(MakeLibrary(flight, pairs_, strips_,
+                             {options.effects, options.left_out, options.threads})),
+        evidence_(library_, pairs_, strips_, WithNoiseScale()),
+        watch_(&out_.timings_s) {
+    out_.flight = flight.config.name;
+    out_.trajectory_given = true;
+    out_.validity.alpha = options.alpha;
+  }
+
+  /// What could hide beside errors of the stated size, whatever the misclosures are.
+  GapResult Limits() {
+    Report("limits", 0.2);
+    base_ = Explain({});
+    base_.screen = std::move(base_.at_stated);
+    FillHidden(kLeastThresholdNats + kSafetyNats);
+    watch_.Lap("limits");
+    return WithLimits(flight_, std::move(out_));
+  }
+
+  GapResult Run() {
+    Report("effects beside errors of the trajectory", 0.2);
+    base_ = Explain({});
+    watch_.Lap("screen");
+    Report("twins", 0.5);
+    before_ = Compare(base_);
+    watch_.Lap("twins");
+    JudgeGap();
+    if (out_.detected) Attribute();
+    watch_.Lap("attribution");
+    FillWhere();
+    FillCauses();
+    if (!chosen_.empty()) after_ = Compare(final_);
+    FillVerdict();
+    if (!chosen_.empty()) MeasureShrinkage();
+    Report("limits", 0.9);
+    FillHidden(Threshold());
+    watch_.Lap("limits");
+    FillNotes();
+    out_.verdict.text = VerdictSentence(out_);
+    return Result();
+  }
+
+ private:
+  void Report(const std::string& stage, double fraction) const {
+    if (options_.interrupted && options_.interrupted()) throw Interrupted();
+    if (options_.progress) options_.progress(stage, fraction);
+  }
+
+  bool Wanted(const std::string& effect) const {
+    return LibraryOptions{options_.effects, options_.left_out, 1}.Wanted(effect);
+  }
+
+  /// A robust loss takes weight from good pairs, too, and so noise.
+  bool WithNoiseScale() const {
+    return flight_.config.lidar->robust == RobustKind::kNone && Wanted("p2p_noise_scale");
+  }
+
+  ExplainedPairs Explain(const std::vector<ScreenedEffect>& chosen) {
+    ExplainedPairs explained = evidence_.Explain(chosen);
+    const bool there = std::any_of(chosen.begin(), chosen.end(), [](const auto& effect) {
+      return effect.name == "p2p_outliers";
+    });
+    if (!there && Wanted("p2p_outliers")) AddOutliers(explained.scale, &explained.others);
+    return explained;
+  }
+
+  /// Of the errors at the ends of pairs, whose size is that of the section `trajectory`, where the
+  /// smoother has stated another.
+  ErrorScale OfEnds(const ErrorScale& scale) const {
+    const GaussHelmertEnd& end = calibration_.problem.pairs.front().i;
+    const TrajectoryAccuracy& accuracy = calibration_.accuracy;
+    return {scale.position * accuracy.sigma_ned_m.norm() / end.sigma_ned_m.norm(),
+            scale.attitude * accuracy.sigma_rph_rad.norm() / end.sigma_rph_rad.norm()};
+  }
+
+  /// Of the pairs left out, those that errors of the trajectory do not explain.
+  void AddOutliers(const ErrorScale& scale, std::vector<ScreenedEffect>* effects) {
+    const GaussHelmertProblem& problem = calibration_.problem;
+    double largest_m = 0.0;
+    gross_ = 0;
+    for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
+      if (calibration_.adjustment.weights[k] > 0.0) continue;
+      const PairLinearisation at =
+          LinearisePair(problem.pairs[k], problem.lever_arm_b_m, calibration_.options.model,
+                        calibration_.adjustment.boresight_rad, PairCorrection::Zero());
+      const Eigen::Matrix3d covariance = MisclosureCovariance(problem.pairs[k], at, OfEnds(scale));
+      if (at.w.dot(covariance.llt().solve(at.w)) < kGrossNorm * kGrossNorm) continue;
+      ++gross_;
+      largest_m = std::max(largest_m, at.w.norm());
+    }
+    const ScreenedEffect outliers = OutlierEffect(
+        "p2p_outliers", gross_, static_cast<long>(problem.pairs.size()), kGoodPairsLost, largest_m);
+    const auto at = std::find_if(effects->begin(), effects->end(), [&](const auto& effect) {
+      return effect.log_evidence < outliers.log_evidence;
+    });
+    effects->insert(at, outliers);
+  }
+
+  // ---- Twins -------------------------------------------------------------------------------------
+
+  int NumTwins() const {
+    if (options_.depth == GapOptions::Depth::kFull) return 400;
+    return options_.depth == GapOptions::Depth::kQuick ? 200 : 100;
+  }
+
+  /// Misclosures summed over each place, in units of their sigma.
+  Eigen::VectorXd Places(const JointScore& score, const Eigen::VectorXd& s) const {
+    std::vector<double> z;
+    for (const PairPlace& place : library_.places) {
+      for (Eigen::Index c = score.first[place.block]; c < score.first[place.block + 1]; ++c) {
+        const bool absorbed = score.A(c, c) < 1e-7 * score.signature2[c];
+        z.push_back(absorbed ? 0.0 : s[c] / std::sqrt(score.A(c, c)));
+      }
+    }
+    return Eigen::VectorXd::Map(z.data(), static_cast<Eigen::Index>(z.size()));
+  }
+
+  /// `gross`: departure of the number of gross errors from what good pairs bring, in sigmas.
+  Appearance LookAt(const Screen& screen, const Eigen::VectorXd& s, double chi2, double white,
+                    double gross) const {
+    const double n = evidence_.observations();
+    Appearance appearance;
+    const Eigen::VectorXd places = Places(screen.score(), s);
+    appearance.locations.resize(places.size() + 2);
+    appearance.locations << places, (chi2 - n) / std::sqrt(2.0 * n), gross;
+    appearance.log_evidence.resize(static_cast<Eigen::Index>(screen.families().size()) + 1);
+    for (std::size_t k = 0; k < screen.families().size(); ++k) {
+      appearance.log_evidence[static_cast<Eigen::Index>(k)] =
+          screen.LogEvidence(screen.families()[k], s);
+    }
+    appearance.log_evidence.tail<1>()[0] = evidence_.NoiseEvidence(chi2);
+    appearance.size_nats = std::max(0.0, appearance.log_evidence.maxCoeff()) / n;
+    appearance.pair_rms_m = PairSigma() * std::sqrt(chi2 / n) * white / evidence_.least_white();
+    return appearance;
+  }
+
+  double PairSigma() const {
+    double sum = 0.0;
+    for (const std::size_t k : pairs_.pair) {
+      sum += calibration_.problem.pairs[k].covariance_m2.trace() / 3.0;
+    }
+    return std::sqrt(sum / static_cast<double>(pairs_.pair.size()));
+  }
+
+  /// Scores with the covariance that they have without any effect.
+  ComparedPairs Compare(const ExplainedPairs& explained) const {
+    return Compare(*explained.screen, explained.chi2, explained.scale.white,
+                   GrossInSigmas(explained));
+  }
+
+  ComparedPairs Compare(const Screen& screen, double chi2_of_pairs, double white,
+                        double gross) const {
+    const JointScore& score = screen.score();
+    const SymmetricEigen eigen(score.A);
+    const Eigen::MatrixXd root =
+        eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    ComparedPairs out;
+    for (int twin = 0; twin < NumTwins(); ++twin) {
+      if (options_.interrupted && options_.interrupted()) throw Interrupted();
+      Random random(options_.seed, "twin/" + std::to_string(twin));
+      Eigen::VectorXd noise(root.cols());
+      for (Eigen::Index k = 0; k < noise.size(); ++k) noise[k] = random.Normal();
+      const double n = evidence_.observations();
+      const double chi2 = std::max(0.0, n + std::sqrt(2.0 * n) * random.Normal());
+      out.twins.all.push_back(LookAt(screen, root * noise, chi2, white, random.Normal()));
+    }
+    out.appearance = LookAt(screen, score.s, chi2_of_pairs, white, gross);
+    out.test = CompareWithTwins(out.appearance, out.twins);
+    return out;
+  }
+
+  /// The root of a count has the same spread at every mean (Anscombe).
+  double GrossInSigmas(const ExplainedPairs& explained) const {
+    for (const ScreenedEffect& effect : explained.chosen) {
+      if (effect.name == "p2p_outliers") return 0.0;
+    }
+    const double usual = kGoodPairsLost * static_cast<double>(calibration_.problem.pairs.size());
+    const double more =
+        2.0 * (std::sqrt(static_cast<double>(gross_) + 0.375) - std::sqrt(usual + 0.375));
+    return std::max(0.0, more);
+  }
+
+  double Threshold() const {
+    return std::max(kLeastThresholdNats, before_.test.evidence_95 + kSafetyNats);
+  }
+
+  // ---- Is there a gap, and where -----------------------------------------------------------------
+
+  /// The mean ratio of likelihoods over the family exceeds 1 / p with probability p at most.
+  static double PByEvidence(const std::vector<ScreenedEffect>& effects) {
+    double most = 0.0;
+    for (const ScreenedEffect& effect : effects) most = std::max(most, effect.log_evidence);
+    double sum = 0.0;
+    for (const ScreenedEffect& effect : effects) sum += std::exp(effect.log_evidence - most);
+    return std::min(1.0, std::exp(-most) * static_cast<double>(effects.size()) / sum);
+  }
+
+  /// By evidence alone: twins at one scale of the trajectory's errors do not show that the scale is
+  /// one that was found.
+  static double PValue(const ExplainedPairs& explained) {
+    const bool larger = explained.larger_errors_nats > kLargerErrorsNats;
+    return std::min(PByEvidence(explained.others),
+                    larger ? std::exp(-explained.larger_errors_nats) : 1.0);
+  }
+
+  void JudgeGap() {
+    out_.p_value = PValue(base_);
+    out_.detected = out_.p_value <= options_.alpha;
+    out_.validity.observations = static_cast<long>(evidence_.observations());
+    out_.validity.twins = static_cast<int>(before_.twins.all.size());
+    out_.validity.tests =
+        static_cast<int>(before_.test.z.size()) + static_cast<int>(base_.others.size());
+    FillSize();
+  }
+
+  static std::vector<double> SizesOfTwins(const ComparedPairs& compared) {
+    std::vector<double> sizes;
+    for (const Appearance& twin : compared.twins.all) sizes.push_back(twin.size_nats);
+    std::sort(sizes.begin(), sizes.end());
+    return sizes;
+  }
+
+  void FillSize() {
+    const std::vector<double> sizes = SizesOfTwins(before_);
+    const auto at = [&](double p) {
+      return sizes[static_cast<std::size_t>(p * static_cast<double>(sizes.size() - 1))];
+    };
+    out_.size.value = LeftNats(base_) / evidence_.observations();
+    out_.size.null_low = at(0.025);
+    out_.size.null_high = at(0.975);
+    out_.size.upper_limit_95 = std::max(0.0, out_.size.value - at(0.05)) + at(0.95);
+    const double n = evidence_.observations();
+    out_.user_units.p2p_excess_m =
+        before_.appearance.pair_rms_m * std::sqrt(std::max(0.0, 1.0 - n / std::max(n, base_.chi2)));
+  }
+
+  /// Quantity and location of a statistic of LookAt.
+  std::pair<std::string, std::string> NameOf(Eigen::Index statistic) const {
+    const char* axes[] = {"east", "north", "up"};
+    const auto place = static_cast<std::size_t>(statistic / 3);
+    if (place < library_.places.size()) {
+      return {std::string("p2p ") + axes[statistic % 3], library_.places[place].location};
+    }
+    const bool square = statistic % 3 == 0;
+    return {square ? "p2p, mean square" : "p2p, gross errors", "the whole flight"};
+  }
+
+  void FillWhere() {
+    const ComparedPairs stated =
+        Compare(*base_.at_stated, base_.chi2_at_stated, base_.scale.white, GrossInSigmas(base_));
+    const TwinTest& test = stated.test;
+    std::vector<Eigen::Index> order;
+    for (Eigen::Index k = 0; k < test.z.size(); ++k) order.push_back(k);
+    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
+      return std::abs(test.z[a]) > std::abs(test.z[b]);
+    });
+    const double larger_nats = (chosen_.empty() ? base_ : final_).larger_errors_nats;
+    if (larger_nats > kLargerErrorsNats) {
+      out_.where.push_back({"trajectory", "errors that last, against the stated ones",
+                            "the whole flight", larger_nats, std::exp(-larger_nats)});
+    }
+    for (const Eigen::Index k : order) {
+      const auto [quantity, place] = NameOf(k);
+      out_.fingerprint.push_back({"lidar " + quantity + ", " + place,
+                                  stated.appearance.locations[k], test.mean[k], test.sigma[k],
+                                  std::nullopt, std::nullopt});
+      if (out_.where.size() >= kPlaces || test.p_adjusted[k] > options_.alpha) continue;
+      if (!out_.detected) continue;
+      out_.where.push_back({"lidar", quantity, place, test.z[k], test.p_adjusted[k]});
+    }
+  }
+
+  // ---- Why ---------------------------------------------------------------------------------------
+
+  static const ScreenedEffect* BestPhysical(const ExplainedPairs& explained) {
+    for (const ScreenedEffect& effect : explained.others) {
+      if (effect.physical) return &effect;
+    }
+    return nullptr;
+  }
+
+  void Attribute() {
+    final_ = Explain({});
+    while (chosen_.size() < kMostCauses) {
+      const ScreenedEffect* best = BestPhysical(final_);
+      if (best == nullptr || best->log_evidence < Threshold()) break;
+      Report("with " + best->name, 0.6);
+      chosen_.push_back(*best);
+      explained_nats_ += best->log_evidence;
+      final_ = Explain(chosen_);
+    }
+    Revise();
+    for (std::size_t k = 0; k < chosen_.size(); ++k) {
+      slots_.push_back(MakeSlot(chosen_[k].name, Explain(Without(k)).others));
+    }
+  }
+
+  std::vector<ScreenedEffect> Without(std::size_t k) const {
+    std::vector<ScreenedEffect> others = chosen_;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+    return others;
+  }
+
+  /// An early choice was made beside fewer effects than there are now.
+  void Revise() {
+    for (std::size_t k = 0; k + 1 < chosen_.size(); ++k) {
+      const ExplainedPairs others = Explain(Without(k));
+      const ScreenedEffect* best = BestPhysical(others);
+      double own = -std::numeric_limits<double>::infinity();
+      for (const ScreenedEffect& effect : others.others) {
+        if (effect.name == chosen_[k].name) own = effect.log_evidence;
+      }
+      if (best == nullptr || best->log_evidence < Threshold()) {
+        chosen_ = Without(k);
+      } else if (best->log_evidence > own + kSwapNats) {
+        const ScreenedEffect better = *best;
+        chosen_ = Without(k);
+        chosen_.push_back(better);
+      } else {
+        continue;
+      }
+      final_ = Explain(chosen_);
+      return;
+    }
+  }
+
+  void FillCauses() {
+    const std::vector<double> posterior = Posterior(base_.others);
+    for (std::size_t k = 0; k < base_.others.size(); ++k) {
+      GapCause cause = ToCause(base_.others[k]);
+      cause.posterior = posterior[k];
+      out_.causes.push_back(std::move(cause));
+    }
+    for (std::size_t k = chosen_.size(); k-- > 0;) PutFirst(k);
+  }
+
+  void PutFirst(std::size_t k) {
+    ScreenedEffect effect = final_.chosen[k];
+    const Slot& slot = slots_[k];
+    double posterior = 0.0;
+    for (std::size_t rival = 0; rival < slot.rivals.size(); ++rival) {
+      if (slot.rivals[rival].name != effect.name) continue;
+      posterior = slot.posterior[rival];
+      effect.log_evidence = slot.rivals[rival].log_evidence;
+    }
+    GapCause cause = ToCause(effect);
+    cause.posterior = posterior;
+    for (const std::string& name : slot.credible_set) {
+      if (name != effect.name) cause.inseparable_from.push_back(name);
+    }
+    std::erase_if(out_.causes, [&](const GapCause& one) { return one.effect == cause.effect; });
+    out_.causes.insert(out_.causes.begin(), std::move(cause));
+  }
+
+  void FillVerdict() {
+    GapVerdict& verdict = out_.verdict;
+    verdict.kind = GapVerdictKind::kNoGap;
+    if (!out_.detected) return;
+    for (const ScreenedEffect& effect : chosen_) verdict.effects.push_back(effect.name);
+    bool group = false;
+    for (const Slot& slot : slots_) {
+      group = group || slot.credible_set.size() > 1;
+      for (const std::string& name : slot.credible_set) {
+        if (!Has(verdict.credible_set, name)) verdict.credible_set.push_back(name);
+      }
+    }
+    if (chosen_.empty() || GenericNats(base_) > explained_nats_ + kGenericNats) {
+      verdict.kind = GapVerdictKind::kUnknown;
+      verdict.unknown = true;
+      verdict.effects.clear();
+    } else if (PValue(final_) <= options_.alpha) {
+      verdict.kind = GapVerdictKind::kPartial;
+      verdict.unknown = true;
+    } else {
+      verdict.kind = group ? GapVerdictKind::kGroup : GapVerdictKind::kIdentified;
+    }
+  }
+
+  static double GenericNats(const ExplainedPairs& explained) {
+    double most = 0.0;
+    for (const ScreenedEffect& effect : explained.others) {
+      if (!effect.physical) most = std::max(most, effect.log_evidence);
+    }
+    return most;
+  }
+
+  /// What the best explanation not yet taken would gain.
+  static double LeftNats(const ExplainedPairs& explained) {
+    const double most =
+        explained.others.empty() ? 0.0 : std::max(0.0, explained.others.front().log_evidence);
+    return most + std::max(0.0, explained.larger_errors_nats);
+  }
+
+  /// By that gain, beyond what twins of the flight show of it.
+  GapShrinkage Closed() const {
+    const std::vector<double> sizes = SizesOfTwins(after_);
+    double usual = 0.0;
+    for (const double size : sizes) usual += size / static_cast<double>(sizes.size());
+    const double n = evidence_.observations();
+    const double excess = std::max(LeftNats(base_) - n * usual, 1.0);
+    const double left = LeftNats(final_) - n * usual;
+    const auto closed = [&](double p) {
+      const double size =
+          sizes[static_cast<std::size_t>(p * static_cast<double>(sizes.size() - 1))];
+      return 1.0 - std::max(0.0, left - n * (size - usual)) / excess;
+    };
+    GapShrinkage shrinkage;
+    shrinkage.fraction = 1.0 - std::max(0.0, left) / excess;
+    shrinkage.interval_low = closed(0.025);
+    shrinkage.interval_high = closed(0.975);
+    return shrinkage;
+  }
+
+  void MeasureShrinkage() {
+    if (out_.verdict.effects.empty()) return;
+    GapShrinkage shrinkage = Closed();
+    shrinkage.before.p_value = out_.p_value;
+    shrinkage.before.size_nats_per_obs = out_.size.value;
+    shrinkage.before.p2p_m = before_.appearance.pair_rms_m;
+    shrinkage.after.p_value = PValue(final_);
+    shrinkage.after.size_nats_per_obs = LeftNats(final_) / evidence_.observations();
+    shrinkage.after.p2p_m = after_.appearance.pair_rms_m;
+    const BoresightResult& boresight = calibration_.boresight;
+    shrinkage.before.boresight_rad = boresight.angles_rad;
+    shrinkage.before.boresight_sigma_rad = boresight.sigma_rad();
+    shrinkage.after.boresight_rad = BoresightAfter();
+    const Eigen::Matrix3d covariance = boresight.covariance_rad2 + final_.boresight_covariance_rad2;
+    shrinkage.after.boresight_sigma_rad = covariance.diagonal().cwiseSqrt();
+    out_.shrinkage = shrinkage;
+  }
+
+  Eigen::Vector3d BoresightAfter() const {
+    Eigen::Vector3d move = Eigen::Vector3d::Zero();
+    for (const ScreenedEffect& effect : final_.chosen) move += effect.boresight_rad;
+    return Log(
+        Eigen::Quaterniond(Exp(Eigen::Vector3d(-move)) * Exp(calibration_.boresight.angles_rad)));
+  }
+
+  // ---- What could still hide ---------------------------------------------------------------------
+
+  void FillHidden(double threshold_nats) {
+    out_.could_still_hide =
+        HiddenEffects(*base_.screen, threshold_nats, options_.seed, options_.depth);
+    for (HiddenEffect& hidden : HiddenByTrajectory(options_)) {
+      out_.could_still_hide.push_back(std::move(hidden));
+    }
+  }
+
+  void FillNotes() {
+    std::vector<std::string>& notes = out_.validity.notes;
+    notes.push_back("to first order, at the Gauss-Helmert adjustment");
+    const ErrorScale& scale = base_.scale;
+    if (scale.position > 1.0 || scale.attitude > 1.0) {
+      notes.push_back(fmt::format(
+          "effects are judged beside errors of the trajectory of {:.2g} times the stated size in "
+          "position and {:.2g} times in attitude, which are the likeliest",
+          scale.position, scale.attitude));
+    }
+  }
+
+  GapResult Result() {
+    GapResult result;
+    result.adapted = Adapted(flight_, CausesOfVerdict(out_));
+    result.trajectory = *flight_.trajectory;
+    result.boresight_rad =
+        out_.verdict.effects.empty() ? calibration_.boresight.angles_rad : BoresightAfter();
+    result.diagnosis = std::move(out_);
+    return result;
+  }
+
+  const Flight& flight_;
+  const GapOptions& options_;
+  GaussHelmertCalibration calibration_;
+  std::vector<StripInterval> strips_;
+  LinearPairs pairs_;
+  GaussHelmertLibrary library_;
+  GaussHelmertEvidence evidence_;
+  GapDiagnosis out_;
+  Stopwatch watch_;
+  ExplainedPairs base_, final_;
+  ComparedPairs before_, after_;
+  std::vector<ScreenedEffect> chosen_;
+  std::vector<Slot> slots_;
+  double explained_nats_ = 0.0;
+  long gross_ = 0;
+};
+
+GaussHelmertCalibration Calibrate(const Flight& flight, const GapOptions& options) {
+  GaussHelmertFlightOptions gauss_helmert;
+  gauss_helmert.threads = options.threads;
+  gauss_helmert.interrupted = options.interrupted;
+  if (options.progress) options.progress("Gauss-Helmert adjustment", 0.0);
+  return CalibrateGaussHelmert(flight, gauss_helmert);
+}
+
+}  // namespace
+
+GapResult DiagnoseGaussHelmert(const Flight& flight, const GapOptions& options) {
+  const std::size_t pairs = flight.pairs ? flight.pairs->pairs.size() : 0;
+  if (!flight.trajectory || !flight.config.lidar || pairs < kFewestPairs) {
+    return Unavailable(
+        flight, options,
+        fmt::format("without inertial and GNSS data it takes a trajectory and at least {} "
+                    "pairs, and there {} {}",
+                    kFewestPairs, flight.trajectory ? "are" : "is no trajectory, and", pairs));
+  }
+  GaussHelmertDiagnosis diagnosis(flight, options, Calibrate(flight, options));
+  return options.depth == GapOptions::Depth::kLimits ? diagnosis.Limits() : diagnosis.Run();
+}
+
+}  // namespace dn::internal

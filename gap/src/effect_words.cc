@@ -1,0 +1,112 @@
+#include "effect_words.h"
+
+#include <dn/effects/effect_table.h>
+#include <dn/geo/local_frame.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dn::internal {
+namespace {
+
+constexpr double kLeastP = 1e-12;
+
+std::string Size(const GapCause& cause, Eigen::Index i) {
+  const std::string value = Rounded(cause.estimate[i], 3);
+  const bool known = i < cause.sigma.size() && std::isfinite(cause.sigma[i]);
+  return known ? value + " +- " + Rounded(cause.sigma[i], 2) : value;
+}
+
+std::string Unit(const std::string& unit) { return unit == "1" ? "" : " " + unit; }
+
+bool ShareUnit(const std::vector<EffectComponent>& parts) {
+  return std::all_of(parts.begin(), parts.end(),
+                     [&](const EffectComponent& part) { return part.unit == parts.front().unit; });
+}
+
+/// As sigmas that are the same on every axis.
+bool RepeatsTheOneBefore(const EffectSpec& spec, const GapCause& cause, Eigen::Index i) {
+  if (i == 0) return false;
+  const auto k = static_cast<std::size_t>(i);
+  return spec.components[k].unit == spec.components[k - 1].unit &&
+         Size(cause, i) == Size(cause, i - 1);
+}
+
+double Harm(const HiddenEffect& effect) {
+  const double harm = effect.boresight_damage_rad.norm();
+  return std::isfinite(harm) ? harm : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+std::string Rounded(double value, int digits) {
+  return fmt::format("{:g}", std::stod(fmt::format("{:.{}e}", value, digits - 1)));
+}
+
+std::string PWords(double p_value) {
+  return p_value < kLeastP ? "p < 1e-12" : "p = " + Rounded(p_value, 2);
+}
+
+bool HasBoresight(const GapDiagnosis& diagnosis) {
+  const auto moves = [](const auto& effect) { return !effect.boresight_damage_rad.isZero(0.0); };
+  return std::any_of(diagnosis.causes.begin(), diagnosis.causes.end(), moves) ||
+         std::any_of(diagnosis.could_still_hide.begin(), diagnosis.could_still_hide.end(), moves);
+}
+
+std::string ValueWords(const GapCause& cause) {
+  const EffectSpec* spec = FindEffect(cause.effect);
+  const bool known =
+      spec != nullptr && spec->components.size() == static_cast<std::size_t>(cause.estimate.size());
+  const bool named = known && !ShareUnit(spec->components);
+  std::string text;
+  for (Eigen::Index i = 0; i < cause.estimate.size(); ++i) {
+    if (named && RepeatsTheOneBefore(*spec, cause, i)) continue;
+    if (i > 0) text += ", ";
+    if (!named) {
+      text += Size(cause, i);
+      continue;
+    }
+    const EffectComponent& part = spec->components[static_cast<std::size_t>(i)];
+    const bool for_more = i + 1 < cause.estimate.size() && RepeatsTheOneBefore(*spec, cause, i + 1);
+    const std::string name = for_more ? part.name.substr(0, part.name.find(' ')) : part.name;
+    text += name + " " + Size(cause, i) + Unit(part.unit);
+  }
+  return named || text.empty() ? text : text + Unit(cause.unit);
+}
+
+std::string TimesWords(const EffectTimes& times) {
+  if (times.window_s) {
+    return fmt::format(" from {:.10g} to {:.10g} s", times.window_s->first, times.window_s->second);
+  }
+  return times.t0_s ? fmt::format(" from {:.10g} s on", *times.t0_s) : "";
+}
+
+std::string MdegWords(const Eigen::Vector3d& rad) {
+  const Eigen::Vector3d mdeg = 1e3 * kDegPerRad * rad;
+  return Rounded(mdeg.x(), 2) + ", " + Rounded(mdeg.y(), 2) + ", " + Rounded(mdeg.z(), 2) + " mdeg";
+}
+
+std::string Alternatives(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+  }
+  return text;
+}
+
+std::string ClosedWords(const GapShrinkage& shrinkage) {
+  const double low = 100.0 * shrinkage.interval_low;
+  return fmt::format("{:.0f} % of the gap ({} to {:.0f})", 100.0 * shrinkage.fraction,
+                     low < 0.0 ? "below 0" : fmt::format("{:.0f}", low),
+                     100.0 * shrinkage.interval_high);
+}
+
+std::vector<HiddenEffect> MostHarmful(std::vector<HiddenEffect> effects) {
+  std::stable_sort(effects.begin(), effects.end(),
+                   [](const HiddenEffect& a, const HiddenEffect& b) { return Harm(a) > Harm(b); });
+  return effects;
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <dn/gap/diagnosis.h>
+
+#include <string>
+#include <vector>
+
+namespace dn::internal {
+
+/// To so many significant digits: "0.0012", "930", "1.2e+06".
+std::string Rounded(double value, int digits);
+
+/// "p = 0.02", "p < 1e-12".
+std::string PWords(double p_value);
+
+/// Whether the diagnosis tells how effects move a boresight: not without pairs.
+bool HasBoresight(const GapDiagnosis& diagnosis);
+
+/// "0.1 +- 0.004, 0 +- 0.004, -0.05 +- 0.006 m", or each component by its name where units differ:
+/// "sigma 0.3 +- 0.05 deg/h, tau 90 +- 30 s". What is the same on every axis is said once.
+std::string ValueWords(const GapCause& cause);
+
+/// " from 381400 to 381450 s", " from 381500 s on", or nothing.
+std::string TimesWords(const EffectTimes& times);
+
+/// "3.1, -0.2, 14 mdeg".
+std::string MdegWords(const Eigen::Vector3d& rad);
+
+/// "a", "a or b", "a, b or c".
+std::string Alternatives(const std::vector<std::string>& names);
+
+/// "97 % of the gap (90 to 99)"; a lower end below 0 is called so.
+std::string ClosedWords(const GapShrinkage& shrinkage);
+
+/// By how much they could move the boresight, most first; what has no bound before all others.
+std::vector<HiddenEffect> MostHarmful(std::vector<HiddenEffect> effects);
+
+}  // namespace dn::internal

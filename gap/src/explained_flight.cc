@@ -1,0 +1,156 @@
+#include "explained_flight.h"
+
+#include <dn/effects/effect_table.h>
+#include <dn/gap/adapt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "evidence_adjustment.h"
+#include "outlier_evidence.h"
+#include "processes.h"
+
+namespace dn::internal {
+namespace {
+
+// Shares that good data lose to the thresholds of gross errors.
+constexpr double kGoodPairsLost = 6.3e-5, kGoodEpochsLost = 6e-7;
+// A process is judged exactly where the screen gives it this share of the best evidence.
+constexpr double kWithinReach = 0.5;
+constexpr double kWorthJudgingNats = 3.0;
+
+bool IsProcess(const std::string& name) {
+  return name == "gnss_correlated_noise" || name == "gyro_bias_process" ||
+         name == "accel_bias_process";
+}
+
+void SortByEvidence(std::vector<ScreenedEffect>* effects) {
+  std::stable_sort(effects->begin(), effects->end(),
+                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+}
+
+}  // namespace
+
+GapCause ToCause(const ScreenedEffect& effect) {
+  GapCause cause;
+  cause.effect = effect.name;
+  cause.times = effect.times;
+  cause.log_evidence = effect.log_evidence;
+  cause.p_value = effect.p_value;
+  cause.absorbed_fraction = effect.absorbed;
+  cause.boresight_damage_rad = effect.boresight_rad;
+  cause.estimate = effect.estimate;
+  cause.sigma = effect.sigma;
+  const EffectSpec* spec = FindEffect(effect.name);
+  if (spec == nullptr) return cause;
+  cause.unit = spec->components[0].unit;
+  for (Eigen::Index k = 0; k < cause.estimate.size(); ++k) {
+    const double to_si = spec->components[static_cast<std::size_t>(k)].to_si;
+    cause.estimate[k] /= to_si;
+    cause.sigma[k] /= to_si;
+  }
+  return cause;
+}
+
+Explainer::Explainer(const Flight& flight, const GapOptions& options)
+    : flight_(flight),
+      options_(options),
+      with_pairs_(flight.pairs.has_value() && !flight.pairs->pairs.empty()) {}
+
+Adjustment Explainer::AdjustWith(const Flight& flight, long* gnss_left_out) const {
+  AdjustOptions adjust;
+  adjust.with_pairs = with_pairs_;
+  adjust.threads = options_.threads;
+  adjust.interrupted = options_.interrupted;
+  EvidenceAdjustment evidence = AdjustForEvidence(flight, adjust);
+  if (gnss_left_out != nullptr) *gnss_left_out = evidence.gnss_left_out;
+  return std::move(evidence.adjustment);
+}
+
+ExplainedFlight Explainer::Explain(const std::vector<GapCause>& causes) const {
+  ExplainedFlight out;
+  out.causes = causes;
+  out.flight = std::make_unique<Flight>(flight_);
+  out.flight->config = Adapted(flight_, causes);
+  out.solution =
+      std::make_unique<Solution>(AdjustWith(*out.flight, &out.gnss_left_out), options_.threads);
+  LibraryOptions library{options_.effects, options_.left_out, options_.threads};
+  for (const GapCause& cause : causes) library.left_out.push_back(cause.effect);
+  out.screen =
+      std::make_unique<Screen>(out.solution->network(), out.solution->marginals(), library);
+  out.effects = out.screen->Effects();
+  VarianceScreen variances =
+      ScreenVariances(out.solution->network(), out.solution->marginals(), library);
+  out.coloured_imu_nats = variances.coloured_imu;
+  for (ScreenedEffect& effect : variances.effects) out.effects.push_back(std::move(effect));
+  AddOutliers(&out);
+  SortByEvidence(&out.effects);
+  return out;
+}
+
+void Explainer::AddOutliers(ExplainedFlight* explained) const {
+  const auto add = [&](const std::string& name, long found, long of_all, double usual,
+                       double size_m) {
+    const LibraryOptions wanted{options_.effects, options_.left_out, 1};
+    const bool there = std::any_of(explained->causes.begin(), explained->causes.end(),
+                                   [&](const GapCause& cause) { return cause.effect == name; });
+    if (there || of_all == 0 || !wanted.Wanted(name)) return;
+    explained->effects.push_back(OutlierEffect(name, found, of_all, usual, size_m));
+  };
+  const Adjustment& adjustment = explained->solution->adjustment();
+  const FlightNetwork& network = *adjustment.network;
+  double largest_m = 0.0;
+  for (std::size_t k = 0; k < network.pair_edges.size(); ++k) {
+    if (network.net.factor(network.pair_edges[k].id).active) continue;
+    largest_m = std::max(largest_m, network.PairDifference(k).norm());
+  }
+  add("p2p_outliers", adjustment.outliers, static_cast<long>(network.pair_edges.size()),
+      kGoodPairsLost, largest_m);
+  double largest_gnss_m = 0.0;
+  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+    if (network.net.factor(edge.position).active) continue;
+    const Eigen::Vector3d p_m =
+        network.flight().frame.ToMap(network.flight().gnss->epochs[edge.epoch].antenna);
+    const MapPose pose = network.NodePose(edge.node);
+    const Eigen::Vector3d arm_b_m = network.net.Value(network.gnss_lever_arm);
+    largest_gnss_m = std::max(largest_gnss_m, (pose.p_mb + pose.q_mb * arm_b_m - p_m).norm());
+  }
+  add("gnss_outliers", explained->gnss_left_out, static_cast<long>(network.gnss_edges.size()),
+      kGoodEpochsLost, largest_gnss_m);
+}
+
+void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
+  if (explained->effects.empty()) return;
+  const double best = explained->effects.front().log_evidence;
+  for (ScreenedEffect& effect : explained->effects) {
+    if (!IsProcess(effect.name) || effect.log_evidence < kWorthJudgingNats) continue;
+    // Noise of another size is also what a process looks like to it: any process may stand behind.
+    const bool beside_noise = explained->effects.front().name == "gnss_noise_scale";
+    if (effect.log_evidence < kWithinReach * best && !beside_noise) continue;
+    JudgeProcess(
+        flight_, explained->causes,
+        [&](const Flight& flight) { return AdjustWith(flight, nullptr); }, options_.threads,
+        &effect);
+  }
+  SortByEvidence(&explained->effects);
+}
+
+TwinTest Explainer::Test(const ExplainedFlight& explained, int count, Appearance* appearance,
+                         Twins* twins, std::vector<LocationStatistic>* statistics) const {
+  const Solution& solution = *explained.solution;
+  const Locations locations(solution.network(), solution.linearized(),
+                            solution.trajectory().redundancy);
+  TwinOptions options;
+  options.count = count;
+  options.seed = options_.seed;
+  options.threads = options_.threads;
+  options.interrupted = options_.interrupted;
+  *twins = MakeTwins(solution.marginals(), *explained.screen, locations, options);
+  *appearance = Look(*explained.screen, locations, solution.linearized().residual(),
+                     explained.screen->score().s);
+  *statistics = locations.statistics();
+  return CompareWithTwins(*appearance, *twins);
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,263 @@
+#include "full_twins.h"
+
+#include <dn/calibration/solution.h>
+#include <dn/interrupted.h>
+#include <dn/parallel.h>
+#include <dn/sim/random.h>
+#include <dn/sim/simulate.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "evidence_adjustment.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr std::size_t kFewest = 3;
+constexpr std::size_t kMostConspicuous = 20;
+constexpr std::size_t kMostLinear = 100;  // that the energy distance looks at
+constexpr int kPermutations = 999;
+// By this share the mark of an effect may differ where pairs lie elsewhere, on ground of another
+// shape, as those of a replay do.
+constexpr double kOtherGround = 0.25;
+// Share of the twins' correlation matrix that gives way to the identity.
+constexpr double kShrunk = 0.1;
+
+/// What a twin's flight.yaml says as that of the flight does. Vibration that the flight states is an
+/// effect of the twin's scenario, whose flight.yaml does not state it.
+void AssumeAs(const FlightConfig& of, FlightConfig* config) {
+  config->estimate = of.estimate;
+  config->network = of.network;
+  config->gnss->robust = of.gnss->robust;
+  config->imu->model.vibration = of.imu->model.vibration;
+  if (!config->lidar || !of.lidar) return;
+  config->lidar->mounting.boresight_rad = of.lidar->mounting.boresight_rad;
+  config->lidar->boresight_sigma_rad = of.lidar->boresight_sigma_rad;
+  config->lidar->robust = of.lidar->robust;
+}
+
+NamedStatistics StatisticsOf(const Flight& flight, const std::function<bool()>& interrupted) {
+  AdjustOptions options;
+  options.with_pairs = flight.pairs.has_value();
+  options.interrupted = interrupted;
+  const Solution solution(std::move(AdjustForEvidence(flight, options).adjustment));
+  const Locations locations(solution.network(), solution.linearized(),
+                            solution.trajectory().redundancy);
+  return Comparable(locations.statistics(), locations.Evaluate(solution.linearized().residual()));
+}
+
+std::vector<std::string> CommonNames(const std::vector<NamedStatistics>& of,
+                                     const NamedStatistics& and_of) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : and_of) {
+    const bool in_all = std::all_of(of.begin(), of.end(),
+                                    [&, n = name](const auto& one) { return one.count(n) > 0; });
+    if (in_all) names.push_back(name);
+  }
+  return names;
+}
+
+/// In standard deviations of the linear twins from their mean.
+Eigen::VectorXd Standardised(const NamedStatistics& values, const std::vector<std::string>& names,
+                             const LinearTwins& linear) {
+  Eigen::VectorXd z(static_cast<Eigen::Index>(names.size()));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    z[static_cast<Eigen::Index>(k)] =
+        (values.at(names[k]) - linear.mean.at(names[k])) / linear.sigma.at(names[k]);
+  }
+  return z;
+}
+
+/// Some of [0, n) in random order.
+std::vector<std::size_t> Drawn(std::size_t n, std::size_t count, Random* random) {
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto at = k + static_cast<std::size_t>(random->Uniform() * static_cast<double>(n - k));
+    std::swap(order[k], order[std::min(at, n - 1)]);
+  }
+  order.resize(count);
+  return order;
+}
+
+/// Distances between all points.
+Eigen::MatrixXd Distances(const std::vector<Eigen::VectorXd>& points) {
+  const auto n = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixXd D = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      D(i, j) = D(j, i) =
+          (points[static_cast<std::size_t>(i)] - points[static_cast<std::size_t>(j)]).norm();
+    }
+  }
+  return D;
+}
+
+/// 2 E|X - Y| - E|X - X'| - E|Y - Y'| of some points X and all others Y.
+double EnergyDistance(const Eigen::MatrixXd& D, const std::vector<std::size_t>& of) {
+  const auto total = static_cast<double>(D.rows()), n = static_cast<double>(of.size());
+  Eigen::VectorXd inside = Eigen::VectorXd::Zero(D.rows());
+  for (const std::size_t k : of) inside[static_cast<Eigen::Index>(k)] = 1.0;
+  const Eigen::VectorXd outside = Eigen::VectorXd::Ones(D.rows()) - inside;
+  const double m = total - n;
+  const Eigen::VectorXd to_inside = D * inside;
+  return 2.0 * outside.dot(to_inside) / (n * m) - inside.dot(to_inside) / (n * n) -
+         outside.dot(D * outside) / (m * m);
+}
+
+/// The names in which the flight departs most from the assumed model.
+std::vector<std::string> MostConspicuous(const NamedStatistics& flight,
+                                         std::vector<std::string> names,
+                                         const LinearTwins& linear) {
+  const Eigen::VectorXd z = Standardised(flight, names, linear).cwiseAbs();
+  std::vector<std::size_t> order(names.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return z[static_cast<Eigen::Index>(a)] > z[static_cast<Eigen::Index>(b)];
+  });
+  std::vector<std::string> most;
+  for (std::size_t k = 0; k < std::min(kMostConspicuous, order.size()); ++k) {
+    most.push_back(names[order[k]]);
+  }
+  return most;
+}
+
+/// Of the first half of the linear twins.
+Eigen::LLT<Eigen::MatrixXd> CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
+  const Eigen::Index n = z.front().size();
+  const std::size_t half = z.size() / 2;
+  Eigen::MatrixXd C = kShrunk * Eigen::MatrixXd::Identity(n, n);
+  for (std::size_t k = 0; k < half; ++k) {
+    C += (1.0 - kShrunk) / static_cast<double>(half) * z[k] * z[k].transpose();
+  }
+  return Eigen::LLT<Eigen::MatrixXd>(C);
+}
+
+}  // namespace
+
+NamedStatistics Comparable(const std::vector<LocationStatistic>& statistics,
+                           const Eigen::VectorXd& values) {
+  NamedStatistics named;
+  for (std::size_t k = 0; k < statistics.size(); ++k) {
+    const std::string& where = statistics[k].location;
+    const bool of_strips = where.rfind("strips ", 0) == 0 && where.find(',') == std::string::npos;
+    if (where.empty() || of_strips) {
+      named[NameOf(statistics[k])] = values[static_cast<Eigen::Index>(k)];
+    }
+  }
+  return named;
+}
+
+std::vector<NamedStatistics> FlyTwins(const Flight& flight, const Scenario& scenario,
+                                      const Trajectory& replayed, const FullTwinOptions& options) {
+  std::vector<NamedStatistics> all(static_cast<std::size_t>(options.count));
+  ParallelFor(options.count, options.threads, [&](int k) {
+    if (options.interrupted && options.interrupted()) throw Interrupted();
+    SimulateOptions simulate;
+    simulate.seed = MixBits(options.seed + static_cast<std::uint64_t>(k));
+    simulate.replay = &replayed;
+    Flight twin = Simulate(scenario, simulate).flight;
+    AssumeAs(flight.config, &twin.config);
+    try {
+      all[static_cast<std::size_t>(k)] = StatisticsOf(twin, options.interrupted);
+    } catch (const NotConverged&) {
+      return;
+    } catch (const InvalidInput&) {
+      return;
+    }
+  });
+  std::erase_if(all, [](const NamedStatistics& one) { return one.empty(); });
+  return all;
+}
+
+LinearTwins NamedLinearTwins(const std::vector<LocationStatistic>& statistics, const Twins& twins,
+                             const TwinTest& test) {
+  LinearTwins linear;
+  linear.mean = Comparable(statistics, test.mean);
+  linear.sigma = Comparable(statistics, test.sigma);
+  for (const Appearance& twin : twins.all) {
+    linear.all.push_back(Comparable(statistics, twin.locations));
+  }
+  return linear;
+}
+
+std::optional<double> FullAgainstLinear(const std::vector<NamedStatistics>& full,
+                                        const LinearTwins& linear, std::uint64_t seed) {
+  const std::vector<std::string> names = CommonNames(full, linear.mean);
+  if (full.size() < kFewest || names.empty()) return std::nullopt;
+  std::vector<Eigen::VectorXd> points;
+  for (const NamedStatistics& one : full) points.push_back(Standardised(one, names, linear));
+  const std::size_t half = linear.all.size() / 2;
+  for (std::size_t k = half; k < std::min(linear.all.size(), half + kMostLinear); ++k) {
+    points.push_back(Standardised(linear.all[k], names, linear));
+  }
+  const Eigen::MatrixXd D = Distances(points);
+  std::vector<std::size_t> of_full(full.size());
+  std::iota(of_full.begin(), of_full.end(), std::size_t{0});
+  const double distance = EnergyDistance(D, of_full);
+  Random random(seed, "full against linear twins");
+  int as_far = 0;
+  for (int k = 0; k < kPermutations; ++k) {
+    if (EnergyDistance(D, Drawn(points.size(), full.size(), &random)) >= distance) ++as_far;
+  }
+  return (1.0 + as_far) / (1.0 + kPermutations);
+}
+
+std::optional<double> LikeTwins(const NamedStatistics& flight,
+                                const std::vector<NamedStatistics>& twins,
+                                const LinearTwins& linear, std::uint64_t seed) {
+  std::vector<NamedStatistics> both = twins;
+  both.push_back(flight);
+  const std::vector<std::string> names =
+      MostConspicuous(flight, CommonNames(both, linear.mean), linear);
+  const std::size_t half = linear.all.size() / 2;
+  if (twins.size() < kFewest || names.empty() || half <= twins.size()) return std::nullopt;
+  std::vector<Eigen::VectorXd> z;
+  for (const NamedStatistics& one : linear.all) z.push_back(Standardised(one, names, linear));
+  const Eigen::LLT<Eigen::MatrixXd> correlation = CorrelationOf(z);
+  const auto size = [&](const Eigen::VectorXd& off) {
+    return correlation.matrixL().solve(off).squaredNorm();
+  };
+  Eigen::VectorXd off(static_cast<Eigen::Index>(names.size()));
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const MeanAndSigma of_twins = *MeanOver(twins, names[k]);
+    const double mark = of_twins.mean - linear.mean.at(names[k]);
+    const double scatter = std::max(of_twins.sigma, linear.sigma.at(names[k]));
+    off[static_cast<Eigen::Index>(k)] =
+        (flight.at(names[k]) - of_twins.mean) / std::hypot(scatter, kOtherGround * mark);
+  }
+  Random random(seed, "flight among its twins");
+  int as_far = 0;
+  for (int draw = 0; draw < kPermutations; ++draw) {
+    const std::vector<std::size_t> some = Drawn(z.size() - half, 1 + twins.size(), &random);
+    Eigen::VectorXd off_of_twin = z[half + some[0]];
+    for (std::size_t k = 1; k < some.size(); ++k) {
+      off_of_twin -= z[half + some[k]] / static_cast<double>(twins.size());
+    }
+    if (size(off_of_twin) >= size(off)) ++as_far;
+  }
+  return (1.0 + as_far) / (1.0 + kPermutations);
+}
+
+std::optional<MeanAndSigma> MeanOver(const std::vector<NamedStatistics>& twins,
+                                     const std::string& name) {
+  std::vector<double> values;
+  for (const NamedStatistics& twin : twins) {
+    const auto at = twin.find(name);
+    if (at != twin.end()) values.push_back(at->second);
+  }
+  if (values.size() < 2) return std::nullopt;
+  MeanAndSigma out;
+  for (const double value : values) out.mean += value / static_cast<double>(values.size());
+  for (const double value : values) {
+    out.sigma += (value - out.mean) * (value - out.mean) / static_cast<double>(values.size() - 1);
+  }
+  out.sigma = std::sqrt(out.sigma);
+  return out;
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,196 @@
+#include <dn/gap/report.h>
+#include <dn/geo/local_frame.h>
+
+#include <cmath>
+
+namespace dn {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kMdegPerRad = 1e3 * kDegPerRad;
+constexpr double kMmPerM = 1e3;
+
+Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json Scaled(const std::optional<double>& value, double factor) {
+  return value ? Number(factor * *value) : Json();
+}
+
+Json Number(const std::optional<double>& value) { return Scaled(value, 1.0); }
+
+template <class Values>
+Json List(const Values& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(Number(value));
+  return list;
+}
+
+Json Scaled(const std::optional<Vector3d>& value, double factor) {
+  return value ? List(Vector3d(factor * *value)) : Json();
+}
+
+Json Pair(double low, double high) { return Json::array({Number(low), Number(high)}); }
+
+Json Text(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+Json GapPart(const GapDiagnosis& d) {
+  const GapUserUnits& units = d.user_units;
+  return {
+      {"detected", d.detected},
+      {"p_value", Number(d.p_value)},
+      {"size_nats_per_obs",
+       {{"value", Number(d.size.value)},
+        {"null_interval_95", Pair(d.size.null_low, d.size.null_high)},
+        {"upper_limit_95", Number(d.size.upper_limit_95)}}},
+      {"user_units",
+       {{"p2p_excess_mm", Scaled(units.p2p_excess_m, kMmPerM)},
+        {"gnss_excess_mm", Scaled(units.gnss_excess_m, kMmPerM)},
+        {"boresight_inconsistency_mdeg", Scaled(units.boresight_inconsistency_rad, kMdegPerRad)},
+        {"gh_minus_dn_mdeg", Scaled(units.gh_minus_dn_rad, kMdegPerRad)}}}};
+}
+
+Json Where(const std::vector<GapLocation>& where) {
+  Json list = Json::array();
+  for (const GapLocation& place : where) {
+    list.push_back({{"sensor", place.sensor},
+                    {"quantity", place.quantity},
+                    {"location", place.location},
+                    {"statistic", Number(place.statistic)},
+                    {"p_adjusted", Number(place.p_adjusted)}});
+  }
+  return list;
+}
+
+Json Cause(const GapCause& cause) {
+  Json json = {{"effect", cause.effect},
+               {"log_evidence", Number(cause.log_evidence)},
+               {"posterior", Number(cause.posterior)},
+               {"p_value", Number(cause.p_value)},
+               {"estimate", List(cause.estimate)},
+               {"sigma", List(cause.sigma)},
+               {"unit", cause.unit}};
+  if (cause.times.window_s) {
+    json["window_s"] = Pair(cause.times.window_s->first, cause.times.window_s->second);
+  }
+  if (cause.times.t0_s) json["t0_s"] = Number(*cause.times.t0_s);
+  json["absorbed_fraction"] = Number(cause.absorbed_fraction);
+  json["boresight_damage_mdeg"] = List(Vector3d(kMdegPerRad * cause.boresight_damage_rad));
+  json["inseparable_from"] = cause.inseparable_from;
+  json["held_out_gain_nats"] = Number(cause.held_out_gain_nats);
+  json["shrinkage"] = Number(cause.shrinkage);
+  return json;
+}
+
+Json Causes(const std::vector<GapCause>& causes) {
+  Json list = Json::array();
+  for (const GapCause& cause : causes) list.push_back(Cause(cause));
+  return list;
+}
+
+Json Discrepancies(const std::vector<GapDiscrepancy>& discrepancies) {
+  Json list = Json::array();
+  for (const GapDiscrepancy& one : discrepancies) {
+    list.push_back({{"name", one.name},
+                    {"log_evidence", Number(one.log_evidence)},
+                    {"posterior", Number(one.posterior)}});
+  }
+  return list;
+}
+
+Json Verdict(const GapVerdict& verdict) {
+  return {{"kind", Word(verdict.kind)},
+          {"effects", verdict.effects},
+          {"credible_set", verdict.credible_set},
+          {"unknown", verdict.unknown},
+          {"tie_breaker", Text(verdict.tie_breaker)},
+          {"text", verdict.text}};
+}
+
+Json Shrinkage(const std::optional<GapShrinkage>& shrinkage) {
+  if (!shrinkage) return {};
+  const GapState& before = shrinkage->before;
+  const GapState& after = shrinkage->after;
+  return {{"fraction", Number(shrinkage->fraction)},
+          {"share_of_reachable", Number(shrinkage->share_of_reachable)},
+          {"interval_95", Pair(shrinkage->interval_low, shrinkage->interval_high)},
+          {"p_before", Number(before.p_value)},
+          {"p_after", Number(after.p_value)},
+          {"size_before", Number(before.size_nats_per_obs)},
+          {"size_after", Number(after.size_nats_per_obs)},
+          {"held_out_gain_nats", Number(shrinkage->held_out_gain_nats)},
+          {"reachable_left_nats", Number(shrinkage->reachable_left_nats)},
+          {"p2p_mm_before", Scaled(before.p2p_m, kMmPerM)},
+          {"p2p_mm_after", Scaled(after.p2p_m, kMmPerM)},
+          {"gnss_mm_before", Scaled(before.gnss_m, kMmPerM)},
+          {"gnss_mm_after", Scaled(after.gnss_m, kMmPerM)},
+          {"boresight_before_deg", Scaled(before.boresight_rad, kDegPerRad)},
+          {"boresight_after_deg", Scaled(after.boresight_rad, kDegPerRad)},
+          {"boresight_sigma_before_deg", Scaled(before.boresight_sigma_rad, kDegPerRad)},
+          {"boresight_sigma_after_deg", Scaled(after.boresight_sigma_rad, kDegPerRad)}};
+}
+
+Json Hidden(const std::vector<HiddenEffect>& effects) {
+  Json list = Json::array();
+  for (const HiddenEffect& effect : effects) {
+    list.push_back(
+        {{"effect", effect.effect},
+         {"minimal_detectable", Number(effect.minimal_detectable)},
+         {"minimal_identifiable", Number(effect.minimal_identifiable)},
+         {"unit", effect.unit},
+         {"boresight_damage_mdeg", List(Vector3d(kMdegPerRad * effect.boresight_damage_rad))},
+         {"inseparable_from", effect.inseparable_from}});
+  }
+  return list;
+}
+
+Json Fingerprint(const std::vector<FingerprintValue>& values) {
+  Json list = Json::array();
+  for (const FingerprintValue& value : values) {
+    list.push_back({{"name", value.name},
+                    {"value", Number(value.value)},
+                    {"null_mean", Number(value.null_mean)},
+                    {"null_sigma", Number(value.null_sigma)},
+                    {"twin_mean", Number(value.twin_mean)},
+                    {"twin_sigma", Number(value.twin_sigma)}});
+  }
+  return list;
+}
+
+Json Validity(const GapValidity& validity) {
+  return {{"observations", validity.observations},
+          {"twins", validity.twins},
+          {"full_twins", validity.full_twins},
+          {"alpha", Number(validity.alpha)},
+          {"tests", validity.tests},
+          {"aa_p_value", Number(validity.aa_p_value)},
+          {"full_against_linear_p", Number(validity.full_against_linear_p)},
+          {"like_twins_p", Number(validity.like_twins_p)},
+          {"notes", validity.notes}};
+}
+
+Json Timings(const std::vector<std::pair<std::string, double>>& timings_s) {
+  Json json = Json::object();
+  for (const auto& [stage, time_s] : timings_s) json[stage] = Number(time_s);
+  return json;
+}
+
+}  // namespace
+
+Json GapJson(const GapDiagnosis& diagnosis) {
+  return {{"schema", "dn.gap/1"},
+          {"flight", diagnosis.flight},
+          {"trajectory_given", diagnosis.trajectory_given},
+          {"gap", GapPart(diagnosis)},
+          {"where", Where(diagnosis.where)},
+          {"causes", Causes(diagnosis.causes)},
+          {"discrepancies", Discrepancies(diagnosis.discrepancies)},
+          {"verdict", Verdict(diagnosis.verdict)},
+          {"shrinkage", Shrinkage(diagnosis.shrinkage)},
+          {"could_still_hide", Hidden(diagnosis.could_still_hide)},
+          {"fingerprint", Fingerprint(diagnosis.fingerprint)},
+          {"validity", Validity(diagnosis.validity)},
+          {"timings_s", Timings(diagnosis.timings_s)}};
+}
+
+}  // namespace dn

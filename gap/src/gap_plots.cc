@@ -1,0 +1,125 @@
+#include <dn/gap/report.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dn {
+namespace {
+
+constexpr std::size_t kMostCauses = 15;
+constexpr std::size_t kMostStatistics = 30;
+constexpr double kSigmasOfBand = 1.96;  // 95 %
+constexpr double kBeside = 0.2;         // of two bars on one row
+constexpr double kAround = 0.32;        // of two spans around a bar
+
+std::optional<GapPlot> CausesPlot(const GapDiagnosis& d) {
+  if (d.causes.empty()) return std::nullopt;
+  PlotSeries evidence{"log evidence", {}, PlotStyle::kBars};
+  PlotPanel panel;
+  for (const GapCause& cause : d.causes) {
+    if (panel.rows.size() == kMostCauses) break;
+    evidence.points.emplace_back(cause.log_evidence, static_cast<double>(panel.rows.size()));
+    panel.rows.push_back(fmt::format("{} ({:.2f})", cause.effect, cause.posterior));
+  }
+  panel.series = {evidence};
+  return GapPlot{"causes.svg",
+                 d.flight + ": causes, with their probability",
+                 "log evidence against absence [nats]",
+                 {panel}};
+}
+
+double Deviation(const FingerprintValue& value) {
+  return (value.value - value.null_mean) / value.null_sigma;
+}
+
+/// The statistics that depart most from those of the assumed model.
+std::vector<FingerprintValue> MostDeviating(std::vector<FingerprintValue> values) {
+  std::erase_if(values, [](const FingerprintValue& v) { return !std::isfinite(Deviation(v)); });
+  std::stable_sort(values.begin(), values.end(),
+                   [](const FingerprintValue& a, const FingerprintValue& b) {
+                     return std::abs(Deviation(a)) > std::abs(Deviation(b));
+                   });
+  if (values.size() > kMostStatistics) values.resize(kMostStatistics);
+  return values;
+}
+
+void AddSpan(double middle, double half, double row, PlotSeries* spans) {
+  spans->points.emplace_back(middle - half, row);
+  spans->points.emplace_back(middle + half, row);
+}
+
+std::optional<GapPlot> FingerprintPlot(const GapDiagnosis& d) {
+  PlotSeries model{"model, 95 %", {}, PlotStyle::kSpans};
+  PlotSeries twins{"twins with the effects, 95 %", {}, PlotStyle::kSpans};
+  PlotSeries flight{"flight", {}, PlotStyle::kBars};
+  PlotPanel panel;
+  for (const FingerprintValue& value : MostDeviating(d.fingerprint)) {
+    const auto row = static_cast<double>(panel.rows.size());
+    flight.points.emplace_back(Deviation(value), row);
+    AddSpan(0.0, kSigmasOfBand, row - kAround, &model);
+    if (value.twin_mean && value.twin_sigma) {
+      AddSpan((*value.twin_mean - value.null_mean) / value.null_sigma,
+              kSigmasOfBand * *value.twin_sigma / value.null_sigma, row + kAround, &twins);
+    }
+    panel.rows.push_back(value.name);
+  }
+  if (panel.rows.empty()) return std::nullopt;
+  panel.series = {flight, model, twins};
+  return GapPlot{"fingerprint.svg",
+                 d.flight + ": what departs from the model",
+                 "departure from the mean of the model [sigmas of it]",
+                 {panel}};
+}
+
+/// One quantity before and after, in parts of what it was before.
+struct Change {
+  std::string name;
+  double before, after;
+};
+
+std::vector<Change> Changes(const GapShrinkage& shrinkage) {
+  const GapState& before = shrinkage.before;
+  const GapState& after = shrinkage.after;
+  std::vector<Change> changes{
+      {"size of the gap [nats/obs]", before.size_nats_per_obs, after.size_nats_per_obs}};
+  if (before.p2p_m && after.p2p_m) {
+    changes.push_back({"pairs [mm]", 1e3 * *before.p2p_m, 1e3 * *after.p2p_m});
+  }
+  if (before.gnss_m && after.gnss_m) {
+    changes.push_back({"GNSS [mm]", 1e3 * *before.gnss_m, 1e3 * *after.gnss_m});
+  }
+  return changes;
+}
+
+std::optional<GapPlot> BeforeAfterPlot(const GapDiagnosis& d) {
+  if (!d.shrinkage) return std::nullopt;
+  PlotSeries before{"before", {}, PlotStyle::kBars};
+  PlotSeries after{"after", {}, PlotStyle::kBars};
+  PlotPanel panel;
+  for (const Change& change : Changes(*d.shrinkage)) {
+    const auto row = static_cast<double>(panel.rows.size());
+    before.points.emplace_back(1.0, row - kBeside);
+    if (change.before > 0.0) after.points.emplace_back(change.after / change.before, row + kBeside);
+    panel.rows.push_back(
+        fmt::format("{}: {:.3g}, then {:.3g}", change.name, change.before, change.after));
+  }
+  panel.series = {before, after};
+  return GapPlot{"before_after.svg",
+                 d.flight + ": the gap without and with the effects",
+                 "part of what it was before",
+                 {panel}};
+}
+
+}  // namespace
+
+std::vector<GapPlot> GapPlots(const GapDiagnosis& diagnosis) {
+  std::vector<GapPlot> plots;
+  for (auto& plot :
+       {CausesPlot(diagnosis), FingerprintPlot(diagnosis), BeforeAfterPlot(diagnosis)}) {
+    if (plot) plots.push_back(*plot);
+  }
+  return plots;
+}
+
+}  // namespace dn

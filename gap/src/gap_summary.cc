@@ -1,0 +1,211 @@
+#include <dn/gap/report.h>
+#include <dn/geo/local_frame.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "effect_words.h"
+
+namespace dn {
+namespace {
+
+constexpr std::size_t kLineWidth = 100;
+constexpr std::size_t kMostPlaces = 5;
+constexpr std::size_t kMostCauses = 8;
+constexpr std::size_t kMostHidden = 5;
+constexpr double kLeastPosterior = 0.05;
+constexpr double kMmPerM = 1e3;
+
+/// Words in lines, all but the first indented.
+std::string Wrapped(const std::string& text, const std::string& indent) {
+  std::istringstream words(text);
+  std::string out, line, word;
+  while (words >> word) {
+    if (!line.empty() && indent.size() + line.size() + 1 + word.size() > kLineWidth) {
+      out += line + "\n" + indent;
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return out + line + "\n";
+}
+
+std::string P(double p_value) { return fmt::format("{:.2g}", p_value); }
+
+std::string Mm(const std::optional<double>& m) {
+  return m ? fmt::format("{:.1f}", kMmPerM * *m) : "-";
+}
+
+std::string SizeLines(const GapDiagnosis& d) {
+  if (d.verdict.kind == GapVerdictKind::kUnavailable) return "";
+  std::string text = fmt::format(
+      "gap       {}, {} ({} twins); {:.3g} nats per observation, {:.3g} .. {:.3g} without a "
+      "gap,\n          at most {:.3g}\n",
+      d.detected ? "yes" : "none found", internal::PWords(d.p_value), d.validity.twins,
+      d.size.value, d.size.null_low, d.size.null_high, d.size.upper_limit_95);
+  const GapUserUnits& units = d.user_units;
+  std::vector<std::string> parts;
+  if (units.p2p_excess_m) parts.push_back(fmt::format("pairs {} mm", Mm(units.p2p_excess_m)));
+  if (units.gnss_excess_m) parts.push_back(fmt::format("GNSS {} mm", Mm(units.gnss_excess_m)));
+  if (units.boresight_inconsistency_rad) {
+    parts.push_back(fmt::format("boresight of parts of the flight {:.2g} mdeg",
+                                1e3 * kDegPerRad * *units.boresight_inconsistency_rad));
+  }
+  if (units.gh_minus_dn_rad) {
+    parts.push_back("gh - dn " + internal::MdegWords(*units.gh_minus_dn_rad));
+  }
+  if (!parts.empty()) text += fmt::format("          beyond noise: {}\n", fmt::join(parts, ", "));
+  return text;
+}
+
+std::string PlaceLines(const GapDiagnosis& d) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostPlaces, d.where.size()); ++i) {
+    const GapLocation& place = d.where[i];
+    text += fmt::format("{:<10}{} {}, {}: {:.3g} ({})\n", i == 0 ? "where" : "", place.sensor,
+                        place.quantity, place.location, place.statistic,
+                        internal::PWords(place.p_adjusted));
+  }
+  return text;
+}
+
+/// Of roll, pitch and yaw, mdeg.
+std::string Moves(const GapDiagnosis& d, const GapCause& cause) {
+  if (!internal::HasBoresight(d)) return "";
+  if (cause.boresight_damage_rad.isZero(0.0)) return "-";
+  const std::string words = internal::MdegWords(cause.boresight_damage_rad);
+  return words.substr(0, words.rfind(' '));
+}
+
+std::string Mark(const GapVerdict& verdict, const std::string& effect) {
+  const auto holds = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), effect) != names.end();
+  };
+  return holds(verdict.effects) ? "*" : holds(verdict.credible_set) ? "?" : " ";
+}
+
+/// What has no name is told where it may be there.
+std::string DiscrepancyLines(const GapDiagnosis& d) {
+  std::string text;
+  for (const GapDiscrepancy& one : d.discrepancies) {
+    if (one.posterior < kLeastPosterior) continue;
+    text += fmt::format("          {:<28}{:>6.2f}{:>9.1f}  without a name\n", one.name,
+                        one.posterior, one.log_evidence);
+  }
+  return text;
+}
+
+std::string CauseLines(const GapDiagnosis& d) {
+  if (d.causes.empty()) return "";
+  const bool moves = internal::HasBoresight(d);
+  std::string text = fmt::format("{:<10}{:<28}{:>6}{:>9}  {:<20}{}\n", "causes", "", "prob.",
+                                 "nats", moves ? "moves [mdeg]" : "", "by");
+  for (std::size_t i = 0; i < std::min(kMostCauses, d.causes.size()); ++i) {
+    const GapCause& cause = d.causes[i];
+    text += fmt::format("        {} {:<28}{:>6.2f}{:>9.1f}  {:<20}{}{}\n",
+                        Mark(d.verdict, cause.effect), cause.effect, cause.posterior,
+                        cause.log_evidence, Moves(d, cause), internal::ValueWords(cause),
+                        internal::TimesWords(cause.times));
+  }
+  return text + DiscrepancyLines(d) + "          * of the verdict, ? could be it as well" +
+         (moves ? "; moves of roll, pitch, yaw if left out\n" : "\n");
+}
+
+std::string Angles(const GapState& state) {
+  if (!state.boresight_rad) return "";
+  const Eigen::Vector3d deg = kDegPerRad * *state.boresight_rad;
+  std::string text = fmt::format("{:.5f}, {:.5f}, {:.5f}", deg.x(), deg.y(), deg.z());
+  if (!state.boresight_sigma_rad) return text;
+  const Eigen::Vector3d sigma = kDegPerRad * *state.boresight_sigma_rad;
+  return text + fmt::format(" +- {:.5f}, {:.5f}, {:.5f}", sigma.x(), sigma.y(), sigma.z());
+}
+
+std::string StateLine(const char* name, const GapState& state) {
+  return fmt::format("          {:<7} {:>8} {:>10.3g} {:>10} {:>10}  {}\n", name, P(state.p_value),
+                     state.size_nats_per_obs, Mm(state.p2p_m), Mm(state.gnss_m), Angles(state));
+}
+
+std::string ShrinkageLines(const std::optional<GapShrinkage>& shrinkage) {
+  if (!shrinkage) return "";
+  std::string text = "closed    " + internal::ClosedWords(*shrinkage);
+  if (shrinkage->share_of_reachable) {
+    text +=
+        fmt::format(", {:.0f} % of what can be reached", 100.0 * *shrinkage->share_of_reachable);
+  }
+  if (shrinkage->held_out_gain_nats) {
+    text += fmt::format("; {:.1f} nats on data held out", *shrinkage->held_out_gain_nats);
+  }
+  text += fmt::format("\n          {:<7} {:>8} {:>10} {:>10} {:>10}  {}\n", "", "p", "nats/obs",
+                      "pairs mm", "GNSS mm", "boresight [deg]");
+  return text + StateLine("before", shrinkage->before) + StateLine("after", shrinkage->after);
+}
+
+std::string HiddenLine(const GapDiagnosis& d, const HiddenEffect& effect) {
+  std::string text = fmt::format("          {:<27} below {} {}", effect.effect,
+                                 internal::Rounded(effect.minimal_detectable, 2), effect.unit);
+  if (effect.minimal_identifiable) {
+    text += ", its name below " + internal::Rounded(*effect.minimal_identifiable, 2);
+  }
+  if (internal::HasBoresight(d)) {
+    text += ", by which the boresight moves " + internal::MdegWords(effect.boresight_damage_rad);
+  }
+  return text + "\n";
+}
+
+/// Those without a bound in one line, then the most harmful of the others.
+std::string HiddenLines(const GapDiagnosis& d) {
+  if (d.could_still_hide.empty()) return "";
+  std::vector<std::string> of_any_size;
+  std::string bounded;
+  std::size_t told = 0;
+  for (const HiddenEffect& effect : internal::MostHarmful(d.could_still_hide)) {
+    if (!std::isfinite(effect.minimal_detectable)) {
+      of_any_size.push_back(effect.effect);
+    } else if (told++ < kMostHidden) {
+      bounded += HiddenLine(d, effect);
+    }
+  }
+  const std::string text = "could still hide\n";
+  if (of_any_size.empty()) return text + bounded;
+  return text +
+         fmt::format(
+             "          {}",
+             Wrapped(fmt::format("of any size: {}", fmt::join(of_any_size, ", ")), "          ")) +
+         bounded;
+}
+
+std::string ValidityLines(const GapValidity& validity) {
+  std::string text = "no twins";
+  if (validity.twins > 0) {
+    text = fmt::format("{} linear twins, twins against twins {}", validity.twins,
+                       internal::PWords(validity.aa_p_value));
+  }
+  if (validity.full_twins > 0) text += fmt::format(", {} simulated twins", validity.full_twins);
+  if (validity.full_against_linear_p) {
+    text += fmt::format(" (against the linear ones {})",
+                        internal::PWords(*validity.full_against_linear_p));
+  }
+  if (validity.like_twins_p) {
+    text += fmt::format("; twins with the effects look like the flight: p = {}",
+                        P(*validity.like_twins_p));
+  }
+  for (const std::string& note : validity.notes) text += "; " + note;
+  return "trust     " + Wrapped(text, "          ");
+}
+
+}  // namespace
+
+std::string GapSummary(const GapDiagnosis& diagnosis) {
+  const std::string head =
+      fmt::format("flight {}: {}\n  ", diagnosis.flight, Word(diagnosis.verdict.kind)) +
+      Wrapped(diagnosis.verdict.text, "  ");
+  if (diagnosis.verdict.kind == GapVerdictKind::kUnavailable) return head + HiddenLines(diagnosis);
+  return head + SizeLines(diagnosis) + PlaceLines(diagnosis) + CauseLines(diagnosis) +
+         ShrinkageLines(diagnosis.shrinkage) + HiddenLines(diagnosis) +
+         ValidityLines(diagnosis.validity);
+}
+
+}  // namespace dn

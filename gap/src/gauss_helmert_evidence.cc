@@ -1,0 +1,284 @@
+#include "gauss_helmert_evidence.h"
+
+#include <dn/solvers/score_test.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace dn::internal {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr const char* kNoise = "p2p_noise_scale";
+// Errors of the trajectory are about an octave above what is stated, five at most.
+constexpr int kMostOctaves = 5;
+constexpr double kOctavesSigma = 1.0;
+// The pairs' noise is within a factor e of what is stated.
+constexpr double kLnNoiseSigma = 1.0;
+constexpr double kLnNoiseStep = 0.02;
+constexpr int kNoisePasses = 4;
+
+bool IsFixed(const ScreenedEffect& effect) {
+  return effect.name != kNoise && effect.name != "p2p_outliers";
+}
+
+/// Columns that make components of the score into those of some candidates.
+struct Combinations {
+  MatrixXd T;
+  VectorXd typical;
+};
+
+Combinations Combine(const Library& library, const std::vector<ScreenedEffect>& chosen,
+                     const JointScore& score) {
+  Combinations out;
+  out.T.resize(score.s.size(), 0);
+  for (const ScreenedEffect& effect : chosen) {
+    if (!IsFixed(effect)) continue;
+    const Candidate& candidate = library.candidates[effect.candidate];
+    const Index n = candidate.typical.size(), before = out.T.cols();
+    const Index first = score.first[candidate.block];
+    out.T.conservativeResize(Eigen::NoChange, before + n);
+    out.T.rightCols(n).setZero();
+    const int cell = candidate.cells ? candidate.cells->first : 0;
+    const int past = candidate.cells ? candidate.cells->past : 1;
+    for (int k = cell; k < past; ++k) {
+      out.T.block(first + n * k, before, n, n).setIdentity();
+    }
+    out.typical.conservativeResize(before + n);
+    out.typical.tail(n) = candidate.typical;
+  }
+  return out;
+}
+
+/// The score test of combinations, and the scores once they are among the unknowns.
+ScoreTest TestOf(const JointScore& score, const MatrixXd& T) {
+  return TestScore(T.transpose() * score.s, T.transpose() * score.A * T,
+                   T.cwiseAbs2().transpose() * score.signature2);
+}
+
+JointScore Beside(const JointScore& score, const MatrixXd& T) {
+  if (T.cols() == 0) return score;
+  const ScoreTest test = TestOf(score, T);
+  const MatrixXd AT = score.A * T;
+  JointScore left = score;
+  left.s += AT * test.estimate;
+  left.A -= AT * test.covariance * AT.transpose();
+  left.shift -= score.shift * T * test.covariance * AT.transpose();
+  return left;
+}
+
+void SortByEvidence(std::vector<ScreenedEffect>* effects) {
+  std::stable_sort(effects->begin(), effects->end(),
+                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+}
+
+/// Occam's share of the evidence for a noise of another size: ln(ratio) known to sigma.
+double NoisePrior(double ln_ratio, double sigma) {
+  const double in_sigmas = ln_ratio / kLnNoiseSigma;
+  return std::log(std::min(1.0, sigma / kLnNoiseSigma)) - 0.5 * in_sigmas * in_sigmas;
+}
+
+}  // namespace
+
+/// At one scale, with the chosen effects among the unknowns.
+struct GaussHelmertEvidence::Height {
+  double of_errors = 0.0;  ///< log likelihood and prior
+  Screen screen;
+  std::vector<ScreenedEffect> effects;  ///< in the order of the families
+};
+
+/// Over all scales, for one set of chosen effects.
+class GaussHelmertEvidence::Search {
+ public:
+  Search(GaussHelmertEvidence* evidence, const std::vector<ScreenedEffect>& chosen)
+      : evidence_(*evidence), chosen_(chosen) {}
+
+  ExplainedPairs Run() {
+    const NoiseRatio noise = FindNoise(Climb({}, 1.0, std::nullopt));
+    const double most = Chosen(kNoise) ? noise.ratio : std::min(noise.ratio, 1.0);
+    white_ = Chosen(kNoise) ? most : std::max(most, evidence_.least_white_);
+    const Octaves top = Climb({}, white_, std::nullopt);
+    base_ = At(top, white_).of_errors;
+    ExplainedPairs out;
+    const Height& at_top = At(top, white_);
+    out.scale = ScaleOf(top, white_);
+    out.chi2 = evidence_.At(top, white_).chi2;
+    out.larger_errors_nats = base_ - At({}, white_).of_errors;
+    out.screen = std::make_unique<Screen>(at_top.screen);
+    out.at_stated = std::make_unique<Screen>(At({}, white_).screen);
+    out.chi2_at_stated = evidence_.At({}, white_).chi2;
+    for (std::size_t family = 0; family < at_top.effects.size(); ++family) {
+      out.others.push_back(Judge(family, top));
+    }
+    if (evidence_.with_noise_scale_) out.others.push_back(JudgeNoise(top, noise));
+    std::erase_if(out.others, [&](const ScreenedEffect& other) { return Chosen(other.name); });
+    SortByEvidence(&out.others);
+    EstimateChosen(top, &out);
+    return out;
+  }
+
+ private:
+  static ErrorScale ScaleOf(const Octaves& octaves, double white) {
+    return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
+  }
+
+  bool Chosen(const std::string& name) const {
+    return std::any_of(chosen_.begin(), chosen_.end(),
+                       [&](const ScreenedEffect& effect) { return effect.name == name; });
+  }
+
+  const Height& At(const Octaves& octaves, double white) {
+    const auto key = std::make_pair(octaves, white);
+    const auto known = heights_.find(key);
+    if (known != heights_.end()) return known->second;
+    const LastingErrors::AtScale& at = evidence_.At(octaves, white);
+    const Combinations combined = Combine(evidence_.library_.library, chosen_, at.score);
+    const int octaves2 = octaves.position * octaves.position + octaves.attitude * octaves.attitude;
+    Height height{at.log_likelihood - 0.5 * octaves2 / (kOctavesSigma * kOctavesSigma),
+                  Screen(evidence_.library_.library, Beside(at.score, combined.T)),
+                  {}};
+    if (combined.T.cols() > 0) {
+      const EvidenceForm form(combined.T.transpose() * at.score.A * combined.T, combined.typical);
+      height.of_errors += form.LogEvidence(combined.T.transpose() * at.score.s);
+    }
+    height.effects = height.screen.EffectsInOrder();
+    return heights_.emplace(key, std::move(height)).first->second;
+  }
+
+  double HeightAt(const Octaves& octaves, double white, std::optional<std::size_t> family) {
+    const Height& at = At(octaves, white);
+    return at.of_errors + (family ? at.effects[*family].log_evidence : 0.0);
+  }
+
+  /// From a start to a scale that no neighbour exceeds.
+  Octaves Climb(Octaves top, double white, std::optional<std::size_t> family) {
+    for (bool higher = true; higher;) {
+      higher = false;
+      for (int Octaves::*which : {&Octaves::position, &Octaves::attitude}) {
+        for (const int step : {-1, 1}) {
+          Octaves next = top;
+          next.*which += step;
+          if (next.*which < 0 || next.*which > kMostOctaves) continue;
+          if (HeightAt(next, white, family) <= HeightAt(top, white, family)) continue;
+          top = next;
+          higher = true;
+        }
+      }
+    }
+    return top;
+  }
+
+  ScreenedEffect Judge(std::size_t family, const Octaves& of_errors) {
+    Octaves best = Climb({}, white_, family);
+    const Octaves other = Climb(of_errors, white_, family);
+    if (HeightAt(other, white_, family) > HeightAt(best, white_, family)) best = other;
+    ScreenedEffect effect = At(best, white_).effects[family];
+    effect.log_evidence = HeightAt(best, white_, family) - base_;
+    const double by_evidence = std::exp(-std::max(0.0, effect.log_evidence));
+    effect.p_value = std::min(1.0, std::max(effect.p_value * Families(), by_evidence));
+    return effect;
+  }
+
+  double Families() { return static_cast<double>(At({}, white_).effects.size() + 1); }
+
+  /// The likeliest noise of the pairs over that at its largest.
+  struct NoiseRatio {
+    double ratio = 1.0;
+    double ln_sigma = 1.0;
+  };
+
+  /// Newton's steps of ln(ratio), from the mean square.
+  NoiseRatio FindNoise(const Octaves& octaves) {
+    const auto height = [&](double ln_ratio) {
+      return evidence_.At(octaves, std::exp(ln_ratio)).log_likelihood;
+    };
+    const double n = evidence_.observations_;
+    double x = 0.5 * std::log(std::max(evidence_.At(octaves, 1.0).chi2, 1.0) / n);
+    double curvature = 2.0 * n;
+    for (int pass = 0; pass < kNoisePasses; ++pass) {
+      const double low = height(x - kLnNoiseStep), high = height(x + kLnNoiseStep);
+      const double bend = (2.0 * height(x) - low - high) / (kLnNoiseStep * kLnNoiseStep);
+      if (!(bend > 0.0)) break;
+      curvature = bend;
+      const double step = 0.5 * (high - low) / (kLnNoiseStep * curvature);
+      x += std::clamp(step, -1.0, 1.0);
+      if (std::abs(step) < 0.1 / std::sqrt(curvature)) break;
+    }
+    return {std::exp(x), 1.0 / std::sqrt(curvature)};
+  }
+
+  ScreenedEffect JudgeNoise(const Octaves& of_errors, const NoiseRatio& noise) {
+    const Octaves top = Climb(of_errors, noise.ratio, std::nullopt);
+    ScreenedEffect effect;
+    effect.name = kNoise;
+    effect.log_evidence = HeightAt(top, noise.ratio, std::nullopt) - base_ +
+                          NoisePrior(std::log(noise.ratio / white_), noise.ln_sigma);
+    effect.p_value = std::min(1.0, Families() * std::exp(-std::max(0.0, effect.log_evidence)));
+    const double of_pairs = noise.ratio / evidence_.least_white_;
+    effect.estimate = VectorXd::Constant(1, of_pairs);
+    effect.sigma = VectorXd::Constant(1, noise.ln_sigma * of_pairs);
+    return effect;
+  }
+
+  void EstimateChosen(const Octaves& top, ExplainedPairs* out) {
+    out->chosen = chosen_;
+    const JointScore& score = evidence_.At(top, white_).score;
+    const Combinations combined = Combine(evidence_.library_.library, chosen_, score);
+    if (combined.T.cols() == 0) return;
+    const ScoreTest test = TestOf(score, combined.T);
+    const MatrixXd shift = score.shift * combined.T;
+    Index first = 0;
+    for (ScreenedEffect& effect : out->chosen) {
+      if (!IsFixed(effect)) continue;
+      const Index n = evidence_.library_.library.candidates[effect.candidate].typical.size();
+      effect.estimate = test.estimate.segment(first, n);
+      effect.sigma = test.covariance.diagonal().segment(first, n).cwiseMax(0.0).cwiseSqrt();
+      effect.boresight_rad = shift.middleCols(first, n) * effect.estimate;
+      first += n;
+    }
+    out->boresight_covariance_rad2 = shift * test.covariance * shift.transpose();
+  }
+
+  GaussHelmertEvidence& evidence_;
+  const std::vector<ScreenedEffect>& chosen_;
+  double white_ = 1.0;
+  double base_ = 0.0;
+  std::map<std::pair<Octaves, double>, Height> heights_;
+};
+
+GaussHelmertEvidence::GaussHelmertEvidence(const GaussHelmertLibrary& library,
+                                           const LinearPairs& pairs,
+                                           const std::vector<StripInterval>& strips,
+                                           bool with_noise_scale)
+    : library_(library),
+      errors_(pairs.rows, strips, pairs.error_sqrt, pairs.prior, library.blocks),
+      with_noise_scale_(with_noise_scale),
+      observations_(3.0 * static_cast<double>(pairs.rows.size())),
+      least_white_(std::sqrt(pairs.share_of_pairs)) {}
+
+ExplainedPairs GaussHelmertEvidence::Explain(const std::vector<ScreenedEffect>& chosen) {
+  return Search(this, chosen).Run();
+}
+
+double GaussHelmertEvidence::NoiseEvidence(double chi2) const {
+  if (!with_noise_scale_) return -std::numeric_limits<double>::infinity();
+  const double ratio = std::max(chi2, 1e-300) / observations_;
+  return 0.5 * observations_ * (ratio - 1.0 - std::log(ratio)) +
+         NoisePrior(0.5 * std::log(ratio), 1.0 / std::sqrt(2.0 * observations_));
+}
+
+const LastingErrors::AtScale& GaussHelmertEvidence::At(const Octaves& octaves, double white) {
+  const auto key = std::make_tuple(octaves.position, octaves.attitude, white);
+  const auto known = known_.find(key);
+  if (known != known_.end()) return known->second;
+  const ErrorScale scale{std::exp2(octaves.position), std::exp2(octaves.attitude), white};
+  return known_.emplace(key, errors_.At(scale)).first->second;
+}
+
+}  // namespace dn::internal

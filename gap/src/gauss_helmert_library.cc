@@ -1,0 +1,202 @@
+#include "gauss_helmert_library.h"
+
+#include <dn/calibration/candidate_effects.h>
+#include <dn/effects/effect_table.h>
+#include <dn/flight/strip_at.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
+#include <variant>
+
+#include "generic_effects.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr int kScanAngleBumps = 7;
+constexpr int kScanAnglePlaces = 8;
+constexpr int kMostBoresightCells = 24;
+constexpr double kShortestCellS = 15.0;
+constexpr std::size_t kMostStrips = 24;
+constexpr std::size_t kFewestPairs = 5;  // of a place
+
+class Maker {
+ public:
+  Maker(const Flight& flight, const LinearPairs& pairs, const std::vector<StripInterval>& strips,
+        const LibraryOptions& options)
+      : flight_(flight),
+        lidar_(*flight.config.lidar),
+        pairs_(pairs),
+        strips_(strips),
+        options_(options) {
+    std::sort(strips_.begin(), strips_.end(),
+              [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
+    FindScanAngles();
+  }
+
+  GaussHelmertLibrary Run() {
+    for (CandidateEffect& effect : EffectsOfScanner(flight_, pairs_.ends))
+      AddFixed(std::move(effect));
+    AddDrift();
+    AddBoresightByCell();
+    AddGeneric(LaserByScanAngle(lidar_, low_rad_, high_rad_, kScanAngleBumps));
+    if (strips_.size() > 1 && strips_.size() <= kMostStrips) AddGeneric(LaserByStrip(strips_));
+    AddStripPlaces();
+    AddScanAnglePlaces();
+    return std::move(out_);
+  }
+
+ private:
+  void FindScanAngles() {
+    for (const PairEnds& pair : pairs_.ends) {
+      for (const PairEnd* end : {&pair.i, &pair.j}) {
+        const double angle = ScanAngle(lidar_, end->u_s);
+        low_rad_ = std::min(low_rad_, angle);
+        high_rad_ = std::max(high_rad_, angle);
+      }
+    }
+    high_rad_ = std::max(high_rad_, low_rad_ + 1e-3);
+  }
+
+  std::size_t AddBlock(CandidateEffect block) {
+    out_.blocks.push_back(std::move(block));
+    return out_.blocks.size() - 1;
+  }
+
+  static Candidate Describe(const CandidateEffect& effect, std::size_t block) {
+    Candidate candidate;
+    candidate.name = effect.name;
+    candidate.times = effect.times;
+    candidate.block = block;
+    candidate.typical = effect.typical;
+    candidate.unit = effect.unit;
+    candidate.per_si = effect.per_si;
+    return candidate;
+  }
+
+  void AddFixed(CandidateEffect effect) {
+    if (!options_.Wanted(effect.name)) return;
+    Candidate candidate = Describe(effect, 0);
+    candidate.block = AddBlock(std::move(effect));
+    out_.library.candidates.push_back(std::move(candidate));
+  }
+
+  EffectModel ModelOfAction(const EffectAction& action) const {
+    return ModelOf(*std::get<std::shared_ptr<const LidarEffect>>(action), pairs_.ends);
+  }
+
+  void AddDrift() {
+    const EstimableEffect& drift = *FindEstimable("boresight_drift");
+    CandidateEffect effect = DescribeEffect(drift);
+    effect.model = ModelOfAction(drift.make({flight_}));
+    AddFixed(std::move(effect));
+  }
+
+  std::size_t AddOwn(const OwnEffect& own) {
+    CandidateEffect block;
+    block.name = own.name;
+    block.typical = own.typical;
+    block.model = ModelOfAction(own.action);
+    return AddBlock(std::move(block));
+  }
+
+  void AddGeneric(const OwnEffect& own) { AddGeneric(own, AddOwn(own)); }
+
+  void AddGeneric(const OwnEffect& own, std::size_t block) {
+    Candidate generic;
+    generic.name = own.name;
+    generic.physical = false;
+    generic.block = block;
+    generic.typical = own.typical;
+    generic.unit = "1";
+    out_.library.candidates.push_back(std::move(generic));
+  }
+
+  TimeCells BoresightCells() const {
+    double total_s = 0.0;
+    for (const StripInterval& strip : strips_) total_s += strip.t1_s - strip.t0_s;
+    const double length_s = std::max(kShortestCellS, total_s / kMostBoresightCells);
+    TimeCells cells;
+    for (const StripInterval& strip : strips_) {
+      const double strip_s = strip.t1_s - strip.t0_s;
+      const int count = std::max(1, static_cast<int>(std::lround(strip_s / length_s)));
+      cells.Append(strip.t0_s, strip_s / count, count);
+    }
+    return cells;
+  }
+
+  void AddBoresightByCell() {
+    if (strips_.size() > kMostStrips) return;
+    const TimeCells cells = BoresightCells();
+    const OwnEffect own = BoresightByCell(cells);
+    const std::size_t block = AddOwn(own);
+    if (options_.Wanted("boresight_step")) {
+      for (int cell = 1; cell < cells.count(); ++cell) {
+        Candidate step = Describe(DescribeEffect(*FindEstimable("boresight_step")), block);
+        step.cells = CellRange{cell, cells.count()};
+        step.times.t0_s = cells.start_s[static_cast<std::size_t>(cell)];
+        out_.library.candidates.push_back(std::move(step));
+      }
+    }
+    AddGeneric(own, block);
+  }
+
+  /// A common offset of some pairs.
+  void AddPlace(const std::string& location, const std::vector<std::size_t>& members) {
+    if (members.size() < kFewestPairs) return;
+    CandidateEffect block;
+    block.name = location;
+    block.typical = Eigen::Vector3d::Constant(lidar_.sigma_p_m);
+    for (const PairEnds& pair : pairs_.ends)
+      block.model.push_back({pair.factor, Eigen::Matrix3d::Zero()});
+    for (const std::size_t k : members) block.model[k].L = pairs_.whiten[k];
+    out_.places.push_back({location, AddBlock(std::move(block))});
+  }
+
+  void AddStripPlaces() {
+    std::map<std::string, std::vector<std::size_t>> members;
+    for (std::size_t k = 0; k < pairs_.ends.size(); ++k) {
+      const PairEnds& pair = pairs_.ends[k];
+      members[StripPairName(strips_, pair.i.t_s, pair.j.t_s)].push_back(k);
+    }
+    if (members.size() > kMostStrips) return;
+    for (const auto& [strips, of_strips] : members) AddPlace("strips " + strips, of_strips);
+  }
+
+  void AddScanAnglePlaces() {
+    std::vector<std::vector<std::size_t>> members(kScanAnglePlaces);
+    const double step_rad = (high_rad_ - low_rad_) / kScanAnglePlaces;
+    for (std::size_t k = 0; k < pairs_.ends.size(); ++k) {
+      const double at = (ScanAngle(lidar_, pairs_.ends[k].i.u_s) - low_rad_) / step_rad;
+      members[static_cast<std::size_t>(std::clamp(at, 0.0, kScanAnglePlaces - 0.5))].push_back(k);
+    }
+    for (int k = 0; k < kScanAnglePlaces; ++k) {
+      const double low_deg = (low_rad_ + step_rad * k) * kDegPerRad;
+      AddPlace(
+          fmt::format("scan angle {:.0f}..{:.0f} deg", low_deg, low_deg + step_rad * kDegPerRad),
+          members[static_cast<std::size_t>(k)]);
+    }
+  }
+
+  const Flight& flight_;
+  const LidarConfig& lidar_;
+  const LinearPairs& pairs_;
+  std::vector<StripInterval> strips_;
+  const LibraryOptions& options_;
+  double low_rad_ = 0.0, high_rad_ = 0.0;
+  GaussHelmertLibrary out_;
+};
+
+}  // namespace
+
+GaussHelmertLibrary MakeLibrary(const Flight& flight, const LinearPairs& pairs,
+                                const std::vector<StripInterval>& strips,
+                                const LibraryOptions& options) {
+  return Maker(flight, pairs, strips, options).Run();
+}
+
+}  // namespace dn::internal

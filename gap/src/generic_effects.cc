@@ -1,0 +1,169 @@
+#include "generic_effects.h"
+
+#include <dn/factors/gnss_antenna.h>
+#include <dn/factors/lidar_effect.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+namespace dn::internal {
+namespace {
+
+// Usual sizes of what has no name.
+constexpr double kBoresightRad = 5e-5;
+constexpr double kGnssM = 0.02;
+constexpr double kLaserM = 0.02;
+
+/// Weights of three-vectors at a time: the value is their sum.
+using Weights = std::function<void(double t_s, Eigen::VectorXd* weights)>;
+
+class TurnByTime final : public LidarEffect {
+ public:
+  TurnByTime(int count, Weights weights) : count_(count), weights_(std::move(weights)) {}
+  int components() const override { return 3 * count_; }
+  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+               LidarReading* reading) const override {
+    Eigen::VectorXd w = Eigen::VectorXd::Zero(count_);
+    weights_(reading->tag_s - reading->delay_s, &w);
+    for (int k = 0; k < count_; ++k) {
+      if (w[k] == 0.0) continue;
+      reading->turn_b_rad += w[k] * value.segment<3>(3 * k);
+      reading->J_turn.middleCols<3>(column + 3 * k) = w[k] * Eigen::Matrix3d::Identity();
+    }
+  }
+
+ private:
+  int count_;
+  Weights weights_;
+};
+
+class ShiftByTime final : public GnssEffect {
+ public:
+  ShiftByTime(int count, Weights weights) : count_(count), weights_(std::move(weights)) {}
+  int components() const override { return 3 * count_; }
+  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+               GnssReading* reading) const override {
+    Eigen::VectorXd w = Eigen::VectorXd::Zero(count_);
+    weights_(reading->tag_s - reading->delay_s, &w);
+    for (int k = 0; k < count_; ++k) {
+      if (w[k] == 0.0) continue;
+      reading->shift_m += w[k] * value.segment<3>(3 * k);
+      reading->J_shift.middleCols<3>(column + 3 * k) = w[k] * Eigen::Matrix3d::Identity();
+    }
+  }
+
+ private:
+  int count_;
+  Weights weights_;
+};
+
+/// measured = true + sum of weighted three-vectors in the sensor frame.
+class LaserOffset final : public LidarEffect {
+ public:
+  using WeightsOf = std::function<void(const LidarReading&, Eigen::VectorXd*)>;
+  LaserOffset(int count, WeightsOf weights) : count_(count), weights_(std::move(weights)) {}
+  int components() const override { return 3 * count_; }
+  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+               LidarReading* reading) const override {
+    Eigen::VectorXd w = Eigen::VectorXd::Zero(count_);
+    weights_(*reading, &w);
+    for (int k = 0; k < count_; ++k) {
+      if (w[k] == 0.0) continue;
+      reading->u_s -= w[k] * value.segment<3>(3 * k);
+      reading->J_u.middleCols<3>(column + 3 * k) = -w[k] * Eigen::Matrix3d::Identity();
+    }
+  }
+
+ private:
+  int count_;
+  WeightsOf weights_;
+};
+
+}  // namespace
+
+int TimeCells::At(double t_s) const {
+  const auto past = std::upper_bound(start_s.begin(), start_s.end(), t_s);
+  return std::max(0, static_cast<int>(past - start_s.begin()) - 1);
+}
+
+void TimeCells::Append(double begin_s, double length_s, int count) {
+  for (int k = 0; k < count; ++k) start_s.push_back(begin_s + length_s * k);
+}
+
+double Cosines::At(int k, double t_s) const {
+  if (k == 0) return 1.0;
+  return std::numbers::sqrt2 * std::cos(std::numbers::pi * k * (t_s - begin_s) / length_s);
+}
+
+Eigen::VectorXd Cosines::At(double t_s) const {
+  Eigen::VectorXd values(count);
+  for (int k = 0; k < count; ++k) values[k] = At(k, t_s);
+  return values;
+}
+
+Eigen::VectorXd Cosines::GaussMarkov(double tau_s) const {
+  Eigen::VectorXd sigma(count);
+  for (int k = 0; k < count; ++k) {
+    const double turned = 2.0 * std::numbers::pi * FrequencyHz(k) * tau_s;
+    const double density = 4.0 * tau_s / (1.0 + turned * turned);  // one-sided, per Hz
+    const double band_hz = (k == 0 ? 0.25 : 0.5) / length_s;
+    sigma[k] = std::sqrt(density * band_hz);
+  }
+  return sigma;
+}
+
+OwnEffect BoresightByCell(const TimeCells& cells) {
+  auto weights = [cells](double t_s, Eigen::VectorXd* w) { (*w)[cells.At(t_s)] = 1.0; };
+  return {"boresight by time", std::make_shared<TurnByTime>(cells.count(), std::move(weights)),
+          Eigen::VectorXd::Constant(3 * cells.count(), kBoresightRad)};
+}
+
+OwnEffect GnssByCell(const TimeCells& cells) {
+  auto weights = [cells](double t_s, Eigen::VectorXd* w) { (*w)[cells.At(t_s)] = 1.0; };
+  return {"GNSS positions by time",
+          std::make_shared<ShiftByTime>(cells.count(), std::move(weights)),
+          Eigen::VectorXd::Constant(3 * cells.count(), kGnssM)};
+}
+
+OwnEffect GnssByCosine(const Cosines& cosines) {
+  auto weights = [cosines](double t_s, Eigen::VectorXd* w) { *w = cosines.At(t_s); };
+  return {"GNSS positions by frequency",
+          std::make_shared<ShiftByTime>(cosines.count, std::move(weights)),
+          Eigen::VectorXd::Constant(3 * cosines.count, kGnssM)};
+}
+
+OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double last_rad, int bumps) {
+  const double step = (last_rad - first_rad) / (bumps - 1);
+  auto weights = [=](const LidarReading& reading, Eigen::VectorXd* w) {
+    const double angle = ScanAngle(lidar, reading.u_s);
+    for (int k = 0; k < bumps; ++k) {
+      const double off = (angle - first_rad - step * k) / step;
+      (*w)[k] = std::exp(-0.5 * off * off);
+    }
+  };
+  return {"laser vectors by scan angle", std::make_shared<LaserOffset>(bumps, std::move(weights)),
+          Eigen::VectorXd::Constant(3 * bumps, kLaserM)};
+}
+
+OwnEffect LaserByStrip(const std::vector<StripInterval>& strips) {
+  auto weights = [strips](const LidarReading& reading, Eigen::VectorXd* w) {
+    const double t_s = reading.tag_s - reading.delay_s;
+    for (std::size_t k = 0; k < strips.size(); ++k) {
+      if (t_s >= strips[k].t0_s && t_s <= strips[k].t1_s) (*w)[static_cast<Eigen::Index>(k)] = 1.0;
+    }
+  };
+  const auto count = static_cast<int>(strips.size());
+  return {"laser vectors by strip", std::make_shared<LaserOffset>(count, std::move(weights)),
+          Eigen::VectorXd::Constant(3 * count, kLaserM)};
+}
+
+double ScanAngle(const LidarConfig& lidar, const Eigen::Vector3d& u_s) {
+  return std::atan2(u_s.dot(lidar.scan_axis_s.cross(lidar.nadir_axis_s)),
+                    u_s.dot(lidar.nadir_axis_s));
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <dn/calibration/candidate_effects.h>
+#include <dn/flight/flight.h>
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace dn::internal {
+
+/// Stretches of time, one after the other; the first and the last have no outer end.
+struct TimeCells {
+  std::vector<double> start_s;  ///< ascending
+
+  int count() const { return static_cast<int>(start_s.size()); }
+  int At(double t_s) const;
+  /// Adds `count` cells of equal length from begin_s on.
+  void Append(double begin_s, double length_s, int count);
+};
+
+/// Orthonormal cosines over a stretch of time: 1, sqrt(2) cos(pi k s), s from 0 to 1.
+struct Cosines {
+  double begin_s = 0.0;
+  double length_s = 1.0;
+  int count = 1;
+
+  double At(int k, double t_s) const;
+  Eigen::VectorXd At(double t_s) const;
+  double FrequencyHz(int k) const { return 0.5 * k / length_s; }
+  /// Standard deviations of the coefficients of a Gauss-Markov process of unit sigma.
+  Eigen::VectorXd GaussMarkov(double tau_s) const;
+};
+
+/// The boresight differs by a constant in each cell: three components per cell.
+OwnEffect BoresightByCell(const TimeCells& cells);
+
+/// GNSS positions are off by a constant (map axes) in each cell: three components per cell.
+OwnEffect GnssByCell(const TimeCells& cells);
+
+/// GNSS positions are off by a sum of cosines: axis by axis within each cosine.
+OwnEffect GnssByCosine(const Cosines& cosines);
+
+/// The laser vectors are off by a smooth function of the scan angle: bumps, three components
+/// (sensor axes) each.
+OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double last_rad, int bumps);
+
+/// The laser vectors are off by a constant in each strip: three components (sensor axes) each.
+OwnEffect LaserByStrip(const std::vector<StripInterval>& strips);
+
+/// Scan angle of a laser vector in the sensor frame.
+double ScanAngle(const LidarConfig& lidar, const Eigen::Vector3d& u_s);
+
+}  // namespace dn::internal

@@ -1,0 +1,193 @@
+#include "hidden_effects.h"
+
+#include <dn/effects/effect_table.h>
+#include <dn/sim/random.h>
+#include <dn/solvers/fit_check.h>
+#include <dn/symmetric_eigen.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+namespace dn::internal {
+namespace {
+
+constexpr double kNamed = 0.8;
+constexpr double kLargest = 100.0;  // usual sizes
+constexpr double kStep = 1.5;
+constexpr int kFlights = 40;
+// Rivals that mimic less of an effect than this are never mistaken for it.
+constexpr double kMimics = 0.2;
+
+/// What the decision needs of one candidate.
+struct Rival {
+  std::size_t candidate = 0;
+  std::string name;
+};
+
+/// The decision on the scores of some candidates, simulated.
+class Decision {
+ public:
+  Decision(const Screen& screen, std::size_t truth, const Eigen::VectorXd& direction,
+           double threshold_nats)
+      : screen_(screen), direction_(direction), threshold_nats_(threshold_nats) {
+    rivals_.push_back({truth, screen.library().candidates[truth].name});
+    FindRivals();
+    Factor();
+  }
+
+  /// Shares of flights in which the effect of this size is named, and what is named instead.
+  double Named(double size, std::uint64_t seed, std::map<std::string, int>* instead) const {
+    Random random(seed, "limits/" + rivals_[0].name);
+    const Eigen::VectorXd mean = size * cross_ * direction_;
+    int named = 0;
+    for (int flight = 0; flight < kFlights; ++flight) {
+      Eigen::VectorXd noise(root_.cols());
+      for (Eigen::Index k = 0; k < noise.size(); ++k) noise[k] = random.Normal();
+      const std::string name = Best(mean + root_ * noise);
+      if (name == rivals_[0].name) {
+        ++named;
+      } else if (!name.empty()) {
+        ++(*instead)[name];
+      }
+    }
+    return static_cast<double>(named) / kFlights;
+  }
+
+ private:
+  const Candidate& CandidateOf(const Rival& rival) const {
+    return screen_.library().candidates[rival.candidate];
+  }
+
+  /// Of every other family the member that mimics the effect best.
+  void FindRivals() {
+    const Candidate& truth = CandidateOf(rivals_[0]);
+    const Eigen::MatrixXd A = InformationOf(truth, screen_.score());
+    const double lambda = direction_.dot(A * direction_);
+    for (const EffectFamily& family : screen_.families()) {
+      if (family.name == rivals_[0].name) continue;
+      double most = 0.0;
+      std::size_t best = family.first;
+      const std::size_t stride = std::max<std::size_t>(1, (family.past - family.first) / 40);
+      for (std::size_t k = family.first; k < family.past; k += stride) {
+        const Candidate& other = screen_.library().candidates[k];
+        const Eigen::VectorXd c = InformationOf(other, truth, screen_.score()) * direction_;
+        const double mimicked = screen_.Mimicked(k, c) / std::max(lambda, 1e-300);
+        if (mimicked > most) {
+          most = mimicked;
+          best = k;
+        }
+      }
+      if (most > kMimics) rivals_.push_back({best, family.name});
+    }
+  }
+
+  /// Root of the joint covariance of the scores, and what one unit of the effect adds to them.
+  void Factor() {
+    Eigen::Index n = 0;
+    for (const Rival& rival : rivals_) {
+      first_.push_back(n);
+      n += InformationOf(CandidateOf(rival), screen_.score()).rows();
+    }
+    first_.push_back(n);
+    Eigen::MatrixXd joint(n, n);
+    for (std::size_t a = 0; a < rivals_.size(); ++a) {
+      for (std::size_t b = 0; b < rivals_.size(); ++b) {
+        joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
+            InformationOf(CandidateOf(rivals_[a]), CandidateOf(rivals_[b]), screen_.score());
+      }
+      forms_.push_back(EvidenceForm(
+          joint.block(first_[a], first_[a], first_[a + 1] - first_[a], first_[a + 1] - first_[a]),
+          CandidateOf(rivals_[a]).typical));
+    }
+    // An effect that is there takes its signature from the residuals: the score falls.
+    cross_ = -joint.leftCols(first_[1]);
+    const SymmetricEigen eigen(joint);
+    root_ = eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  }
+
+  std::string Best(const Eigen::VectorXd& s) const {
+    std::string best;
+    double most = threshold_nats_;
+    for (std::size_t k = 0; k < rivals_.size(); ++k) {
+      const double evidence =
+          forms_[k].LogEvidence(s.segment(first_[k], first_[k + 1] - first_[k]));
+      if (evidence <= most) continue;
+      most = evidence;
+      best = rivals_[k].name;
+    }
+    return best;
+  }
+
+  const Screen& screen_;
+  Eigen::VectorXd direction_;
+  double threshold_nats_;
+  std::vector<Rival> rivals_;
+  std::vector<Eigen::Index> first_;
+  std::vector<EvidenceForm> forms_;
+  Eigen::MatrixXd cross_, root_;
+};
+
+/// All components at their usual sizes, with the signs of the best-determined direction.
+Eigen::VectorXd UsualDirection(const Candidate& candidate, const Eigen::MatrixXd& A) {
+  const SymmetricEigen eigen(candidate.typical.asDiagonal() * A * candidate.typical.asDiagonal());
+  const Eigen::VectorXd best = eigen.vectors.col(eigen.vectors.cols() - 1);
+  return candidate.typical.cwiseProduct(best);
+}
+
+HiddenEffect Limits(const Screen& screen, const EffectFamily& family, double threshold_nats,
+                    std::uint64_t seed) {
+  const std::size_t middle = family.first + (family.past - family.first) / 2;
+  const Candidate& candidate = screen.library().candidates[middle];
+  const Eigen::MatrixXd A = InformationOf(candidate, screen.score());
+  const Eigen::VectorXd direction = UsualDirection(candidate, A);
+  const double lambda = direction.dot(A * direction);
+  const double signature = SignatureOf(candidate, screen.score()).dot(direction.cwiseAbs2());
+  HiddenEffect hidden;
+  hidden.effect = candidate.name;
+  hidden.unit = candidate.unit;
+  // Sizes are those of the largest component.
+  const double unit = candidate.per_si * direction.cwiseAbs().maxCoeff();
+  hidden.minimal_detectable = std::numeric_limits<double>::infinity();
+  if (lambda > 1e-7 * signature) {
+    const double times = RowTest().NonCentrality() / std::sqrt(lambda);
+    hidden.minimal_detectable = times * unit;
+    if (screen.score().shift.rows() == 3) {
+      hidden.boresight_damage_rad = times * ShiftOf(candidate, screen.score()) * direction;
+    }
+  }
+  const Decision decision(screen, middle, direction, threshold_nats);
+  std::map<std::string, int> instead;
+  const double start = std::clamp(hidden.minimal_detectable / unit, 1.0 / kLargest, kLargest);
+  for (double size = 0.5 * start; size <= kLargest * std::max(1.0, start); size *= kStep) {
+    instead.clear();
+    if (decision.Named(size, seed, &instead) < kNamed) continue;
+    hidden.minimal_identifiable = size * unit;
+    break;
+  }
+  for (const auto& [name, times] : instead) {
+    if (times >= kFlights / 10 && FindEffect(name) != nullptr) {
+      hidden.inseparable_from.push_back(name);
+    }
+  }
+  return hidden;
+}
+
+}  // namespace
+
+std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_nats,
+                                        std::uint64_t seed, GapOptions::Depth) {
+  std::vector<HiddenEffect> hidden;
+  for (const EffectFamily& family : screen.families()) {
+    const bool process = screen.library().candidates[family.first].tau_s.has_value();
+    if (family.physical && !process) hidden.push_back(Limits(screen, family, threshold_nats, seed));
+  }
+  std::stable_sort(hidden.begin(), hidden.end(), [](const auto& a, const auto& b) {
+    return a.boresight_damage_rad.norm() > b.boresight_damage_rad.norm();
+  });
+  return hidden;
+}
+
+}  // namespace dn::internal

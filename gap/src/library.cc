@@ -1,0 +1,317 @@
+#include "library.h"
+
+#include <dn/calibration/candidate_effects.h>
+#include <dn/effects/effect_table.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "generic_effects.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr int kGnssCells = 120;
+constexpr double kShortestCellS = 5.0;
+constexpr double kBoresightCellS = 15.0;
+constexpr int kMostBoresightCells = 24;
+constexpr int kScanAngleBumps = 7;
+constexpr double kShortestPeriodS = 30.0;
+constexpr int kMostGnssCosines = 40, kMostBiasCosines = 24;
+constexpr double kTausS[] = {10.0, 40.0, 160.0, 640.0};
+
+Candidate Physical(const std::string& name, std::size_t block) {
+  const EffectSpec& spec = *FindEffect(name);
+  Candidate candidate;
+  candidate.name = name;
+  candidate.block = block;
+  candidate.unit = spec.components[0].unit;
+  candidate.per_si = 1.0 / spec.components[0].to_si;
+  const bool process = spec.kind == EffectKind::kStochastic;
+  const std::size_t count = spec.components.size() - (process ? 1 : 0);
+  candidate.typical.resize(static_cast<Eigen::Index>(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    candidate.typical[static_cast<Eigen::Index>(k)] = spec.components[k].typical_si();
+  }
+  return candidate;
+}
+
+class Maker {
+ public:
+  Maker(const FlightNetwork& network, const LinearizedNetwork& linearized,
+        const LibraryOptions& options)
+      : network_(network), linearized_(linearized), options_(options) {
+    begin_s_ = network.node_times().front();
+    length_s_ = network.node_times().back() - begin_s_;
+    for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
+      with_pairs_ = with_pairs_ || network.net.factor(edge.id).active;
+    }
+    if (with_pairs_) strips_ = StripsInTime();
+  }
+
+  Library Run() {
+    const std::vector<OwnEffect> own = OwnEffects();
+    std::vector<CandidateEffect> found = CandidateEffects(network_, options_.threads, own);
+    const auto first_own = found.end() - static_cast<std::ptrdiff_t>(own.size());
+    for (auto at = found.begin(); at != first_own; ++at) AddFixed(std::move(*at));
+    for (std::size_t k = 0; k < own.size(); ++k)
+      AddOwn(std::move(*(first_own + static_cast<std::ptrdiff_t>(k))));
+    AddBiasProcesses("gyro_bias_process", network_.gyro_bias);
+    AddBiasProcesses("accel_bias_process", network_.accel_bias);
+    return std::move(library_);
+  }
+
+ private:
+  std::vector<StripInterval> StripsInTime() const {
+    std::vector<StripInterval> strips = FindStrips(network_.flight());
+    std::sort(strips.begin(), strips.end(),
+              [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
+    return strips;
+  }
+
+  std::vector<OwnEffect> OwnEffects() {
+    gnss_cosines_.begin_s = bias_cosines_.begin_s = begin_s_;
+    gnss_cosines_.length_s = bias_cosines_.length_s = length_s_;
+    const int cells = std::clamp(static_cast<int>(length_s_ / kShortestCellS), 1, kGnssCells);
+    gnss_cells_.Append(begin_s_, length_s_ / cells, cells);
+    const int waves = std::max(2, static_cast<int>(2.0 * length_s_ / kShortestPeriodS));
+    gnss_cosines_.count = std::min(waves, kMostGnssCosines);
+    bias_cosines_.count = std::min(waves, kMostBiasCosines);
+    std::vector<OwnEffect> own{GnssByCell(gnss_cells_), GnssByCosine(gnss_cosines_)};
+    if (!with_pairs_) return own;
+    MakeBoresightCells();
+    own.push_back(BoresightByCell(boresight_cells_));
+    const auto [low, high] = ScanAngles();
+    own.push_back(LaserByScanAngle(*network_.flight().config.lidar, low, high, kScanAngleBumps));
+    own.push_back(LaserByStrip(strips_));
+    return own;
+  }
+
+  void MakeBoresightCells() {
+    double total_s = 0.0;
+    for (const StripInterval& strip : strips_) total_s += strip.t1_s - strip.t0_s;
+    const double length_s = std::max(kBoresightCellS, total_s / kMostBoresightCells);
+    for (const StripInterval& strip : strips_) {
+      const double strip_s = strip.t1_s - strip.t0_s;
+      const int cells = std::max(1, static_cast<int>(std::lround(strip_s / length_s)));
+      boresight_cells_.Append(strip.t0_s, strip_s / cells, cells);
+    }
+  }
+
+  std::pair<double, double> ScanAngles() const {
+    const LidarConfig& lidar = *network_.flight().config.lidar;
+    double low = 0.0, high = 0.0;
+    for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
+      for (const Eigen::Vector3d& u_s : {edge.pair.u_i_s, edge.pair.u_j_s}) {
+        low = std::min(low, ScanAngle(lidar, u_s));
+        high = std::max(high, ScanAngle(lidar, u_s));
+      }
+    }
+    return {low, std::max(high, low + 1e-3)};
+  }
+
+  std::size_t AddBlock(EffectModel model) {
+    library_.blocks.push_back(std::move(model));
+    return library_.blocks.size() - 1;
+  }
+
+  void AddFixed(CandidateEffect effect) {
+    if (!options_.Wanted(effect.name) || effect.name == "boresight_step") return;
+    Candidate candidate = Physical(effect.name, AddBlock(std::move(effect.model)));
+    candidate.times = effect.times;
+    library_.candidates.push_back(std::move(candidate));
+  }
+
+  void AddOwn(CandidateEffect effect) {
+    if (effect.model.empty()) return;
+    const std::string name = effect.name;
+    const Eigen::VectorXd typical = effect.typical;
+    const std::size_t block = AddBlock(std::move(effect.model));
+    if (name == "GNSS positions by time") {
+      AddGnssSteps(block);
+    } else if (name == "GNSS positions by frequency") {
+      AddProcesses("gnss_correlated_noise", block, gnss_cosines_);
+      return;
+    } else if (name == "boresight by time") {
+      AddBoresightSteps(block);
+    }
+    AddGeneric(name, block, typical);
+  }
+
+  void AddGeneric(const std::string& name, std::size_t block, const Eigen::VectorXd& typical) {
+    Candidate generic;
+    generic.name = name;
+    generic.physical = false;
+    generic.block = block;
+    generic.typical = typical;
+    generic.unit = "1";
+    library_.candidates.push_back(std::move(generic));
+  }
+
+  void AddGnssSteps(std::size_t block) {
+    if (!options_.Wanted("gnss_position_step")) return;
+    const int n = gnss_cells_.count();
+    for (int first = 0; first < n; ++first) {
+      for (int past = first + 1; past <= n; ++past) {
+        if (past - first == n) continue;  // the datum
+        Candidate step = Physical("gnss_position_step", block);
+        step.cells = CellRange{first, past};
+        const double end_s =
+            past < n ? gnss_cells_.start_s[static_cast<std::size_t>(past)] : begin_s_ + length_s_;
+        step.times.window_s = {{gnss_cells_.start_s[static_cast<std::size_t>(first)], end_s}};
+        library_.candidates.push_back(std::move(step));
+      }
+    }
+  }
+
+  void AddBoresightSteps(std::size_t block) {
+    if (!options_.Wanted("boresight_step")) return;
+    for (int cell = 1; cell < boresight_cells_.count(); ++cell) {
+      Candidate step = Physical("boresight_step", block);
+      step.cells = CellRange{cell, boresight_cells_.count()};
+      step.times.t0_s = boresight_cells_.start_s[static_cast<std::size_t>(cell)];
+      library_.candidates.push_back(std::move(step));
+    }
+  }
+
+  void AddProcesses(const std::string& name, std::size_t block, const Cosines& cosines) {
+    if (!options_.Wanted(name)) return;
+    for (const double tau_s : kTausS) {
+      if (tau_s > 0.5 * length_s_) continue;
+      Candidate process = Physical(name, block);
+      const Eigen::VectorXd axes = process.typical.size() == 3
+                                       ? process.typical
+                                       : Eigen::VectorXd::Constant(3, process.typical[0]).eval();
+      const Eigen::VectorXd of_cosine = cosines.GaussMarkov(tau_s);
+      process.typical.resize(3 * of_cosine.size());
+      for (Eigen::Index k = 0; k < of_cosine.size(); ++k) {
+        process.typical.segment<3>(3 * k) = of_cosine[k] * axes;
+      }
+      process.tau_s = tau_s;
+      library_.candidates.push_back(std::move(process));
+    }
+  }
+
+  /// An error of the sensor enters as its bias does.
+  void AddBiasProcesses(const std::string& name, const std::vector<ProcessChain>& chains) {
+    if (chains.empty() || !options_.Wanted(name)) return;
+    const ProcessChain& chain = *std::max_element(
+        chains.begin(), chains.end(),
+        [](const auto& a, const auto& b) { return a.blocks.size() < b.blocks.size(); });
+    EffectModel model;
+    for (const FlightNetwork::InertialEdge& edge : network_.inertial_edges) {
+      const double t_s = network_.node_times()[edge.node_i];
+      AddBias(edge.id, {{chain.At(t_s).id, t_s}}, &model);
+    }
+    for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
+      std::map<BlockId, double> blocks;
+      for (const std::size_t node : {edge.node_i, edge.node_j}) {
+        const double t_s = network_.node_times()[node];
+        blocks[chain.At(t_s).id] = t_s;
+      }
+      AddBias(edge.id, blocks, &model);
+    }
+    AddProcesses(name, AddBlock(std::move(model)), bias_cosines_);
+  }
+
+  void AddBias(FactorId id, const std::map<BlockId, double>& blocks, EffectModel* model) const {
+    if (!linearized_.RowsOf(id)) return;
+    const LinearizedNetwork::Factor factor = linearized_.FactorAt(id);
+    EffectPart part{id, Eigen::MatrixXd::Zero(factor.residual.size(), 3 * bias_cosines_.count)};
+    for (const auto& [block, J] : factor.jacobian) {
+      const auto at = blocks.find(block);
+      if (at == blocks.end()) continue;
+      const Eigen::VectorXd weight = bias_cosines_.At(at->second);
+      for (int k = 0; k < bias_cosines_.count; ++k) {
+        part.L.middleCols<3>(3 * k) += weight[k] * J;
+      }
+    }
+    model->push_back(std::move(part));
+  }
+
+  const FlightNetwork& network_;
+  const LinearizedNetwork& linearized_;
+  const LibraryOptions& options_;
+  double begin_s_ = 0.0, length_s_ = 1.0;
+  bool with_pairs_ = false;
+  std::vector<StripInterval> strips_;
+  TimeCells gnss_cells_;
+  Cosines gnss_cosines_, bias_cosines_;
+  TimeCells boresight_cells_;
+  Library library_;
+};
+
+/// X summed over the cells of a candidate, whose block begins at `first`: cells are rows.
+Eigen::MatrixXd SumOfRows(const Candidate& candidate, const JointScore& score,
+                          const Eigen::MatrixXd& X) {
+  const Eigen::Index first = score.first[candidate.block];
+  if (!candidate.cells) return X.middleRows(first, score.first[candidate.block + 1] - first);
+  const CellRange& cells = *candidate.cells;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(cells.width, X.cols());
+  for (int k = cells.first; k < cells.past; ++k) {
+    sum += X.middleRows(first + cells.width * k, cells.width);
+  }
+  return sum;
+}
+
+Eigen::MatrixXd SumOfColumns(const Candidate& candidate, const JointScore& score,
+                             const Eigen::Ref<const Eigen::MatrixXd>& X) {
+  const Eigen::Index first = score.first[candidate.block];
+  if (!candidate.cells) return X.middleCols(first, score.first[candidate.block + 1] - first);
+  const CellRange& cells = *candidate.cells;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(X.rows(), cells.width);
+  for (int k = cells.first; k < cells.past; ++k) {
+    sum += X.middleCols(first + cells.width * k, cells.width);
+  }
+  return sum;
+}
+
+}  // namespace
+
+bool LibraryOptions::Wanted(const std::string& effect) const {
+  const auto holds = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), effect) != names.end();
+  };
+  return !holds(left_out) && (effects.empty() || holds(effects));
+}
+
+Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linearized,
+                    const LibraryOptions& options) {
+  return Maker(network, linearized, options).Run();
+}
+
+Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,
+                        const Eigen::VectorXd& s) {
+  return SumOfRows(candidate, score, s);
+}
+
+Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& score) {
+  return InformationOf(candidate, candidate, score);
+}
+
+Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const JointScore& score) {
+  // The rows of a first: of a range of cells few are needed.
+  const Eigen::Index first = score.first[a.block];
+  const Eigen::Index begin = a.cells ? first + a.cells->width * a.cells->first : first;
+  const Eigen::Index past =
+      a.cells ? first + a.cells->width * a.cells->past : score.first[a.block + 1];
+  Eigen::MatrixXd rows = SumOfColumns(b, score, score.A.middleRows(begin, past - begin));
+  if (!a.cells) return rows;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(a.cells->width, rows.cols());
+  for (Eigen::Index k = 0; k < rows.rows(); k += a.cells->width) {
+    sum += rows.middleRows(k, a.cells->width);
+  }
+  return sum;
+}
+
+Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score) {
+  return SumOfRows(candidate, score, score.signature2);
+}
+
+Eigen::MatrixXd ShiftOf(const Candidate& candidate, const JointScore& score) {
+  return SumOfColumns(candidate, score, score.shift);
+}
+
+}  // namespace dn::internal

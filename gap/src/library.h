@@ -1,0 +1,66 @@
+#pragma once
+
+#include <dn/builder/flight_network.h>
+#include <dn/flight/effect_times.h>
+#include <dn/solvers/marginals.h>
+#include <dn/solvers/score_test.h>
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dn::internal {
+
+/// Cells of a block that have one value in common: sum of their columns.
+struct CellRange {
+  int first = 0, past = 0;
+  int width = 3;  ///< columns of a cell
+};
+
+/// One way in which the data may depart from the model: columns of a block, or sums of them, whose
+/// values are Gaussian of the usual sizes times a common factor.
+struct Candidate {
+  std::string name;      ///< of the table of effects, or of a discrepancy without a physical name
+  bool physical = true;  ///< the former
+  EffectTimes times;
+  std::optional<double> tau_s;     ///< of a process: its columns are cosines
+  std::size_t block = 0;           ///< of Library::blocks
+  std::optional<CellRange> cells;  ///< absent: the columns themselves
+  Eigen::VectorXd typical;         ///< usual size of each component, SI
+  std::string unit;
+  double per_si = 1.0;
+};
+
+/// The effects that a flight is searched for, with their derivatives at the network's values.
+struct Library {
+  std::vector<EffectModel> blocks;
+  std::vector<Candidate> candidates;  ///< those of one name side by side
+};
+
+/// Which effects are searched for.
+struct LibraryOptions {
+  std::vector<std::string> effects;   ///< only these; empty: all
+  std::vector<std::string> left_out;  ///< not these
+  int threads = 1;
+
+  bool Wanted(const std::string& effect) const;
+};
+
+/// All fixed effects, with the windows and starts that the flight has room for; processes by their
+/// cosines; discrepancies without a name.
+Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linearized,
+                    const LibraryOptions& options);
+
+/// The part of a statistic that a candidate is about.
+Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,
+                        const Eigen::VectorXd& s);
+Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& score);
+/// Cross information of two candidates.
+Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const JointScore& score);
+/// Diagonal of L^T L.
+Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score);
+/// How far one unit of each component moves what the score watches.
+Eigen::MatrixXd ShiftOf(const Candidate& candidate, const JointScore& score);
+
+}  // namespace dn::internal

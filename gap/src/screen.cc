@@ -1,0 +1,163 @@
+#include "screen.h"
+
+#include <dn/effects/effect_table.h>
+#include <dn/report/distributions.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace dn::internal {
+namespace {
+
+std::vector<BlockId> Watched(const FlightNetwork& network, const LinearizedNetwork& linearized) {
+  if (linearized.FirstColumn(network.boresight.id) < 0) return {};
+  return {network.boresight.id};
+}
+
+}  // namespace
+
+Screen::Screen(const FlightNetwork& network, const Marginals& marginals,
+               const LibraryOptions& options)
+    : library_(MakeLibrary(network, marginals.linearized(), options)),
+      score_(ScoreEffects(marginals, library_.blocks, Watched(network, marginals.linearized()))) {
+  MakeForms();
+}
+
+Screen::Screen(Library library, JointScore score)
+    : library_(std::move(library)), score_(std::move(score)) {
+  MakeForms();
+}
+
+void Screen::MakeForms() {
+  for (std::size_t k = 0; k < library_.candidates.size(); ++k) {
+    const Candidate& candidate = library_.candidates[k];
+    forms_.emplace_back(InformationOf(candidate, score_), candidate.typical);
+    if (families_.empty() || families_.back().name != candidate.name) {
+      families_.push_back({candidate.name, candidate.physical, k, k});
+    }
+    families_.back().past = k + 1;
+  }
+}
+
+Eigen::MatrixXd Screen::Scores(const LinearizedNetwork& linearized,
+                               const Eigen::MatrixXd& R) const {
+  Eigen::MatrixXd s = Eigen::MatrixXd::Zero(score_.s.size(), R.cols());
+  for (std::size_t b = 0; b < library_.blocks.size(); ++b) {
+    const Eigen::MatrixXd of_block = TransposeTimes(linearized, library_.blocks[b], R);
+    s.middleRows(score_.first[b], of_block.rows()) = of_block;
+  }
+  return s;
+}
+
+double Screen::LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s) const {
+  double largest = -std::numeric_limits<double>::infinity();
+  std::vector<double> of_each;
+  for (std::size_t k = family.first; k < family.past; ++k) {
+    of_each.push_back(forms_[k].LogEvidence(ScoreOf(library_.candidates[k], score_, s)));
+    largest = std::max(largest, of_each.back());
+  }
+  double sum = 0.0;
+  for (const double one : of_each) sum += std::exp(one - largest);
+  return largest + std::log(sum / static_cast<double>(of_each.size()));
+}
+
+ScoreTest Screen::Test(std::size_t candidate, const Eigen::VectorXd& s) const {
+  const Candidate& of = library_.candidates[candidate];
+  return TestScore(ScoreOf(of, score_, s), InformationOf(of, score_), SignatureOf(of, score_));
+}
+
+double Screen::Mimicked(std::size_t candidate, const Eigen::VectorXd& c) const {
+  const Candidate& of = library_.candidates[candidate];
+  return TestScore(c, InformationOf(of, score_), SignatureOf(of, score_)).statistic;
+}
+
+std::vector<ScreenedEffect> Screen::EffectsInOrder() const {
+  std::vector<ScreenedEffect> effects;
+  effects.reserve(families_.size());
+  for (const EffectFamily& family : families_) effects.push_back(Describe(family));
+  return effects;
+}
+
+std::vector<ScreenedEffect> Screen::Effects() const {
+  std::vector<ScreenedEffect> effects = EffectsInOrder();
+  std::stable_sort(effects.begin(), effects.end(),
+                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+  return effects;
+}
+
+ScreenedEffect Screen::Describe(const EffectFamily& family) const {
+  ScreenedEffect effect;
+  effect.name = family.name;
+  effect.physical = family.physical;
+  effect.log_evidence = LogEvidence(family, score_.s);
+  double best = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = family.first; k < family.past; ++k) {
+    const double one = forms_[k].LogEvidence(ScoreOf(library_.candidates[k], score_, score_.s));
+    if (one > best) {
+      best = one;
+      effect.candidate = k;
+    }
+  }
+  const Candidate& candidate = library_.candidates[effect.candidate];
+  effect.times = candidate.times;
+  const ScoreTest test = Test(effect.candidate, score_.s);
+  if (test.dof > 0) {
+    effect.p_value = std::min(1.0, ChiSquareTail(test.statistic, test.dof) *
+                                       static_cast<double>(family.past - family.first));
+  }
+  const Eigen::VectorXd signature = SignatureOf(candidate, score_);
+  const Eigen::VectorXd weight = candidate.typical.cwiseAbs2();
+  effect.absorbed = 1.0 - InformationOf(candidate, score_).diagonal().dot(weight) /
+                              std::max(1e-300, signature.dot(weight));
+  if (candidate.tau_s) {
+    DescribeProcess(candidate, effect.candidate, &effect);
+  } else {
+    DescribeFixed(candidate, effect.candidate, &effect);
+  }
+  return effect;
+}
+
+void Screen::DescribeFixed(const Candidate& candidate, std::size_t index,
+                           ScreenedEffect* effect) const {
+  const ScoreTest test = Test(index, score_.s);
+  effect->estimate = test.estimate;
+  effect->sigma = test.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  if (score_.shift.rows() == 3) {
+    effect->boresight_rad = ShiftOf(candidate, score_) * test.estimate;
+  }
+}
+
+// The likeliest common factor of the sigmas, and its standard deviation by the information about it.
+void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
+                             ScreenedEffect* effect) const {
+  const Eigen::VectorXd s = ScoreOf(candidate, score_, score_.s);
+  double best = -std::numeric_limits<double>::infinity(), variance = 1.0;
+  for (int step = -40; step <= 40; ++step) {
+    const double v = std::pow(10.0, 0.1 * step);
+    const double evidence = forms_[index].LogEvidence(s, v);
+    if (evidence > best) {
+      best = evidence;
+      variance = v;
+    }
+  }
+  const double step = 0.05;  // of ln(variance)
+  const double curvature = (2.0 * best - forms_[index].LogEvidence(s, variance * std::exp(step)) -
+                            forms_[index].LogEvidence(s, variance * std::exp(-step))) /
+                           (step * step);
+  const double relative = 0.5 / std::sqrt(std::max(curvature, 1e-3));
+  const EffectSpec& spec = *FindEffect(candidate.name);
+  const auto sigmas = static_cast<Eigen::Index>(spec.components.size()) - 1;
+  effect->estimate.resize(sigmas + 1);
+  effect->sigma.resize(sigmas + 1);
+  for (Eigen::Index k = 0; k < sigmas; ++k) {
+    effect->estimate[k] =
+        std::sqrt(variance) * spec.components[static_cast<std::size_t>(k)].typical_si();
+    effect->sigma[k] = relative * effect->estimate[k];
+  }
+  effect->estimate[sigmas] = *candidate.tau_s;
+  effect->sigma[sigmas] = std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <dn/builder/flight_network.h>
+#include <dn/solvers/marginals.h>
+#include <dn/solvers/score_test.h>
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "library.h"
+
+namespace dn::internal {
+
+/// What the data say about one effect: that of its windows, starts and time constants which explains
+/// them best. SI.
+struct ScreenedEffect {
+  std::string name;
+  bool physical = true;
+  EffectTimes times;
+  double log_evidence = 0.0;  ///< averaged over sizes, windows and time constants
+  double p_value = 1.0;       ///< of the best, times the number of those tried
+  Eigen::VectorXd estimate;   ///< of a process: sigmas, then tau
+  Eigen::VectorXd sigma;      ///< NaN of a tau
+  double absorbed = 0.0;      ///< share of the signature that the unknowns follow
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
+  std::size_t candidate = 0;  ///< of the library
+};
+
+/// Effects with the same name.
+struct EffectFamily {
+  std::string name;
+  bool physical = true;
+  std::size_t first = 0, past = 0;  ///< candidates
+};
+
+/// The scores of a library at a solved network.
+class Screen {
+ public:
+  /// Throws as ScoreEffects.
+  Screen(const FlightNetwork& network, const Marginals& marginals, const LibraryOptions& options);
+  /// Of scores that are known; the library needs no blocks.
+  Screen(Library library, JointScore score);
+
+  const Library& library() const { return library_; }
+  const JointScore& score() const { return score_; }
+  const std::vector<EffectFamily>& families() const { return families_; }
+
+  /// L^T R of all columns, for residuals R of the network.
+  Eigen::MatrixXd Scores(const LinearizedNetwork& linearized, const Eigen::MatrixXd& R) const;
+
+  /// Log evidence of a family for the scores s of all columns.
+  double LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s) const;
+
+  /// Of every family with the network's own residuals, the likeliest first.
+  std::vector<ScreenedEffect> Effects() const;
+  /// The same in the order of the families.
+  std::vector<ScreenedEffect> EffectsInOrder() const;
+
+  /// c^T A^+ c of a candidate: how much of an effect with the cross information c it takes up.
+  double Mimicked(std::size_t candidate, const Eigen::VectorXd& c) const;
+
+  /// The test of one candidate for the scores s.
+  ScoreTest Test(std::size_t candidate, const Eigen::VectorXd& s) const;
+
+ private:
+  void MakeForms();
+  ScreenedEffect Describe(const EffectFamily& family) const;
+  void DescribeProcess(const Candidate& candidate, std::size_t index, ScreenedEffect* effect) const;
+  void DescribeFixed(const Candidate& candidate, std::size_t index, ScreenedEffect* effect) const;
+
+  Library library_;
+  JointScore score_;
+  std::vector<EvidenceForm> forms_;  // of the candidates
+  std::vector<EffectFamily> families_;
+};
+
+}  // namespace dn::internal

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dn::internal {
+
+/// Times of the parts of some work, one after the other.
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::vector<std::pair<std::string, double>>* laps) : laps_(laps) {}
+
+  /// Ends a part.
+  void Lap(const std::string& name) {
+    const auto now = std::chrono::steady_clock::now();
+    laps_->emplace_back(name, std::chrono::duration<double>(now - start_).count());
+    start_ = now;
+  }
+
+ private:
+  std::vector<std::pair<std::string, double>>* laps_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace dn::internal

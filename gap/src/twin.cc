@@ -1,0 +1,162 @@
+#include <dn/builder/edge_factors.h>
+#include <dn/effects/effect_table.h>
+#include <dn/error.h>
+#include <dn/gap/adapt.h>
+#include <dn/gap/twin.h>
+#include <dn/median.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+#include "scanned_ground.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Vector3d;
+
+// Of a trajectory, what its replay leaves out at the begin and at most at the end.
+constexpr double kLeftOutAtBegin_s = 1.0;
+constexpr double kLeftOutAtEnd_s = 3.5;
+constexpr double kShortestStrip_s = 1.0;
+constexpr double kSlowestImu_hz = 10.0;  // that is simulated
+constexpr double kFastestImu_hz = 2000.0;
+constexpr double kGroundBelow_m = 100.0;
+constexpr double kSecondsPerWeek = 604800.0;
+
+/// To a millionth, which is what differences of time tags are good for.
+double RateOf(double step_s) { return std::round(1e6 / step_s) * 1e-6; }
+
+/// The strips as far as they are flown again, under names that files may have.
+std::vector<StripInterval> StripsOf(const Flight& flight, const Trajectory& trajectory) {
+  std::vector<StripInterval> strips;
+  for (StripInterval strip : FindStrips(flight)) {
+    strip.t0_s = std::max(strip.t0_s, trajectory.t_begin_s() + kLeftOutAtBegin_s);
+    strip.t1_s = std::min(strip.t1_s, trajectory.t_end_s() - kLeftOutAtEnd_s);
+    if (strip.t1_s - strip.t0_s >= kShortestStrip_s) strips.push_back(std::move(strip));
+  }
+  const auto odd = [](unsigned char c) { return std::isalnum(c) == 0 && c != '-'; };
+  const bool plain = std::all_of(strips.begin(), strips.end(), [&](const StripInterval& strip) {
+    return !strip.name.empty() && std::none_of(strip.name.begin(), strip.name.end(), odd);
+  });
+  for (std::size_t i = 0; !plain && i < strips.size(); ++i) strips[i].name = std::to_string(i + 1);
+  return strips;
+}
+
+ImuScenario ImuOf(const Flight& flight) {
+  ImuScenario imu;
+  imu.rate_hz = std::clamp(RateOf(flight.imu->nominal_dt_s), kSlowestImu_hz, kFastestImu_hz);
+  imu.model = flight.config.imu->model;
+  imu.model.vibration.clear();  // flown as effects
+  return imu;
+}
+
+/// What the flight states of vibration, as effects: a scenario has no other place for it.
+std::vector<Effect> VibrationOf(const Flight& flight) {
+  const EffectSpec& spec = *FindEffect("imu_vibration");
+  std::vector<Effect> effects;
+  for (const ImuVibration& v : flight.config.imu->model.vibration) {
+    Effect entry{spec.name,
+                 {v.gyro_sigma_radps / spec.components[0].to_si,
+                  v.accel_sigma_mps2 / spec.components[1].to_si},
+                 {},
+                 {}};
+    entry.times.window_s = {v.t0_s, v.t1_s};
+    effects.push_back(std::move(entry));
+  }
+  return effects;
+}
+
+/// Of an epoch, as the estimator takes it.
+Vector3d SigmaOf(const GnssEpoch& epoch, const GnssConfig& config) {
+  const Vector3d sigma_enu_m = epoch.covariance_enu_m2
+                                   ? Vector3d(epoch.covariance_enu_m2->diagonal().cwiseSqrt())
+                                   : config.sigma_enu_m;
+  return config.sigma_scale * sigma_enu_m;
+}
+
+GnssScenario GnssOf(const Flight& flight) {
+  const GnssConfig& config = *flight.config.gnss;
+  const std::vector<GnssEpoch>& epochs = flight.gnss->epochs;
+  GnssScenario gnss;
+  std::vector<double> step_s;
+  for (std::size_t i = 1; i < epochs.size(); ++i) {
+    step_s.push_back(epochs[i].t_s - epochs[i - 1].t_s);
+  }
+  if (!step_s.empty()) gnss.rate_hz = RateOf(Median(step_s));
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> sigma_m;
+    for (const GnssEpoch& epoch : epochs) sigma_m.push_back(SigmaOf(epoch, config)[axis]);
+    gnss.sigma_enu_m[axis] = Median(sigma_m);
+  }
+  gnss.lever_arm_b_m = config.lever_arm_b_m;
+  gnss.velocity = std::any_of(epochs.begin(), epochs.end(),
+                              [&](const GnssEpoch& epoch) { return UsesVelocity(epoch, config); });
+  gnss.processes = config.processes;
+  return gnss;
+}
+
+/// Per coordinate of a pair's difference, the median where the pairs bring their own.
+double PairSigma(const Flight& flight) {
+  std::vector<double> sigma_m;
+  for (const LidarPair& pair : flight.pairs->pairs) {
+    if (pair.covariance_m2) sigma_m.push_back(std::sqrt(pair.covariance_m2->trace() / 3.0));
+  }
+  return 2 * sigma_m.size() > flight.pairs->pairs.size() ? Median(sigma_m)
+                                                         : flight.config.lidar->sigma_p_m;
+}
+
+void AddLidar(const Flight& flight, const Trajectory& trajectory, const Vector3d& boresight_rad,
+              Scenario* scenario) {
+  Mounting mounting = flight.config.lidar->mounting;
+  mounting.boresight_rad = boresight_rad;
+  scenario->lidar = ScannerOf(flight, mounting);
+  scenario->terrain = GroundOf(flight, trajectory, mounting, scenario->plan.strips);
+  scenario->pairs.count = static_cast<long>(flight.pairs->pairs.size());
+  scenario->pairs.sigma_p_m = PairSigma(flight);
+}
+
+/// Nothing is seen, but the ground must lie below the path.
+void AddNoLidar(const Flight& flight, const Trajectory& trajectory, Scenario* scenario) {
+  double lowest_m = std::numeric_limits<double>::infinity();
+  for (const MapPose& pose : trajectory.InMap(flight.frame)) {
+    lowest_m = std::min(lowest_m, pose.p_mb.z());
+  }
+  scenario->terrain.kind = TerrainKind::kFlat;
+  scenario->terrain.base_m = lowest_m - kGroundBelow_m;
+  scenario->terrain.wavelength_m = 1000.0;
+  scenario->lidar.fov_rad = 1.0;
+  scenario->lidar.gsd_m = 1.0;
+  scenario->lidar.pulse_rate_hz = 100000.0;
+  scenario->pairs.sigma_p_m = 1.0;
+}
+
+}  // namespace
+
+Scenario TwinScenario(const Flight& flight, const Trajectory& estimated,
+                      const std::vector<GapCause>& causes, const Vector3d& boresight_rad) {
+  if (!flight.imu || !flight.gnss) throw InvalidInput("a twin needs a flight with IMU and GNSS");
+  Scenario scenario;
+  scenario.name = flight.config.name + " twin";
+  scenario.origin = flight.frame.origin();
+  scenario.start_s = std::fmod(std::max(0.0, estimated.t_begin_s()), kSecondsPerWeek);
+  scenario.plan.replay = kTwinTrajectoryFile;
+  scenario.plan.strips = StripsOf(flight, estimated);
+  scenario.plan.bank_rad = 25.0 * kRadPerDeg;  // of lines, which a replay has not
+  scenario.imu = ImuOf(flight);
+  scenario.gnss = GnssOf(flight);
+  if (flight.pairs && flight.config.lidar && !flight.pairs->pairs.empty()) {
+    AddLidar(flight, estimated, boresight_rad, &scenario);
+  } else {
+    AddNoLidar(flight, estimated, &scenario);
+  }
+  scenario.effects = VibrationOf(flight);
+  for (const GapCause& cause : causes) {
+    scenario.effects.push_back({cause.effect, FileValue(cause), cause.times, {}});
+  }
+  return scenario;
+}
+
+}  // namespace dn

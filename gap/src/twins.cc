@@ -1,0 +1,237 @@
+#include "twins.h"
+
+#include <dn/interrupted.h>
+#include <dn/parallel.h>
+#include <dn/sim/random.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace dn::internal {
+namespace {
+
+constexpr int kBatch = 16;
+// Share of the twins' correlation matrix that gives way to the identity.
+constexpr double kShrunk = 0.1;
+
+/// Share of the values that are at least x, itself among them.
+double Rank(const std::vector<double>& values, double x) {
+  const auto above = std::count_if(values.begin(), values.end(), [&](double v) { return v >= x; });
+  return (1.0 + static_cast<double>(above)) / (1.0 + static_cast<double>(values.size()));
+}
+
+/// The three statistics by which a flight is told from its twins.
+class Statistics {
+ public:
+  Statistics(const Twins& twins, std::size_t count) {
+    const auto n = static_cast<double>(count);
+    mean_ = Eigen::VectorXd::Zero(twins.all[0].locations.size());
+    for (std::size_t k = 0; k < count; ++k) mean_ += twins.all[k].locations / n;
+    sigma_ = Eigen::VectorXd::Zero(mean_.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      sigma_ += (twins.all[k].locations - mean_).cwiseAbs2() / (n - 1.0);
+    }
+    sigma_ = sigma_.cwiseMax(1e-300).cwiseSqrt();
+    Eigen::MatrixXd C = kShrunk * Eigen::MatrixXd::Identity(mean_.size(), mean_.size());
+    for (std::size_t k = 0; k < count; ++k) {
+      const Eigen::VectorXd z = Z(twins.all[k]);
+      C.selfadjointView<Eigen::Lower>().rankUpdate(z, (1.0 - kShrunk) / (n - 1.0));
+    }
+    factor_.compute(C.selfadjointView<Eigen::Lower>());
+  }
+
+  Eigen::VectorXd Z(const Appearance& of) const {
+    return (of.locations - mean_).cwiseQuotient(sigma_);
+  }
+  double Omnibus(const Appearance& of) const {
+    return factor_.matrixL().solve(Z(of)).squaredNorm();
+  }
+  double Largest(const Appearance& of) const { return Z(of).cwiseAbs().maxCoeff(); }
+  static double Library(const Appearance& of) {
+    return of.log_evidence.size() > 0 ? of.log_evidence.maxCoeff() : 0.0;
+  }
+
+  const Eigen::VectorXd& mean() const { return mean_; }
+  const Eigen::VectorXd& sigma() const { return sigma_; }
+
+ private:
+  Eigen::VectorXd mean_, sigma_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+/// Of one flight: the shares of twins that depart from the model at least as far.
+struct Ranks {
+  double omnibus = 1.0, largest = 1.0, library = 1.0;
+
+  double smallest() const { return std::min({omnibus, largest, library}); }
+};
+
+/// Some twins standardise, others rank.
+class Ranking {
+ public:
+  /// [0, standardising) and [standardising, past).
+  Ranking(const Twins& twins, std::size_t standardising, std::size_t past)
+      : statistics_(twins, standardising) {
+    for (std::size_t k = standardising; k < past; ++k) {
+      omnibus_.push_back(statistics_.Omnibus(twins.all[k]));
+      largest_.push_back(statistics_.Largest(twins.all[k]));
+      library_.push_back(Statistics::Library(twins.all[k]));
+    }
+    for (std::size_t k = 0; k < omnibus_.size(); ++k) {
+      const Ranks of_twin{Rank(omnibus_, omnibus_[k]), Rank(largest_, largest_[k]),
+                          Rank(library_, library_[k])};
+      smallest_.push_back(of_twin.smallest());
+    }
+  }
+
+  const Statistics& statistics() const { return statistics_; }
+  const std::vector<double>& omnibus() const { return omnibus_; }
+  const std::vector<double>& library() const { return library_; }
+
+  Ranks Of(const Appearance& flight) const {
+    return {Rank(omnibus_, statistics_.Omnibus(flight)),
+            Rank(largest_, statistics_.Largest(flight)),
+            Rank(library_, Statistics::Library(flight))};
+  }
+
+  /// The smallest of the three has a distribution of its own, that of the twins among themselves.
+  double P(const Appearance& flight) const {
+    const double smallest = Of(flight).smallest();
+    const auto at_most = std::count_if(smallest_.begin(), smallest_.end(),
+                                       [&](double of_twin) { return of_twin <= smallest; });
+    return (1.0 + static_cast<double>(at_most)) / (1.0 + static_cast<double>(smallest_.size()));
+  }
+
+ private:
+  Statistics statistics_;
+  std::vector<double> omnibus_, largest_, library_, smallest_;
+};
+
+/// Kolmogorov and Smirnov: p of values that should be uniform, as known from a sample of
+/// `of_reference`.
+double UniformityP(std::vector<double> values, double of_reference) {
+  std::sort(values.begin(), values.end());
+  const auto n = static_cast<double>(values.size());
+  double largest = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const auto below = static_cast<double>(k) / n, up_to = static_cast<double>(k + 1) / n;
+    // A rank is known to one step of the reference.
+    largest = std::max({largest, up_to - values[k], values[k] - 1.0 / of_reference - below});
+  }
+  const double root = std::sqrt(n * of_reference / (n + of_reference));
+  const double x = largest * (root + 0.12 + 0.11 / root);
+  if (x < 0.3) return 1.0;  // where the series does not help, the tail is 1 to 1e-5
+  double tail = 0.0;
+  constexpr int kTerms = 100;
+  for (int k = 1; k <= kTerms; ++k) {
+    tail += (k % 2 == 1 ? 2.0 : -2.0) * std::exp(-2.0 * k * k * x * x);
+  }
+  return std::clamp(tail, 0.0, 1.0);
+}
+
+/// Westfall and Young: the largest against the maximum over all, the next against that over the
+/// rest, never smaller than the one before.
+Eigen::VectorXd StepDown(const Eigen::VectorXd& z, const std::vector<Eigen::VectorXd>& of_twins) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(z.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](Eigen::Index a, Eigen::Index b) { return std::abs(z[a]) < std::abs(z[b]); });
+  std::vector<double> largest(of_twins.size(), 0.0);
+  Eigen::VectorXd p(z.size());
+  for (const Eigen::Index at : order) {  // from the smallest, so that the maxima grow
+    for (std::size_t b = 0; b < of_twins.size(); ++b) {
+      largest[b] = std::max(largest[b], std::abs(of_twins[b][at]));
+    }
+    p[at] = Rank(largest, std::abs(z[at]));
+  }
+  double before = 0.0;
+  for (auto at = order.rbegin(); at != order.rend(); ++at) {
+    p[*at] = std::max(p[*at], before);
+    before = p[*at];
+  }
+  return p;
+}
+
+}  // namespace
+
+Appearance Look(const Screen& screen, const Locations& locations, const Eigen::VectorXd& residual,
+                const Eigen::VectorXd& scores) {
+  Appearance appearance;
+  appearance.locations = locations.Evaluate(residual);
+  appearance.log_evidence.resize(static_cast<Eigen::Index>(screen.families().size()));
+  for (std::size_t k = 0; k < screen.families().size(); ++k) {
+    appearance.log_evidence[static_cast<Eigen::Index>(k)] =
+        screen.LogEvidence(screen.families()[k], scores);
+  }
+  appearance.size_nats = locations.SizeNats(residual);
+  appearance.pair_rms_m = locations.PairRms(residual);
+  appearance.gnss_rms_m = locations.GnssRms(residual);
+  return appearance;
+}
+
+Twins MakeTwins(const Marginals& marginals, const Screen& screen, const Locations& locations,
+                const TwinOptions& options) {
+  const LinearizedNetwork& linearized = marginals.linearized();
+  Twins twins;
+  twins.all.resize(static_cast<std::size_t>(options.count));
+  for (int first = 0; first < options.count; first += kBatch) {
+    if (options.interrupted && options.interrupted()) throw Interrupted();
+    if (options.progress) options.progress(static_cast<double>(first) / options.count);
+    const int batch = std::min(kBatch, options.count - first);
+    Eigen::MatrixXd E(linearized.rows(), batch);
+    for (int k = 0; k < batch; ++k) {
+      Random random(options.seed, "twin/" + std::to_string(first + k));
+      for (Eigen::Index row = 0; row < E.rows(); ++row) E(row, k) = random.Normal();
+    }
+    const Eigen::MatrixXd R = marginals.Project(E);
+    const Eigen::MatrixXd S = screen.Scores(linearized, R);
+    ParallelFor(batch, options.threads, [&](int k) {
+      const auto twin = static_cast<std::size_t>(first) + static_cast<std::size_t>(k);
+      twins.all[twin] = Look(screen, locations, R.col(k), S.col(k));
+    });
+  }
+  return twins;
+}
+
+TwinTest CompareWithTwins(const Appearance& flight, const Twins& twins) {
+  const Ranking ranking(twins, twins.all.size() / 2, twins.all.size());
+  const Statistics& statistics = ranking.statistics();
+  const Ranks ranks = ranking.Of(flight);
+  TwinTest test;
+  test.mean = statistics.mean();
+  test.sigma = statistics.sigma();
+  test.z = statistics.Z(flight);
+  test.omnibus = statistics.Omnibus(flight);
+  test.omnibus_of_twins = ranking.omnibus();
+  test.omnibus_mean = std::accumulate(ranking.omnibus().begin(), ranking.omnibus().end(), 0.0) /
+                      static_cast<double>(ranking.omnibus().size());
+  test.p_omnibus = ranks.omnibus;
+  test.p_largest = ranks.largest;
+  test.p_library = ranks.library;
+  test.p_value = ranking.P(flight);
+  std::vector<Eigen::VectorXd> z_of_twins;
+  for (std::size_t k = twins.all.size() / 2; k < twins.all.size(); ++k) {
+    z_of_twins.push_back(statistics.Z(twins.all[k]));
+  }
+  test.p_adjusted = StepDown(test.z, z_of_twins);
+  std::vector<double> library = ranking.library();
+  std::sort(library.begin(), library.end());
+  test.evidence_95 = library[static_cast<std::size_t>(0.95 * static_cast<double>(library.size()))];
+  return test;
+}
+
+double TwinsAgainstTwins(const Twins& twins) {
+  const std::size_t third = twins.all.size() / 3;
+  if (third < 2) return 1.0;
+  const Ranking ranking(twins, third, 2 * third);
+  std::vector<double> p_values;
+  for (std::size_t k = 2 * third; k < twins.all.size(); ++k) {
+    p_values.push_back(ranking.P(twins.all[k]));
+  }
+  return UniformityP(std::move(p_values), static_cast<double>(third));
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,243 @@
+#include "variances.h"
+
+#include <dn/effects/effect_table.h>
+#include <dn/imu/noise_check.h>
+#include <dn/report/distributions.h>
+#include <dn/solvers/restricted_likelihood.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <string>
+
+namespace dn::internal {
+namespace {
+
+// A likelihood ratio below this is left as its quadratic approximation has it.
+constexpr double kWorthALookNats = 2.0;
+// Sizes within this share of the stated one are no effect.
+constexpr double kNoEffect = 0.02;
+
+/// Rows of some channels, and how their variance grows.
+struct Component {
+  std::string effect;
+  Eigen::VectorXd share;
+  /// sigma of the effect by theta of ProfileVariance, and back.
+  std::function<double(double)> size_of_theta, theta_of_size;
+  double typical_log_spread = 0.4;  ///< of the logarithm of a size
+  double centre = 1.0;              ///< of the sizes before any data are seen
+  bool at_least_stated = false;     ///< the size cannot fall below that without the effect
+};
+
+/// Log density of ln(size): normal about ln(centre), of several spreads.
+double LogPrior(const Component& component, double size) {
+  constexpr double kTimes[] = {0.1, 0.32, 1.0, 3.2, 10.0};
+  constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
+  double sum = 0.0;
+  for (int g = 0; g < 5; ++g) {
+    const double spread = kTimes[g] * component.typical_log_spread;
+    const double off = std::log(size / component.centre) / spread;
+    sum += kWeights[g] * std::exp(-0.5 * off * off) / spread;
+  }
+  return std::log(std::max(sum, 1e-300)) - 0.5 * std::log(2.0 * std::numbers::pi);
+}
+
+/// The maximum of the likelihood over ln(size), and its width there.
+struct Peak {
+  double log_size = 0.0, log_likelihood = 0.0, width = 0.0;
+};
+
+/// By parabolas through three points, from a start and a step.
+Peak Climb(const std::function<std::vector<double>(const std::vector<double>&)>& likelihood,
+           double start, double step) {
+  constexpr int kMost = 12;
+  Peak peak{start, -std::numeric_limits<double>::infinity(), step};
+  for (int k = 0; k < kMost; ++k) {
+    const std::vector<double> l = likelihood({start - step, start, start + step});
+    const double slope = (l[2] - l[0]) / (2.0 * step);
+    const double curvature = (2.0 * l[1] - l[0] - l[2]) / (step * step);
+    peak = {start, l[1], curvature > 0.0 ? 1.0 / std::sqrt(curvature) : step};
+    double move = curvature > 0.0 ? slope / curvature : std::copysign(2.0 * step, slope);
+    move = std::clamp(move, -4.0 * step, 4.0 * step);
+    start += move;
+    if (curvature > 0.0 && std::abs(move) < 0.1 * peak.width) {
+      peak.log_size = start;
+      peak.log_likelihood += 0.5 * slope * slope / curvature;
+      break;
+    }
+    step = curvature > 0.0 ? std::clamp(peak.width, 0.02 * step, step) : step;
+  }
+  return peak;
+}
+
+class Variances {
+ public:
+  Variances(const FlightNetwork& network, const Marginals& marginals, const LibraryOptions& options)
+      : network_(network),
+        marginals_(marginals),
+        linearized_(marginals.linearized()),
+        options_(options) {}
+
+  VarianceScreen Run() {
+    MakeComponents();
+    ScreenComponents();
+    ScreenInertial();
+    std::stable_sort(out_.effects.begin(), out_.effects.end(),
+                     [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+    return std::move(out_);
+  }
+
+ private:
+  Component Scale(const std::string& effect, const Eigen::VectorXd& share) const {
+    return {effect,
+            share,
+            [](double theta) { return std::sqrt(1.0 + theta); },
+            [](double ratio) { return ratio * ratio - 1.0; },
+            std::log(FindEffect(effect)->components[0].typical),
+            1.0,
+            false};
+  }
+
+  void MakeComponents() {
+    const Eigen::Index n = linearized_.rows();
+    Eigen::VectorXd gnss = Eigen::VectorXd::Zero(n), pairs = gnss, ranges = gnss;
+    for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
+      for (const FactorId id : {edge.position, edge.velocity}) {
+        if (id < 0) continue;
+        if (const auto rows = linearized_.RowsOf(id))
+          gnss.segment(rows->first, rows->count).setOnes();
+      }
+    }
+    for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
+      const auto rows = linearized_.RowsOf(edge.id);
+      if (!rows) continue;
+      const double sigma_m = network_.flight().config.lidar->sigma_p_m;
+      const double range_m = 0.5 * (edge.pair.u_i_s.norm() + edge.pair.u_j_s.norm());
+      pairs.segment(rows->first, rows->count).setOnes();
+      ranges.segment(rows->first, rows->count).setConstant(range_m * range_m / (sigma_m * sigma_m));
+    }
+    const auto add = [&](Component component) {
+      if (component.share.maxCoeff() > 0.0 && options_.Wanted(component.effect)) {
+        components_.push_back(std::move(component));
+      }
+    };
+    add(Scale("gnss_noise_scale", gnss));
+    add(Scale("p2p_noise_scale", pairs));
+    add({"p2p_range_noise", ranges, [](double theta) { return std::sqrt(std::max(0.0, theta)); },
+         [](double sigma_per_m) { return sigma_per_m * sigma_per_m; }, 1.0,
+         FindEffect("p2p_range_noise")->components[0].typical_si(), true});
+  }
+
+  void ScreenComponents() {
+    if (components_.empty()) return;
+    Eigen::MatrixXd shares(linearized_.rows(), static_cast<Eigen::Index>(components_.size()));
+    for (std::size_t k = 0; k < components_.size(); ++k) {
+      shares.col(static_cast<Eigen::Index>(k)) = components_[k].share;
+    }
+    const VarianceScore score = ScoreVariances(marginals_, shares);
+    for (std::size_t k = 0; k < components_.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      const double information = score.information(at, at);
+      if (!(information > 0.0)) continue;
+      out_.effects.push_back(
+          Judge(components_[k], score.u[at] / information, 1.0 / std::sqrt(information)));
+    }
+  }
+
+  /// One Fisher step `theta` of the component with its sigma; the profile where that is worth it.
+  ScreenedEffect Judge(const Component& component, double theta, double sigma_theta) const {
+    ScreenedEffect effect;
+    effect.name = component.effect;
+    const double quadratic = 0.5 * theta * theta / (sigma_theta * sigma_theta);
+    const bool impossible = component.at_least_stated && theta <= 0.0;
+    Peak peak;
+    if (impossible || quadratic < kWorthALookNats) {
+      effect.log_evidence = -std::log1p(1.0 / std::max(1e-6, sigma_theta)) * 0.5;
+      effect.estimate =
+          Eigen::VectorXd::Constant(1, component.size_of_theta(std::max(theta, -0.9)));
+      effect.sigma = Eigen::VectorXd::Constant(1, 0.5 * sigma_theta);
+      if (component.at_least_stated) effect.sigma[0] = component.size_of_theta(sigma_theta);
+      return effect;
+    }
+    const double start = component.size_of_theta(std::max(theta, -0.7));
+    const auto likelihood = [&](const std::vector<double>& log_sizes) {
+      std::vector<double> thetas;
+      for (const double log_size : log_sizes) {
+        thetas.push_back(component.theta_of_size(std::exp(log_size)));
+      }
+      return ProfileVariance(linearized_, component.share, thetas, options_.threads)
+          .log_likelihood_ratio;
+    };
+    const double width = std::clamp(sigma_theta / (1.0 + std::abs(theta)), 1e-3, 0.3);
+    peak = Climb(likelihood, std::log(start), width);
+    const double size = std::exp(peak.log_size);
+    effect.log_evidence = peak.log_likelihood + LogPrior(component, size) +
+                          0.5 * std::log(2.0 * std::numbers::pi) + std::log(peak.width);
+    if (!component.at_least_stated && std::abs(size - 1.0) < kNoEffect) effect.log_evidence = 0.0;
+    effect.estimate = Eigen::VectorXd::Constant(1, size);
+    effect.sigma = Eigen::VectorXd::Constant(1, size * peak.width);
+    effect.p_value = ChiSquareTail(2.0 * std::max(0.0, peak.log_likelihood), 1.0);
+    return effect;
+  }
+
+  void ScreenInertial() {
+    const Flight& flight = network_.flight();
+    if (!flight.imu || !flight.config.imu) return;
+    HighBandOptions high_band;
+    high_band.sampling = flight.config.imu->read.sampling;
+    const ImuModel& model = flight.config.imu->model;
+    const NoiseCheck check = CheckNoise(MeasureHighBand(*flight.imu, model, high_band));
+    const NoiseCauses noise = CausesOf(check.evidence);
+    out_.coloured_imu = std::max(noise.not_white[kGyroTriad], noise.not_white[kAccelTriad]);
+    AddScale("gyro_noise_scale", check, kGyroTriad, noise.scale[kGyroTriad]);
+    AddScale("accel_noise_scale", check, kAccelTriad, noise.scale[kAccelTriad]);
+    const bool beside = check.evidence.window_and_scale > check.evidence.window;
+    const auto& window = beside ? check.window_beside_scale : check.window;
+    if (window) AddVibration(*window, noise.window);
+  }
+
+  void AddVibration(const NoiseWindow& window, double log_evidence) {
+    if (!options_.Wanted("imu_vibration")) return;
+    ScreenedEffect vibration;
+    vibration.name = "imu_vibration";
+    vibration.times.window_s = {{window.t0_s, window.t1_s}};
+    vibration.log_evidence = log_evidence;
+    vibration.estimate = Eigen::Vector2d(window.sigma[0], window.sigma[1]);
+    vibration.sigma = Eigen::Vector2d(window.sigma_of_sigma[0], window.sigma_of_sigma[1]);
+    vibration.p_value = std::exp(-std::max(0.0, log_evidence));
+    out_.effects.push_back(std::move(vibration));
+  }
+
+  void AddScale(const std::string& name, const NoiseCheck& check, ImuTriad triad,
+                double log_evidence) {
+    if (!check.level[triad] || !options_.Wanted(name)) return;
+    const NoiseLevel& level = *check.level[triad];
+    ScreenedEffect scale;
+    scale.name = name;
+    scale.estimate = Eigen::VectorXd::Constant(1, level.ratio);
+    scale.sigma = Eigen::VectorXd::Constant(1, level.sigma);
+    const bool matters = std::abs(level.ratio - 1.0) >= kNoEffect;
+    scale.log_evidence = matters ? log_evidence : std::min(0.0, log_evidence);
+    scale.p_value = std::exp(-std::max(0.0, scale.log_evidence));
+    out_.effects.push_back(std::move(scale));
+  }
+
+  const FlightNetwork& network_;
+  const Marginals& marginals_;
+  const LinearizedNetwork& linearized_;
+  const LibraryOptions& options_;
+  std::vector<Component> components_;
+  VarianceScreen out_;
+};
+
+}  // namespace
+
+VarianceScreen ScreenVariances(const FlightNetwork& network, const Marginals& marginals,
+                               const LibraryOptions& options) {
+  return Variances(network, marginals, options).Run();
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,188 @@
+#include <dn/builder/calibration_effect.h>
+#include <dn/effects/effect_table.h>
+#include <dn/gap/adapt.h>
+#include <dn/gap/report.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "effect_words.h"
+
+namespace dn {
+namespace {
+
+using internal::Alternatives;
+using internal::MdegWords;
+
+/// What the Gauss-Helmert adjustment, which estimates the boresight alone, leaves to the user.
+std::string RemedyOnGivenTrajectory(const GapCause& cause) {
+  const EstimableEffect* effect = FindEstimable(cause.effect);
+  return effect == nullptr ? std::string("repair the data")
+                           : std::string(effect->remedy) + " with the dynamic network";
+}
+
+std::string Remedy(const GapDiagnosis& d, const GapCause& cause) {
+  const std::string key = AdaptedKey(cause.effect);
+  if (key.empty()) return "no key of flight.yaml models it, so repair the data";
+  if (key == "estimate" && d.trajectory_given) return RemedyOnGivenTrajectory(cause);
+  if (key == "estimate") {
+    const std::string times = FormatEffectTimes(cause.times);
+    const std::string entry =
+        times.empty() ? cause.effect : "{unknown: " + cause.effect + times + "}";
+    return fmt::format("add {} to estimate in flight.yaml", entry);
+  }
+  return fmt::format("state it in {} of flight.yaml", key);
+}
+
+std::string Harm(const GapCause& cause) {
+  const Eigen::Vector3d& damage = cause.boresight_damage_rad;
+  return damage.isZero(0.0) || !damage.allFinite()
+             ? std::string()
+             : " and moves the boresight (roll, pitch, yaw) by " + MdegWords(damage);
+}
+
+/// One effect: what, how large, what it does, and which key models it.
+std::string Effect(const GapDiagnosis& d, const GapCause& cause) {
+  const std::string size = internal::ValueWords(cause);
+  return fmt::format("{}{}{}{}: {}", cause.effect, size.empty() ? "" : " of " + size,
+                     internal::TimesWords(cause.times), Harm(cause), Remedy(d, cause));
+}
+
+/// Of random effects, which move the boresight in no direction of their own.
+std::string Moved(const GapDiagnosis& d) {
+  const GapState& before = d.shrinkage->before;
+  const GapState& after = d.shrinkage->after;
+  if (!before.boresight_rad || !after.boresight_rad) return "";
+  for (const GapCause& cause : CausesOfVerdict(d)) {
+    if (!Harm(cause).empty()) return "";
+  }
+  return " and moves the boresight (roll, pitch, yaw) by " +
+         MdegWords(*after.boresight_rad - *before.boresight_rad);
+}
+
+std::string NamedEffects(const GapDiagnosis& d) {
+  std::vector<std::string> each;
+  for (const GapCause& cause : CausesOfVerdict(d)) each.push_back(Effect(d, cause));
+  std::string text = fmt::format("the data hold, beyond the model, {}", fmt::join(each, "; and "));
+  return d.shrinkage ? text + "; that closes " + internal::ClosedWords(*d.shrinkage) + Moved(d)
+                     : text;
+}
+
+/// What else the verdict's effects could be.
+std::vector<std::string> OtherNames(const GapDiagnosis& d) {
+  const std::vector<std::string>& effects = d.verdict.effects;
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    const bool known = std::find(effects.begin(), effects.end(), name) != effects.end() ||
+                       std::find(names.begin(), names.end(), name) != names.end();
+    if (!known) names.push_back(name);
+  };
+  for (const std::string& name : d.verdict.credible_set) add(name);
+  for (const GapCause& cause : CausesOfVerdict(d)) {
+    for (const std::string& name : cause.inseparable_from) add(name);
+  }
+  return names;
+}
+
+std::string WithTieBreaker(const GapDiagnosis& d, const std::string& text) {
+  return d.verdict.tie_breaker.empty() ? text : text + "; " + d.verdict.tie_breaker;
+}
+
+std::string Group(const GapDiagnosis& d) {
+  const std::string others = Alternatives(OtherNames(d));
+  const std::string text = NamedEffects(d);
+  if (others.empty()) return WithTieBreaker(d, text);
+  return WithTieBreaker(d, text + "; this flight cannot tell it from " + others);
+}
+
+std::string Place(const GapDiagnosis& d) {
+  if (d.where.empty()) return "";
+  const GapLocation& first = d.where.front();
+  return fmt::format(", most in {} {}, {}", first.sensor, first.quantity, first.location);
+}
+
+std::string Partial(const GapDiagnosis& d) {
+  return WithTieBreaker(
+      d, NamedEffects(d) + "; a part of the gap is left that no effect of the library explains" +
+             Place(d));
+}
+
+std::string Unknown(const GapDiagnosis& d) {
+  return WithTieBreaker(
+      d, fmt::format("the data depart from the assumed model ({}){}, and no effect of the library "
+                     "explains it: do not rely on the boresight, look there first",
+                     internal::PWords(d.p_value), Place(d)));
+}
+
+/// On a given trajectory of those that the pairs could show.
+HiddenEffect MostHarmful(const GapDiagnosis& d) {
+  const std::vector<HiddenEffect> worst = internal::MostHarmful(d.could_still_hide);
+  const auto at = std::find_if(worst.begin(), worst.end(), [&](const HiddenEffect& effect) {
+    return !d.trajectory_given || std::isfinite(effect.minimal_detectable);
+  });
+  return at == worst.end() ? worst.front() : *at;
+}
+
+std::string NoGap(const GapDiagnosis& d) {
+  std::string text = fmt::format(
+      "the data are those that the assumed model would produce ({}, a gap of at most "
+      "{:.2g} nats per observation)",
+      internal::PWords(d.p_value), d.size.upper_limit_95);
+  if (d.could_still_hide.empty()) return text;
+  const HiddenEffect worst = MostHarmful(d);
+  if (!std::isfinite(worst.minimal_detectable)) {
+    const auto more = std::count_if(
+        d.could_still_hide.begin(), d.could_still_hide.end(),
+        [](const HiddenEffect& effect) { return !std::isfinite(effect.minimal_detectable); });
+    const std::string others = more < 2    ? ""
+                               : more == 2 ? " and one other"
+                                           : fmt::format(" and {} others", more - 1);
+    return text + fmt::format("; {}{} of any size could still hide", worst.effect, others);
+  }
+  text += fmt::format("; {} of less than {} {} could still hide", worst.effect,
+                      internal::Rounded(worst.minimal_detectable, 2), worst.unit);
+  if (!internal::HasBoresight(d)) return text;
+  return text + ", and move the boresight (roll, pitch, yaw) by up to " +
+         MdegWords(worst.boresight_damage_rad.cwiseAbs());
+}
+
+std::string Unavailable(const GapDiagnosis& d) {
+  const std::vector<std::string>& notes = d.validity.notes;
+  return WithTieBreaker(d, notes.empty() ? "the flight cannot carry the diagnosis"
+                                         : fmt::format("the flight cannot carry the diagnosis: {}",
+                                                       fmt::join(notes, "; ")));
+}
+
+std::string OfKind(const GapDiagnosis& diagnosis) {
+  switch (diagnosis.verdict.kind) {
+    case GapVerdictKind::kIdentified:
+      return NamedEffects(diagnosis);
+    case GapVerdictKind::kGroup:
+      return Group(diagnosis);
+    case GapVerdictKind::kPartial:
+      return Partial(diagnosis);
+    case GapVerdictKind::kUnknown:
+      return Unknown(diagnosis);
+    case GapVerdictKind::kNoGap:
+      return NoGap(diagnosis);
+    case GapVerdictKind::kUnavailable:
+      return Unavailable(diagnosis);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string VerdictSentence(const GapDiagnosis& diagnosis) {
+  const std::string text = OfKind(diagnosis);
+  const bool hides =
+      diagnosis.trajectory_given && diagnosis.verdict.kind != GapVerdictKind::kUnavailable;
+  return hides ? text +
+                     "; errors of GNSS and of the inertial sensors, and an attitude offset, are in "
+                     "the given trajectory and cannot be seen here"
+               : text;
+}
+
+}  // namespace dn

@@ -1,0 +1,121 @@
+#include "full_twins.h"
+
+#include <dn/calibration/result.h>
+#include <dn/gap/twin.h>
+#include <gtest/gtest.h>
+
+#include "explained_flight.h"
+#include "testing/short_flights.h"
+
+namespace dn::internal {
+namespace {
+
+using testing::DroneScenario;
+
+constexpr int kTwins = 5;
+constexpr int kLinearTwins = 100;
+
+GapCause RangeOffset(double offset_m) {
+  GapCause cause;
+  cause.effect = "lidar_range_offset";
+  cause.unit = "m";
+  cause.estimate = Eigen::VectorXd::Constant(1, offset_m);
+  return cause;
+}
+
+/// A flight whose ranges are off, its linear twins, and twins flown anew without and with that.
+class FullTwins : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    flight_ = new Flight(
+        Simulate(DroneScenario("effects: [{effect: lidar_range_offset, value: 0.15}]"), {}).flight);
+    const GapOptions options;
+    const Explainer explainer(*flight_, options);
+    const ExplainedFlight explained = explainer.Explain({});
+    Appearance appearance;
+    Twins twins;
+    std::vector<LocationStatistic> statistics;
+    const TwinTest test = explainer.Test(explained, kLinearTwins, &appearance, &twins, &statistics);
+    linear_ = new LinearTwins(NamedLinearTwins(statistics, twins, test));
+    shown_ = new NamedStatistics(Comparable(statistics, appearance.locations));
+    without_ = new std::vector<NamedStatistics>(Fly(explained, {}));
+    with_ = new std::vector<NamedStatistics>(Fly(explained, {RangeOffset(0.15)}));
+  }
+
+  static std::vector<NamedStatistics> Fly(const ExplainedFlight& explained,
+                                          const std::vector<GapCause>& causes) {
+    const Trajectory trajectory(DenseTrajectory(explained.solution->network(), 0.01));
+    FullTwinOptions options;
+    options.count = kTwins;
+    options.threads = 2;
+    return FlyTwins(
+        *flight_,
+        TwinScenario(*flight_, trajectory, causes, explained.solution->Boresight().angles_rad),
+        trajectory, options);
+  }
+
+  static void TearDownTestSuite() {
+    delete flight_;
+    delete linear_;
+    delete shown_;
+    delete without_;
+    delete with_;
+  }
+
+  static Flight* flight_;
+  static LinearTwins* linear_;
+  static NamedStatistics* shown_;
+  static std::vector<NamedStatistics>*without_, *with_;
+};
+
+Flight* FullTwins::flight_ = nullptr;
+LinearTwins* FullTwins::linear_ = nullptr;
+NamedStatistics* FullTwins::shown_ = nullptr;
+std::vector<NamedStatistics>* FullTwins::without_ = nullptr;
+std::vector<NamedStatistics>* FullTwins::with_ = nullptr;
+
+TEST_F(FullTwins, HaveTheStatisticsOfTheFlight) {
+  ASSERT_EQ(without_->size(), static_cast<std::size_t>(kTwins));
+  for (const char* name : {"gnss position east, mean square", "lidar p2p up, mean, strips 1-2",
+                           "gyro inertial gyro x, mean square"}) {
+    EXPECT_TRUE(without_->front().count(name)) << name;
+    EXPECT_TRUE(shown_->count(name)) << name;
+  }
+}
+
+TEST_F(FullTwins, WithoutEffectsAreThoseOfTheLinearModel) {
+  const auto p = FullAgainstLinear(*without_, *linear_, 1);
+  ASSERT_TRUE(p.has_value());
+  EXPECT_GT(*p, 0.005);
+}
+
+TEST_F(FullTwins, WithAnEffectAreOthers) {
+  const auto p = FullAgainstLinear(*with_, *linear_, 1);
+  ASSERT_TRUE(p.has_value());
+  EXPECT_LT(*p, 0.005);
+}
+
+TEST_F(FullTwins, WithItsEffectLookLikeTheFlight) {
+  const auto right = LikeTwins(*shown_, *with_, *linear_, 1);
+  const auto wrong = LikeTwins(*shown_, *without_, *linear_, 1);
+  ASSERT_TRUE(right && wrong);
+  EXPECT_GT(*right, 0.01);
+  EXPECT_LT(*wrong, 0.01);
+}
+
+TEST_F(FullTwins, OfFewThereIsNoTest) {
+  const std::vector<NamedStatistics> two(with_->begin(), with_->begin() + 2);
+  EXPECT_FALSE(FullAgainstLinear(two, *linear_, 1).has_value());
+  EXPECT_FALSE(LikeTwins(*shown_, two, *linear_, 1).has_value());
+}
+
+TEST(MeanOver, IsThatOfTheTwinsThatHaveIt) {
+  const std::vector<NamedStatistics> twins{{{"a", 1.0}}, {{"a", 3.0}, {"b", 5.0}}};
+  ASSERT_TRUE(MeanOver(twins, "a").has_value());
+  EXPECT_DOUBLE_EQ(MeanOver(twins, "a")->mean, 2.0);
+  EXPECT_DOUBLE_EQ(MeanOver(twins, "a")->sigma, std::sqrt(2.0));
+  EXPECT_FALSE(MeanOver(twins, "b").has_value());
+}
+
+}  // namespace
+}  // namespace dn::internal

@@ -1,0 +1,146 @@
+#include "screen.h"
+
+#include <dn/effects/effect_table.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <ostream>
+
+#include "explained_flight.h"
+#include "processes.h"
+#include "refine_times.h"
+#include "testing/short_flights.h"
+
+namespace dn::internal {
+namespace {
+
+using testing::AircraftScenario;
+
+/// A fixed effect of a size that the flight shows, but of first order still.
+struct Shown {
+  std::string effect;
+  std::vector<double> value;
+  std::string times = "";
+};
+
+void PrintTo(const Shown& shown, std::ostream* out) { *out << shown.effect; }
+
+std::string Entry(const Shown& shown) {
+  std::string text = "effects: [{effect: " + shown.effect + ", value: [";
+  for (std::size_t k = 0; k < shown.value.size(); ++k) {
+    text += (k == 0 ? "" : ", ") + std::to_string(shown.value[k]);
+  }
+  return text + "]" + shown.times + "}]";
+}
+
+class FixedEffect : public ::testing::TestWithParam<Shown> {};
+
+TEST_P(FixedEffect, IsEstimatedAndExplainsTheDataBest) {
+  const Shown& shown = GetParam();
+  const Flight flight = Simulate(AircraftScenario(Entry(shown)), {}).flight;
+  GapOptions options;
+  const Explainer explainer(flight, options);
+  ExplainedFlight explained = explainer.Explain({});
+  const auto found =
+      std::find_if(explained.effects.begin(), explained.effects.end(),
+                   [&](const ScreenedEffect& effect) { return effect.name == shown.effect; });
+  ASSERT_NE(found, explained.effects.end());
+  RefineTimes(explained.solution->network(), explained.solution->marginals(), 1, &*found);
+  const GapCause cause = ToCause(*found);
+  constexpr double kSigmas = 4.0, kFirstOrder = 0.05;
+  double most = 0.0;
+  for (const double value : shown.value) most = std::max(most, std::abs(value));
+  for (std::size_t k = 0; k < shown.value.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    EXPECT_NEAR(cause.estimate[at], shown.value[k], kSigmas * cause.sigma[at] + kFirstOrder * most)
+        << "component " << k << ", sigma " << cause.sigma[at];
+  }
+  EXPECT_GT(found->log_evidence, 8.0);
+  // What shares its signature may explain a sample better, and what is not of first order, too.
+  constexpr double kAsGoodNats = 3.0, kSecondOrder = 0.05;
+  const ScreenedEffect& best = explained.effects.front();
+  EXPECT_GE(found->log_evidence,
+            best.log_evidence - std::max(kAsGoodNats, kSecondOrder * best.log_evidence))
+      << best.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Screen, FixedEffect,
+    ::testing::Values(
+        Shown{"gnss_lever_arm", {0.05, 0.03, -0.05}}, Shown{"gnss_time_offset", {0.002}},
+        Shown{"gnss_position_step", {0.06, -0.04, 0.08}, ", window_s: [381150, 381210]"},
+        Shown{"gyro_scale_factor", {300, -300, 300}},
+        Shown{"accel_scale_factor", {3000, 3000, 1000}}, Shown{"gyro_misalignment", {1, -1, 1}},
+        Shown{"accel_misalignment", {1, -1, 1}}, Shown{"gyro_g_sensitivity", {10, -10, 10}},
+        Shown{"gravity_tilt", {60, -60}}, Shown{"gravity_disturbance", {200}},
+        Shown{"lidar_lever_arm", {0.1, 0.1, -0.2}}, Shown{"lidar_time_offset", {0.004}},
+        Shown{"lidar_time_drift", {40}}, Shown{"lidar_range_offset", {0.1}},
+        Shown{"lidar_range_scale", {800}}, Shown{"lidar_angle_scale", {800}},
+        Shown{"lidar_scan_cone", {0.2}}, Shown{"boresight_drift", {0.5, -0.5, 0.5}},
+        Shown{"boresight_step", {0.03, 0.03, -0.05}, ", t0_s: 381180"}),
+    [](const auto& shown) { return shown.param.effect; });
+
+TEST(Screen, FindsNothingInNoise) {
+  const Flight flight = Simulate(AircraftScenario(), {}).flight;
+  const GapOptions options;
+  const ExplainedFlight explained = Explainer(flight, options).Explain({});
+  EXPECT_LT(explained.effects.front().log_evidence, 6.0) << explained.effects.front().name;
+}
+
+TEST(RefineTimes, FindsTheEndsOfAWindow) {
+  const Flight flight = Simulate(AircraftScenario("effects: [{effect: gnss_position_step, value: "
+                                                  "[0.3, 0.2, 0.3], window_s: [381131, 381177]}]"),
+                                 {})
+                            .flight;
+  const GapOptions options;
+  const ExplainedFlight explained = Explainer(flight, options).Explain({});
+  const ScreenedEffect& best = explained.effects.front();
+  ASSERT_EQ(best.name, "gnss_position_step");
+  ScreenedEffect refined = best;
+  RefineTimes(explained.solution->network(), explained.solution->marginals(), 1, &refined);
+  ASSERT_TRUE(refined.times.window_s.has_value());
+  constexpr double kEpochS = 1.0;
+  EXPECT_NEAR(refined.times.window_s->first, 381131.0, kEpochS);
+  EXPECT_NEAR(refined.times.window_s->second, 381177.0, kEpochS);
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    EXPECT_NEAR(refined.estimate[k], k == 1 ? 0.2 : 0.3, 4.0 * refined.sigma[k]);
+  }
+}
+
+TEST(RefineTimes, LeavesOtherEffectsAlone) {
+  const Flight flight = Simulate(AircraftScenario(), {}).flight;
+  const GapOptions options;
+  const ExplainedFlight explained = Explainer(flight, options).Explain({});
+  for (const ScreenedEffect& effect : explained.effects) {
+    if (effect.name != "lidar_range_offset") continue;
+    ScreenedEffect refined = effect;
+    RefineTimes(explained.solution->network(), explained.solution->marginals(), 1, &refined);
+    EXPECT_EQ(refined.estimate, effect.estimate);
+    EXPECT_EQ(refined.log_evidence, effect.log_evidence);
+  }
+}
+
+ScreenedEffect Judged(const std::string& effects) {
+  const Flight flight = Simulate(AircraftScenario(effects), {}).flight;
+  ScreenedEffect effect;
+  effect.name = "gnss_correlated_noise";
+  effect.estimate = effect.sigma = Eigen::VectorXd::Zero(4);
+  JudgeProcess(
+      flight, {}, [](const Flight& of) { return Adjust(of); }, 1, &effect);
+  return effect;
+}
+
+TEST(JudgeProcess, FindsTheSizeOfAProcess) {
+  const ScreenedEffect found =
+      Judged("effects: [{effect: gnss_correlated_noise, value: [0.04, 0.04, 0.04, 15]}]");
+  EXPECT_GT(found.log_evidence, 20.0);
+  EXPECT_GT(found.estimate[0], 0.025);
+  EXPECT_LT(found.estimate[0], 0.065);
+  EXPECT_GE(found.estimate[3], 4.0);
+  EXPECT_LE(found.estimate[3], 60.0);
+}
+
+TEST(JudgeProcess, FindsNoneInNoise) { EXPECT_LT(Judged("").log_evidence, 2.0); }
+
+}  // namespace
+}  // namespace dn::internal

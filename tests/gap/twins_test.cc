@@ -1,0 +1,166 @@
+#include "twins.h"
+
+#include <dn/report/distributions.h>
+#include <dn/sim/random.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "explained_flight.h"
+#include "testing/short_flights.h"
+
+namespace dn::internal {
+namespace {
+
+using testing::DroneScenario;
+
+constexpr Eigen::Index kPlaces = 20;
+constexpr int kTwins = 200;
+
+/// Places that are normal and correlated, and evidence that is not.
+Appearance Drawn(Random* random) {
+  Appearance appearance;
+  appearance.locations.resize(kPlaces);
+  const double common = random->Normal();
+  for (Eigen::Index k = 0; k < kPlaces; ++k) {
+    appearance.locations[k] = 3.0 + 2.0 * (0.5 * common + random->Normal());
+  }
+  appearance.log_evidence.resize(2);
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const double x = random->Normal();
+    appearance.log_evidence[k] = 0.5 * x * x - 1.0;
+  }
+  return appearance;
+}
+
+Twins DrawnTwins(Random* random) {
+  Twins twins;
+  for (int k = 0; k < kTwins; ++k) twins.all.push_back(Drawn(random));
+  return twins;
+}
+
+TEST(CompareWithTwins, IsAsOftenSmallAsItSays) {
+  constexpr long kFlights = 400;
+  Random random(7, "flights without a gap");
+  const Twins twins = DrawnTwins(&random);
+  long below_half = 0;
+  for (long k = 0; k < kFlights; ++k) {
+    if (CompareWithTwins(Drawn(&random), twins).p_value <= 0.5) ++below_half;
+  }
+  // One set of 100 ranking twins serves all flights: their share below is known to 5 % by itself.
+  const Interval usual = BinomialInterval(0.9999, 80, 0.5);
+  EXPECT_TRUE(usual.Contains(static_cast<double>(below_half) / kFlights)) << below_half;
+}
+
+TEST(CompareWithTwins, IsRightOverManySetsOfTwins) {
+  constexpr long kFlights = 150;
+  long small = 0;
+  for (long k = 0; k < kFlights; ++k) {
+    Random random(static_cast<std::uint64_t>(k), "flight and twins");
+    const Twins twins = DrawnTwins(&random);
+    if (CompareWithTwins(Drawn(&random), twins).p_value <= 0.1) ++small;
+  }
+  const Interval usual = BinomialInterval(0.9999, kFlights, 0.1);
+  EXPECT_TRUE(usual.Contains(static_cast<double>(small) / kFlights)) << small;
+}
+
+TEST(CompareWithTwins, FindsThePlaceThatDeparts) {
+  Random random(3, "a flight with a gap");
+  const Twins twins = DrawnTwins(&random);
+  Appearance flight = Drawn(&random);
+  flight.locations[4] += 20.0;
+  const TwinTest test = CompareWithTwins(flight, twins);
+  constexpr double kLeast = 1.0 / 101.0;  // of 100 twins that rank
+  EXPECT_DOUBLE_EQ(test.p_largest, kLeast);
+  EXPECT_DOUBLE_EQ(test.p_adjusted[4], kLeast);
+  EXPECT_LE(test.p_value, 3.0 * kLeast);
+  for (Eigen::Index k = 0; k < kPlaces; ++k) {
+    if (k != 4) {
+      EXPECT_GT(test.p_adjusted[k], 0.02) << k;
+    }
+  }
+}
+
+TEST(CompareWithTwins, EvidenceAloneShowsAGap) {
+  Random random(3, "a flight with a gap");
+  const Twins twins = DrawnTwins(&random);
+  Appearance flight = Drawn(&random);
+  flight.log_evidence[1] = 40.0;
+  const TwinTest test = CompareWithTwins(flight, twins);
+  EXPECT_DOUBLE_EQ(test.p_library, 1.0 / 101.0);
+  EXPECT_LT(test.evidence_95, 40.0);
+}
+
+TEST(TwinsAgainstTwins, AgreeWhereTheyAreAlike) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    Random random(seed, "twins");
+    EXPECT_GT(TwinsAgainstTwins(DrawnTwins(&random)), 1e-4) << seed;
+  }
+}
+
+TEST(TwinsAgainstTwins, DifferWhereSomeAreOthers) {
+  Random random(1, "twins");
+  Twins twins = DrawnTwins(&random);
+  for (std::size_t k = 2 * twins.all.size() / 3; k < twins.all.size(); ++k) {
+    twins.all[k].locations[0] += 8.0;
+  }
+  EXPECT_LT(TwinsAgainstTwins(twins), 1e-4);
+}
+
+/// A flight beside its twins.
+struct Compared {
+  explicit Compared(const std::string& effects) {
+    const Flight flight = Simulate(DroneScenario(effects), {}).flight;
+    const GapOptions options;
+    const Explainer explainer(flight, options);
+    test = explainer.Test(explainer.Explain({}), kTwins, &appearance, &twins, &statistics);
+  }
+
+  double Z(const std::string& name) const {
+    for (std::size_t k = 0; k < statistics.size(); ++k) {
+      if (NameOf(statistics[k]) == name) return test.z[static_cast<Eigen::Index>(k)];
+    }
+    return std::nan("");
+  }
+
+  Appearance appearance;
+  Twins twins;
+  std::vector<LocationStatistic> statistics;
+  TwinTest test;
+};
+
+TEST(Locations, LinearTwinsAreAlike) {
+  const Compared without("");
+  EXPECT_GT(TwinsAgainstTwins(without.twins), 1e-4);
+  EXPECT_GT(without.test.p_value, 0.02);
+  EXPECT_LT(std::abs(without.Z("gnss position east, mean square")), 4.0);
+}
+
+TEST(Locations, NoiseOfGnssShowsInGnss) {
+  const Compared noisy("effects: [{effect: gnss_noise_scale, value: 1.5}]");
+  EXPECT_LE(noisy.test.p_value, 0.03);
+  for (const char* axis : {"east", "north", "up"}) {
+    EXPECT_GT(noisy.Z(std::string("gnss position ") + axis + ", mean square"), 5.0) << axis;
+  }
+  EXPECT_LT(std::abs(noisy.Z("lidar p2p east, mean square")), 4.0);
+}
+
+TEST(Locations, NoiseOfPairsShowsInPairs) {
+  const Compared noisy("effects: [{effect: p2p_noise_scale, value: 1.5}]");
+  EXPECT_LE(noisy.test.p_value, 0.03);
+  EXPECT_GT(noisy.Z("lidar p2p east, mean square"), 5.0);
+  EXPECT_LT(std::abs(noisy.Z("gnss position east, mean square")), 4.0);
+}
+
+TEST(Locations, PredictionErrorsAreInMetres) {
+  const Compared without("");
+  // sigma_p is 3 cm, that of GNSS 1.5 cm; a prediction adds its own.
+  EXPECT_GT(without.appearance.pair_rms_m, 0.029);
+  EXPECT_LT(without.appearance.pair_rms_m, 0.04);
+  EXPECT_GT(without.appearance.gnss_rms_m, 0.015);
+  EXPECT_LT(without.appearance.gnss_rms_m, 0.04);
+}
+
+}  // namespace
+}  // namespace dn::internal
