@@ -1,0 +1,60 @@
+#include "observability.h"
+
+#include <dn/effects/effect_table.h>
+
+#include <cmath>
+
+namespace dn {
+namespace {
+
+constexpr double kInseparable = 0.999;
+constexpr double kUsualSizes = 100.0;
+constexpr Eigen::Index kBoresightAngles = 3;
+
+/// The sigma beyond which a component of an unknown is not determined, in its unit.
+double LargestSigma(const EffectComponent& component) { return kUsualSizes * component.typical; }
+
+/// Calls visit(index into the joint covariance, effect, number of the component).
+template <class Visit>
+void ForEachComponent(const FlightConfig& config, const Visit& visit) {
+  Eigen::Index i = kBoresightAngles;
+  for (const EstimateEntry& entry : config.estimate) {
+    const EffectSpec* effect = FindEffect(entry.unknown);
+    if (effect == nullptr) continue;  // the boresight
+    for (std::size_t k = 0; k < effect->components.size(); ++k, ++i) visit(i, *effect, k);
+  }
+}
+
+}  // namespace
+
+std::vector<StudyUnknown> UnknownsOf(const JointCovariance& joint, const FlightConfig& config) {
+  std::vector<StudyUnknown> unknowns;
+  ForEachComponent(config, [&](Eigen::Index i, const EffectSpec& effect, std::size_t k) {
+    const JointUnknown& unknown = joint.unknowns[static_cast<std::size_t>(i)];
+    if (k == 0) unknowns.push_back({effect.name, unknown.unit, {}, {}});
+    unknowns.back().components.push_back(effect.components[k].name);
+    unknowns.back().sigma.push_back(joint.sigma(i) * unknown.per_si);
+  });
+  return unknowns;
+}
+
+std::vector<Unobservable> UnobservableOf(const JointCovariance& joint, const FlightConfig& config) {
+  std::vector<Unobservable> found;
+  ForEachComponent(config, [&](Eigen::Index i, const EffectSpec& effect, std::size_t k) {
+    const JointUnknown& unknown = joint.unknowns[static_cast<std::size_t>(i)];
+    const double sigma = joint.sigma(i) * unknown.per_si;
+    if (sigma > LargestSigma(effect.components[k])) {
+      found.push_back({unknown.name, "", sigma, unknown.unit});
+    }
+    for (Eigen::Index j = 0; j < joint.covariance.rows(); ++j) {
+      const JointUnknown& partner = joint.unknowns[static_cast<std::size_t>(j)];
+      const bool told_before = j >= kBoresightAngles && j < i;
+      if (j == i || told_before || !partner.calibration) continue;
+      if (std::abs(joint.correlation(i, j)) <= kInseparable) continue;
+      found.push_back({unknown.name, partner.name, joint.correlation(i, j), unknown.unit});
+    }
+  });
+  return found;
+}
+
+}  // namespace dn

@@ -1,0 +1,92 @@
+#include <dn/calibration/solution.h>
+#include <dn/calibration/trajectory_sigma.h>
+#include <dn/error.h>
+#include <dn/flight/strip_at.h>
+#include <dn/study/study.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "geometry.h"
+#include "joint_covariance.h"
+#include "observability.h"
+#include "remedies.h"
+#include "weak_directions.h"
+
+namespace dn {
+namespace {
+
+Solution Unsolved(const StudyDesign& design, int threads) {
+  Adjustment adjustment;
+  adjustment.network = std::make_unique<FlightNetwork>(Build(design.flight, design.states));
+  adjustment.converged = true;
+  return Solution(std::move(adjustment), threads);
+}
+
+StripSigmas SigmasOnStrips(const std::vector<TrajectorySigma>& trajectory,
+                           const std::vector<StripInterval>& strips) {
+  StripSigmas sum;
+  double n = 0.0;
+  for (const TrajectorySigma& sigma : trajectory) {
+    if (StripAt(strips, sigma.t_s) == nullptr) continue;
+    sum.roll_pitch_rad += 0.5 * sigma.rph_rad.head<2>().squaredNorm();
+    sum.yaw_rad += sigma.rph_rad.z() * sigma.rph_rad.z();
+    sum.position_m += sigma.position_enu_m.squaredNorm() / 3.0;
+    ++n;
+  }
+  const auto root_mean = [&](double squares) { return n > 0.0 ? std::sqrt(squares / n) : 0.0; };
+  return {root_mean(sum.roll_pitch_rad), root_mean(sum.yaw_rad), root_mean(sum.position_m)};
+}
+
+void FillCounts(const Solution& solution, StudyResult* result) {
+  const FlightNetwork& network = solution.network();
+  result->nodes = static_cast<long>(network.nodes.size());
+  result->parameters = solution.marginals().num_parameters();
+  const auto [first, past] =
+      SampleRange(*network.flight().imu, network.node_times().front(), network.node_times().back());
+  result->imu_epochs = static_cast<long>(past - first);
+  result->gnss_epochs = static_cast<long>(network.gnss_edges.size());
+  result->pairs = static_cast<long>(network.pair_edges.size());
+}
+
+}  // namespace
+
+bool StudyResult::observable() const {
+  return boresight.verdict != Verdict::kNotObservable && unobservable.empty();
+}
+
+StudyResult Study(const StudyDesign& design, const StudyOptions& options) {
+  const Solution solution = Unsolved(design, options.design.threads);
+  const FlightNetwork& network = solution.network();
+  const Marginals& marginals = solution.marginals();
+  StudyResult result;
+  result.name = design.flight.config.name;
+  result.source = design.source;
+  result.geometry = GeometryOf(design);
+  result.boresight = solution.Boresight();
+  result.correlations =
+      BiasCorrelationOverTime(network, marginals, marginals.SolveColumns({network.boresight.id}));
+  result.trajectory = TrajectorySigmas(network, marginals);
+  result.strips = SigmasOnStrips(result.trajectory, design.strips);
+  const JointCovariance joint = CovarianceWithErrors(network, marginals);
+  result.unknowns = UnknownsOf(joint, design.flight.config);
+  result.unobservable = UnobservableOf(joint, design.flight.config);
+  result.weak = StudyDirections(joint);
+  FillCounts(solution, &result);
+  return result;
+}
+
+StudyResult Study(const Scenario& scenario, const StudyOptions& options) {
+  StudyResult result = Study(DesignOf(scenario, options.design), options);
+  if (!options.remedies) return result;
+  TryRemedies(RemediesFor(scenario, result.geometry), options.design, &result.weak);
+  return result;
+}
+
+StudyResult Study(Flight flight, const StudyOptions& options) {
+  return Study(DesignOf(std::move(flight), options.design), options);
+}
+
+}  // namespace dn

@@ -1,0 +1,98 @@
+#include <dn/geo/local_frame.h>
+#include <dn/study/report.h>
+#include <fmt/format.h>
+
+#include <sstream>
+
+namespace dn {
+namespace {
+
+constexpr std::size_t kLineWidth = 100;
+
+/// Words in lines, all but the first indented.
+std::string Wrapped(const std::string& text, const std::string& indent) {
+  std::istringstream words(text);
+  std::string out, line, word;
+  while (words >> word) {
+    if (!line.empty() && indent.size() + line.size() + 1 + word.size() > kLineWidth) {
+      out += line + "\n" + indent;
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return out + line + "\n";
+}
+
+std::string BoresightLines(const BoresightResult& boresight) {
+  const char* names[] = {"roll", "pitch", "yaw"};
+  const Eigen::Vector3d sigma_deg = boresight.sigma_rad() * kDegPerRad;
+  const Eigen::Matrix3d percent = 100.0 * boresight.correlation();
+  std::string text = fmt::format("boresight {:>12} {:>26}\n", "sigma [deg]", "correlation [%]");
+  for (int i = 0; i < 3; ++i) {
+    text += fmt::format("  {:<7} {:>12.6f} {:>10.1f} {:>7.1f} {:>7.1f}\n", names[i], sigma_deg[i],
+                        percent(i, 0), percent(i, 1), percent(i, 2));
+  }
+  text += fmt::format("condition number {:.1f}\n", boresight.condition_number);
+  text += fmt::format(
+      "with the accelerometer bias max {:.1f} rms {:.1f}, with the gyro bias max {:.1f} rms {:.1f} "
+      "[%]\n",
+      100.0 * boresight.accel_bias.max_abs, 100.0 * boresight.accel_bias.rms,
+      100.0 * boresight.gyro_bias.max_abs, 100.0 * boresight.gyro_bias.rms);
+  return text;
+}
+
+std::string UnknownLines(const std::vector<StudyUnknown>& unknowns) {
+  std::string text;
+  for (const StudyUnknown& unknown : unknowns) {
+    text += fmt::format("{} [{}], sigma", unknown.name, unknown.unit);
+    for (const double sigma : unknown.sigma) text += fmt::format(" {:.3g}", sigma);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string DirectionLines(const StudyResult& study, const StudyDirection& direction) {
+  const std::string indent(10, ' ');
+  std::string text = "weak      ";
+  for (std::size_t i = 0; i < direction.unknowns.size(); ++i) {
+    const auto& [name, weight] = direction.unknowns[i];
+    text += fmt::format("{}{} ({:.2f})", i == 0 ? "" : ", ", name, weight);
+  }
+  text += fmt::format("\n{}sigma of {} {:.3g} {}, multiple correlation with the others {:.2f}\n",
+                      indent, direction.leading, direction.sigma, direction.unit,
+                      direction.correlation);
+  text += "  cause   " + Wrapped(CauseWords(study, direction), indent);
+  std::string remedy = RemedyWords(study, direction);
+  if (const auto tried = direction.remedy()) {
+    remedy += fmt::format(": {:.3g} {}", tried->sigma, direction.unit);
+  }
+  return text + "  remedy  " + Wrapped(remedy, indent);
+}
+
+}  // namespace
+
+std::string StudySummary(const StudyResult& study) {
+  std::string text = fmt::format(
+      "{}: {} strips, {} pairs, {} inertial and {} GNSS epochs; {} nodes, {} unknowns\n",
+      study.name, study.geometry.strips.size(), study.pairs, study.imu_epochs, study.gnss_epochs,
+      study.nodes, study.parameters);
+  if (!study.observable()) {
+    text += "NOT OBSERVABLE: the numbers below are no accuracies\n";
+    for (const std::string& reason : UnobservableWords(study)) {
+      text += "  " + Wrapped(reason, "    ");
+    }
+  }
+  text += BoresightLines(study.boresight);
+  text += UnknownLines(study.unknowns);
+  text += fmt::format(
+      "trajectory on the strips, sigma: roll and pitch {:.5f} deg, yaw {:.5f} deg, position {:.4f} "
+      "m\n",
+      study.strips.roll_pitch_rad * kDegPerRad, study.strips.yaw_rad * kDegPerRad,
+      study.strips.position_m);
+  for (const StudyDirection& direction : study.weak) text += DirectionLines(study, direction);
+  return text +
+         "Effects that the model lacks, and from which size on they would be seen: dn gap FLIGHT "
+         "--limits.\n";
+}
+
+}  // namespace dn

@@ -1,0 +1,135 @@
+#include <dn/geo/local_frame.h>
+#include <dn/geo/text_table.h>
+#include <dn/names.h>
+#include <dn/study/sweep.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace dn {
+namespace {
+
+/// A field of a CSV file, in quotes where it needs them (RFC 4180).
+std::string Quoted(const std::string& field) {
+  if (field.find_first_of(",\"\n\r") == std::string::npos) return field;
+  std::string quoted = "\"";
+  for (const char c : field) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+/// The numbers of a design in the order of the columns, none of one that has failed.
+std::vector<double> NumbersOf(const SweepRecord& record) {
+  if (!record.failure.empty()) return {};
+  const Eigen::Vector3d sigma_deg = record.sigma_rad * kDegPerRad;
+  return {sigma_deg.x(),
+          sigma_deg.y(),
+          sigma_deg.z(),
+          record.condition_number,
+          std::max(record.correlation_angles, record.correlation_biases),
+          record.correlation_angles,
+          record.correlation_biases,
+          record.strips.roll_pitch_rad * kDegPerRad,
+          record.strips.yaw_rad * kDegPerRad,
+          record.strips.position_m};
+}
+
+constexpr const char* kColumns[] = {
+    "sigma_roll_deg",      "sigma_pitch_deg",      "sigma_yaw_deg",      "condition_number",
+    "largest_correlation", "correlation_angles",   "correlation_biases", "trajectory_rp_deg",
+    "trajectory_yaw_deg",  "trajectory_position_m"};
+
+std::string FileOf(const std::string& path) {
+  std::string name = "sweep_";
+  for (const char c : path) name += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return name + ".svg";
+}
+
+/// The labels of a key in the order of the designs.
+std::vector<std::string> LabelsOf(const std::vector<SweepRecord>& records, std::size_t key) {
+  std::vector<std::string> labels;
+  for (const SweepRecord& record : records) {
+    if (std::find(labels.begin(), labels.end(), record.labels[key]) == labels.end()) {
+      labels.push_back(record.labels[key]);
+    }
+  }
+  return labels;
+}
+
+}  // namespace
+
+std::string SweepCsv(const std::vector<std::string>& paths,
+                     const std::vector<SweepRecord>& records) {
+  std::string text = "design";
+  for (const std::string& path : paths) text += "," + Quoted(path);
+  for (const char* column : kColumns) text += std::string(",") + column;
+  text += ",singular\n";
+  for (const SweepRecord& record : records) {
+    text += std::to_string(record.number);
+    for (const std::string& label : record.labels) text += "," + Quoted(label);
+    const std::vector<double> numbers = NumbersOf(record);
+    for (std::size_t k = 0; k < std::size(kColumns); ++k) {
+      text += ",";
+      if (!numbers.empty()) text += FormatDouble(numbers[k]);
+    }
+    text += "," + Quoted(WithoutControls(record.failure)) + "\n";
+  }
+  return text;
+}
+
+std::string SweepTable(const std::vector<std::string>& paths,
+                       const std::vector<SweepRecord>& records) {
+  constexpr std::size_t kMostShown = 24;
+  constexpr std::size_t kMostReason = 60;
+  const auto shortened = [](const std::string& text, std::size_t most) {
+    return text.size() > most ? text.substr(0, most - 3) + "..." : text;
+  };
+  std::string text = fmt::format("{:>6}", "design");
+  for (const std::string& path : paths) {
+    text += fmt::format(" {:>{}}", shortened(path, kMostShown), kMostShown);
+  }
+  text += fmt::format(" {:>10} {:>10} {:>10} {:>9} {:>8}\n", "roll [deg]", "pitch", "yaw",
+                      "condition", "corr [%]");
+  for (const SweepRecord& record : records) {
+    text += fmt::format("{:>6}", record.number);
+    for (const std::string& label : record.labels) {
+      text += fmt::format(" {:>{}}", shortened(label, kMostShown), kMostShown);
+    }
+    const std::vector<double> n = NumbersOf(record);
+    text += n.empty() ? " singular: " + shortened(WithoutControls(record.failure), kMostReason)
+                      : fmt::format(" {:>10.6f} {:>10.6f} {:>10.6f} {:>9.1f} {:>8.1f}", n[0], n[1],
+                                    n[2], n[3], 100.0 * n[4]);
+    text += "\n";
+  }
+  return text;
+}
+
+std::vector<StudyPlot> SweepPlots(const std::vector<std::string>& paths,
+                                  const std::vector<SweepRecord>& records) {
+  const char* angles[] = {"roll", "pitch", "yaw"};
+  std::vector<StudyPlot> plots;
+  for (std::size_t key = 0; key < paths.size(); ++key) {
+    const std::vector<std::string> labels = LabelsOf(records, key);
+    if (labels.size() < 2) continue;
+    PlotPanel panel;
+    panel.rows = labels;
+    for (int i = 0; i < 3; ++i) {
+      PlotSeries series{angles[i], {}, PlotStyle::kPoints};
+      for (const SweepRecord& record : records) {
+        if (!record.failure.empty()) continue;
+        const auto row = std::find(labels.begin(), labels.end(), record.labels[key]);
+        series.points.emplace_back(1e3 * kDegPerRad * record.sigma_rad[i],
+                                   static_cast<double>(row - labels.begin()) + 0.2 * (i - 1));
+      }
+      if (!series.points.empty()) panel.series.push_back(std::move(series));
+    }
+    if (panel.series.empty()) continue;
+    plots.push_back({FileOf(paths[key]),
+                     "boresight by " + paths[key] + ", every design a point",
+                     "standard deviation [mdeg]",
+                     {panel}});
+  }
+  return plots;
+}
+
+}  // namespace dn
