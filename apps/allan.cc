@@ -244,13 +244,13 @@ void AddPlot(const Sensor& sensor, Run* run) {
     return std::pair(std::log10(tau_s), std::log10(sensor.units.rate_per_si * std::sqrt(variance)));
   };
   for (std::size_t i = 0; i < 3; ++i) {
-    PlotSeries measured{kAxes[i], {}, false};
+    PlotSeries measured{kAxes[i], {}, PlotStyle::kPoints};
     for (const AllanPoint& p : sensor.axes[i].curve) {
       if (p.variance > 0.0) measured.points.push_back(point(p.tau_s, p.variance));
     }
     panel.series.push_back(std::move(measured));
   }
-  PlotSeries model{"model", {}, true};
+  PlotSeries model{"model", {}};
   for (const AllanPoint& p : sensor.mean_curve) {
     model.points.push_back(point(p.tau_s, sensor.fit.Variance(p.tau_s)));
   }

@@ -339,7 +339,8 @@ void AddCalibrate(CLI::App* program, Action* action) {
                                           "Boresight (and what `estimate` names) from raw "
                                           "inertial, GNSS and lidar data (dn), or from a "
                                           "smoothed trajectory and lidar data (gh)");
-  app->add_option("FLIGHT", options->flight, "Flight folder")->required();
+  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
+      ->required();
   app->add_option(
          "--method", options->method,
          "dn: dynamic network; gh: Gauss-Helmert adjustment on a trajectory; all: both and "

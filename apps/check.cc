@@ -135,7 +135,8 @@ void AddCheck(CLI::App* program, Action* action) {
   auto options = std::make_shared<Options>();
   CLI::App* app = program->add_subcommand(
       "check", "Validates a flight folder, summarises it, says what each command could do with it");
-  app->add_option("FLIGHT", options->flight, "Flight folder")->required();
+  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
+      ->required();
   AddCommonOptions(app, &options->common, false);
   app->footer("Example: dn check flight");
   app->callback([options, action] {

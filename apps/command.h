@@ -118,5 +118,9 @@ void AddSimulate(CLI::App* program, Action* action);
 void AddSmooth(CLI::App* program, Action* action);
 void AddCalibrate(CLI::App* program, Action* action);
 void AddMonteCarlo(CLI::App* program, Action* action);
+void AddGap(CLI::App* program, Action* action);
+void AddStudy(CLI::App* program, Action* action);
+void AddBlindCheck(CLI::App* program, Action* action);
+void AddMerge(CLI::App* program, Action* action);
 
 }  // namespace dn::apps

@@ -22,7 +22,7 @@ double Since(Clock::time_point start) {
 
 template <class Row, class Get>
 PlotSeries Curve(const std::string& label, const std::vector<Row>& rows, const Get& get) {
-  PlotSeries series{label, {}, true};
+  PlotSeries series{label, {}};
   const std::size_t step = std::max<std::size_t>(1, rows.size() / kPlotPoints);
   for (std::size_t i = 0; i < rows.size(); i += step) {
     series.points.emplace_back(rows[i].t_s - rows.front().t_s, get(rows[i]));

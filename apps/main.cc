@@ -40,7 +40,11 @@ int ParseAndRun(int argc, char** argv) {
   dn::apps::AddCalibrate(&program, &action);
   dn::apps::AddSmooth(&program, &action);
   dn::apps::AddSimulate(&program, &action);
+  dn::apps::AddStudy(&program, &action);
+  dn::apps::AddGap(&program, &action);
   dn::apps::AddMonteCarlo(&program, &action);
+  dn::apps::AddBlindCheck(&program, &action);
+  dn::apps::AddMerge(&program, &action);
   dn::apps::AddAllan(&program, &action);
   try {
     program.parse(argc, argv);

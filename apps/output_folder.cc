@@ -28,9 +28,18 @@ void AddData(const fs::path& file, Inputs* inputs) {
   inputs->folders.push_back(file.parent_path());
 }
 
-void AddDataFiles(const fs::path& folder, Inputs* inputs) {
+void AddFolder(const fs::path& folder, Inputs* inputs) {
+  for (const fs::path& each : {folder, folder / "lidar", folder / "strips"}) {
+    inputs->folders.push_back(each);
+  }
+}
+
+void AddDataFiles(const fs::path& folder_or_file, Inputs* inputs) {
   try {
-    const FlightConfig config = ReadFlightConfig(folder);
+    const FlightConfig config = ReadFlightConfig(folder_or_file);
+    const fs::path& folder = config.folder;
+    AddFolder(folder, inputs);
+    inputs->files.push_back(config.file);
     if (config.imu) AddData(folder / config.imu->file, inputs);
     if (config.gnss) AddData(folder / config.gnss->file, inputs);
     if (config.trajectory) AddData(folder / config.trajectory->file, inputs);
@@ -43,10 +52,10 @@ void AddDataFiles(const fs::path& folder, Inputs* inputs) {
 
 }  // namespace
 
-Inputs FlightInputs(const fs::path& folder, const std::string& trajectory) {
+Inputs FlightInputs(const fs::path& folder_or_file, const std::string& trajectory) {
   Inputs inputs;
-  inputs.folders = {folder, folder / "lidar", folder / "strips"};
-  AddDataFiles(folder, &inputs);
+  AddFolder(folder_or_file, &inputs);
+  AddDataFiles(folder_or_file, &inputs);
   if (!trajectory.empty()) inputs.files.emplace_back(trajectory);
   return inputs;
 }

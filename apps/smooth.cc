@@ -62,7 +62,8 @@ void AddSmooth(CLI::App* program, Action* action) {
   auto options = std::make_shared<SmoothOptions>();
   CLI::App* app =
       program->add_subcommand("smooth", "INS/GNSS only: the optimally smoothed trajectory");
-  app->add_option("FLIGHT", options->flight, "Flight folder")->required();
+  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
+      ->required();
   AddCommonOptions(app, &options->common, true);
   app->footer("Example: dn smooth flight --out result");
   app->callback([options, action] {

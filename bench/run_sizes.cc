@@ -39,7 +39,7 @@ struct Options {
   double reference_rate_hz = 10.0;
   int threads = 0;
   int seed = 1;
-  unsigned timeout_s = 600;
+  double timeout_s = 600.0;
   bool rate_check = true;
 };
 
@@ -102,9 +102,10 @@ fs::path Simulated(const Options& options, const FlightSize& size, const std::st
   WriteText(scenario, ScenarioText(size, PresetOf(grade)));
   fmt::print(stderr, "simulating {}\n", flight.string());
   const fs::path log = options.work / "simulate.log";
-  const ProcessUsage usage = RunProgram({options.program, "simulate", scenario, "--seed",
-                                         std::to_string(options.seed), "--out", flight},
-                                        log, options.timeout_s);
+  const apps::ProcessUsage usage =
+      apps::RunProgram({options.program, "simulate", scenario, "--seed",
+                        std::to_string(options.seed), "--out", flight},
+                       log, {options.timeout_s, nullptr});
   if (usage.exit_code != 0) {
     throw std::runtime_error("dn simulate failed, exit code " + std::to_string(usage.exit_code) +
                              ":\n" + ReadText(log));
@@ -144,7 +145,7 @@ Json Calibrated(const Options& options, const fs::path& flight) {
     command.insert(command.end(), {"--threads", std::to_string(options.threads)});
   }
   fmt::print(stderr, "calibrating {}\n", flight.string());
-  const ProcessUsage usage = RunProgram(command, log, options.timeout_s);
+  const apps::ProcessUsage usage = apps::RunProgram(command, log, {options.timeout_s, nullptr});
   Json row{{"wall_s", usage.wall_s}, {"cpu_s", usage.cpu_s}, {"peak_rss_mib", usage.peak_rss_mib}};
   if (usage.exit_code != 0) {
     row["failed"] = usage.exit_code > 128 ? fmt::format("not finished in {} s", options.timeout_s)

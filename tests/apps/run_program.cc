@@ -127,6 +127,7 @@ fs::path ShortFlight() { return fs::path(DN_CLI_WORK) / "flight"; }
 fs::path CheckResult() { return fs::path(DN_CLI_WORK) / "check"; }
 fs::path SmoothResult() { return fs::path(DN_CLI_WORK) / "smooth"; }
 fs::path CalibrateResult() { return fs::path(DN_CLI_WORK) / "calibrate"; }
+fs::path GapResult() { return fs::path(DN_CLI_WORK) / "gap"; }
 fs::path ShortScenario() { return DN_SHORT_SCENARIO; }
 
 std::string ContentOf(const fs::path& file) {

@@ -46,11 +46,12 @@ ProgramRun RunProgram(const ProgramOptions& options);
 ProgramRun RunProgram(const std::vector<std::string>& arguments);
 
 /// The flight that the test cli.simulate made of short.yaml, and the results of cli.check,
-/// cli.smooth and cli.calibrate on it. Never written to.
+/// cli.smooth, cli.calibrate and cli.gap on it. Never written to.
 std::filesystem::path ShortFlight();
 std::filesystem::path CheckResult();
 std::filesystem::path SmoothResult();
 std::filesystem::path CalibrateResult();
+std::filesystem::path GapResult();  ///< of cli.gap, screened only
 std::filesystem::path ShortScenario();
 
 std::string ContentOf(const std::filesystem::path& file);

@@ -13,15 +13,16 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-constexpr const char* kSubcommands[] = {"check",     "simulate", "smooth",
-                                        "calibrate", "allan",    "monte-carlo"};
+constexpr const char* kSubcommands[] = {"check", "simulate",    "smooth",      "calibrate", "gap",
+                                        "allan", "monte-carlo", "blind-check", "merge"};
 
 class EverySubcommand : public ::testing::TestWithParam<const char*> {
  protected:
   // With what the subcommand requires.
   static std::vector<std::string> Complete(const std::vector<std::string>& options) {
     const std::string name = GetParam();
-    std::vector<std::string> arguments{name, "x", "--out", "y"};
+    std::vector<std::string> arguments{name, "--out", "y"};
+    if (name != "blind-check") arguments.insert(arguments.begin() + 1, "x");
     if (name == "allan") arguments.insert(arguments.end(), {"--rate", "200"});
     arguments.insert(arguments.end(), options.begin(), options.end());
     return arguments;
@@ -155,7 +156,7 @@ TEST(CliUsage, WrongUsageIsOneErrorLine) {
 TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
   ExpectUsageError(RunProgram(std::vector<std::string>{}),
                    "dn: error: a command is required: check, calibrate, smooth, simulate, "
-                   "monte-carlo, allan; see dn --help");
+                   "gap, monte-carlo, blind-check, merge, allan; see dn --help");
   ExpectUsageError(RunProgram({"calibrat", "x"}),
                    "dn: error: 'calibrat' is no command; the nearest one is 'calibrate'; see dn "
                    "--help");

@@ -1,0 +1,199 @@
+#include <dn/error.h>
+#include <dn/montecarlo/blind_score.h>
+#include <dn/names.h>
+#include <dn/report/plot.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+
+#include "blind_flight_run.h"
+#include "command.h"
+#include "fleet.h"
+#include "option_checks.h"
+#include "record_folder.h"
+#include "series.h"
+
+namespace dn::apps {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  int flights = 100;
+  std::uint64_t seed = 1;
+  std::vector<std::string> scenarios = BlindScenarioNames();
+  std::string gap_options = "quick";
+  std::string shard = "1/1";
+  bool discard_flights = false;
+};
+
+std::vector<std::string> GapOptions(const std::string& word) {
+  if (word == "quick") return {"--quick"};
+  if (word == "screen") return {"--screen-only"};
+  return {};
+}
+
+/// What the flights are made from: the names of shipped scenarios and the texts of others.
+Json ScenariosJson(const std::vector<std::string>& scenarios) {
+  const std::vector<std::string> shipped = ScenarioNames();
+  Json names = Json::array();
+  for (const std::string& scenario : scenarios) {
+    ReadScenario(scenario);  // a fault is told before the first flight
+    const bool is_shipped = std::find(shipped.begin(), shipped.end(), scenario) != shipped.end();
+    names.push_back(is_shipped ? Json(scenario) : Json{{scenario, ScenarioText(scenario)}});
+  }
+  return names;
+}
+
+std::string FailureOf(const BlindRecord& record) {
+  for (const std::string& failure :
+       {record.diagnosis.failure, record.calibrated.failure, record.adapted.failure}) {
+    if (!failure.empty()) return failure;
+  }
+  return {};
+}
+
+std::vector<BlindRecord> Fly(const Options& options, const RecordFolder& folder,
+                             const std::vector<std::uint64_t>& numbers, Run* run) {
+  const BlindSuite suite{options.seed, options.scenarios};
+  const BlindRunOptions how{options.common.out, GapOptions(options.gap_options),
+                            options.discard_flights};
+  std::vector<BlindRecord> records(numbers.size());
+  const auto fly = [&](std::size_t k) {
+    std::optional<BlindRecord> record = folder.Read(numbers[k], &BlindRecordFromJson);
+    if (!record) {
+      record = RunBlindFlight(DrawBlindFlight(suite, static_cast<int>(numbers[k])), how);
+      folder.Write(numbers[k], ToJson(*record));
+    }
+    records[k] = std::move(*record);
+  };
+  const auto landed = [&](std::size_t k) {
+    const std::string failure = FailureOf(records[k]);
+    if (!failure.empty()) run->progress.Warn(fmt::format("flight {}: {}", numbers[k], failure));
+  };
+  FlyAll(numbers.size(), run, fly, landed);
+  return records;
+}
+
+void BlindCheck(const Options& options, Run& run) {
+  const Json made_from = {{"seed", options.seed},
+                          {"scenarios", ScenariosJson(options.scenarios)},
+                          {"gap_options", options.gap_options},
+                          {"version", DN_VERSION}};
+  const Series series{"blind-check", 1, static_cast<std::uint64_t>(options.flights),
+                      ParseShard(options.shard)};
+  const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
+  const std::vector<BlindRecord> records = Fly(options, folder, series.Numbers(), &run);
+  run.report["seed"] = options.seed;
+  run.report["series"] = ToJson(series);
+  AddBlindCheckResults(made_from, records, &run);
+}
+
+PlotPanel ReliabilityPanel(const BlindScore& score) {
+  PlotSeries seen{"seen", {}, PlotStyle::kPoints};
+  PlotSeries interval_95{"what agrees with it at 95 %", {}, PlotStyle::kSpans};
+  for (const ReliabilityBin& bin : score.reliability) {
+    if (bin.true_ones.of == 0) continue;
+    const Interval interval = bin.true_ones.interval_95();
+    seen.points.emplace_back(bin.stated, bin.true_ones.value());
+    interval_95.points.emplace_back(bin.stated, interval.low);
+    interval_95.points.emplace_back(bin.stated, interval.high);
+  }
+  const PlotSeries calibrated{"calibrated", {{0.0, 0.0}, {1.0, 1.0}}, PlotStyle::kLines};
+  return {"share that is there", {interval_95, seen, calibrated}};
+}
+
+PlotPanel BoresightPanel(const std::string& label, const std::vector<BlindRecord>& records,
+                         Outcome<BlindCalibration> BlindRecord::*outcome) {
+  PlotSeries errors{"largest |error| / sigma", {}, PlotStyle::kPoints};
+  PlotSeries limit{"5", {}, PlotStyle::kLines};
+  for (const BlindRecord& record : records) {
+    const auto& calibration = (record.*outcome).result;
+    if (calibration) errors.points.emplace_back(record.number, calibration->worst());
+    limit.points.emplace_back(record.number, 5.0);
+  }
+  return {label, {errors, limit}};
+}
+
+void AddPlots(const BlindScore& score, const std::vector<BlindRecord>& records, Run* run) {
+  const auto reliability = DrawSvg("posterior of a cause: stated, and how often it is there",
+                                   "stated", {ReliabilityPanel(score)}, Interrupted);
+  if (!reliability) {
+    run->progress.Warn("no plots: gnuplot is not installed or failed");
+    return;
+  }
+  run->AddFile("reliability.svg", *reliability);
+  const auto errors = DrawSvg("boresight errors in sigmas", "flight",
+                              {BoresightPanel("as assumed", records, &BlindRecord::calibrated),
+                               BoresightPanel("adapted", records, &BlindRecord::adapted)},
+                              Interrupted);
+  if (errors) run->AddFile("boresight_errors.svg", *errors);
+}
+
+std::string ConfigText(const Json& made_from) {
+  std::string text;
+  for (const auto& [key, value] : made_from.items()) text += key + ": " + value.dump() + "\n";
+  return text;
+}
+
+}  // namespace
+
+void AddBlindCheckResults(const Json& made_from, const std::vector<BlindRecord>& records,
+                          Run* run) {
+  const BlindScore score = ScoreBlindFlights(records);
+  run->report["counts"] = {{"flights", score.flights}, {"failures", score.failures.size()}};
+  run->AddFile("config.resolved.yaml", ConfigText(made_from));
+  run->AddFile("blind_check.json", FormatJson(ToJson(score)));
+  run->AddFile("flights.csv", FormatCsv(records));
+  const std::string table = FormatTable(score);
+  run->AddFile("table.txt", table);
+  AddPlots(score, records, run);
+  fmt::print("{}", table);
+}
+
+void AddBlindCheck(CLI::App* program, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = program->add_subcommand(
+      "blind-check",
+      "Flies flights with hidden effects, has each diagnosed by dn gap, and scores what it said");
+  app->add_option("--flights", options->flights, "Number of flights")
+      ->check(WholeNumber(1, 1000000))
+      ->capture_default_str();
+  app->add_option("--seed", options->seed, "Seed of what the flights are and contain")
+      ->check(WholeNumber(0))
+      ->capture_default_str();
+  app->add_option("--scenarios", options->scenarios,
+                  "Scenarios to make the flights from, shipped ones or files, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  app->add_option("--gap-options", options->gap_options, "Depth of dn gap: full, quick or screen")
+      ->check(OneOf({"full", "quick", "screen"}))
+      ->capture_default_str();
+  app->add_option("--shard", options->shard,
+                  "Fly only every N-th flight, from the i-th on; dn merge joins the shards")
+      ->check(ShardText())
+      ->capture_default_str();
+  app->add_flag("--discard-flights", options->discard_flights,
+                "Remove the folder of a flight (some 20 MB) when it is recorded");
+  AddCommonOptions(app, &options->common, true);
+  app->footer(
+      "One flight runs on each thread. Flights are in DIR/flights, what they contain in DIR/truth, "
+      "what\nwas made of them in DIR/runs. Recorded flights stay in DIR/records: the same command "
+      "takes an\ninterrupted run up again, and with more --flights it adds to it. Flight 7 of 40 "
+      "alone: --flights\n40 --shard 7/40.\n"
+      "Example: dn blind-check --flights 100 --out blind --seed 3");
+  app->callback([options, action] {
+    *action = [options] {
+      for (const std::string& scenario : options->scenarios) {
+        const Inputs inputs = ScenarioInputs(scenario);
+        std::copy(inputs.files.begin(), inputs.files.end(),
+                  std::back_inserter(options->common.inputs.files));
+      }
+      return Execute("blind-check", options->common, [&](Run& run) { BlindCheck(*options, run); });
+    };
+  });
+}
+
+}  // namespace dn::apps

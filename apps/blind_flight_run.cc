@@ -1,0 +1,132 @@
+#include "blind_flight_run.h"
+
+#include <dn/error.h>
+#include <dn/flight/atomic_file.h>
+#include <dn/interrupted.h>
+#include <dn/sim/simulate.h>
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "child_process.h"
+#include "interruption.h"
+
+namespace dn::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+// This program, also when its file has been replaced since it was started.
+constexpr const char* kProgram = "/proc/self/exe";
+constexpr double kLongestRun_s = 3600.0;
+
+std::string ReadText(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+std::string LastLine(const fs::path& file) {
+  std::string text = ReadText(file);
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text.substr(text.rfind('\n') + 1);
+}
+
+/// The folders and files of one flight.
+struct Places {
+  Places(const fs::path& out, int number)
+      : name(fmt::format("{:03}", number)),
+        flight(out / "flights" / name),
+        truth(out / "truth" / (name + ".yaml")),
+        runs(out / "runs" / name),
+        adapted_config(runs / "gap" / "flight.adapted.yaml") {}
+
+  std::string name;
+  fs::path flight, truth, runs, adapted_config;
+};
+
+void WriteFlight(const BlindFlight& flight, const Places& places) {
+  SimulateOptions simulate;
+  simulate.seed = flight.seed;
+  simulate.progress = [](const std::string&, double) {
+    if (Interrupted()) throw dn::Interrupted();
+  };
+  if (flight.outsider) simulate.own = MakeOwnErrors(*flight.outsider, flight.scenario);
+  const SimulatedFlight simulated = Simulate(flight.scenario, simulate);
+  std::string truth = FormatTruth(simulated) + "base: " + flight.base + "\n";
+  if (flight.outsider) {
+    truth += fmt::format("outsider: {{name: {}, parameters: {}}}\n", flight.outsider->name,
+                         flight.outsider->parameters.dump());
+  }
+  fs::create_directories(places.truth.parent_path());
+  fs::create_directories(places.flight.parent_path());
+  WriteFileAtomically(places.truth, truth);
+  OutputDirectory folder(places.flight);
+  WriteMeasurements(simulated, folder);
+  folder.Commit();
+}
+
+/// Runs a command of this program; `read` makes the outcome of its result file.
+template <class T, class Read>
+Outcome<T> RunCommand(const std::vector<std::string>& arguments, const fs::path& out,
+                      const std::string& result_name, const Read& read) {
+  std::vector<std::string> command{kProgram};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  command.insert(command.end(), {"--threads", "1", "--out", out.string()});
+  fs::path log = out;
+  log += ".log";
+  const ProcessUsage usage =
+      RunProgram(command, log, {kLongestRun_s, [] { return Interrupted(); }});
+  Outcome<T> outcome;
+  outcome.time_s = usage.wall_s;
+  const fs::path result = out / result_name;
+  if (!fs::exists(result)) {
+    outcome.failure = fmt::format("exit code {}: {}", usage.exit_code, LastLine(log));
+    return outcome;
+  }
+  try {
+    outcome.result = read(Json::parse(ReadText(result)));
+  } catch (const std::exception& error) {
+    outcome.failure = error.what();
+  }
+  return outcome;
+}
+
+Outcome<BlindCalibration> Calibrate(const fs::path& flight, const fs::path& out,
+                                    const Eigen::Vector3d& boresight_deg) {
+  return RunCommand<BlindCalibration>(
+      {"calibrate", flight.string()}, out, "result.json",
+      [&](const Json& json) { return CalibrationFromResultJson(json, boresight_deg); });
+}
+
+void RunCommands(const Places& places, const std::vector<std::string>& gap_options,
+                 BlindRecord* record) {
+  fs::remove_all(places.runs);
+  fs::create_directories(places.runs);
+  std::vector<std::string> gap{"gap", places.flight.string()};
+  gap.insert(gap.end(), gap_options.begin(), gap_options.end());
+  record->diagnosis =
+      RunCommand<BlindDiagnosis>(gap, places.runs / "gap", "gap.json", &DiagnosisFromGapJson);
+  record->calibrated = Calibrate(places.flight, places.runs / "calibrate", record->boresight_deg);
+  if (!fs::exists(places.adapted_config)) return;
+  record->adapted =
+      Calibrate(places.adapted_config, places.runs / "adapted", record->boresight_deg);
+}
+
+}  // namespace
+
+BlindRecord RunBlindFlight(const BlindFlight& flight, const BlindRunOptions& options) {
+  const Places places(options.out, flight.number);
+  BlindRecord record = TruthOf(flight);
+  try {
+    WriteFlight(flight, places);
+  } catch (const InvalidInput& error) {
+    record.diagnosis.failure = std::string("the flight cannot be flown: ") + error.what();
+    return record;
+  }
+  RunCommands(places, options.gap_options, &record);
+  if (options.discard_flights) fs::remove_all(places.flight);
+  return record;
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,172 @@
+#include <dn/gap/adapt.h>
+#include <dn/gap/diagnose.h>
+#include <dn/gap/report.h>
+#include <dn/gap/twin.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <sstream>
+
+#include "command.h"
+#include "option_checks.h"
+
+namespace dn::apps {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  std::string flight;
+  bool quick = false;
+  bool screen_only = false;
+  bool limits = false;
+  std::uint64_t seed = 1;
+  double alpha = 0.05;
+  std::string effects;
+  std::string without;
+};
+
+std::vector<std::string> SplitAtCommas(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream in(text);
+  for (std::string word; std::getline(in, word, ',');) words.push_back(word);
+  return words;
+}
+
+GapOptions::Depth DepthOf(const Options& options) {
+  if (options.limits) return GapOptions::Depth::kLimits;
+  if (options.screen_only) return GapOptions::Depth::kScreen;
+  return options.quick ? GapOptions::Depth::kQuick : GapOptions::Depth::kFull;
+}
+
+GapOptions DiagnosisOptions(const Options& options, Run* run) {
+  GapOptions gap;
+  gap.depth = DepthOf(options);
+  gap.seed = options.seed;
+  gap.alpha = options.alpha;
+  gap.threads = run->options().threads;
+  gap.effects = SplitAtCommas(options.effects);
+  gap.left_out = SplitAtCommas(options.without);
+  gap.progress = [run](const std::string& stage, double fraction) {
+    run->progress.Stage(stage, fmt::format("{:.0f} %", 100.0 * fraction));
+  };
+  gap.interrupted = [] { return apps::Interrupted(); };
+  gap.Validate();
+  return gap;
+}
+
+Flight Read(const Options& options, Run* run) {
+  run->progress.Stage("reading " + options.flight);
+  const FlightConfig config = ReadFlightConfig(options.flight);
+  FlightNeeds needs;
+  needs.imu = needs.gnss = config.imu.has_value() && config.gnss.has_value();
+  needs.trajectory = !needs.imu || options.limits;
+  needs.pairs = config.lidar.has_value();
+  needs.optional = options.limits;
+  return ReadFlight(config, needs);
+}
+
+void AddPlots(const GapDiagnosis& diagnosis, Run* run) {
+  for (const GapPlot& plot : GapPlots(diagnosis)) {
+    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, Interrupted);
+    if (!svg) {
+      run->progress.Warn("no plots: gnuplot is not installed or failed; gap.json has the numbers");
+      return;
+    }
+    run->AddFile(plot.file, *svg);
+  }
+}
+
+std::string AdaptedFile(const GapResult& result) {
+  const std::vector<std::string>& effects = result.diagnosis.verdict.effects;
+  const std::string added =
+      effects.empty() ? "nothing added" : fmt::format("{}", fmt::join(effects, ", "));
+  return "# The flight with what its diagnosis names: " + added + ".\n" +
+         FormatFlightFile(result.adapted);
+}
+
+void AddTwin(const Flight& flight, const GapResult& result, Run* run) {
+  if (result.trajectory.empty() || !flight.imu) return;
+  const Scenario twin = TwinScenario(flight, result.trajectory, CausesOfVerdict(result.diagnosis),
+                                     result.boresight_rad);
+  run->AddFile("twin.yaml", "# Flies the flight again, over the trajectory beside this file.\n" +
+                                FormatScenario(twin));
+  run->AddFile(kTwinTrajectoryFile,
+               FormatSbet(result.trajectory.points(), flight.pairs.has_value()));
+}
+
+void FillReport(const Options& options, const Flight& flight, const GapDiagnosis& diagnosis,
+                Run* run) {
+  Json& report = run->report;
+  report["flight"] = flight.config.name;
+  report["seed"] = options.seed;
+  report["counts"] = flight.counts;
+  report["timings_s"]["read"] = flight.read_time_s;
+  for (const auto& [stage, time_s] : diagnosis.timings_s) report["timings_s"][stage] = time_s;
+}
+
+void RunGap(const Options& options, Run& run) {
+  const GapOptions gap = DiagnosisOptions(options, &run);
+  const Flight flight = Read(options, &run);
+  const GapResult result = Diagnose(flight, gap);
+  const GapDiagnosis& diagnosis = result.diagnosis;
+  run.progress.Stage("writing " + options.common.out.string());
+  const std::string summary = GapSummary(diagnosis);
+  run.AddFile("gap.json", FormatJson(GapJson(diagnosis)));
+  run.AddFile("summary.txt", summary);
+  run.AddFile("flight.adapted.yaml", AdaptedFile(result));
+  run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
+  AddTwin(flight, result, &run);
+  AddPlots(diagnosis, &run);
+  FillReport(options, flight, diagnosis, &run);
+  fmt::print("{}", summary);
+}
+
+void AddDepth(CLI::App* app, Options* options) {
+  CLI::Option* quick = app->add_flag("--quick", options->quick, "Fewer twins, in less time");
+  CLI::Option* screen = app->add_flag(
+      "--screen-only", options->screen_only,
+      "What the data show at once: no adjustments with the effects, no simulated twins");
+  CLI::Option* limits = app->add_flag(
+      "--limits", options->limits, "What could be found, and what could hide; no measured values");
+  quick->excludes(screen)->excludes(limits);
+  screen->excludes(limits);
+}
+
+void AddOptions(CLI::App* app, Options* options) {
+  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
+      ->required();
+  AddDepth(app, options);
+  app->add_option("--seed", options->seed, "Seed of the twins")
+      ->check(WholeNumber(0))
+      ->capture_default_str();
+  app->add_option("--alpha", options->alpha,
+                  "Share of flights without a gap that are said to have one")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  app->add_option("--effects", options->effects,
+                  "Only these effects are considered: names of docs/formats.md, joined by commas");
+  app->add_option("--without", options->without, "Effects that are not considered, likewise");
+  AddCommonOptions(app, &options->common, true);
+}
+
+}  // namespace
+
+void AddGap(CLI::App* program, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = program->add_subcommand(
+      "gap",
+      "Where a flight departs from its assumed model, which effect is the cause, and how far "
+      "adding it closes the gap");
+  AddOptions(app, options.get());
+  app->footer(
+      "A gap that is found is no failure: the exit code is 0. docs/gap.md says how to read it.\n"
+      "Example: dn gap flight --out gap && dn calibrate gap/flight.adapted.yaml --out result");
+  app->callback([options, action] {
+    *action = [options] {
+      options->common.inputs = FlightInputs(options->flight);
+      return Execute("gap", options->common, [&](Run& run) { RunGap(*options, run); });
+    };
+  });
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,65 @@
+#include "series.h"
+
+#include <dn/error.h>
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "shown_text.h"
+
+namespace dn::apps {
+namespace {
+
+/// The shard of a text; index 0 where it is none.
+Shard TryParse(const std::string& text) {
+  constexpr int kMostShards = 1000000;
+  const char* end = text.data() + text.size();
+  Shard shard;
+  const auto index = std::from_chars(text.data(), end, shard.index);
+  if (index.ec != std::errc() || index.ptr == end || *index.ptr != '/') return {0, 1};
+  const auto count = std::from_chars(index.ptr + 1, end, shard.count);
+  const bool whole = count.ec == std::errc() && count.ptr == end;
+  const bool inside = shard.index >= 1 && shard.index <= shard.count && shard.count <= kMostShards;
+  return whole && inside ? shard : Shard{0, 1};
+}
+
+}  // namespace
+
+CLI::Validator ShardText() {
+  const auto check = [](const std::string& text) {
+    if (TryParse(text).index > 0) return std::string();
+    return Quoted(text) + " is no shard i/N with 1 <= i <= N";
+  };
+  return {check, "i/N"};
+}
+
+Shard ParseShard(const std::string& text) { return TryParse(text); }
+
+std::vector<std::uint64_t> Series::Numbers() const {
+  std::vector<std::uint64_t> numbers;
+  const auto step = static_cast<std::uint64_t>(shard.count);
+  for (auto k = static_cast<std::uint64_t>(shard.index - 1); k < flights; k += step) {
+    numbers.push_back(first + k);
+  }
+  if (!numbers.empty()) return numbers;
+  throw InvalidConfig(fmt::format("shard {}/{} of {} flights has none; give at most {} shards",
+                                  shard.index, shard.count, flights, flights));
+}
+
+Json ToJson(const Series& series) {
+  return {{"command", series.command},
+          {"first", series.first},
+          {"flights", series.flights},
+          {"shard", fmt::format("{}/{}", series.shard.index, series.shard.count)}};
+}
+
+Series SeriesFromJson(const Json& json) {
+  return {json.at("command"), json.at("first"), json.at("flights"), ParseShard(json.at("shard"))};
+}
+
+std::string RecordFolderName(const std::string& command) {
+  if (command == "study") return "designs";
+  return command == "monte-carlo" ? "flights" : "records";
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,168 @@
+#include <dn/config/yaml_value.h>
+#include <dn/report/plot.h>
+#include <dn/sim/scenario.h>
+#include <dn/study/report.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "command.h"
+#include "option_checks.h"
+#include "series.h"
+#include "study_sweep.h"
+
+namespace dn::apps {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  std::string what;  ///< a scenario or a flight
+  std::string estimate;
+  bool no_remedies = false;
+  std::uint64_t seed = 1;
+  SweepOptions sweep;
+};
+
+/// A shipped scenario, or a YAML file with a plan; what is not there passes for a scenario, whose
+/// reader tells what there is.
+bool IsScenario(const std::string& what) {
+  std::error_code none;
+  if (std::filesystem::is_directory(what, none)) return false;
+  const std::vector<std::string> shipped = ScenarioNames();
+  const bool is_shipped = std::find(shipped.begin(), shipped.end(), what) != shipped.end();
+  if (is_shipped || !std::filesystem::exists(what, none)) return true;
+  const YamlValue root = ParseYaml(ScenarioText(what), what);
+  return root.IsMap() && !root["plan"].absent();
+}
+
+StudyOptions MakeOptions(const Options& options, const Run& run) {
+  StudyOptions study;
+  study.design.threads = run.options().threads;
+  study.design.seed = options.seed;
+  study.design.estimate = options.estimate;
+  study.design.interrupted = [] { return Interrupted(); };
+  study.remedies = !options.no_remedies;
+  return study;
+}
+
+StudyResult StudyScenario(const Options& options, Run* run) {
+  const Scenario scenario = ReadScenario(options.what);
+  run->progress.Stage("studying " + scenario.name);
+  run->report["seed"] = options.seed;
+  StudyResult study = Study(scenario, MakeOptions(options, *run));
+  run->AddFile("config.resolved.yaml", FormatScenario(scenario));
+  return study;
+}
+
+StudyResult StudyFlight(const Options& options, Run* run) {
+  run->progress.Stage("reading " + options.what);
+  FlightNeeds needs;
+  needs.imu = needs.gnss = needs.pairs = needs.trajectory = true;
+  needs.optional = true;
+  Flight flight = ReadFlight(options.what, needs);
+  const std::string config = FormatFlightConfig(flight.config);
+  run->report["timings_s"]["read"] = flight.read_time_s;
+  run->progress.Stage("studying " + flight.config.name);
+  StudyResult study = Study(std::move(flight), MakeOptions(options, *run));
+  run->AddFile("config.resolved.yaml", config);
+  return study;
+}
+
+void AddPlots(const StudyResult& study, Run* run) {
+  for (const StudyPlot& plot : StudyPlots(study)) {
+    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, Interrupted);
+    if (!svg) {
+      run->progress.Warn(
+          "no plots: gnuplot is not installed or failed; study.json has the numbers");
+      return;
+    }
+    run->AddFile(plot.file, *svg);
+  }
+}
+
+void RunStudy(const Options& options, Run& run) {
+  const StudyResult study =
+      IsScenario(options.what) ? StudyScenario(options, &run) : StudyFlight(options, &run);
+  run.progress.Stage("writing " + options.common.out.string());
+  const std::string summary = StudySummary(study);
+  run.report["flight"] = study.name;
+  run.report["counts"] = {{"imu epochs", study.imu_epochs},
+                          {"gnss epochs", study.gnss_epochs},
+                          {"pairs", study.pairs},
+                          {"strips", study.geometry.strips.size()}};
+  run.AddFile("study.json", FormatJson(StudyJson(study)));
+  run.AddFile("summary.txt", summary);
+  AddPlots(study, &run);
+  fmt::print("{}", summary);
+  if (study.observable()) return;
+  throw FailedWithResults("not_observable", fmt::format("not observable: {}",
+                                                        fmt::join(UnobservableWords(study), "; ")));
+}
+
+void AddOptions(CLI::App* app, Options* options) {
+  CLI::Option* what = app->add_option(
+      "FLIGHT", options->what,
+      "Scenario file, the name of a shipped scenario, a flight folder, or the file of a flight");
+  app->add_option(
+      "--estimate", options->estimate,
+      "What is free beside the boresight: elements of `estimate` of flight.yaml, joined "
+      "by commas; instead of the flight's own");
+  app->add_option("--seed", options->seed,
+                  "Seed of the turbulence and of the choice of pairs in a scenario")
+      ->check(WholeNumber(0))
+      ->capture_default_str();
+  app->add_flag("--no-remedies", options->no_remedies,
+                "Do not try which change of the scenario would help its weak directions");
+  CLI::Option* sweep =
+      app->add_option("--sweep", options->sweep.file,
+                      "File that names a base scenario and values of its keys: every combination "
+                      "is studied, a row of sweep.csv each");
+  app->add_option("--shard", options->sweep.shard,
+                  "Study only every N-th design of a sweep, from the i-th on; dn merge joins the "
+                  "shards")
+      ->check(ShardText())
+      ->needs(sweep)
+      ->capture_default_str();
+  what->excludes(sweep);
+  AddCommonOptions(app, &options->common, true);
+}
+
+Inputs InputsOf(const Options& options) {
+  if (options.sweep.file.empty()) {
+    return std::filesystem::is_directory(options.what) ? FlightInputs(options.what)
+                                                       : ScenarioInputs(options.what);
+  }
+  Inputs inputs;
+  inputs.files.emplace_back(options.sweep.file);
+  return inputs;
+}
+
+}  // namespace
+
+void AddStudy(CLI::App* program, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = program->add_subcommand(
+      "study",
+      "Covariances, correlations and observability of a flight or a scenario; needs no measured "
+      "values");
+  AddOptions(app, options.get());
+  app->footer(
+      "A design that leaves an unknown undetermined ends with exit code 1. docs/study.md says how "
+      "to read it.\n"
+      "Example: dn study lar2 --out study\n"
+      "         dn study --sweep lines_and_grades.yaml --out sweep");
+  app->callback([options, action] {
+    if (options->what.empty() && options->sweep.file.empty()) {
+      throw CLI::RequiredError("FLIGHT");
+    }
+    *action = [options] {
+      options->common.inputs = InputsOf(*options);
+      return Execute("study", options->common, [&](Run& run) {
+        options->sweep.file.empty() ? RunStudy(*options, run) : RunSweep(options->sweep, run);
+      });
+    };
+  });
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,99 @@
+#include "study_sweep.h"
+
+#include <dn/error.h>
+#include <dn/flight/flight.h>
+#include <dn/geo/read_file.h>
+#include <dn/interrupted.h>
+#include <dn/report/plot.h>
+#include <dn/study/sweep.h>
+#include <fmt/format.h>
+
+#include <optional>
+#include <vector>
+
+#include "fleet.h"
+#include "record_folder.h"
+#include "series.h"
+
+namespace dn::apps {
+namespace {
+
+constexpr std::size_t kMostSweepBytes = std::size_t{1} << 20;
+
+std::string ReadText(const std::string& file) {
+  try {
+    return ReadWholeFile(file, kMostSweepBytes);
+  } catch (const InvalidInput& error) {
+    throw InvalidConfig(error.what(), error.where());
+  }
+}
+
+std::vector<SweepRecord> StudyAll(const Sweep& sweep, const RecordFolder& folder,
+                                  const std::vector<std::uint64_t>& numbers, Run* run) {
+  DesignOptions design;
+  design.interrupted = [] { return Interrupted(); };
+  std::vector<SweepRecord> records(numbers.size());
+  const auto study = [&](std::size_t k) {
+    std::optional<SweepRecord> record = folder.Read(numbers[k], &SweepRecordFromJson);
+    if (!record) {
+      record = StudyOfSweep(sweep, numbers[k], design);
+      folder.Write(numbers[k], ToJson(*record));
+    }
+    records[k] = std::move(*record);
+  };
+  const auto studied = [&](std::size_t k) {
+    if (records[k].failure.empty()) return;
+    run->progress.Warn(fmt::format("design {}: {}", numbers[k], records[k].failure));
+  };
+  FlyAll(numbers.size(), run, study, studied, "designs");
+  return records;
+}
+
+Json PathsJson(const Sweep& sweep) {
+  Json paths = Json::array();
+  for (const SweepKey& key : sweep.keys()) paths.push_back(key.path);
+  return paths;
+}
+
+long CountSingular(const std::vector<SweepRecord>& records) {
+  long singular = 0;
+  for (const SweepRecord& record : records) singular += record.failure.empty() ? 0 : 1;
+  return singular;
+}
+
+}  // namespace
+
+void RunSweep(const SweepOptions& options, Run& run) {
+  const std::string text = ReadText(options.file);
+  const Sweep sweep = Sweep::Parse(text, options.file);
+  const Json made_from = {{"sweep", text},
+                          {"base", sweep.base_text()},
+                          {"keys", PathsJson(sweep)},
+                          {"version", DN_VERSION}};
+  const Series series{"study", 1, sweep.size(), ParseShard(options.shard)};
+  const RecordFolder folder(run.options().out / RecordFolderName(series.command), made_from);
+  const std::vector<SweepRecord> records = StudyAll(sweep, folder, series.Numbers(), &run);
+  run.report["series"] = ToJson(series);
+  AddSweepResults(made_from, records, &run);
+}
+
+void AddSweepResults(const Json& made_from, const std::vector<SweepRecord>& records, Run* run) {
+  const std::vector<std::string> paths = made_from.at("keys").get<std::vector<std::string>>();
+  run->report["counts"] = {{"designs", records.size()}, {"singular", CountSingular(records)}};
+  run->AddFile("config.resolved.yaml", made_from.at("sweep").get<std::string>());
+  run->AddFile("base.yaml", made_from.at("base").get<std::string>());
+  run->AddFile("sweep.csv", SweepCsv(paths, records));
+  const std::string table = SweepTable(paths, records);
+  run->AddFile("summary.txt", table);
+  for (const StudyPlot& plot : SweepPlots(paths, records)) {
+    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, Interrupted);
+    if (!svg) {
+      run->progress.Warn("no plots: gnuplot is not installed or failed; sweep.csv has the numbers");
+      break;
+    }
+    run->AddFile(plot.file, *svg);
+  }
+  fmt::print("{}", table);
+}
+
+}  // namespace dn::apps

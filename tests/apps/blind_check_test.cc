@@ -1,0 +1,115 @@
+#include <dn/report/json.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "run_program.h"
+#include "testing/temp_folder.h"
+
+namespace dn::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+std::vector<std::string> Arguments(const fs::path& out, const std::string& shard) {
+  return {"blind-check", "--flights",     "2",     "--scenarios", ShortScenario(), "--seed",
+          "8",           "--threads",     "1",     "--shard",     shard,           "--out",
+          out,           "--gap-options", "screen"};
+}
+
+bool HoldsAnywhere(const fs::path& folder, const std::string& name) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().filename() == name) return true;
+  }
+  return false;
+}
+
+/// Two flights, flown once, in two shards.
+class BlindCheck : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
+    one_ = RunProgram(Arguments(Path("one"), "1/2"));
+    two_ = RunProgram(Arguments(Path("two"), "2/2"));
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static fs::path Path(const std::string& name) { return folder_->path() / name; }
+
+  static TempFolder* folder_;
+  static ProgramRun one_, two_;
+};
+
+TempFolder* BlindCheck::folder_ = nullptr;
+ProgramRun BlindCheck::one_, BlindCheck::two_;
+
+TEST_F(BlindCheck, TheTruthLiesApartFromTheFlight) {
+  ASSERT_EQ(one_.exit_code, 0) << one_.err;
+  const fs::path out = Path("one");
+  EXPECT_TRUE(fs::exists(out / "flights" / "001" / "IMU.txt"));
+  EXPECT_FALSE(HoldsAnywhere(out / "flights", "truth.yaml"));
+  EXPECT_FALSE(HoldsAnywhere(out / "flights", "reference.out"));
+  EXPECT_FALSE(HoldsAnywhere(out / "runs", "truth.yaml"));
+  EXPECT_THAT(ContentOf(out / "truth" / "001.yaml"), HasSubstr("boresight_deg"));
+  EXPECT_FALSE(fs::exists(out / "flights" / "002")) << "of the other shard";
+}
+
+TEST_F(BlindCheck, EveryFlightIsDiagnosedAndCalibrated) {
+  ASSERT_EQ(one_.exit_code, 0) << one_.err;
+  const Json record = Json::parse(ContentOf(Path("one") / "records" / "000001.json"));
+  EXPECT_FALSE(record.at("diagnosis").at("result").is_null()) << record.at("diagnosis");
+  EXPECT_FALSE(record.at("calibrated").at("result").is_null()) << record.at("calibrated");
+  EXPECT_FALSE(record.at("adapted").at("result").is_null()) << record.at("adapted");
+  EXPECT_GT(record.at("diagnosis").at("time_s").get<double>(), 0.0);
+  EXPECT_EQ(ContentOf(Path("one") / "table.txt"), one_.out);
+  EXPECT_THAT(ContentOf(Path("one") / "flights.csv"), HasSubstr("\n1,"));
+}
+
+TEST_F(BlindCheck, MergedShardsAreTheBytesOfOneRun) {
+  ASSERT_EQ(two_.exit_code, 0) << two_.err;
+  const fs::path merged = Path("merged"), whole = Path("whole");
+  const ProgramRun merge = RunProgram({"merge", Path("one"), Path("two"), "--out", merged});
+  ASSERT_EQ(merge.exit_code, 0) << merge.err;
+  fs::create_directories(whole);
+  fs::copy(merged / "records", whole / "records");
+  const ProgramRun one_run = RunProgram(Arguments(whole, "1/1"));  // only sums up
+  ASSERT_EQ(one_run.exit_code, 0) << one_run.err;
+  EXPECT_FALSE(fs::exists(whole / "flights")) << "flown again";
+  for (const char* name :
+       {"blind_check.json", "table.txt", "flights.csv", "config.resolved.yaml"}) {
+    EXPECT_EQ(ContentOf(merged / name), ContentOf(whole / name)) << name;
+  }
+  EXPECT_EQ(Json::parse(ContentOf(merged / "blind_check.json")).at("flights"), 2);
+}
+
+TEST_F(BlindCheck, RecordsOfAnotherSeriesAreNotMixed) {
+  std::vector<std::string> other = Arguments(Path("one"), "1/2");
+  other[6] = "9";
+  const ProgramRun run = RunProgram(other);
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("another scenario, version or option"));
+}
+
+TEST(BlindCheckUsage, AScenarioThatIsNoneIsNamed) {
+  const TempFolder folder;
+  const ProgramRun run = RunProgram(
+      {"blind-check", "--scenarios", "lar2_rest,nowhere", "--out", folder.path() / "out"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr("'nowhere' is neither a scenario file nor a shipped scenario"));
+}
+
+TEST(BlindCheckUsage, AnInterruptedCheckEndsItsPrograms) {
+  const TempFolder folder;
+  ProgramOptions options;
+  options.arguments = Arguments(folder.path() / "out", "1/1");
+  options.arguments[2] = "50";
+  options.signal = SIGINT;
+  options.signal_after = "flights (";
+  const ProgramRun run = RunProgram(options);
+  EXPECT_EQ(run.exit_code, 130) << run.err;
+  EXPECT_FALSE(NamesIn(folder.path() / "out" / "records").empty());
+  EXPECT_FALSE(fs::exists(folder.path() / "out" / "blind_check.json"));
+}
+
+}  // namespace
+}  // namespace dn::testing
