@@ -10,12 +10,6 @@
 namespace dn {
 namespace {
 
-Json CorrelationJson(const BiasCorrelation& correlation) {
-  return {{"at_barycentre", ToJsonMatrix(correlation.at_barycentre)},
-          {"max_abs", correlation.max_abs},
-          {"rms", correlation.rms}};
-}
-
 Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
   Json json = Json::object();
   for (const UnknownEstimate& unknown : unknowns) {
@@ -166,6 +160,12 @@ Json MethodJson(const BoresightResult& boresight) {
 }
 
 }  // namespace
+
+Json CorrelationJson(const BiasCorrelation& correlation) {
+  return {{"at_barycentre", ToJsonMatrix(correlation.at_barycentre)},
+          {"max_abs", correlation.max_abs},
+          {"rms", correlation.rms}};
+}
 
 Json ComparisonJson(const std::string& flight,
                     const std::vector<std::pair<std::string, const BoresightResult*>>& methods,

@@ -4,55 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
-#include <optional>
 #include <utility>
 
+#include "decision.h"
 #include "refine_times.h"
 
 namespace dn::internal {
 namespace {
-
-constexpr std::size_t kMostCauses = 4;
-// What is expected before any data: nothing, an effect of the table, one without a name.
-constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorGeneric = 0.1;
-// By so much another effect must explain the data better to take the place of one that was chosen.
-constexpr double kSwapNats = 1.0;
-constexpr double kCredible = 0.95;
-
-std::vector<double> LogPriors(const std::vector<ScreenedEffect>& effects) {
-  const auto physical = std::count_if(effects.begin(), effects.end(),
-                                      [](const ScreenedEffect& e) { return e.physical; });
-  const auto generic = static_cast<double>(effects.size()) - static_cast<double>(physical);
-  std::vector<double> log_priors;
-  for (const ScreenedEffect& effect : effects) {
-    log_priors.push_back(
-        effect.physical
-            ? std::log(kPriorPhysical / static_cast<double>(std::max<long>(1, physical)))
-            : std::log(kPriorGeneric / std::max(1.0, generic)));
-  }
-  return log_priors;
-}
-
-/// Smallest set of names with the stated probability among those that are something.
-std::vector<std::string> CredibleSet(const std::vector<ScreenedEffect>& effects,
-                                     const std::vector<double>& posterior) {
-  std::vector<std::size_t> order(effects.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return posterior[a] > posterior[b]; });
-  double all = 0.0;
-  for (std::size_t k = 0; k < effects.size(); ++k) all += posterior[k];
-  std::vector<std::string> names;
-  double sum = 0.0;
-  for (const std::size_t k : order) {
-    if (sum >= kCredible * all) break;
-    sum += posterior[k];
-    if (effects[k].physical) names.push_back(effects[k].name);
-  }
-  return names;
-}
 
 class Attributor {
  public:
@@ -62,26 +20,19 @@ class Attributor {
     out_.base = std::move(base);
   }
 
-  Attribution Run() {
+  Attribution Run(bool detected) {
     explainer_.JudgeProcesses(out_.base.get());
-    for (const ScreenedEffect& effect : out_.base->effects) {
-      if (!effect.physical) out_.generic_nats = std::max(out_.generic_nats, effect.log_evidence);
+    out_.generic_nats = GenericEvidence(out_.base->effects);
+    if (detected) {
+      Grow();
+      if (out_.causes.size() > 1) Revise();
     }
-    Grow();
-    if (out_.causes.size() > 1) Revise();
     MakeSlots();
     return std::move(out_);
   }
 
  private:
   const ExplainedFlight& Present() const { return out_.last(); }
-
-  static std::optional<ScreenedEffect> BestPhysical(const ExplainedFlight& explained) {
-    for (const ScreenedEffect& effect : explained.effects) {
-      if (effect.physical) return effect;
-    }
-    return std::nullopt;
-  }
 
   GapCause Refined(const ExplainedFlight& explained, ScreenedEffect effect) const {
     RefineTimes(explained.solution->network(), explained.solution->marginals(),
@@ -110,8 +61,8 @@ class Attributor {
 
   void Grow() {
     while (out_.causes.size() < kMostCauses) {
-      const std::optional<ScreenedEffect> best = BestPhysical(Present());
-      if (!best || best->log_evidence < threshold_nats_) break;
+      const ScreenedEffect* best = BestPhysical(Present().effects);
+      if (best == nullptr || best->log_evidence < threshold_nats_) break;
       std::vector<GapCause> causes = out_.causes;
       causes.push_back(Refined(Present(), *best));
       Report("with " + best->name, 0.3 + 0.1 * static_cast<double>(out_.causes.size()));
@@ -146,9 +97,9 @@ class Attributor {
       Report("without " + out_.causes[k].effect, 0.7);
       const ExplainedFlight* others = ExplainedWithout(k);
       if (others == nullptr) continue;
-      const std::optional<ScreenedEffect> best = BestPhysical(*others);
-      if (!best) continue;
-      const double own = EvidenceOf(*others, out_.causes[k].effect);
+      const ScreenedEffect* best = BestPhysical(others->effects);
+      if (best == nullptr) continue;
+      const double own = EvidenceOf(others->effects, out_.causes[k].effect);
       if (own < threshold_nats_ && best->log_evidence < threshold_nats_) {
         Replace(Without(k));
         return;
@@ -162,13 +113,6 @@ class Attributor {
       Replace(causes);
       return;
     }
-  }
-
-  static double EvidenceOf(const ExplainedFlight& explained, const std::string& name) {
-    for (const ScreenedEffect& effect : explained.effects) {
-      if (effect.name == name) return effect.log_evidence;
-    }
-    return -std::numeric_limits<double>::infinity();
   }
 
   void Replace(const std::vector<GapCause>& causes) {
@@ -213,37 +157,9 @@ class Attributor {
 
 }  // namespace
 
-std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects) {
-  const std::vector<double> log_priors = LogPriors(effects);
-  double largest = std::log(kPriorNothing);
-  for (std::size_t k = 0; k < effects.size(); ++k) {
-    largest = std::max(largest, log_priors[k] + effects[k].log_evidence);
-  }
-  std::vector<double> posterior;
-  double sum = kPriorNothing * std::exp(-largest);
-  for (std::size_t k = 0; k < effects.size(); ++k) {
-    posterior.push_back(std::exp(log_priors[k] + effects[k].log_evidence - largest));
-    sum += posterior.back();
-  }
-  for (double& one : posterior) one /= sum;
-  return posterior;
-}
-
-Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& rivals) {
-  Slot slot;
-  slot.effect = effect;
-  slot.rivals = rivals;
-  slot.posterior = Posterior(rivals);
-  slot.credible_set = CredibleSet(rivals, slot.posterior);
-  for (std::size_t k = 0; k < rivals.size(); ++k) {
-    if (!rivals[k].physical) slot.generic_posterior += slot.posterior[k];
-  }
-  return slot;
-}
-
 Attribution Attribute(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
-                      double threshold_nats) {
-  return Attributor(explainer, std::move(base), threshold_nats).Run();
+                      bool detected, double threshold_nats) {
+  return Attributor(explainer, std::move(base), threshold_nats).Run(detected);
 }
 
 }  // namespace dn::internal

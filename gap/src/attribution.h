@@ -7,17 +7,9 @@
 #include <vector>
 
 #include "explained_flight.h"
+#include "slots.h"
 
 namespace dn::internal {
-
-/// One cause of the verdict among its rivals, all other causes being there.
-struct Slot {
-  std::string effect;
-  std::vector<ScreenedEffect> rivals;  ///< all effects of the screen without it, itself among them
-  std::vector<double> posterior;       ///< of each
-  std::vector<std::string> credible_set;  ///< 95 %, physical names
-  double generic_posterior = 0.0;         ///< of a discrepancy without a name
-};
 
 /// Which effects explain a flight.
 struct Attribution {
@@ -33,14 +25,9 @@ struct Attribution {
 };
 
 /// Takes the likeliest effect, adjusts anew with it, and again, while there is evidence above
-/// `threshold_nats`; then tries for every cause whether another explains its part better.
+/// `threshold_nats`; then tries for every cause whether another explains its part better. Of a flight
+/// where no gap was detected nothing is taken.
 Attribution Attribute(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
-                      double threshold_nats);
-
-/// A cause among its rivals, itself among them.
-Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& rivals);
-
-/// Probabilities of effects, of nothing at last; see docs/gap.md.
-std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects);
+                      bool detected, double threshold_nats);
 
 }  // namespace dn::internal

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "decision.h"
 #include "hidden_effects.h"
 #include "screen.h"
 #include "stopwatch.h"
@@ -13,8 +14,6 @@
 namespace dn::internal {
 namespace {
 
-// Evidence at which an effect is named: what the diagnosis of a flight asks for at least.
-constexpr double kThresholdNats = 6.0;
 constexpr PlannedRates kRates{.imu_hz = 100.0, .gnss_hz = 1.0};
 
 const Trajectory& PosesOf(const Flight& flight) {
@@ -39,7 +38,7 @@ GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
   const Marginals marginals(network.net, {.threads = options.threads});
   const Screen screen(network, marginals, {options.effects, options.left_out, options.threads});
   diagnosis.validity.observations = marginals.linearized().rows();
-  diagnosis.could_still_hide = HiddenEffects(screen, kThresholdNats, options.seed, options.depth);
+  diagnosis.could_still_hide = HiddenEffects(screen, kThresholdOfDesignNats, options.seed);
   watch.Lap("limits");
   return WithLimits(flight, std::move(diagnosis));
 }

@@ -17,6 +17,7 @@
 
 #include "attribution.h"
 #include "boresight_scatter.h"
+#include "decision.h"
 #include "design_limits.h"
 #include "diagnose_gauss_helmert.h"
 #include "explained_flight.h"
@@ -24,6 +25,7 @@
 #include "held_out.h"
 #include "hidden_effects.h"
 #include "shrinkage.h"
+#include "slots.h"
 #include "stopwatch.h"
 #include "unavailable.h"
 
@@ -33,11 +35,6 @@ namespace {
 using namespace internal;
 
 constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // of each kind
-constexpr int kTwinsFull = 400, kTwinsQuick = 200, kTwinsScreen = 100;
-// Beyond the evidence that one flight in twenty without any effect has somewhere in the library.
-constexpr double kSafetyNats = 2.0, kLeastThresholdNats = 4.0;
-// Evidence, more than a physical effect has, at which a discrepancy without a name is the better one.
-constexpr double kGenericNats = 3.0;
 // Share of its evidence that a large effect may lose by what is not of first order.
 constexpr double kSecondOrder = 0.05;
 // p-value of the high band and of gross errors, which the twins do not have, that counts by itself.
@@ -48,9 +45,7 @@ constexpr double kTrajectoryStepS = 0.01;
 constexpr int kFullTwins = 8;  // of each kind
 // p-value of the flight among its simulated twins below which they are not like it.
 constexpr double kUnlike = 0.01;
-constexpr std::size_t kPlaces = 20;
 constexpr long kLeastRedundancy = 30;
-constexpr std::size_t kFingerprint = 60;
 
 double Quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
@@ -107,20 +102,20 @@ class Diagnosis {
     before_ = Compare(*base);
     watch_.Lap("twins");
     JudgeGap(*base);
-    Attribution attribution = Attribute(explainer_, std::move(base), Threshold());
+    const Attribution attribution =
+        Attribute(explainer_, std::move(base), out_.detected, Threshold());
     watch_.Lap("attribution");
-    if (!out_.detected) Forget(&attribution);
     if (attribution.final) {
       Report("twins with the effects", 0.8);
       after_ = Compare(*attribution.final);
       watch_.Lap("twins with the effects");
     }
-    FillCauses(attribution);
+    FillCauses(attribution.base->effects, attribution.slots, NamedCauses(attribution), &out_);
     FillVerdict(attribution);
     if (attribution.final) {
       MeasureShrinkage(attribution);
       Report("data held out", 0.85);
-      HoldOut(attribution);
+      MeasureHeldOut(attribution);
       watch_.Lap("data held out");
     }
     if (options_.depth == GapOptions::Depth::kFull) {
@@ -129,8 +124,7 @@ class Diagnosis {
       watch_.Lap("simulated twins");
     }
     Report("limits", 0.95);
-    out_.could_still_hide =
-        HiddenEffects(*attribution.base->screen, Threshold(), options_.seed, options_.depth);
+    out_.could_still_hide = HiddenEffects(*attribution.base->screen, Threshold(), options_.seed);
     watch_.Lap("limits");
     for (const std::string& note : attribution.notes) out_.validity.notes.push_back(note);
     out_.verdict.text = VerdictSentence(out_);
@@ -139,8 +133,7 @@ class Diagnosis {
 
   /// By the geometry at the solution.
   GapResult Limits(const ExplainedFlight& base) {
-    out_.could_still_hide = HiddenEffects(*base.screen, kLeastThresholdNats + kSafetyNats,
-                                          options_.seed, options_.depth);
+    out_.could_still_hide = HiddenEffects(*base.screen, kThresholdOfDesignNats, options_.seed);
     out_.validity.observations = base.solution->linearized().rows();
     watch_.Lap("limits");
     return WithLimits(flight_, std::move(out_));
@@ -152,20 +145,10 @@ class Diagnosis {
     if (options_.progress) options_.progress(stage, fraction);
   }
 
-  int NumTwins() const {
-    switch (options_.depth) {
-      case GapOptions::Depth::kFull:
-        return kTwinsFull;
-      case GapOptions::Depth::kQuick:
-        return kTwinsQuick;
-      default:
-        return kTwinsScreen;
-    }
-  }
-
   Compared Compare(const ExplainedFlight& explained) const {
     Compared out;
-    out.test = explainer_.Test(explained, NumTwins(), &out.appearance, &out.twins, &out.statistics);
+    out.test = explainer_.Test(explained, NumTwins(options_.depth), &out.appearance, &out.twins,
+                               &out.statistics);
     return out;
   }
 
@@ -241,71 +224,22 @@ class Diagnosis {
     }
     for (const Eigen::Index k : order) {
       const LocationStatistic& at = before_.statistics[static_cast<std::size_t>(k)];
-      if (out_.fingerprint.size() < kFingerprint) {
+      if (out_.fingerprint.size() < kMostStatistics) {
         out_.fingerprint.push_back({NameOf(at), before_.appearance.locations[k], test.mean[k],
                                     test.sigma[k], std::nullopt, std::nullopt});
       }
-      if (out_.where.size() >= kPlaces || test.p_adjusted[k] > options_.alpha) continue;
+      if (out_.where.size() >= kMostPlaces || test.p_adjusted[k] > options_.alpha) continue;
       out_.where.push_back({at.sensor, at.quantity,
                             at.location.empty() ? "the whole flight" : at.location, test.z[k],
                             test.p_adjusted[k]});
     }
   }
 
-  static void Forget(Attribution* attribution) {
-    attribution->causes.clear();
-    attribution->final.reset();
-    attribution->explained_nats = 0.0;
-  }
-
-  /// Every effect with its probability over all causes; those of the verdict first.
-  void FillCauses(const Attribution& attribution) {
-    for (const ScreenedEffect& effect : attribution.base->effects) {
-      double absent = 1.0;
-      for (const Slot& slot : attribution.slots) absent *= 1.0 - ProbabilityIn(slot, effect.name);
-      if (!effect.physical) {
-        out_.discrepancies.push_back({effect.name, effect.log_evidence, 1.0 - absent});
-        continue;
-      }
-      GapCause cause = ToCause(effect);
-      cause.posterior = 1.0 - absent;
-      out_.causes.push_back(std::move(cause));
-    }
-    for (std::size_t k = attribution.causes.size(); k-- > 0;) {
-      PutFirst(attribution, k);
-    }
-  }
-
-  static double ProbabilityIn(const Slot& slot, const std::string& name) {
-    for (std::size_t k = 0; k < slot.rivals.size(); ++k) {
-      if (slot.rivals[k].name == name) return slot.posterior[k];
-    }
-    return 0.0;
-  }
-
-  void PutFirst(const Attribution& attribution, std::size_t k) {
-    const GapCause& named = attribution.causes[k];
-    const auto at =
-        std::find_if(out_.causes.begin(), out_.causes.end(),
-                     [&](const GapCause& cause) { return cause.effect == named.effect; });
-    GapCause cause = at == out_.causes.end() ? named : *at;
-    if (at != out_.causes.end()) out_.causes.erase(at);
-    cause.times = named.times;
-    cause.estimate = named.estimate;
-    cause.sigma = named.sigma;
-    cause.boresight_damage_rad = named.boresight_damage_rad;
-    for (const Slot& slot : attribution.slots) {
-      if (slot.effect != named.effect) continue;
-      cause.posterior = ProbabilityIn(slot, named.effect);
-      for (const ScreenedEffect& rival : slot.rivals) {
-        if (rival.name == named.effect) cause.log_evidence = rival.log_evidence;
-      }
-      for (const std::string& name : slot.credible_set) {
-        if (name != named.effect) cause.inseparable_from.push_back(name);
-      }
-    }
-    if (attribution.final) TakeEstimate(*attribution.final, &cause);
-    out_.causes.insert(out_.causes.begin(), std::move(cause));
+  std::vector<GapCause> NamedCauses(const Attribution& attribution) const {
+    std::vector<GapCause> named = attribution.causes;
+    if (!attribution.final) return named;
+    for (GapCause& cause : named) TakeEstimate(*attribution.final, &cause);
+    return named;
   }
 
   /// A fixed effect's values from the adjustment that has it among its unknowns.
@@ -319,38 +253,15 @@ class Diagnosis {
   }
 
   void FillVerdict(const Attribution& attribution) {
-    GapVerdict& verdict = out_.verdict;
     if (out_.validity.aa_p_value < kUnequalTwins) {
-      verdict.kind = GapVerdictKind::kUnavailable;
+      out_.verdict.kind = GapVerdictKind::kUnavailable;
       return;
     }
-    for (const GapCause& cause : attribution.causes) verdict.effects.push_back(cause.effect);
-    if (!out_.detected) {
-      verdict.kind = GapVerdictKind::kNoGap;
-      return;
-    }
-    for (const Slot& slot : attribution.slots) {
-      for (const std::string& name : slot.credible_set) {
-        if (std::find(verdict.credible_set.begin(), verdict.credible_set.end(), name) ==
-            verdict.credible_set.end()) {
-          verdict.credible_set.push_back(name);
-        }
-      }
-    }
-    const bool group = std::any_of(attribution.slots.begin(), attribution.slots.end(),
-                                   [](const Slot& slot) { return slot.credible_set.size() > 1; });
-    const bool generic = GenericIsBetter(attribution);
-    if (attribution.causes.empty() || generic) {
-      verdict.kind = GapVerdictKind::kUnknown;
-      verdict.unknown = true;
-      if (attribution.causes.empty()) verdict.credible_set.clear();
-      if (generic) verdict.effects.clear();
-    } else if (SomethingLeft(attribution)) {
-      verdict.kind = GapVerdictKind::kPartial;
-      verdict.unknown = true;
-    } else {
-      verdict.kind = group ? GapVerdictKind::kGroup : GapVerdictKind::kIdentified;
-    }
+    std::vector<std::string> named;
+    for (const GapCause& cause : attribution.causes) named.push_back(cause.effect);
+    const Decision decision{out_.detected, GenericIsBetter(attribution),
+                            SomethingLeft(attribution)};
+    out_.verdict = Decide(decision, named, attribution.slots);
   }
 
   /// A large effect is of more than first order: a discrepancy of many components may fit that as
@@ -384,13 +295,14 @@ class Diagnosis {
   }
 
   /// What the causes are worth for the prediction of data that are taken out.
-  void HoldOut(const Attribution& attribution) {
+  void MeasureHeldOut(const Attribution& attribution) {
     if (!out_.shrinkage) return;
     HeldOutOptions options;
     options.of_each_kind = options_.depth == GapOptions::Depth::kFull ? kFoldsFull : kFoldsQuick;
     options.threads = options_.threads;
     options.interrupted = options_.interrupted;
-    const HeldOutGains gains = MeasureHeldOut(*attribution.base, *attribution.final, options);
+    const HeldOutGains gains =
+        internal::MeasureHeldOut(*attribution.base, *attribution.final, options);
     if (gains.folds == 0) return;
     FillReachable(gains, &*out_.shrinkage);
     for (std::size_t k = 0; k < attribution.causes.size(); ++k) {

@@ -15,10 +15,11 @@
 #include <limits>
 #include <utility>
 
-#include "attribution.h"
+#include "decision.h"
 #include "gauss_helmert_evidence.h"
 #include "hidden_effects.h"
 #include "outlier_evidence.h"
+#include "slots.h"
 #include "stopwatch.h"
 #include "twins.h"
 #include "unavailable.h"
@@ -27,21 +28,11 @@ namespace dn::internal {
 namespace {
 
 constexpr std::size_t kFewestPairs = 100;
-constexpr std::size_t kMostCauses = 4;
-constexpr std::size_t kPlaces = 20;
-constexpr double kLeastThresholdNats = 4.0, kSafetyNats = 2.0;
-constexpr double kSwapNats = 1.0;
-// Evidence, more than a physical effect has, at which a discrepancy without a name is the better one.
-constexpr double kGenericNats = 3.0;
 // Of larger errors of the trajectory: what else its errors do, which the model of them leaves out,
 // takes up to about half of it on good flights.
 constexpr double kLargerErrorsNats = 20.0;
-// Share that good pairs lose to the threshold of gross errors.
-constexpr double kGrossNorm = 4.6, kGoodPairsLost = 2e-4;
-
-bool Has(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
+// Norm of a standardised misclosure that is a gross error, and the share of good pairs beyond it.
+constexpr double kGrossPairNorm = 4.6, kGoodPairsLost = 2e-4;
 
 /// The pairs beside their twins, with what was chosen among the unknowns.
 struct ComparedPairs {
@@ -73,7 +64,7 @@ class GaussHelmertDiagnosis {
     Report("limits", 0.2);
     base_ = Explain({});
     base_.screen = std::move(base_.at_stated);
-    FillHidden(kLeastThresholdNats + kSafetyNats);
+    FillHidden(kThresholdOfDesignNats);
     watch_.Lap("limits");
     return WithLimits(flight_, std::move(out_));
   }
@@ -87,9 +78,10 @@ class GaussHelmertDiagnosis {
     watch_.Lap("twins");
     JudgeGap();
     if (out_.detected) Attribute();
+    MakeSlots();
     watch_.Lap("attribution");
     FillWhere();
-    FillCauses();
+    FillCauses(base_.others, slots_, NamedCauses(), &out_);
     if (!chosen_.empty()) after_ = Compare(final_);
     FillVerdict();
     if (!chosen_.empty()) MeasureShrinkage();
@@ -145,7 +137,7 @@ class GaussHelmertDiagnosis {
           LinearisePair(problem.pairs[k], problem.lever_arm_b_m, calibration_.options.model,
                         calibration_.adjustment.boresight_rad, PairCorrection::Zero());
       const Eigen::Matrix3d covariance = MisclosureCovariance(problem.pairs[k], at, OfEnds(scale));
-      if (at.w.dot(covariance.llt().solve(at.w)) < kGrossNorm * kGrossNorm) continue;
+      if (at.w.dot(covariance.llt().solve(at.w)) < kGrossPairNorm * kGrossPairNorm) continue;
       ++gross_;
       largest_m = std::max(largest_m, at.w.norm());
     }
@@ -158,11 +150,6 @@ class GaussHelmertDiagnosis {
   }
 
   // ---- Twins -------------------------------------------------------------------------------------
-
-  int NumTwins() const {
-    if (options_.depth == GapOptions::Depth::kFull) return 400;
-    return options_.depth == GapOptions::Depth::kQuick ? 200 : 100;
-  }
 
   /// Misclosures summed over each place, in units of their sigma.
   Eigen::VectorXd Places(const JointScore& score, const Eigen::VectorXd& s) const {
@@ -216,7 +203,7 @@ class GaussHelmertDiagnosis {
     const Eigen::MatrixXd root =
         eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
     ComparedPairs out;
-    for (int twin = 0; twin < NumTwins(); ++twin) {
+    for (int twin = 0; twin < NumTwins(options_.depth); ++twin) {
       if (options_.interrupted && options_.interrupted()) throw Interrupted();
       Random random(options_.seed, "twin/" + std::to_string(twin));
       Eigen::VectorXd noise(root.cols());
@@ -325,7 +312,7 @@ class GaussHelmertDiagnosis {
       out_.fingerprint.push_back({"lidar " + quantity + ", " + place,
                                   stated.appearance.locations[k], test.mean[k], test.sigma[k],
                                   std::nullopt, std::nullopt});
-      if (out_.where.size() >= kPlaces || test.p_adjusted[k] > options_.alpha) continue;
+      if (out_.where.size() >= kMostPlaces || test.p_adjusted[k] > options_.alpha) continue;
       if (!out_.detected) continue;
       out_.where.push_back({"lidar", quantity, place, test.z[k], test.p_adjusted[k]});
     }
@@ -333,17 +320,10 @@ class GaussHelmertDiagnosis {
 
   // ---- Why ---------------------------------------------------------------------------------------
 
-  static const ScreenedEffect* BestPhysical(const ExplainedPairs& explained) {
-    for (const ScreenedEffect& effect : explained.others) {
-      if (effect.physical) return &effect;
-    }
-    return nullptr;
-  }
-
   void Attribute() {
     final_ = Explain({});
     while (chosen_.size() < kMostCauses) {
-      const ScreenedEffect* best = BestPhysical(final_);
+      const ScreenedEffect* best = BestPhysical(final_.others);
       if (best == nullptr || best->log_evidence < Threshold()) break;
       Report("with " + best->name, 0.6);
       chosen_.push_back(*best);
@@ -351,6 +331,10 @@ class GaussHelmertDiagnosis {
       final_ = Explain(chosen_);
     }
     Revise();
+  }
+
+  void MakeSlots() {
+    if (chosen_.empty()) slots_.push_back(MakeSlot("", base_.others));
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       slots_.push_back(MakeSlot(chosen_[k].name, Explain(Without(k)).others));
     }
@@ -366,11 +350,8 @@ class GaussHelmertDiagnosis {
   void Revise() {
     for (std::size_t k = 0; k + 1 < chosen_.size(); ++k) {
       const ExplainedPairs others = Explain(Without(k));
-      const ScreenedEffect* best = BestPhysical(others);
-      double own = -std::numeric_limits<double>::infinity();
-      for (const ScreenedEffect& effect : others.others) {
-        if (effect.name == chosen_[k].name) own = effect.log_evidence;
-      }
+      const ScreenedEffect* best = BestPhysical(others.others);
+      const double own = EvidenceOf(others.others, chosen_[k].name);
       if (best == nullptr || best->log_evidence < Threshold()) {
         chosen_ = Without(k);
       } else if (best->log_evidence > own + kSwapNats) {
@@ -385,64 +366,20 @@ class GaussHelmertDiagnosis {
     }
   }
 
-  void FillCauses() {
-    const std::vector<double> posterior = Posterior(base_.others);
-    for (std::size_t k = 0; k < base_.others.size(); ++k) {
-      GapCause cause = ToCause(base_.others[k]);
-      cause.posterior = posterior[k];
-      out_.causes.push_back(std::move(cause));
-    }
-    for (std::size_t k = chosen_.size(); k-- > 0;) PutFirst(k);
-  }
-
-  void PutFirst(std::size_t k) {
-    ScreenedEffect effect = final_.chosen[k];
-    const Slot& slot = slots_[k];
-    double posterior = 0.0;
-    for (std::size_t rival = 0; rival < slot.rivals.size(); ++rival) {
-      if (slot.rivals[rival].name != effect.name) continue;
-      posterior = slot.posterior[rival];
-      effect.log_evidence = slot.rivals[rival].log_evidence;
-    }
-    GapCause cause = ToCause(effect);
-    cause.posterior = posterior;
-    for (const std::string& name : slot.credible_set) {
-      if (name != effect.name) cause.inseparable_from.push_back(name);
-    }
-    std::erase_if(out_.causes, [&](const GapCause& one) { return one.effect == cause.effect; });
-    out_.causes.insert(out_.causes.begin(), std::move(cause));
-  }
-
   void FillVerdict() {
-    GapVerdict& verdict = out_.verdict;
-    verdict.kind = GapVerdictKind::kNoGap;
-    if (!out_.detected) return;
-    for (const ScreenedEffect& effect : chosen_) verdict.effects.push_back(effect.name);
-    bool group = false;
-    for (const Slot& slot : slots_) {
-      group = group || slot.credible_set.size() > 1;
-      for (const std::string& name : slot.credible_set) {
-        if (!Has(verdict.credible_set, name)) verdict.credible_set.push_back(name);
-      }
-    }
-    if (chosen_.empty() || GenericNats(base_) > explained_nats_ + kGenericNats) {
-      verdict.kind = GapVerdictKind::kUnknown;
-      verdict.unknown = true;
-      verdict.effects.clear();
-    } else if (PValue(final_) <= options_.alpha) {
-      verdict.kind = GapVerdictKind::kPartial;
-      verdict.unknown = true;
-    } else {
-      verdict.kind = group ? GapVerdictKind::kGroup : GapVerdictKind::kIdentified;
-    }
+    std::vector<std::string> named;
+    for (const ScreenedEffect& effect : chosen_) named.push_back(effect.name);
+    const Decision decision{out_.detected,
+                            GenericEvidence(base_.others) > explained_nats_ + kGenericNats,
+                            !chosen_.empty() && PValue(final_) <= options_.alpha};
+    out_.verdict = Decide(decision, named, slots_);
   }
 
-  static double GenericNats(const ExplainedPairs& explained) {
-    double most = 0.0;
-    for (const ScreenedEffect& effect : explained.others) {
-      if (!effect.physical) most = std::max(most, effect.log_evidence);
-    }
-    return most;
+  std::vector<GapCause> NamedCauses() const {
+    std::vector<GapCause> named;
+    if (chosen_.empty()) return named;
+    for (const ScreenedEffect& effect : final_.chosen) named.push_back(ToCause(effect));
+    return named;
   }
 
   /// What the best explanation not yet taken would gain.
@@ -500,8 +437,7 @@ class GaussHelmertDiagnosis {
   // ---- What could still hide ---------------------------------------------------------------------
 
   void FillHidden(double threshold_nats) {
-    out_.could_still_hide =
-        HiddenEffects(*base_.screen, threshold_nats, options_.seed, options_.depth);
+    out_.could_still_hide = HiddenEffects(*base_.screen, threshold_nats, options_.seed);
     for (HiddenEffect& hidden : HiddenByTrajectory(options_)) {
       out_.could_still_hide.push_back(std::move(hidden));
     }

@@ -12,8 +12,6 @@
 namespace dn::internal {
 namespace {
 
-// As in the screening of an adjustment: a norm that a good measurement exceeds once in 1.7 million.
-constexpr double kGrossNorm = 5.6;
 // A gross error stands by itself: an effect of the flight or the receiver shows in its neighbours.
 constexpr double kNeighbourShare = 0.25;
 constexpr int kMostPasses = 8;

@@ -54,7 +54,4 @@ class Explainer {
   bool with_pairs_;
 };
 
-/// An effect as the reports have it: in the units of the table.
-GapCause ToCause(const ScreenedEffect& effect);
-
 }  // namespace dn::internal

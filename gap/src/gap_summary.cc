@@ -1,37 +1,22 @@
 #include <dn/gap/report.h>
 #include <dn/geo/local_frame.h>
+#include <dn/report/wrapped.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "effect_words.h"
 
 namespace dn {
 namespace {
 
-constexpr std::size_t kLineWidth = 100;
 constexpr std::size_t kMostPlaces = 5;
 constexpr std::size_t kMostCauses = 8;
 constexpr std::size_t kMostHidden = 5;
 constexpr double kLeastPosterior = 0.05;
 constexpr double kMmPerM = 1e3;
-
-/// Words in lines, all but the first indented.
-std::string Wrapped(const std::string& text, const std::string& indent) {
-  std::istringstream words(text);
-  std::string out, line, word;
-  while (words >> word) {
-    if (!line.empty() && indent.size() + line.size() + 1 + word.size() > kLineWidth) {
-      out += line + "\n" + indent;
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-  }
-  return out + line + "\n";
-}
 
 std::string P(double p_value) { return fmt::format("{:.2g}", p_value); }
 

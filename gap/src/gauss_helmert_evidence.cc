@@ -73,11 +73,6 @@ JointScore Beside(const JointScore& score, const MatrixXd& T) {
   return left;
 }
 
-void SortByEvidence(std::vector<ScreenedEffect>* effects) {
-  std::stable_sort(effects->begin(), effects->end(),
-                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
-}
-
 /// Occam's share of the evidence for a noise of another size: ln(ratio) known to sigma.
 double NoisePrior(double ln_ratio, double sigma) {
   const double in_sigmas = ln_ratio / kLnNoiseSigma;

@@ -19,8 +19,6 @@ namespace {
 
 constexpr int kScanAngleBumps = 7;
 constexpr int kScanAnglePlaces = 8;
-constexpr int kMostBoresightCells = 24;
-constexpr double kShortestCellS = 15.0;
 constexpr std::size_t kMostStrips = 24;
 constexpr std::size_t kFewestPairs = 5;  // of a place
 
@@ -31,10 +29,8 @@ class Maker {
       : flight_(flight),
         lidar_(*flight.config.lidar),
         pairs_(pairs),
-        strips_(strips),
+        strips_(InTime(strips)),
         options_(options) {
-    std::sort(strips_.begin(), strips_.end(),
-              [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
     FindScanAngles();
   }
 
@@ -116,22 +112,9 @@ class Maker {
     out_.library.candidates.push_back(std::move(generic));
   }
 
-  TimeCells BoresightCells() const {
-    double total_s = 0.0;
-    for (const StripInterval& strip : strips_) total_s += strip.t1_s - strip.t0_s;
-    const double length_s = std::max(kShortestCellS, total_s / kMostBoresightCells);
-    TimeCells cells;
-    for (const StripInterval& strip : strips_) {
-      const double strip_s = strip.t1_s - strip.t0_s;
-      const int count = std::max(1, static_cast<int>(std::lround(strip_s / length_s)));
-      cells.Append(strip.t0_s, strip_s / count, count);
-    }
-    return cells;
-  }
-
   void AddBoresightByCell() {
     if (strips_.size() > kMostStrips) return;
-    const TimeCells cells = BoresightCells();
+    const TimeCells cells = BoresightCells(strips_);
     const OwnEffect own = BoresightByCell(cells);
     const std::size_t block = AddOwn(own);
     if (options_.Wanted("boresight_step")) {

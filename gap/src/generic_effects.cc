@@ -18,6 +18,11 @@ constexpr double kBoresightRad = 5e-5;
 constexpr double kGnssM = 0.02;
 constexpr double kLaserM = 0.02;
 
+constexpr double kShortestGnssCellS = 5.0;
+constexpr int kMostGnssCells = 120;
+constexpr double kShortestBoresightCellS = 15.0;
+constexpr int kMostBoresightCells = 24;
+
 /// Weights of three-vectors at a time: the value is their sum.
 using Weights = std::function<void(double t_s, Eigen::VectorXd* weights)>;
 
@@ -92,6 +97,40 @@ int TimeCells::At(double t_s) const {
 
 void TimeCells::Append(double begin_s, double length_s, int count) {
   for (int k = 0; k < count; ++k) start_s.push_back(begin_s + length_s * k);
+}
+
+std::vector<StripInterval> InTime(std::vector<StripInterval> strips) {
+  std::sort(strips.begin(), strips.end(),
+            [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
+  return strips;
+}
+
+double BoresightCellS(const std::vector<StripInterval>& strips) {
+  double total_s = 0.0;
+  for (const StripInterval& strip : strips) total_s += strip.t1_s - strip.t0_s;
+  return std::max(kShortestBoresightCellS, total_s / kMostBoresightCells);
+}
+
+TimeCells BoresightCells(const std::vector<StripInterval>& strips) {
+  const double length_s = BoresightCellS(strips);
+  TimeCells cells;
+  for (const StripInterval& strip : strips) {
+    const double strip_s = strip.t1_s - strip.t0_s;
+    const int count = std::max(1, static_cast<int>(std::lround(strip_s / length_s)));
+    cells.Append(strip.t0_s, strip_s / count, count);
+  }
+  return cells;
+}
+
+double GnssCellS(double length_s) {
+  return length_s / std::clamp(static_cast<int>(length_s / kShortestGnssCellS), 1, kMostGnssCells);
+}
+
+TimeCells GnssCells(double begin_s, double length_s) {
+  const double cell_s = GnssCellS(length_s);
+  TimeCells cells;
+  cells.Append(begin_s, cell_s, static_cast<int>(std::lround(length_s / cell_s)));
+  return cells;
 }
 
 double Cosines::At(int k, double t_s) const {

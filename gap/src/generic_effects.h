@@ -19,6 +19,19 @@ struct TimeCells {
   void Append(double begin_s, double length_s, int count);
 };
 
+/// Strips by their beginning.
+std::vector<StripInterval> InTime(std::vector<StripInterval> strips);
+
+/// Length that the cells below have before they are fitted to their strips, by up to a half of it.
+double BoresightCellS(const std::vector<StripInterval>& strips);
+/// Cells of equal length within each strip, of 15 s or, where the strips are long, so many that some
+/// two dozens cover them.
+TimeCells BoresightCells(const std::vector<StripInterval>& strips);
+
+double GnssCellS(double length_s);
+/// Cells of GNSS positions: of 5 s or, in a long flight, 120.
+TimeCells GnssCells(double begin_s, double length_s);
+
 /// Orthonormal cosines over a stretch of time: 1, sqrt(2) cos(pi k s), s from 0 to 1.
 struct Cosines {
   double begin_s = 0.0;

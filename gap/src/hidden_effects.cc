@@ -178,7 +178,7 @@ HiddenEffect Limits(const Screen& screen, const EffectFamily& family, double thr
 }  // namespace
 
 std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_nats,
-                                        std::uint64_t seed, GapOptions::Depth) {
+                                        std::uint64_t seed) {
   std::vector<HiddenEffect> hidden;
   for (const EffectFamily& family : screen.families()) {
     const bool process = screen.library().candidates[family.first].tau_s.has_value();

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/gap/diagnose.h>
+#include <dn/gap/diagnosis.h>
 
 #include <cstdint>
 #include <vector>
@@ -14,6 +14,6 @@ namespace dn::internal {
 /// named with probability .8 by the decision on the scores of the whole library, competing with all
 /// others, at sizes up to `kLargest` usual ones. By geometry alone; no measured value is used.
 std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_nats,
-                                        std::uint64_t seed, GapOptions::Depth depth);
+                                        std::uint64_t seed);
 
 }  // namespace dn::internal

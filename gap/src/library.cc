@@ -13,10 +13,6 @@
 namespace dn::internal {
 namespace {
 
-constexpr int kGnssCells = 120;
-constexpr double kShortestCellS = 5.0;
-constexpr double kBoresightCellS = 15.0;
-constexpr int kMostBoresightCells = 24;
 constexpr int kScanAngleBumps = 7;
 constexpr double kShortestPeriodS = 30.0;
 constexpr int kMostGnssCosines = 40, kMostBiasCosines = 24;
@@ -48,7 +44,7 @@ class Maker {
     for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
       with_pairs_ = with_pairs_ || network.net.factor(edge.id).active;
     }
-    if (with_pairs_) strips_ = StripsInTime();
+    if (with_pairs_) strips_ = InTime(FindStrips(network_.flight()));
   }
 
   Library Run() {
@@ -64,40 +60,21 @@ class Maker {
   }
 
  private:
-  std::vector<StripInterval> StripsInTime() const {
-    std::vector<StripInterval> strips = FindStrips(network_.flight());
-    std::sort(strips.begin(), strips.end(),
-              [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
-    return strips;
-  }
-
   std::vector<OwnEffect> OwnEffects() {
     gnss_cosines_.begin_s = bias_cosines_.begin_s = begin_s_;
     gnss_cosines_.length_s = bias_cosines_.length_s = length_s_;
-    const int cells = std::clamp(static_cast<int>(length_s_ / kShortestCellS), 1, kGnssCells);
-    gnss_cells_.Append(begin_s_, length_s_ / cells, cells);
+    gnss_cells_ = GnssCells(begin_s_, length_s_);
     const int waves = std::max(2, static_cast<int>(2.0 * length_s_ / kShortestPeriodS));
     gnss_cosines_.count = std::min(waves, kMostGnssCosines);
     bias_cosines_.count = std::min(waves, kMostBiasCosines);
     std::vector<OwnEffect> own{GnssByCell(gnss_cells_), GnssByCosine(gnss_cosines_)};
     if (!with_pairs_) return own;
-    MakeBoresightCells();
+    boresight_cells_ = BoresightCells(strips_);
     own.push_back(BoresightByCell(boresight_cells_));
     const auto [low, high] = ScanAngles();
     own.push_back(LaserByScanAngle(*network_.flight().config.lidar, low, high, kScanAngleBumps));
     own.push_back(LaserByStrip(strips_));
     return own;
-  }
-
-  void MakeBoresightCells() {
-    double total_s = 0.0;
-    for (const StripInterval& strip : strips_) total_s += strip.t1_s - strip.t0_s;
-    const double length_s = std::max(kBoresightCellS, total_s / kMostBoresightCells);
-    for (const StripInterval& strip : strips_) {
-      const double strip_s = strip.t1_s - strip.t0_s;
-      const int cells = std::max(1, static_cast<int>(std::lround(strip_s / length_s)));
-      boresight_cells_.Append(strip.t0_s, strip_s / cells, cells);
-    }
   }
 
   std::pair<double, double> ScanAngles() const {

@@ -56,9 +56,8 @@ FineCells AroundWindow(const std::pair<double, double>& window_s, double reach_s
 }
 
 double CellLength(const FlightNetwork& network, const std::string& name) {
-  if (name == "boresight_step") return 20.0;
-  const double length_s = network.node_times().back() - network.node_times().front();
-  return std::max(5.0, length_s / 120.0);
+  if (name == "boresight_step") return 1.5 * BoresightCellS(FindStrips(network.flight()));
+  return GnssCellS(network.node_times().back() - network.node_times().front());
 }
 
 }  // namespace

@@ -82,8 +82,7 @@ std::vector<ScreenedEffect> Screen::EffectsInOrder() const {
 
 std::vector<ScreenedEffect> Screen::Effects() const {
   std::vector<ScreenedEffect> effects = EffectsInOrder();
-  std::stable_sort(effects.begin(), effects.end(),
-                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+  SortByEvidence(&effects);
   return effects;
 }
 
@@ -158,6 +157,32 @@ void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
   }
   effect->estimate[sigmas] = *candidate.tau_s;
   effect->sigma[sigmas] = std::numeric_limits<double>::quiet_NaN();
+}
+
+void SortByEvidence(std::vector<ScreenedEffect>* effects) {
+  std::stable_sort(effects->begin(), effects->end(),
+                   [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+}
+
+GapCause ToCause(const ScreenedEffect& effect) {
+  GapCause cause;
+  cause.effect = effect.name;
+  cause.times = effect.times;
+  cause.log_evidence = effect.log_evidence;
+  cause.p_value = effect.p_value;
+  cause.absorbed_fraction = effect.absorbed;
+  cause.boresight_damage_rad = effect.boresight_rad;
+  cause.estimate = effect.estimate;
+  cause.sigma = effect.sigma;
+  const EffectSpec* spec = FindEffect(effect.name);
+  if (spec == nullptr) return cause;
+  cause.unit = spec->components[0].unit;
+  for (Eigen::Index k = 0; k < cause.estimate.size(); ++k) {
+    const double to_si = spec->components[static_cast<std::size_t>(k)].to_si;
+    cause.estimate[k] /= to_si;
+    cause.sigma[k] /= to_si;
+  }
+  return cause;
 }
 
 }  // namespace dn::internal

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
+#include <dn/gap/diagnosis.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/score_test.h>
 
@@ -27,6 +28,12 @@ struct ScreenedEffect {
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
   std::size_t candidate = 0;  ///< of the library
 };
+
+/// The likeliest first.
+void SortByEvidence(std::vector<ScreenedEffect>* effects);
+
+/// An effect as the reports have it: in the units of the table.
+GapCause ToCause(const ScreenedEffect& effect);
 
 /// Effects with the same name.
 struct EffectFamily {

@@ -85,8 +85,7 @@ class Variances {
     MakeComponents();
     ScreenComponents();
     ScreenInertial();
-    std::stable_sort(out_.effects.begin(), out_.effects.end(),
-                     [](const auto& a, const auto& b) { return a.log_evidence > b.log_evidence; });
+    SortByEvidence(&out_.effects);
     return std::move(out_);
   }
 

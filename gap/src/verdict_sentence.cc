@@ -40,7 +40,7 @@ std::string Harm(const GapCause& cause) {
   const Eigen::Vector3d& damage = cause.boresight_damage_rad;
   return damage.isZero(0.0) || !damage.allFinite()
              ? std::string()
-             : " and moves the boresight (roll, pitch, yaw) by " + MdegWords(damage);
+             : ", which moves the boresight (roll, pitch, yaw) by " + MdegWords(damage);
 }
 
 /// One effect: what, how large, what it does, and which key models it.

@@ -9,9 +9,6 @@
 namespace dn {
 namespace {
 
-// Norm of a standardised 3-vector that a good measurement exceeds once in 1.7 million: as much
-// outside as five sigmas of a normal variable leave.
-constexpr double kGrossNorm = 5.6;
 // Epochs to either side among which only the worst are taken out in one pass.
 constexpr std::size_t kNeighbours = 10;
 constexpr double kShareOfWorst = 0.5;

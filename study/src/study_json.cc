@@ -1,3 +1,4 @@
+#include <dn/calibration/result_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/study/report.h>
 
@@ -5,12 +6,6 @@
 
 namespace dn {
 namespace {
-
-Json CorrelationJson(const BiasCorrelation& correlation) {
-  return {{"at_barycentre", ToJsonMatrix(correlation.at_barycentre)},
-          {"max_abs", correlation.max_abs},
-          {"rms", correlation.rms}};
-}
 
 const char* Word(DesignSource source) {
   switch (source) {

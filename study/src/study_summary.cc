@@ -1,27 +1,10 @@
 #include <dn/geo/local_frame.h>
+#include <dn/report/wrapped.h>
 #include <dn/study/report.h>
 #include <fmt/format.h>
 
-#include <sstream>
-
 namespace dn {
 namespace {
-
-constexpr std::size_t kLineWidth = 100;
-
-/// Words in lines, all but the first indented.
-std::string Wrapped(const std::string& text, const std::string& indent) {
-  std::istringstream words(text);
-  std::string out, line, word;
-  while (words >> word) {
-    if (!line.empty() && indent.size() + line.size() + 1 + word.size() > kLineWidth) {
-      out += line + "\n" + indent;
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-  }
-  return out + line + "\n";
-}
 
 std::string BoresightLines(const BoresightResult& boresight) {
   const char* names[] = {"roll", "pitch", "yaw"};

@@ -15,10 +15,10 @@ using ::testing::UnorderedElementsAre;
 
 constexpr double kThresholdNats = 6.0;
 
-Attribution Attributed(const Flight& flight) {
+Attribution Attributed(const Flight& flight, bool detected = true) {
   const GapOptions options;
   const Explainer explainer(flight, options);
-  return Attribute(explainer, std::make_unique<ExplainedFlight>(explainer.Explain({})),
+  return Attribute(explainer, std::make_unique<ExplainedFlight>(explainer.Explain({})), detected,
                    kThresholdNats);
 }
 
@@ -54,28 +54,13 @@ TEST(Attribute, FindsNothingInNoise) {
   EXPECT_EQ(attribution.slots[0].effect, "");
 }
 
-ScreenedEffect WithEvidence(const std::string& name, double nats, bool physical = true) {
-  ScreenedEffect effect;
-  effect.name = name;
-  effect.physical = physical;
-  effect.log_evidence = nats;
-  return effect;
-}
-
-TEST(Posterior, IsBayes) {
-  const std::vector<double> p = Posterior({WithEvidence("a", std::log(8.0)), WithEvidence("b", 0.0),
-                                           WithEvidence("c", std::log(2.0), false)});
-  // 0.5 nothing, 0.2 x 8 a, 0.2 b, 0.1 x 2 c.
-  constexpr double kSum = 0.5 + 1.6 + 0.2 + 0.2;
-  EXPECT_NEAR(p[0], 1.6 / kSum, 1e-12);
-  EXPECT_NEAR(p[1], 0.2 / kSum, 1e-12);
-  EXPECT_NEAR(p[2], 0.2 / kSum, 1e-12);
-}
-
-TEST(Posterior, OfHugeEvidenceIsOne) {
-  const std::vector<double> p = Posterior({WithEvidence("a", 5000.0), WithEvidence("b", 4900.0)});
-  EXPECT_NEAR(p[0], 1.0, 1e-12);
-  EXPECT_LT(p[1], 1e-40);
+TEST(Attribute, TakesNothingWhereNoGapWasDetected) {
+  const Flight flight =
+      Simulate(AircraftScenario("effects: [{effect: lidar_range_offset, value: 0.15}]"), {}).flight;
+  const Attribution attribution = Attributed(flight, false);
+  EXPECT_TRUE(attribution.causes.empty());
+  ASSERT_EQ(attribution.slots.size(), 1u);
+  EXPECT_EQ(attribution.slots[0].effect, "");
 }
 
 }  // namespace

@@ -44,6 +44,9 @@ Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
                 const ModelCheck& check, const std::vector<UnknownEstimate>& unknowns,
                 const RunTimings& timings);
 
+/// Of the boresight with a bias, as all result files hold it.
+Json CorrelationJson(const BiasCorrelation& correlation);
+
 /// The adjustment's figures as result.json and smooth.json hold them.
 Json AdjustmentJson(const AdjustmentFigures& figures);
 

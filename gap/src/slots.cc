@@ -1,0 +1,182 @@
+#include "slots.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace dn::internal {
+namespace {
+
+// What is expected before any data: nothing, an effect of the table, one without a name.
+constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorGeneric = 0.1;
+constexpr double kCredible = 0.95;
+
+std::vector<double> LogPriors(const std::vector<ScreenedEffect>& effects) {
+  const auto physical = std::count_if(effects.begin(), effects.end(),
+                                      [](const ScreenedEffect& e) { return e.physical; });
+  const auto generic = static_cast<double>(effects.size()) - static_cast<double>(physical);
+  std::vector<double> log_priors;
+  for (const ScreenedEffect& effect : effects) {
+    log_priors.push_back(
+        effect.physical
+            ? std::log(kPriorPhysical / static_cast<double>(std::max<long>(1, physical)))
+            : std::log(kPriorGeneric / std::max(1.0, generic)));
+  }
+  return log_priors;
+}
+
+/// Smallest set of names with the stated probability among those that are something.
+std::vector<std::string> CredibleSet(const std::vector<ScreenedEffect>& effects,
+                                     const std::vector<double>& posterior) {
+  std::vector<std::size_t> order(effects.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return posterior[a] > posterior[b]; });
+  double all = 0.0;
+  for (std::size_t k = 0; k < effects.size(); ++k) all += posterior[k];
+  std::vector<std::string> names;
+  double sum = 0.0;
+  for (const std::size_t k : order) {
+    if (sum >= kCredible * all) break;
+    sum += posterior[k];
+    if (effects[k].physical) names.push_back(effects[k].name);
+  }
+  return names;
+}
+
+bool Has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+double ProbabilityIn(const Slot& slot, const std::string& name) {
+  for (std::size_t k = 0; k < slot.rivals.size(); ++k) {
+    if (slot.rivals[k].name == name) return slot.posterior[k];
+  }
+  return 0.0;
+}
+
+double ProbabilityInAny(const std::vector<Slot>& slots, const std::string& name) {
+  double absent = 1.0;
+  for (const Slot& slot : slots) absent *= 1.0 - ProbabilityIn(slot, name);
+  return 1.0 - absent;
+}
+
+void TakeSlot(const Slot& slot, GapCause* cause) {
+  cause->posterior = ProbabilityIn(slot, cause->effect);
+  const double log_evidence = EvidenceOf(slot.rivals, cause->effect);
+  if (std::isfinite(log_evidence)) cause->log_evidence = log_evidence;
+  for (const std::string& name : slot.credible_set) {
+    if (name != cause->effect) cause->inseparable_from.push_back(name);
+  }
+}
+
+std::vector<std::string> CredibleInAny(const std::vector<Slot>& slots) {
+  std::vector<std::string> names;
+  for (const Slot& slot : slots) {
+    for (const std::string& name : slot.credible_set) {
+      if (!Has(names, name)) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects) {
+  const std::vector<double> log_priors = LogPriors(effects);
+  double largest = std::log(kPriorNothing);
+  for (std::size_t k = 0; k < effects.size(); ++k) {
+    largest = std::max(largest, log_priors[k] + effects[k].log_evidence);
+  }
+  std::vector<double> posterior;
+  double sum = kPriorNothing * std::exp(-largest);
+  for (std::size_t k = 0; k < effects.size(); ++k) {
+    posterior.push_back(std::exp(log_priors[k] + effects[k].log_evidence - largest));
+    sum += posterior.back();
+  }
+  for (double& one : posterior) one /= sum;
+  return posterior;
+}
+
+Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& rivals) {
+  Slot slot;
+  slot.effect = effect;
+  slot.rivals = rivals;
+  slot.posterior = Posterior(rivals);
+  slot.credible_set = CredibleSet(rivals, slot.posterior);
+  for (std::size_t k = 0; k < rivals.size(); ++k) {
+    if (!rivals[k].physical) slot.generic_posterior += slot.posterior[k];
+  }
+  return slot;
+}
+
+double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string& name) {
+  for (const ScreenedEffect& effect : effects) {
+    if (effect.name == name) return effect.log_evidence;
+  }
+  return -std::numeric_limits<double>::infinity();
+}
+
+double GenericEvidence(const std::vector<ScreenedEffect>& effects) {
+  double most = 0.0;
+  for (const ScreenedEffect& effect : effects) {
+    if (!effect.physical) most = std::max(most, effect.log_evidence);
+  }
+  return most;
+}
+
+const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects) {
+  for (const ScreenedEffect& effect : effects) {
+    if (effect.physical) return &effect;
+  }
+  return nullptr;
+}
+
+void FillCauses(const std::vector<ScreenedEffect>& screened, const std::vector<Slot>& slots,
+                const std::vector<GapCause>& named, GapDiagnosis* diagnosis) {
+  for (const GapCause& cause : named) {
+    diagnosis->causes.push_back(cause);
+    for (const Slot& slot : slots) {
+      if (slot.effect == cause.effect) TakeSlot(slot, &diagnosis->causes.back());
+    }
+  }
+  for (const ScreenedEffect& effect : screened) {
+    const double posterior = ProbabilityInAny(slots, effect.name);
+    if (!effect.physical) {
+      diagnosis->discrepancies.push_back({effect.name, effect.log_evidence, posterior});
+      continue;
+    }
+    const auto taken = std::any_of(named.begin(), named.end(), [&](const GapCause& cause) {
+      return cause.effect == effect.name;
+    });
+    if (taken) continue;
+    diagnosis->causes.push_back(ToCause(effect));
+    diagnosis->causes.back().posterior = posterior;
+  }
+}
+
+GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
+                  const std::vector<Slot>& slots) {
+  GapVerdict verdict;
+  if (!decision.detected) return verdict;
+  if (named.empty() || decision.discrepancy_is_better) {
+    verdict.kind = GapVerdictKind::kUnknown;
+    verdict.unknown = true;
+    if (!named.empty()) verdict.credible_set = CredibleInAny(slots);
+    return verdict;
+  }
+  verdict.effects = named;
+  verdict.credible_set = CredibleInAny(slots);
+  const bool group = std::any_of(slots.begin(), slots.end(),
+                                 [](const Slot& slot) { return slot.credible_set.size() > 1; });
+  verdict.kind = group ? GapVerdictKind::kGroup : GapVerdictKind::kIdentified;
+  if (decision.something_left) {
+    verdict.kind = GapVerdictKind::kPartial;
+    verdict.unknown = true;
+  }
+  return verdict;
+}
+
+}  // namespace dn::internal

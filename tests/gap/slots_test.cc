@@ -1,0 +1,118 @@
+#include "slots.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace dn::internal {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+ScreenedEffect WithEvidence(const std::string& name, double nats, bool physical = true) {
+  ScreenedEffect effect;
+  effect.name = name;
+  effect.physical = physical;
+  effect.log_evidence = nats;
+  return effect;
+}
+
+GapCause Cause(const std::string& effect) {
+  GapCause cause;
+  cause.effect = effect;
+  return cause;
+}
+
+std::vector<std::string> Names(const std::vector<GapCause>& causes) {
+  std::vector<std::string> names;
+  for (const GapCause& cause : causes) names.push_back(cause.effect);
+  return names;
+}
+
+TEST(Posterior, IsBayes) {
+  const std::vector<double> p = Posterior({WithEvidence("a", std::log(8.0)), WithEvidence("b", 0.0),
+                                           WithEvidence("c", std::log(2.0), false)});
+  // 0.5 nothing, 0.2 x 8 a, 0.2 b, 0.1 x 2 c.
+  constexpr double kSum = 0.5 + 1.6 + 0.2 + 0.2;
+  EXPECT_NEAR(p[0], 1.6 / kSum, 1e-12);
+  EXPECT_NEAR(p[1], 0.2 / kSum, 1e-12);
+  EXPECT_NEAR(p[2], 0.2 / kSum, 1e-12);
+}
+
+TEST(Posterior, OfHugeEvidenceIsOne) {
+  const std::vector<double> p = Posterior({WithEvidence("a", 5000.0), WithEvidence("b", 4900.0)});
+  EXPECT_NEAR(p[0], 1.0, 1e-12);
+  EXPECT_LT(p[1], 1e-40);
+}
+
+TEST(FillCauses, PutsTheNamedFirstAndWhatHasNoNameApart) {
+  const std::vector<ScreenedEffect> screened{WithEvidence("b", 30.0), WithEvidence("a", 29.0),
+                                             WithEvidence("strips", 20.0, false),
+                                             WithEvidence("c", 0.0)};
+  const std::vector<Slot> slots{
+      MakeSlot("a", {WithEvidence("a", 25.0), WithEvidence("d", 24.5), WithEvidence("c", 0.0)})};
+  GapDiagnosis diagnosis;
+  FillCauses(screened, slots, {Cause("a")}, &diagnosis);
+  EXPECT_THAT(Names(diagnosis.causes), ElementsAre("a", "b", "c"));
+  ASSERT_EQ(diagnosis.discrepancies.size(), 1u);
+  EXPECT_EQ(diagnosis.discrepancies[0].name, "strips");
+  EXPECT_EQ(diagnosis.causes[0].log_evidence, 25.0);
+  EXPECT_NEAR(diagnosis.causes[0].posterior, 1.0 / (1.0 + std::exp(-0.5)), 1e-6);
+  EXPECT_THAT(diagnosis.causes[0].inseparable_from, ElementsAre("d"));
+}
+
+TEST(FillCauses, AddsTheProbabilitiesOfAllSlots) {
+  const std::vector<ScreenedEffect> screened{WithEvidence("a", 9.0), WithEvidence("b", 9.0)};
+  const std::vector<Slot> slots{MakeSlot("x", screened), MakeSlot("y", screened)};
+  GapDiagnosis diagnosis;
+  FillCauses(screened, slots, {}, &diagnosis);
+  const double one = slots[0].posterior[0];
+  EXPECT_NEAR(diagnosis.causes[0].posterior, 1.0 - (1.0 - one) * (1.0 - one), 1e-12);
+}
+
+class Decided : public ::testing::Test {
+ protected:
+  const std::vector<Slot> clear_{MakeSlot("a", {WithEvidence("a", 30.0), WithEvidence("b", 0.0)})};
+  const std::vector<Slot> tied_{MakeSlot("a", {WithEvidence("a", 30.0), WithEvidence("b", 30.0)})};
+};
+
+TEST_F(Decided, NamesWhatExplainsTheGap) {
+  const GapVerdict verdict = Decide({.detected = true}, {"a"}, clear_);
+  EXPECT_EQ(verdict.kind, GapVerdictKind::kIdentified);
+  EXPECT_THAT(verdict.effects, ElementsAre("a"));
+  EXPECT_THAT(verdict.credible_set, ElementsAre("a"));
+  EXPECT_FALSE(verdict.unknown);
+}
+
+TEST_F(Decided, NamesAGroupWhereItCannotTell) {
+  const GapVerdict verdict = Decide({.detected = true}, {"a"}, tied_);
+  EXPECT_EQ(verdict.kind, GapVerdictKind::kGroup);
+  EXPECT_THAT(verdict.credible_set, UnorderedElementsAre("a", "b"));
+}
+
+TEST_F(Decided, SaysThatSomethingIsLeft) {
+  const GapVerdict verdict = Decide({.detected = true, .something_left = true}, {"a"}, clear_);
+  EXPECT_EQ(verdict.kind, GapVerdictKind::kPartial);
+  EXPECT_TRUE(verdict.unknown);
+  EXPECT_THAT(verdict.effects, ElementsAre("a"));
+}
+
+TEST_F(Decided, NamesNothingWhereADiscrepancyIsBetter) {
+  const GapVerdict verdict =
+      Decide({.detected = true, .discrepancy_is_better = true}, {"a"}, clear_);
+  EXPECT_EQ(verdict.kind, GapVerdictKind::kUnknown);
+  EXPECT_THAT(verdict.effects, IsEmpty());
+  EXPECT_THAT(verdict.credible_set, ElementsAre("a"));
+}
+
+TEST_F(Decided, SaysNothingOfAFlightWithoutAGap) {
+  const GapVerdict verdict = Decide({}, {}, clear_);
+  EXPECT_EQ(verdict.kind, GapVerdictKind::kNoGap);
+  EXPECT_THAT(verdict.credible_set, IsEmpty());
+}
+
+}  // namespace
+}  // namespace dn::internal
