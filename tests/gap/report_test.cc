@@ -110,7 +110,7 @@ TEST(VerdictSentence, OfARandomEffectSaysHowTheBoresightMovesWithIt) {
   EXPECT_THAT(
       VerdictSentence(d),
       AllOf(HasSubstr("gnss_correlated_noise of sigma 0.05 +- 0.003 m, tau 60 s: state it"),
-            HasSubstr("(90 to 99), which moves the boresight (roll, pitch, yaw) by 3, -4, 14")));
+            HasSubstr("(90 to 99) and moves the boresight (roll, pitch, yaw) by 3, -4, 14")));
   noise.estimate[2] = 0.1;
   d.causes = {noise};
   EXPECT_THAT(VerdictSentence(d), HasSubstr("of sigma 0.05 +- 0.003 m, sigma up 0.1 +- 0.003 m"));
