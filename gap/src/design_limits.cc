@@ -27,17 +27,21 @@ bool HasPoses(const Flight& flight) {
   return flight.trajectory || flight.initial_guess || flight.reference;
 }
 
-GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
-  GapDiagnosis diagnosis;
-  diagnosis.flight = flight.config.name;
-  Stopwatch watch(&diagnosis.timings_s);
+Screen ScreenOfDesign(const Flight& flight, const GapOptions& options, long* rows) {
   Flight plan = flight;
   const NetworkDesign design{PosesOf(flight).InMap(flight.frame)};
   PlanMeasurements(design, kRates, &plan);
   const FlightNetwork network = Build(plan, design);
   const Marginals marginals(network.net, {.threads = options.threads});
-  const Screen screen(network, marginals, {options.effects, options.left_out, options.threads});
-  diagnosis.validity.observations = marginals.linearized().rows();
+  if (rows != nullptr) *rows = marginals.linearized().rows();
+  return Screen(network, marginals, {options.effects, options.left_out, options.threads});
+}
+
+GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
+  GapDiagnosis diagnosis;
+  diagnosis.flight = flight.config.name;
+  Stopwatch watch(&diagnosis.timings_s);
+  const Screen screen = ScreenOfDesign(flight, options, &diagnosis.validity.observations);
   diagnosis.could_still_hide = HiddenEffects(screen, kThresholdOfDesignNats, options.seed);
   watch.Lap("limits");
   return WithLimits(flight, std::move(diagnosis));

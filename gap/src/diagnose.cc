@@ -8,6 +8,8 @@
 #include <dn/interrupted.h>
 #include <dn/rotation.h>
 #include <dn/sim/random.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +29,7 @@
 #include "shrinkage.h"
 #include "slots.h"
 #include "stopwatch.h"
+#include "tie_breaker.h"
 #include "unavailable.h"
 
 namespace dn {
@@ -123,9 +126,10 @@ class Diagnosis {
       FlyAgain(attribution);
       watch_.Lap("simulated twins");
     }
-    Report("limits", 0.95);
+    Report("limits", 0.94);
     out_.could_still_hide = HiddenEffects(*attribution.base->screen, Threshold(), options_.seed);
     watch_.Lap("limits");
+    BreakTies(attribution);
     for (const std::string& note : attribution.notes) out_.validity.notes.push_back(note);
     out_.verdict.text = VerdictSentence(out_);
     return Result(attribution);
@@ -388,6 +392,21 @@ class Diagnosis {
       verdict.kind = GapVerdictKind::kPartial;
       verdict.unknown = true;
     }
+  }
+
+  void BreakTies(const Attribution& attribution) {
+    const std::vector<Tie> ties = TiesOf(out_);
+    if (options_.depth == GapOptions::Depth::kScreen || ties.empty()) return;
+    Report("what would tell the causes apart", 0.97);
+    const ExplainedFlight& last = attribution.last();
+    const Trajectory trajectory(DenseTrajectory(last.solution->network(), kTrajectoryStepS));
+    std::vector<std::string> sentences;
+    for (const Tie& tie : ties) {
+      const std::string text = TieBreaker(flight_, trajectory, BoresightOf(last), tie, options_);
+      if (!text.empty()) sentences.push_back(text);
+    }
+    out_.verdict.tie_breaker = fmt::format("{}", fmt::join(sentences, "; "));
+    watch_.Lap("tie breaker");
   }
 
   static Eigen::Vector3d BoresightOf(const ExplainedFlight& explained) {

@@ -27,19 +27,6 @@ constexpr double kOtherGround = 0.25;
 // Share of the twins' correlation matrix that gives way to the identity.
 constexpr double kShrunk = 0.1;
 
-/// What a twin's flight.yaml says as that of the flight does. Vibration that the flight states is an
-/// effect of the twin's scenario, whose flight.yaml does not state it.
-void AssumeAs(const FlightConfig& of, FlightConfig* config) {
-  config->estimate = of.estimate;
-  config->network = of.network;
-  config->gnss->robust = of.gnss->robust;
-  config->imu->model.vibration = of.imu->model.vibration;
-  if (!config->lidar || !of.lidar) return;
-  config->lidar->mounting.boresight_rad = of.lidar->mounting.boresight_rad;
-  config->lidar->boresight_sigma_rad = of.lidar->boresight_sigma_rad;
-  config->lidar->robust = of.lidar->robust;
-}
-
 NamedStatistics StatisticsOf(const Flight& flight, const std::function<bool()>& interrupted) {
   AdjustOptions options;
   options.with_pairs = flight.pairs.has_value();
@@ -138,6 +125,17 @@ Eigen::LLT<Eigen::MatrixXd> CorrelationOf(const std::vector<Eigen::VectorXd>& z)
 }
 
 }  // namespace
+
+void AssumeAs(const FlightConfig& of, FlightConfig* config) {
+  config->estimate = of.estimate;
+  config->network = of.network;
+  config->gnss->robust = of.gnss->robust;
+  config->imu->model.vibration = of.imu->model.vibration;
+  if (!config->lidar || !of.lidar) return;
+  config->lidar->mounting.boresight_rad = of.lidar->mounting.boresight_rad;
+  config->lidar->boresight_sigma_rad = of.lidar->boresight_sigma_rad;
+  config->lidar->robust = of.lidar->robust;
+}
 
 NamedStatistics Comparable(const std::vector<LocationStatistic>& statistics,
                            const Eigen::VectorXd& values) {

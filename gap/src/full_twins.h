@@ -23,6 +23,10 @@ using NamedStatistics = std::map<std::string, double>;
 NamedStatistics Comparable(const std::vector<LocationStatistic>& statistics,
                            const Eigen::VectorXd& values);
 
+/// What a twin's flight.yaml says as that of the flight does. Vibration that the flight states is an
+/// effect of the twin's scenario, whose flight.yaml does not state it.
+void AssumeAs(const FlightConfig& of, FlightConfig* config);
+
 struct FullTwinOptions {
   int count = 8;
   std::uint64_t seed = 1;

@@ -86,11 +86,11 @@ std::string DiscrepancyLines(const GapDiagnosis& d) {
 std::string CauseLines(const GapDiagnosis& d) {
   if (d.causes.empty()) return "";
   const bool moves = internal::HasBoresight(d);
-  std::string text = fmt::format("{:<10}{:<28}{:>6}{:>9}  {:<20}{}\n", "causes", "", "prob.",
+  std::string text = fmt::format("{:<10}{:<28}{:>6}{:>9}  {:<22} {}\n", "causes", "", "prob.",
                                  "nats", moves ? "moves [mdeg]" : "", "by");
   for (std::size_t i = 0; i < std::min(kMostCauses, d.causes.size()); ++i) {
     const GapCause& cause = d.causes[i];
-    text += fmt::format("        {} {:<28}{:>6.2f}{:>9.1f}  {:<20}{}{}\n",
+    text += fmt::format("        {} {:<28}{:>6.2f}{:>9.1f}  {:<22} {}{}\n",
                         Mark(d.verdict, cause.effect), cause.effect, cause.posterior,
                         cause.log_evidence, Moves(d, cause), internal::ValueWords(cause),
                         internal::TimesWords(cause.times));
