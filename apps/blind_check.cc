@@ -26,6 +26,7 @@ struct Options {
   std::vector<std::string> scenarios = BlindScenarioNames();
   std::string gap_options = "quick";
   std::string shard = "1/1";
+  bool left_out = false;
   bool discard_flights = false;
 };
 
@@ -57,7 +58,7 @@ std::string FailureOf(const BlindRecord& record) {
 
 std::vector<BlindRecord> Fly(const Options& options, const RecordFolder& folder,
                              const std::vector<std::uint64_t>& numbers, Run* run) {
-  const BlindSuite suite{options.seed, options.scenarios};
+  const BlindSuite suite{options.seed, options.scenarios, options.left_out};
   const BlindRunOptions how{options.common.out, GapOptions(options.gap_options),
                             options.discard_flights};
   std::vector<BlindRecord> records(numbers.size());
@@ -81,6 +82,7 @@ void BlindCheck(const Options& options, Run& run) {
   const Json made_from = {{"seed", options.seed},
                           {"scenarios", ScenariosJson(options.scenarios)},
                           {"gap_options", options.gap_options},
+                          {"left_out", options.left_out},
                           {"version", DN_VERSION}};
   const Series series{"blind-check", 1, static_cast<std::uint64_t>(options.flights),
                       ParseShard(options.shard)};
@@ -175,6 +177,8 @@ void AddBlindCheck(CLI::App* program, Action* action) {
                   "Fly only every N-th flight, from the i-th on; dn merge joins the shards")
       ->check(ShardText())
       ->capture_default_str();
+  app->add_flag("--left-out", options->left_out,
+                "Every flight contains one effect, and dn gap has to do without it");
   app->add_flag("--discard-flights", options->discard_flights,
                 "Remove the folder of a flight (some 20 MB) when it is recorded");
   AddCommonOptions(app, &options->common, true);

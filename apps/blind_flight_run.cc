@@ -105,6 +105,9 @@ void RunCommands(const Places& places, const std::vector<std::string>& gap_optio
   fs::create_directories(places.runs);
   std::vector<std::string> gap{"gap", places.flight.string()};
   gap.insert(gap.end(), gap_options.begin(), gap_options.end());
+  if (record->content == BlindContent::kLeftOut) {
+    gap.insert(gap.end(), {"--without", record->effects.front().name});
+  }
   record->diagnosis =
       RunCommand<BlindDiagnosis>(gap, places.runs / "gap", "gap.json", &DiagnosisFromGapJson);
   record->calibrated = Calibrate(places.flight, places.runs / "calibrate", record->boresight_deg);

@@ -52,6 +52,7 @@ std::vector<Effect> DrawEffects(std::size_t count, const FlightTimes& times, Ran
 }  // namespace
 
 BlindContent BlindFlight::content() const {
+  if (left_out) return BlindContent::kLeftOut;
   if (outsider) return BlindContent::kOutsider;
   if (scenario.effects.empty()) return BlindContent::kNothing;
   return scenario.effects.size() == 1 ? BlindContent::kOneEffect : BlindContent::kTwoEffects;
@@ -74,10 +75,12 @@ BlindFlight DrawBlindFlight(const BlindSuite& suite, int number) {
   flight.scenario = DrawScenario(flight.base, random);
   flight.scenario.name = fmt::format("flight_{:03}", number);
   const FlightTimes times = PlannedTimes(flight.scenario, flight.seed);
-  switch (DrawContent(random)) {
+  flight.left_out = suite.left_out;
+  switch (suite.left_out ? BlindContent::kLeftOut : DrawContent(random)) {
     case BlindContent::kNothing:
       break;
     case BlindContent::kOneEffect:
+    case BlindContent::kLeftOut:
       flight.scenario.effects = DrawEffects(1, times, random);
       break;
     case BlindContent::kTwoEffects:

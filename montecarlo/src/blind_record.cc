@@ -89,6 +89,8 @@ const char* Word(BlindContent content) {
       return "one";
     case BlindContent::kTwoEffects:
       return "two";
+    case BlindContent::kLeftOut:
+      return "left out";
     case BlindContent::kOutsider:
       return "outsider";
   }

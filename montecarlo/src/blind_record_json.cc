@@ -36,8 +36,9 @@ Effect EffectFromJson(const Json& json) {
 }
 
 BlindContent ContentOf(const std::string& word) {
-  for (const BlindContent content : {BlindContent::kNothing, BlindContent::kOneEffect,
-                                     BlindContent::kTwoEffects, BlindContent::kOutsider}) {
+  for (const BlindContent content :
+       {BlindContent::kNothing, BlindContent::kOneEffect, BlindContent::kTwoEffects,
+        BlindContent::kOutsider, BlindContent::kLeftOut}) {
     if (word == Word(content)) return content;
   }
   throw InvalidInput("no flight contains '" + word + "'");

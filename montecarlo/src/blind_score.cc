@@ -118,10 +118,10 @@ void ScoreTwo(const BlindRecord& record, BlindScore* score) {
   }
 }
 
-void ScoreOutsider(const BlindRecord& record, BlindScore* score) {
+/// Of what the diagnosis does not have.
+void ScoreOutsider(const std::string& name, const BlindRecord& record, BlindScore* score) {
   const BlindDiagnosis& diagnosis = *record.diagnosis.result;
-  OutsiderScore& of_outsider =
-      Entry(record.outsider->name, &OutsiderScore::outsider, &score->outsiders);
+  OutsiderScore& of_outsider = Entry(name, &OutsiderScore::outsider, &score->outsiders);
   score->outsider_detected.Count(diagnosis.detected);
   of_outsider.detected.Count(diagnosis.detected);
   if (!diagnosis.detected) return;
@@ -185,7 +185,10 @@ void ScoreDiagnosis(const BlindRecord& record, BlindScore* score, Samples* sampl
       ScoreTwo(record, score);
       break;
     case BlindContent::kOutsider:
-      ScoreOutsider(record, score);
+      ScoreOutsider(record.outsider->name, record, score);
+      break;
+    case BlindContent::kLeftOut:
+      ScoreOutsider(record.effects.front().name, record, score);
       break;
   }
   ScoreReliability(record, score, samples);

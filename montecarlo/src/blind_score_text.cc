@@ -285,7 +285,7 @@ std::string FormatTable(const BlindScore& s) {
   text += Line("both named, or in the credible set", s.two_named_with_group);
   text += Line("each effect", s.two_members);
   text += fmt::format("names of what is not there, in flights with effects: {}\n", s.spurious);
-  text += "flights with physics outside the table\n";
+  text += "flights with physics outside the table, or with an effect left out\n";
   text += Line("detected", s.outsider_detected);
   text += Line("of these unknown or partial", s.outsider_rejected);
   text += Line("of these one effect named, nothing open", s.outsider_misnamed);

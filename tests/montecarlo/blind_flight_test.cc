@@ -42,6 +42,17 @@ TEST(BlindFlight, ItsContentHasTheStatedShares) {
   EXPECT_NEAR(share[BlindContent::kOutsider], 0.2, 0.1);
 }
 
+TEST(BlindFlight, OfASuiteOfEffectsLeftOutHasOne) {
+  BlindSuite suite = Suite();
+  suite.left_out = true;
+  for (int number = 1; number <= 8; ++number) {
+    const BlindFlight flight = DrawBlindFlight(suite, number);
+    EXPECT_EQ(flight.content(), BlindContent::kLeftOut);
+    EXPECT_EQ(flight.scenario.effects.size(), 1u);
+    EXPECT_FALSE(flight.outsider.has_value());
+  }
+}
+
 TEST(BlindFlight, IsTheSameForTheSameSuiteAndNumber) {
   for (const int number : {1, 17}) {
     const BlindFlight flight = DrawBlindFlight(Suite(), number);

@@ -45,6 +45,24 @@ BlindRecord Outside(int number, const Said& said, bool unknown = false) {
   return record;
 }
 
+TEST(BlindScore, AnEffectLeftOutIsToBeRejected) {
+  const auto left_out = [](int number, const Said& said) {
+    BlindRecord record = Record(number, {"lidar_range_offset"}, said);
+    record.content = BlindContent::kLeftOut;
+    return record;
+  };
+  const BlindScore score = ScoreBlindFlights(
+      {left_out(1, {"unknown", {}}), left_out(2, {"partial", {"lidar_range_scale"}}),
+       left_out(3, {"identified", {"lidar_range_scale"}}), left_out(4, {"no_gap", {}})});
+  EXPECT_EQ(score.outsider_detected.hits, 3);
+  EXPECT_EQ(score.outsider_detected.of, 4);
+  EXPECT_EQ(score.outsider_rejected.hits, 2);
+  EXPECT_EQ(score.outsider_misnamed.hits, 1);
+  ASSERT_EQ(score.outsiders.size(), 1u);
+  EXPECT_EQ(score.outsiders[0].outsider, "lidar_range_offset");
+  EXPECT_EQ(score.one_detected.of, 0);
+}
+
 TEST(Share, WilsonsIntervalOfKnownCases) {
   const Share one{1, 10};  // Newcombe 1998 gives 0.0179 .. 0.4042
   EXPECT_NEAR(one.interval_95().low, 0.0179, 5e-4);

@@ -14,10 +14,12 @@ namespace dn::apps {
 struct BlindSuite {
   std::uint64_t seed = 1;
   std::vector<std::string> scenarios;  ///< at least one; the flights are made from them
+  /// Every flight contains one effect of the table, which its diagnosis has to do without.
+  bool left_out = false;
 };
 
 /// What a flight of a series contains.
-enum class BlindContent { kNothing, kOneEffect, kTwoEffects, kOutsider };
+enum class BlindContent { kNothing, kOneEffect, kTwoEffects, kOutsider, kLeftOut };
 
 /// One flight of a series.
 struct BlindFlight {
@@ -26,6 +28,7 @@ struct BlindFlight {
   std::string base;        ///< the scenario that it was made from
   Scenario scenario;       ///< with the effects, at most two
   std::optional<Outsider> outsider;
+  bool left_out = false;  ///< its effect is none of those that its diagnosis considers
 
   BlindContent content() const;
 };
@@ -38,7 +41,8 @@ double SizeOf(const Effect& effect);
 
 /// Draws flight `number`, from 1: the lines (heading, height, length, number), the terrain and the
 /// true boresight; then what it contains: nothing in 20 % of the flights, one effect in 50, two in
-/// 10, an outsider in 20. It depends on the suite and the number alone.
+/// 10, an outsider in 20; or what a suite of effects left out says. It depends on the suite and the
+/// number alone.
 ///
 /// Sizes are uniform in their logarithm: between 1 and 10 times the usual one of the table, for a
 /// ratio r between 0.5 and 4 times r - 1, and for what tells no size (a correlation time, the

@@ -80,7 +80,7 @@ BlindCalibration CalibrationFromResultJson(const Json& result,
 Json ToJson(const BlindRecord& record);
 BlindRecord BlindRecordFromJson(const Json& json);
 
-/// "nothing", "one", "two", "outsider".
+/// "nothing", "one", "two", "outsider", "left out".
 const char* Word(BlindContent content);
 
 }  // namespace dn::apps

@@ -46,7 +46,7 @@ struct SizeScore {
   Share named_with_group;
 };
 
-/// Flights with one outsider, of one name.
+/// Flights with one outsider, or one effect left out, of one name.
 struct OutsiderScore {
   std::string outsider;
   Share detected;
