@@ -28,16 +28,21 @@ function(dn_add_layer name)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${A_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
-# dn_add_test(<name> SOURCES <files> LINK <targets> [LABEL <unit|property|golden|example|cli|package|slow>])
+# dn_add_test(<name> SOURCES <files> LINK <targets> [LABEL <unit|property|golden|example|cli|package|slow>]
+#             [INCLUDE <folders>])
 #
-# One GoogleTest program; every TEST becomes a ctest entry.
+# One GoogleTest program; every TEST becomes a ctest entry. INCLUDE: where the headers lie that only
+# the layer itself and its tests see.
 function(dn_add_test name)
-  cmake_parse_arguments(A "" "LABEL" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(A "" "LABEL" "SOURCES;LINK;INCLUDE" ${ARGN})
   if(NOT A_LABEL)
     set(A_LABEL unit)
   endif()
+  if(A_LABEL STREQUAL slow AND NOT DN_BUILD_SLOW_TESTS)
+    return()
+  endif()
   add_executable(${name} ${A_SOURCES})
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests ${A_INCLUDE})
   target_link_libraries(${name} PRIVATE ${A_LINK} GTest::gmock GTest::gtest_main dn_dev_flags)
   dn_use_precompiled(${name} dn_test_headers)
   target_compile_definitions(${name} PRIVATE DN_SHARED_DATA_DIR="${DN_SHARED_DATA_DIR}")
