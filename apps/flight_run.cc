@@ -188,9 +188,13 @@ void FillReport(const FlightRun& flight_run, Run* run) {
 void PrintClocks(const Clocks& clocks) {
   const auto print = [](const char* sensor, const std::optional<ClockEstimate>& clock) {
     if (!clock) return;
-    fmt::print("  {:<6} offset {:.6f} +- {:.2g} s, drift {:.3f} +- {:.2g} ppm\n", sensor,
-               clock->offset_s, clock->sigma_offset_s, clock->drift * 1e6,
-               clock->sigma_drift * 1e6);
+    const ClockEstimate alone = clock->WithoutDrift();
+    fmt::print(
+        "  {:<6} offset {:.6f} +- {:.2g} s, drift {:.3f} +- {:.2g} ppm; offset without drift "
+        "{:.6f} "
+        "+- {:.2g} s\n",
+        sensor, clock->offset_s, clock->sigma_offset_s, clock->drift * 1e6,
+        clock->sigma_drift * 1e6, alone.offset_s, alone.sigma_offset_s);
   };
   if (!clocks.gnss && !clocks.lidar) return;
   fmt::print(

@@ -104,8 +104,8 @@ double NodeRateHz(const Flight& flight, bool with_pairs) {
   return std::max(kLowestRateHz, flight.config.network.node_rate_hz.value_or(auto_hz));
 }
 
-std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span,
-                                    bool with_pairs, const CalibrationState& calibration) {
+std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span, bool with_pairs,
+                                    const CalibrationState& calibration) {
   NodeGridOptions options;
   options.rate_in_strips_hz = NodeRateHz(flight, with_pairs);
   options.max_spacing_s = 1.0 / kLowestRateHz;

@@ -200,6 +200,9 @@ class Checker {
     ClockEstimate clock;
     take(offset, &clock.offset_s, &clock.sigma_offset_s);
     take(drift, &clock.drift, &clock.sigma_drift);
+    if (at == 2) {
+      clock.correlation = test.covariance(0, 1) / (clock.sigma_offset_s * clock.sigma_drift);
+    }
     return clock;
   }
 

@@ -37,7 +37,8 @@ Json ClockJson(const std::optional<ClockEstimate>& clock) {
   return {{"offset_s", clock->offset_s},
           {"sigma_offset_s", clock->sigma_offset_s},
           {"drift_ppm", clock->drift * 1e6},
-          {"sigma_drift_ppm", clock->sigma_drift * 1e6}};
+          {"sigma_drift_ppm", clock->sigma_drift * 1e6},
+          {"correlation", clock->correlation}};
 }
 
 Json ClocksJson(const Clocks& clocks) {

@@ -222,13 +222,12 @@ class Screener {
 
   ClockEstimate EstimateOf(const FlightNetwork& network) const {
     const Marginals marginals(network.net, {.threads = run_.options().threads});
-    const auto value_of = [&](const char* name) {
-      return network.net.block(network.net.Find(name)).value[0];
-    };
-    const auto sigma_of = [&](const char* name) {
-      return std::sqrt(marginals.Covariance(network.net.Find(name))(0, 0));
-    };
-    return {value_of(kOffset), sigma_of(kOffset), value_of(kDrift), sigma_of(kDrift)};
+    const BlockId offset = network.net.Find(kOffset), drift = network.net.Find(kDrift);
+    const double sigma_offset_s = std::sqrt(marginals.Covariance(offset)(0, 0));
+    const double sigma_drift = std::sqrt(marginals.Covariance(drift)(0, 0));
+    return {network.net.block(offset).value[0], sigma_offset_s, network.net.block(drift).value[0],
+            sigma_drift,
+            marginals.Covariance(offset, drift)(0, 0) / (sigma_offset_s * sigma_drift)};
   }
 
   static void LeaveOutAsIn(const FlightNetwork& other, FlightNetwork* network) {

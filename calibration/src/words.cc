@@ -155,14 +155,18 @@ std::string Say(const facts::GnssLeverArmOff& fact) {
 }
 
 std::string Say(const facts::GnssTimeOff& fact) {
-  const ClockEstimate& clock = fact.clock;
+  const bool drifts = fact.clock.shows_drift();
+  const bool late = !drifts || fact.clock.shows_offset();
+  const ClockEstimate clock = !drifts ? fact.clock.WithoutDrift()
+                              : late  ? fact.clock
+                                      : fact.clock.WithoutOffset();
   std::vector<std::string> off, names;
-  if (clock.shows_offset()) {
+  if (late) {
     off.push_back(fmt::format("are {:.6g} +- {:.2g} s {}", std::abs(clock.offset_s),
                               clock.sigma_offset_s, clock.offset_s > 0.0 ? "late" : "early"));
     names.push_back("gnss_time_offset");
   }
-  if (clock.shows_drift()) {
+  if (drifts) {
     off.push_back(
         fmt::format("drift by {:.6g} +- {:.2g} ppm", clock.drift * 1e6, clock.sigma_drift * 1e6));
     names.push_back("gnss_time_drift");

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -130,6 +131,19 @@ TEST(Clocks, AreSaidBySizeSigmaAndKey) {
   EXPECT_THAT(Words(Finding{facts::GnssTimeOff{drifting, 93.0, false}}),
               AllOf(HasSubstr("drift by 200 +- 0.1 ppm"), HasSubstr("moves the trajectory"),
                     HasSubstr("estimate gnss_time_drift"), Not(HasSubstr("s late"))));
+}
+
+// The formulas of a conditional normal distribution, by the inverse of the covariance.
+TEST(Clocks, OneOfTheTwoAloneIsThatOfTheSameData) {
+  const ClockEstimate both{1e-3, 2e-4, -3e-6, 1e-6, -0.8};
+  Eigen::Matrix2d covariance;
+  covariance << 4e-8, -0.8 * 2e-10, -0.8 * 2e-10, 1e-12;
+  const Eigen::Matrix2d N = covariance.inverse();
+  const Eigen::Vector2d right = N * Eigen::Vector2d(1e-3, -3e-6);
+  EXPECT_NEAR(both.WithoutDrift().offset_s, right[0] / N(0, 0), 1e-12);
+  EXPECT_NEAR(both.WithoutDrift().sigma_offset_s, std::sqrt(1.0 / N(0, 0)), 1e-12);
+  EXPECT_NEAR(both.WithoutOffset().drift, right[1] / N(1, 1), 1e-14);
+  EXPECT_NEAR(both.WithoutOffset().sigma_drift, std::sqrt(1.0 / N(1, 1)), 1e-14);
 }
 
 /// Errors of the positions of three times the stated white sigma and more that last for so many

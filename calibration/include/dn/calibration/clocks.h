@@ -15,6 +15,11 @@ struct ClockEstimate {
   double sigma_offset_s = 0.0;
   double drift = 0.0;  ///< seconds per second
   double sigma_drift = 0.0;
+  double correlation = 0.0;  ///< of the two; 0 where one of them is an unknown of the adjustment
+
+  /// The same data where there is no drift, or no offset.
+  ClockEstimate WithoutDrift() const;
+  ClockEstimate WithoutOffset() const;
 
   /// Beyond four sigmas.
   bool shows_offset() const { return offset_s * offset_s > 16.0 * sigma_offset_s * sigma_offset_s; }
