@@ -94,6 +94,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
       figures.correspondences, figures.outliers);
   fmt::print("  mean distance of the pairs {:.3f} m before, {:.3f} m after\n",
              flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
+  PrintClocks(flight_run.solution->model_check().clocks);
   PrintAssessment(boresight);
   PrintTimes(flight_run.timings);
 }

@@ -185,6 +185,24 @@ void FillReport(const FlightRun& flight_run, Run* run) {
                          {"covariance", flight_run.timings.covariance_s}};
 }
 
+void PrintClocks(const Clocks& clocks) {
+  const auto print = [](const char* sensor, const std::optional<ClockEstimate>& clock) {
+    if (!clock) return;
+    const ClockEstimate alone = clock->WithoutDrift();
+    fmt::print(
+        "  {:<6} offset {:.6f} +- {:.2g} s, drift {:.3f} +- {:.2g} ppm; offset without drift "
+        "{:.6f} "
+        "+- {:.2g} s\n",
+        sensor, clock->offset_s, clock->sigma_offset_s, clock->drift * 1e6,
+        clock->sigma_drift * 1e6, alone.offset_s, alone.sigma_offset_s);
+  };
+  if (!clocks.gnss && !clocks.lidar) return;
+  fmt::print(
+      "clocks against that of the inertial data, tag = t + offset + drift (t - first epoch)\n");
+  print("gnss", clocks.gnss);
+  print("lidar", clocks.lidar);
+}
+
 void PrintFindings(const ModelCheck& check) {
   fmt::print("assessment: {}\n", Word(check));
   for (const std::string& text : Words(check.findings)) fmt::print("  {}\n", text);

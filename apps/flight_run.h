@@ -32,6 +32,9 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run);
 /// Fills report.json's counts, statistics, stages and timings.
 void FillReport(const FlightRun& flight_run, Run* run);
 
+/// Prints offset and drift of the clocks with their sigmas.
+void PrintClocks(const Clocks& clocks);
+
 /// Prints what the model check found, a line each.
 void PrintFindings(const ModelCheck& check);
 

@@ -52,6 +52,7 @@ void Smooth(const SmoothOptions& options, Run& run) {
   PrintStatistics("residuals after the adjustment", trajectory.residuals);
   const Json& errors = run.report["reference_errors"];
   if (!errors.is_null()) fmt::print("differences from the reference: {}\n", errors.dump());
+  PrintClocks(check.clocks);
   PrintFindings(check);
   if (check.contradicted()) ThrowContradicted(Words(check.findings.front()), "smooth.json");
 }

@@ -55,7 +55,7 @@ MotionAtTag MotionOf(const Flight& flight, const GnssEpoch& epoch, const Calibra
   const MapPose& pose = input.pose;
   const Eigen::Vector3d a_m = pose.q_mb * here.f_end_b_mps2 + flight.frame.Gravity(pose.p_mb) +
                               state.AttractionAt(pose.p_mb) - 2.0 * w_ie_m.cross(pose.v_m);
-  return {epoch.t_s, here.w_end_b_radps, w_ie_m, a_m};
+  return {epoch.t_s, here.w_end_b_radps, w_ie_m, a_m, epoch.t_s - pose.t_s};
 }
 
 /// An end of a pair with what its covariance is made of.
@@ -122,6 +122,15 @@ double TypicalGnssSigma(const Flight& flight) {
   return std::sqrt(variance.maxCoeff());
 }
 
+double GnssEpochTime(const CalibrationState& calibration, double tag_s) {
+  std::vector<const double*> values;
+  ForEachEffect<std::shared_ptr<const GnssEffect>>(
+      calibration, [&](const auto&, const Eigen::VectorXd& value, std::size_t) {
+        values.push_back(value.data());
+      });
+  return tag_s - Corrected(Of<GnssEffect>(calibration), values.data(), tag_s).delay_s;
+}
+
 bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config) {
   return config.use_velocity.value_or(true) && epoch.velocity_enu_mps.has_value() &&
          epoch.velocity_covariance_enu.has_value();
@@ -139,7 +148,7 @@ std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
   for (auto& effect : Of<GnssEffect>(calibration)) effects.push_back(std::move(effect));
   if (effects.empty()) return std::make_shared<GnssPosition>(z_m, noise);
   const Preintegrated here =
-      IdentityIncrement(*flight.imu, epoch.t_s, CorrectionOf(calibration, input.biases));
+      IdentityIncrement(*flight.imu, input.pose.t_s, CorrectionOf(calibration, input.biases));
   return std::make_shared<GnssAntenna>(GnssAntenna::Quantity::kPosition, z_m,
                                        MotionOf(flight, epoch, calibration, input, here),
                                        std::move(effects), noise);
@@ -157,7 +166,7 @@ std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
                                           epoch.t_s, kCheckGnss);
   const Eigen::Vector3d z_m = R_m_enu * *epoch.velocity_enu_mps;
   const Preintegrated here =
-      IdentityIncrement(*flight.imu, epoch.t_s, CorrectionOf(calibration, input.biases));
+      IdentityIncrement(*flight.imu, input.pose.t_s, CorrectionOf(calibration, input.biases));
   GnssEffects effects = Of<GnssEffect>(calibration);
   if (effects.empty()) {
     return std::make_shared<GnssVelocity>(z_m, here.w_end_b_radps, flight.frame.w_ie_m(), noise);

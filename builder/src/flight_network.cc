@@ -338,8 +338,9 @@ void FlightNetwork::AddGnssEdges() {
   const auto& epochs = flight_->gnss->epochs;
   for (std::size_t e = 0; e < epochs.size(); ++e) {
     const GnssEpoch& epoch = epochs[e];
-    const std::size_t k = NodeBefore(node_t_s_, epoch.t_s + 1e-6);
-    if (std::abs(node_t_s_[k] - epoch.t_s) > kSameEpochS) continue;  // outside the network's span
+    const double t_s = GnssEpochTime(calibration, epoch.t_s);
+    const std::size_t k = NodeBefore(node_t_s_, t_s + 1e-6);
+    if (std::abs(node_t_s_[k] - t_s) > kSameEpochS) continue;  // outside the network's span
     GnssEdge edge{k, e, -1, -1};
     std::vector<BlockId> position{nodes[k].q_mb.id, nodes[k].p_mb.id, gnss_lever_arm.id};
     std::vector<BlockId> velocity{nodes[k].q_mb.id, nodes[k].v_m.id, gnss_lever_arm.id};

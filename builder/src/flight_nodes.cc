@@ -1,3 +1,4 @@
+#include <dn/builder/edge_factors.h>
 #include <dn/builder/flight_nodes.h>
 #include <dn/error.h>
 
@@ -37,14 +38,16 @@ double LargestGyroWhite(const Flight& flight, const std::vector<TimeInterval>& s
 
 }  // namespace
 
-TimeInterval NetworkSpan(const Flight& flight, bool with_pairs) {
+TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
+                         const CalibrationState& calibration) {
   const ImuData& imu = *flight.imu;
   TimeInterval span{1e300, -1e300};
   long inside = 0;
   for (const GnssEpoch& epoch : flight.gnss->epochs) {
-    if (epoch.t_s < imu.t_begin_s() + 1e-6 || epoch.t_s > imu.t_end_s() - 1e-6) continue;
-    span.t0_s = std::min(span.t0_s, epoch.t_s);
-    span.t1_s = std::max(span.t1_s, epoch.t_s);
+    const double t_s = GnssEpochTime(calibration, epoch.t_s);
+    if (t_s < imu.t_begin_s() + 1e-6 || t_s > imu.t_end_s() - 1e-6) continue;
+    span.t0_s = std::min(span.t0_s, t_s);
+    span.t1_s = std::max(span.t1_s, t_s);
     ++inside;
   }
   if (inside < 3) {
@@ -60,10 +63,12 @@ TimeInterval NetworkSpan(const Flight& flight, bool with_pairs) {
   return span;
 }
 
-std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span) {
+std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
+                              const CalibrationState& calibration) {
   std::vector<double> times;
   for (const GnssEpoch& epoch : flight.gnss->epochs) {
-    if (epoch.t_s >= span.t0_s - 1e-6 && epoch.t_s <= span.t1_s + 1e-6) times.push_back(epoch.t_s);
+    const double t_s = GnssEpochTime(calibration, epoch.t_s);
+    if (t_s >= span.t0_s - 1e-6 && t_s <= span.t1_s + 1e-6) times.push_back(t_s);
   }
   return times;
 }
@@ -99,8 +104,8 @@ double NodeRateHz(const Flight& flight, bool with_pairs) {
   return std::max(kLowestRateHz, flight.config.network.node_rate_hz.value_or(auto_hz));
 }
 
-std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span,
-                                    bool with_pairs) {
+std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span, bool with_pairs,
+                                    const CalibrationState& calibration) {
   NodeGridOptions options;
   options.rate_in_strips_hz = NodeRateHz(flight, with_pairs);
   options.max_spacing_s = 1.0 / kLowestRateHz;
@@ -113,7 +118,7 @@ std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& sp
       interval.t1_s += kStripMarginS;
     }
   }
-  return NodeTimes(*flight.imu, span, GnssTimes(flight, span), dense, options);
+  return NodeTimes(*flight.imu, span, GnssTimes(flight, span, calibration), dense, options);
 }
 
 }  // namespace dn

@@ -3,6 +3,7 @@
 #include <dn/solvers/solve.h>
 
 #include <cmath>
+#include <utility>
 
 namespace dn {
 namespace {
@@ -61,6 +62,14 @@ void AdjustmentRun::SetGnssLoss(const Loss& loss) {
 
 void AdjustmentRun::SetPairLoss(const Loss& loss) {
   for (const auto& edge : network().pair_edges) network().net.SetLoss(edge.id, loss);
+}
+
+void AdjustmentRun::StandIn(std::unique_ptr<FlightNetwork> network) {
+  set_aside_ = std::exchange(result_.network, std::move(network));
+}
+
+std::unique_ptr<FlightNetwork> AdjustmentRun::TakeBack() {
+  return std::exchange(result_.network, std::move(set_aside_));
 }
 
 double AdjustmentRun::MeanPairDifference() {

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "common_errors.h"
@@ -26,6 +28,7 @@ class Checker {
       : network_(*adjustment.network),
         marginals_(marginals),
         trajectory_(trajectory),
+        gnss_clock_(adjustment.gnss_clock),
         linearized_(marginals.linearized()),
         forms_(ChannelForms(linearized_)),
         num_channels_(forms_.size()),
@@ -145,6 +148,62 @@ class Checker {
     screen_ =
         internal::ScreenEffects(candidates_, score, {tests_, watched_sigma_, check_.of_boresight});
     check_.effects = screen_.effects;
+    FindClocks(score);
+  }
+
+  void FindClocks(const JointScore& score) {
+    if (!network_.gnss_edges.empty()) {
+      check_.clocks.gnss = ClockOf("gnss_time_offset", "gnss_time_drift", score);
+    }
+    if (!network_.pair_edges.empty()) {
+      check_.clocks.lidar = ClockOf("lidar_time_offset", "lidar_time_drift", score);
+    }
+    if (!gnss_clock_) return;
+    check_.clocks.gnss = gnss_clock_;
+    Eigen::VectorXd move = Eigen::VectorXd::Zero(watched_sigma_.size());
+    const auto add = [&](const char* name, double change) {
+      for (const Eigen::Index c : ComponentsOf(name, score)) move += change * score.shift.col(c);
+    };
+    add("gnss_time_offset", gnss_clock_->offset_s);
+    add("gnss_time_drift", gnss_clock_->drift);
+    check_.gnss_clock_damage = InSigmas(move);
+  }
+
+  /// Of a candidate; none where it is an unknown of the network.
+  std::vector<Eigen::Index> ComponentsOf(const std::string& name, const JointScore& score) const {
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+      if (candidates_[k].name == name) return score.Components(k);
+    }
+    return {};
+  }
+
+  std::optional<ClockEstimate> ClockOf(const std::string& offset, const std::string& drift,
+                                       const JointScore& score) const {
+    std::vector<Eigen::Index> components = ComponentsOf(offset, score);
+    const std::vector<Eigen::Index> of_drift = ComponentsOf(drift, score);
+    components.insert(components.end(), of_drift.begin(), of_drift.end());
+    ScoreTest test;
+    if (!components.empty()) test = TestTogether(score, components);
+    if (test.dof < static_cast<int>(components.size())) return std::nullopt;
+    Eigen::Index at = 0;
+    const auto take = [&](const std::string& name, double* value, double* sigma) {
+      if (!ComponentsOf(name, score).empty()) {
+        *value = test.estimate[at];
+        *sigma = std::sqrt(test.covariance(at, at));
+        ++at;
+        return;
+      }
+      const BlockId block = network_.net.Find(name);
+      *value = network_.net.block(block).value[0];
+      *sigma = std::sqrt(marginals_.Covariance(block)(0, 0));
+    };
+    ClockEstimate clock;
+    take(offset, &clock.offset_s, &clock.sigma_offset_s);
+    take(drift, &clock.drift, &clock.sigma_drift);
+    if (at == 2) {
+      clock.correlation = test.covariance(0, 1) / (clock.sigma_offset_s * clock.sigma_drift);
+    }
+    return clock;
   }
 
   /// What the residuals would be with the effects found among the unknowns.
@@ -181,6 +240,7 @@ class Checker {
   const FlightNetwork& network_;
   const Marginals& marginals_;
   const TrajectoryResult& trajectory_;
+  const std::optional<ClockEstimate>& gnss_clock_;  // that the INS/GNSS solution asks for
   const LinearizedNetwork& linearized_;
   std::vector<ResidualForm> forms_;  // of the channels, then of common errors
   std::size_t num_channels_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -36,8 +37,16 @@ class Findings {
     check_.findings.insert(check_.findings.end(), findings.begin(), findings.end());
   }
 
-  void JudgeEffects() {
+  void JudgeGnssClock(const std::optional<ClockEstimate>& clock) {
+    if (!clock) return;
+    Add(facts::GnssTimeOff{*clock, check_.gnss_clock_damage, check_.of_boresight},
+        check_.gnss_clock_damage > kDamageInSigmas, kCertain);
+  }
+
+  /// `told`: the GNSS clock is found off already.
+  void JudgeEffects(bool told) {
     for (const EffectCheck& effect : check_.effects) {
+      if (told && effect.name.starts_with("gnss_time_")) continue;
       Add(facts::EffectPresent{effect, check_.of_boresight}, effect.damage > kDamageInSigmas,
           effect.log_evidence);
     }
@@ -117,7 +126,8 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   findings.JudgePriors();
   if (check->of_boresight) findings.JudgeMounting(Log(network.net.Value(network.boresight)));
   findings.JudgeAttitude(network);
-  findings.JudgeEffects();
+  findings.JudgeGnssClock(adjustment.gnss_clock);
+  findings.JudgeEffects(adjustment.gnss_clock.has_value());
   findings.JudgeCommonErrors();
   findings.JudgeSigma0(trajectory.figures.sigma0);
   findings.JudgePairsLeftOut(adjustment.outliers, static_cast<long>(network.pair_edges.size()));
@@ -132,7 +142,7 @@ void AddFindings(const GaussHelmertCalibration& calibration, ModelCheck* check) 
   Findings findings(check);
   findings.JudgePriors();
   findings.JudgeMounting(calibration.boresight.angles_rad);
-  findings.JudgeEffects();
+  findings.JudgeEffects(false);
   findings.JudgeSigma0(calibration.figures.sigma0 / std::sqrt(calibration.scatter.expected_ratio));
   findings.JudgePairsLeftOut(calibration.adjustment.outliers,
                              static_cast<long>(calibration.adjustment.weights.size()));

@@ -38,12 +38,31 @@ TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Margi
   return result;
 }
 
+/// The flight with the tags of GNSS corrected as the calibration says, which then knows of no delay;
+/// nothing where it knows of none.
+std::optional<Flight> AtGnssEpochs(const Flight& flight, CalibrationState* calibration) {
+  constexpr const char* kClock[] = {"gnss_time_offset", "gnss_time_drift"};
+  const auto of_clock = [&](const CalibrationValue& effect) {
+    return effect.name == kClock[0] || effect.name == kClock[1];
+  };
+  auto& effects = calibration->effects;
+  if (std::none_of(effects.begin(), effects.end(), of_clock)) return std::nullopt;
+  Flight corrected = flight;
+  for (GnssEpoch& epoch : corrected.gnss->epochs) {
+    epoch.t_s = GnssEpochTime(*calibration, epoch.t_s);
+  }
+  std::erase_if(effects, of_clock);
+  return corrected;
+}
+
 // The innovations of a forward filter that starts at the adjusted trajectory with an open mind
 // about it; the first ones, in which that is still being settled, are left out.
 void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   constexpr double kSettleS = 30.0;
   const FlightNetwork& network = *adjustment.network;
-  const Flight& flight = network.flight();
+  CalibrationState calibration = network.Calibration();
+  const std::optional<Flight> at_epochs = AtGnssEpochs(network.flight(), &calibration);
+  const Flight& flight = at_epochs ? *at_epochs : network.flight();
   const TimeInterval span = NetworkSpan(flight, false);
   const std::vector<double> times = NodeTimes(*flight.imu, span, GnssTimes(flight, span), {}, {});
   const std::size_t k = NodeBefore(network.node_times(), times.front() + 1e-6);
@@ -54,7 +73,7 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
                       network.AccelBias(times.front()), sigma_attitude, sigma_m, 1.0);
   FilterOptions options;
   options.skipped_epochs = adjustment.gnss_rejected;
-  options.calibration = network.Calibration();
+  options.calibration = calibration;
   const FilterRun run = RunForwardFilter(flight, times, start, options);
   const std::vector<std::string> axes{"east", "north", "up"};
   for (const bool velocity : {false, true}) {

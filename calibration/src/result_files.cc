@@ -26,6 +26,19 @@ Json TimingJson(const RunTimings& timings) {
           {"total", timings.total_s}};
 }
 
+Json ClockJson(const std::optional<ClockEstimate>& clock) {
+  if (!clock) return nullptr;
+  return {{"offset_s", clock->offset_s},
+          {"sigma_offset_s", clock->sigma_offset_s},
+          {"drift_ppm", clock->drift * 1e6},
+          {"sigma_drift_ppm", clock->sigma_drift * 1e6},
+          {"correlation", clock->correlation}};
+}
+
+Json ClocksJson(const Clocks& clocks) {
+  return {{"gnss", ClockJson(clocks.gnss)}, {"lidar", ClockJson(clocks.lidar)}};
+}
+
 Json SigmaJson(const std::optional<Eigen::Vector3d>& sigma_rad) {
   return sigma_rad ? ToJson(*sigma_rad * kDegPerRad) : Json(nullptr);
 }
@@ -85,6 +98,7 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
   json["correlations"] = {{"boresight_to_accel_bias", CorrelationJson(boresight.accel_bias)},
                           {"boresight_to_gyro_bias", CorrelationJson(boresight.gyro_bias)}};
   json["estimates"] = UnknownsJson(unknowns);
+  json["clocks"] = ClocksJson(check.clocks);
   Json figures = AdjustmentJson(trajectory.figures);
   figures["condition_number"] = boresight.condition_number;
   figures["residual_initial_m"] = adjustment.residual_initial_m;
@@ -106,6 +120,7 @@ Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& c
   json["assessment"] = AssessmentJson(boresight);
   json["correlations"] = nullptr;
   json["estimates"] = nullptr;
+  json["clocks"] = nullptr;
   Json figures = AdjustmentJson(calibration.figures);
   figures["condition_number"] = boresight.condition_number;
   figures["residual_initial_m"] = calibration.adjustment.residual_initial_m;
@@ -215,6 +230,7 @@ Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
   json["residuals"] = StatisticsToJson(trajectory.residuals);
   json["model_check"] = ModelCheckJson(check);
   json["estimates"] = UnknownsJson(unknowns);
+  json["clocks"] = ClocksJson(check.clocks);
   json["timing_s"] = TimingJson(timings);
   return json;
 }

@@ -8,10 +8,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "network_at.h"
 #include "robust_loss_of.h"
 
 namespace dn {
@@ -27,6 +30,10 @@ constexpr std::size_t kPositionBlock = 1;  // of a GNSS position edge
 constexpr double kLargestRejectedShare = 1.0 / 3.0;
 // Residuals so many times their stated noise come from something else than noise.
 constexpr double kLargestSigma0 = 10.0;
+// Of the misfit, that the clock takes away when it is off.
+constexpr double kExplainedShare = 0.5;
+constexpr const char* kOffset = "gnss_time_offset";
+constexpr const char* kDrift = "gnss_time_drift";
 constexpr const char* kScreened = "INS/GNSS, screened";
 
 std::vector<std::size_t> RejectedGnss(const FlightNetwork& network) {
@@ -38,14 +45,17 @@ std::vector<std::size_t> RejectedGnss(const FlightNetwork& network) {
   return epochs;
 }
 
+bool TooManyOut(const std::vector<std::size_t>& rejected, const FlightNetwork& network) {
+  return static_cast<double>(rejected.size()) >
+         kLargestRejectedShare * static_cast<double>(network.gnss_edges.size());
+}
+
 // Notes which epochs are out.
 void CountRejected(AdjustmentRun& run) {
   std::vector<std::size_t>& rejected = run.result().gnss_rejected;
   rejected = RejectedGnss(run.network());
+  if (!TooManyOut(rejected, run.network())) return;
   const std::size_t all = run.network().gnss_edges.size();
-  if (static_cast<double>(rejected.size()) <= kLargestRejectedShare * static_cast<double>(all)) {
-    return;
-  }
   const GnssEpoch& first = run.flight().gnss->epochs[rejected.front()];
   throw InvalidInput("GNSS and inertial data contradict each other at " +
                          std::to_string(rejected.size()) + " of " + std::to_string(all) +
@@ -63,6 +73,17 @@ void ExpectFit(AdjustmentRun& run) {
                      FormatDouble(std::round(sigma0 * 10.0) / 10.0) +
                      " times the stated noise; check axes, units, lever arm, time tags and the "
                      "stochastic model");
+}
+
+// Largest ratio of their variances on an axis, of the first epoch.
+double LastingOverWhite(const GnssProcess& process, const Flight& flight) {
+  const Eigen::Matrix3d R_m_enu =
+      flight.frame.R_m_enu(flight.frame.ToMap(flight.gnss->epochs.front().antenna));
+  const Eigen::Matrix3d white =
+      GnssPositionCovariance(flight.gnss->epochs.front(), *flight.config.gnss, flight.frame);
+  return process.sigma_enu_m.cwiseAbs2()
+      .cwiseQuotient((R_m_enu.transpose() * white * R_m_enu).diagonal())
+      .maxCoeff();
 }
 
 // Solves without the run of epochs, then takes back what lies nearer to the others than to the
@@ -84,50 +105,151 @@ void TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_f
   }
 }
 
-// True where a wrong lever arm or wrong time tags lie behind the misfit: a warning. Throws
-// InvalidInput when a clock steps, which no single correction undoes.
-bool MisfitExplained(const Marginals& marginals, AdjustmentRun& run) {
-  const std::optional<GnssMisfit> misfit = ExplainGnssMisfit(run.network(), marginals);
-  if (!misfit) return false;
-  const auto warn = [&](Fact fact) {
-    run.result().warnings.push_back({std::move(fact), true});
-    return true;
-  };
-  switch (misfit->cause) {
-    case GnssMisfit::Cause::kLeverArm:
-      return warn(facts::GnssLeverArmOff{misfit->estimate});
-    case GnssMisfit::Cause::kTimeOffset:
-      return warn(facts::GnssTimeOff{misfit->estimate[0]});
-    case GnssMisfit::Cause::kClockStep:
-      break;
-  }
-  const GnssEpoch& epoch = run.flight().gnss->epochs[run.network().gnss_edges[misfit->first].epoch];
-  throw InvalidInput("a clock steps: from about t = " + FormatDouble(epoch.t_s) +
-                         " s on, the GNSS time tags are " +
-                         FormatDouble(std::round(misfit->estimate[0] * 1e4) / 1e4) +
-                         " s late against those of the inertial data; correct the time tags, or "
-                         "limit time_span_s to one part",
-                     {run.flight().config.gnss->file, epoch.line});
-}
+/// The screening of one flight.
+class Screener {
+ public:
+  explicit Screener(AdjustmentRun& run) : run_(run) {}
 
-// One pass of the screening; false where nothing is left to change.
-bool ScreenOnce(AdjustmentRun& run, std::set<FactorId>* out_for_good) {
-  FlightNetwork& network = run.network();
-  Marginals marginals(network.net, {.threads = run.options().threads});
-  marginals.ComputeSelectedInverse();
-  if (MisfitExplained(marginals, run)) return false;
-  const GnssScreening screening(network, marginals);
-  const std::optional<GnssJump> jump =
-      FindGnssJump(network, marginals, screening.WorstPositions(kJumpEnds));
-  if (jump && jump->statistic > screening.Worst()) {
-    TakeOut(*jump, run, out_for_good);
-  } else if (screening.Apply(*out_for_good, &network.net) == 0) {
-    run.result().gnss_correlation = TestGnssCorrelation(network, marginals);
-    return false;
+  /// One pass; false where nothing is left to change.
+  bool Once() {
+    FlightNetwork& network = run_.network();
+    Marginals marginals(network.net, {.threads = run_.options().threads});
+    marginals.ComputeSelectedInverse();
+    if (const auto misfit = ExplainGnssMisfit(network, marginals)) {
+      if (misfit->cause != GnssMisfit::Cause::kClock) return Tell(*misfit);
+      FreeClock(misfit->estimate);
+      return true;
+    }
+    const GnssScreening screening(network, marginals);
+    const std::optional<GnssJump> jump =
+        FindGnssJump(network, marginals, screening.WorstPositions(kJumpEnds), noise_ratio_);
+    if (jump && jump->statistic > screening.Worst()) {
+      TakeOut(*jump, run_, &out_for_good_);
+    } else if (screening.Apply(out_for_good_, noise_ratio_, &network.net) == 0) {
+      run_.result().gnss_correlation = TestGnssCorrelation(network, marginals);
+      return run_.result().gnss_correlation.significant() && TakeLastingErrorsBack();
+    }
+    if (TooManyOut(RejectedGnss(network), network) && TakeLastingErrorsBack()) return true;
+    run_.Solve(kScreened, run_.options().max_iterations);
+    return true;
   }
-  run.Solve(kScreened, run.options().max_iterations);
-  return true;
-}
+
+  /// Goes on with the assumed network, without the epochs that contradict.
+  void Finish() {
+    if (!run_.has_stand_in()) return;
+    if (ClockExplains()) run_.result().gnss_clock = EstimateOf(run_.network());
+    const std::unique_ptr<FlightNetwork> free = run_.TakeBack();
+    LeaveOutAsIn(*free, &run_.network());
+    run_.Solve(kScreened, run_.options().max_iterations);
+  }
+
+ private:
+  /// A warning, false. Throws InvalidInput when a clock steps, which no single correction undoes.
+  bool Tell(const GnssMisfit& misfit) {
+    if (misfit.cause == GnssMisfit::Cause::kLeverArm) {
+      run_.result().warnings.push_back({facts::GnssLeverArmOff{misfit.estimate}, true});
+      return false;
+    }
+    const GnssEpoch& epoch =
+        run_.flight().gnss->epochs[run_.network().gnss_edges[misfit.first].epoch];
+    throw InvalidInput("a clock steps: from about t = " + FormatDouble(epoch.t_s) +
+                           " s on, the GNSS time tags are " +
+                           FormatDouble(std::round(misfit.estimate[0] * 1e4) / 1e4) +
+                           " s late against those of the inertial data; correct the time tags, or "
+                           "limit time_span_s to one part",
+                       {run_.flight().config.gnss->file, epoch.line});
+  }
+
+  /// True where what was taken out is no gross errors, but errors that last: all epochs are in use
+  /// again, and the bounds are those of white noise and such errors together.
+  bool TakeLastingErrorsBack() {
+    FlightNetwork& network = run_.network();
+    if (taken_back_ || RejectedGnss(network).empty()) return false;
+    taken_back_ = true;
+    std::vector<std::pair<FactorId, bool>> in_use;
+    for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+      for (const FactorId id : {edge.position, edge.velocity}) {
+        if (id < 0) continue;
+        in_use.emplace_back(id, network.net.factor(id).active);
+        network.net.SetActive(id, true);
+      }
+    }
+    run_.Solve(kScreened, run_.options().max_iterations);
+    Marginals marginals(network.net, {.threads = run_.options().threads});
+    marginals.ComputeSelectedInverse();
+    const GnssCorrelation test = TestGnssCorrelation(network, marginals);
+    const double ratio = LastingOverWhite(test.process, run_.flight());
+    if (!test.significant() || ratio > kLargestSigma0 * kLargestSigma0) {
+      for (const auto& [id, active] : in_use) network.net.SetActive(id, active);
+      return false;
+    }
+    noise_ratio_ = 1.0 + ratio;
+    out_for_good_.clear();
+    return true;
+  }
+
+  /// Goes on with offset and drift of the clock among the unknowns, all epochs in use.
+  void FreeClock(const Eigen::VectorXd& start) {
+    out_for_good_.clear();
+    held_ = EvaluateCost(run_.network().net, run_.options().threads);
+    CalibrationState calibration = run_.network().Calibration();
+    AddTo(kOffset, start[0], &calibration);
+    AddTo(kDrift, start[1], &calibration);
+    run_.StandIn(internal::NetworkAt(run_, calibration));
+    for (const char* name : {kOffset, kDrift}) {
+      run_.network().net.Hold(run_.network().net.Find(name), false);
+    }
+    SolveInsGnss(run_);
+    SettleGnssClock(run_);
+    free_ = EvaluateCost(run_.network().net, run_.options().threads);
+  }
+
+  void AddTo(const char* name, double more, CalibrationState* calibration) const {
+    for (CalibrationValue& effect : calibration->effects) {
+      if (effect.name != name) continue;
+      effect.value[0] += more;
+      return;
+    }
+    calibration->Insert(
+        {name, FindEstimable(name)->make({run_.flight()}), Eigen::VectorXd::Constant(1, more)});
+  }
+
+  bool ClockExplains() const {
+    const double gain = 2.0 * (held_.cost - free_.cost);
+    const double excess = 2.0 * held_.cost - static_cast<double>(held_.redundancy());
+    return gain >= kExplainedShare * excess && free_.sigma0() <= kLargestSigma0;
+  }
+
+  ClockEstimate EstimateOf(const FlightNetwork& network) const {
+    const Marginals marginals(network.net, {.threads = run_.options().threads});
+    const BlockId offset = network.net.Find(kOffset), drift = network.net.Find(kDrift);
+    const double sigma_offset_s = std::sqrt(marginals.Covariance(offset)(0, 0));
+    const double sigma_drift = std::sqrt(marginals.Covariance(drift)(0, 0));
+    return {network.net.block(offset).value[0], sigma_offset_s, network.net.block(drift).value[0],
+            sigma_drift,
+            marginals.Covariance(offset, drift)(0, 0) / (sigma_offset_s * sigma_drift)};
+  }
+
+  static void LeaveOutAsIn(const FlightNetwork& other, FlightNetwork* network) {
+    std::map<std::size_t, const FlightNetwork::GnssEdge*> of_epoch;
+    for (const FlightNetwork::GnssEdge& edge : other.gnss_edges) of_epoch[edge.epoch] = &edge;
+    for (const FlightNetwork::GnssEdge& edge : network->gnss_edges) {
+      const auto at = of_epoch.find(edge.epoch);
+      if (at == of_epoch.end()) continue;
+      const auto copy = [&](FactorId to, FactorId from) {
+        if (to >= 0 && from >= 0) network->net.SetActive(to, other.net.factor(from).active);
+      };
+      copy(edge.position, at->second->position);
+      copy(edge.velocity, at->second->velocity);
+    }
+  }
+
+  AdjustmentRun& run_;
+  std::set<FactorId> out_for_good_;
+  double noise_ratio_ = 1.0;  // see GnssScreening::Apply
+  bool taken_back_ = false;
+  CostSummary held_, free_;  // with the assumed clock and with a free one, all epochs in use
+};
 
 }  // namespace
 
@@ -141,14 +263,15 @@ void SolveInsGnss(AdjustmentRun& run) {
 }
 
 void ScreenGnss(AdjustmentRun& run) {
-  std::set<FactorId> out_for_good;
+  Screener screener(run);
   for (int pass = 0; pass < kMaxScreenings; ++pass) {
     run.Announce("GNSS screening");
     CountRejected(run);
-    if (!ScreenOnce(run, &out_for_good)) break;
+    if (!screener.Once()) break;
   }
+  screener.Finish();
   CountRejected(run);
-  ExpectFit(run);
+  if (!run.result().gnss_clock) ExpectFit(run);
 }
 
 }  // namespace dn

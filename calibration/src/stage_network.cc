@@ -4,6 +4,9 @@
 #include <dn/navigation/alignment.h>
 
 #include <algorithm>
+#include <memory>
+
+#include "network_at.h"
 
 namespace dn {
 namespace {
@@ -39,7 +42,36 @@ InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& nod
   return initial;
 }
 
+std::vector<FilterState> StatesOf(const FlightNetwork& network) {
+  std::vector<FilterState> states;
+  for (std::size_t k = 0; k < network.nodes.size(); ++k) {
+    const double t_s = network.nodes[k].t_s;
+    states.push_back(
+        {network.NodePose(k), {network.GyroBias(t_s)}, {network.AccelBias(t_s)}, {}, {}});
+  }
+  return states;
+}
+
 }  // namespace
+
+namespace internal {
+
+std::unique_ptr<FlightNetwork> NetworkAt(AdjustmentRun& run, const CalibrationState& calibration) {
+  const Flight& flight = run.flight();
+  const FlightNetwork& before = run.network();
+  const bool with_pairs = run.options().with_pairs;
+  const std::vector<double> node_t_s = FlightNodeTimes(
+      flight, NetworkSpan(flight, with_pairs, calibration), with_pairs, calibration);
+  InitialStates initial = StatesAtNodes(flight, node_t_s, StatesOf(before));
+  initial.calibration = calibration;
+  auto network = std::make_unique<FlightNetwork>(flight, node_t_s, initial, run.options().network);
+  for (const EffectBlock& effect : before.effects) {
+    network->net.Hold(network->net.Find(effect.name), before.net.block(effect.id).held);
+  }
+  return network;
+}
+
+}  // namespace internal
 
 void MakeNetwork(AdjustmentRun& run) {
   run.Announce("alignment");

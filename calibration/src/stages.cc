@@ -6,8 +6,10 @@
 namespace dn {
 
 std::vector<AdjustmentStage> DefaultStages(bool with_pairs) {
-  std::vector<AdjustmentStage> stages{
-      {"network", MakeNetwork}, {"INS/GNSS", SolveInsGnss}, {"GNSS screening", ScreenGnss}};
+  std::vector<AdjustmentStage> stages{{"network", MakeNetwork},
+                                      {"INS/GNSS", SolveInsGnss},
+                                      {"GNSS clock", SettleGnssClock},
+                                      {"GNSS screening", ScreenGnss}};
   if (with_pairs) {
     stages.push_back({"pairs", AddPairs});
     stages.push_back({"before lidar", AddOwnBeforeLidar});

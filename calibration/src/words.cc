@@ -155,10 +155,29 @@ std::string Say(const facts::GnssLeverArmOff& fact) {
 }
 
 std::string Say(const facts::GnssTimeOff& fact) {
+  const bool drifts = fact.clock.shows_drift();
+  const bool late = !drifts || fact.clock.shows_offset();
+  const ClockEstimate clock = !drifts ? fact.clock.WithoutDrift()
+                              : late  ? fact.clock
+                                      : fact.clock.WithoutOffset();
+  std::vector<std::string> off, names;
+  if (late) {
+    off.push_back(fmt::format("are {:.6g} +- {:.2g} s {}", std::abs(clock.offset_s),
+                              clock.sigma_offset_s, clock.offset_s > 0.0 ? "late" : "early"));
+    names.push_back("gnss_time_offset");
+  }
+  if (drifts) {
+    off.push_back(
+        fmt::format("drift by {:.6g} +- {:.2g} ppm", clock.drift * 1e6, clock.sigma_drift * 1e6));
+    names.push_back("gnss_time_drift");
+  }
   return fmt::format(
-      "the innovations of the GNSS positions ask for time tags that are earlier by about {} s: "
-      "check the time systems of IMU and GNSS",
-      FormatDouble(ToTenthOfMilli(fact.late_s)));
+      "the GNSS time tags {} against those of the inertial data, which moves the {} ({:.1f} "
+      "sigma): "
+      "check the time systems of imu.file and gnss.file and correct the tags (gnss.time_offset_s "
+      "for a constant offset), or estimate {}",
+      fmt::join(off, " and "), fact.moves_boresight ? "boresight" : "trajectory", fact.damage,
+      fmt::join(names, " and "));
 }
 
 std::string Say(const facts::InnovationSize& fact) {

@@ -71,6 +71,7 @@ std::vector<EffectSpec> MakeTable() {
   return {
       {"gnss_lever_arm", kGnss, kFixed, kFlight, Xyz("m", 1.0, 0.03, arm)},
       {"gnss_time_offset", kGnss, kFixed, kFlight, Seconds(5e-4)},
+      {"gnss_time_drift", kGnss, kFixed, kFlight, {One("drift", "ppm", kPpm, 2.0, scale)}},
       {"gnss_correlated_noise", kGnss, kStochastic, kFlight,
        GaussMarkov(Three(sigma_enu, "m", 1.0, 0.02, sigma), 40.0)},
       {"gnss_position_step", kGnss, kFixed, kWindow, Three(enu, "m", 1.0, 0.02, Within(1e6))},

@@ -23,6 +23,22 @@ std::vector<BlockKind> Kinds(const GnssEffects& effects) {
 
 }  // namespace
 
+GnssReading Corrected(const GnssEffects& effects, double const* const* values, double tag_s) {
+  Eigen::Index columns = 0;
+  for (const auto& effect : effects) columns += effect->components();
+  GnssReading reading;
+  reading.tag_s = tag_s;
+  reading.J_shift.setZero(3, columns);
+  reading.J_delay.setZero(columns);
+  Eigen::Index column = 0;
+  for (const auto& effect : effects) {
+    const int size = effect->components();
+    effect->Correct(Eigen::Map<const VectorXd>(*values++, size), column, &reading);
+    column += size;
+  }
+  return reading;
+}
+
 GnssAntenna::GnssAntenna(Quantity quantity, const Vector3d& z_m, const MotionAtTag& motion,
                          GnssEffects effects, const Noise<3>& noise)
     : DynamicFactor(3, Kinds(effects)),
@@ -37,28 +53,12 @@ GnssAntenna::GnssAntenna(Quantity quantity, const Vector3d& z_m, const MotionAtT
   }
 }
 
-GnssReading GnssAntenna::ReadingAt(double const* const* x) const {
-  Eigen::Index columns = 0;
-  for (const auto& effect : effects_) columns += effect->components();
-  GnssReading reading;
-  reading.tag_s = motion_.tag_s;
-  reading.J_shift.setZero(3, columns);
-  reading.J_delay.setZero(columns);
-  Eigen::Index column = 0;
-  int block = kFirstEffect;
-  for (const auto& effect : effects_) {
-    effect->Correct(Eigen::Map<const VectorXd>(x[block++], effect->components()), column, &reading);
-    column += effect->components();
-  }
-  return reading;
-}
-
 bool GnssAntenna::Evaluate(double const* const* x, double* r, double** J) const {
   using Vec3 = Eigen::Map<const Vector3d>;
   const Matrix3d R = Eigen::Quaterniond(x[0]).toRotationMatrix();
   const Vec3 p(x[1]), a_b(x[2]), v(x[3]);
-  const GnssReading reading = ReadingAt(x);
-  const double d = reading.delay_s;
+  const GnssReading reading = Corrected(effects_, x + kFirstEffect, motion_.tag_s);
+  const double d = reading.delay_s - motion_.node_lead_s;
   const Vector3d w = motion_.w_ib_b_radps - R.transpose() * motion_.w_ie_m_radps;
   const Vector3d phi = -d * w;
   const Matrix3d turn = Exp(phi).toRotationMatrix();

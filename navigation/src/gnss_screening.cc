@@ -69,11 +69,11 @@ double GnssScreening::WorstNearby(const std::vector<Judged>& judged, std::size_t
 }
 
 long GnssScreening::Apply(const std::vector<Judged>& judged, const std::set<FactorId>& out_for_good,
-                          Network* net) {
+                          double noise_ratio, Network* net) {
   if (judged.empty()) return 0;
   std::vector<double> statistics;
   for (const Judged& one : judged) statistics.push_back(one.statistic);
-  const double gross = kGrossNorm * kGrossNorm * RobustVariance(statistics);
+  const double gross = kGrossNorm * kGrossNorm * noise_ratio * RobustVariance(statistics);
   long changes = 0;
   for (std::size_t k = 0; k < judged.size(); ++k) {
     const bool agrees = judged[k].statistic <= gross;
@@ -86,8 +86,10 @@ long GnssScreening::Apply(const std::vector<Judged>& judged, const std::set<Fact
   return changes;
 }
 
-long GnssScreening::Apply(const std::set<FactorId>& out_for_good, Network* net) const {
-  return Apply(positions_, out_for_good, net) + Apply(velocities_, out_for_good, net);
+long GnssScreening::Apply(const std::set<FactorId>& out_for_good, double noise_ratio,
+                          Network* net) const {
+  return Apply(positions_, out_for_good, noise_ratio, net) +
+         Apply(velocities_, out_for_good, 1.0, net);
 }
 
 }  // namespace dn

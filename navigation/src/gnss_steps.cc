@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <string>
 #include <vector>
 
 namespace dn {
@@ -15,6 +16,7 @@ namespace {
 constexpr double kCertain = 31.8;
 // Size in sigmas of one epoch beyond which an offset is no noise.
 constexpr double kRealSigmas = 4.0;
+// Of the excess of the squares of all residuals.
 constexpr double kExplainedShare = 0.5;
 constexpr std::size_t kShortestRun = 4;
 constexpr std::size_t kClockSteps = 60;
@@ -24,9 +26,7 @@ struct Position {
   FactorId id = -1;
   Eigen::Matrix3d whitening = Eigen::Matrix3d::Identity();  // d residual / d position
   Eigen::Matrix3d lever_arm = Eigen::Matrix3d::Zero();      // d residual / d lever arm
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();       // in m
   double norm2 = 0.0;
-  double weight = 1.0;  // of the robust loss
 };
 
 std::vector<Position> ActivePositions(const FlightNetwork& network,
@@ -37,13 +37,16 @@ std::vector<Position> ActivePositions(const FlightNetwork& network,
     const FactorId id = network.gnss_edges[e].position;
     Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
-    const auto rows = linearized.RowsOf(id);
-    if (!rows || !network.net.EvaluateFactor(id, &r, &J)) continue;
-    positions.push_back({e, id, J[kPositionBlock], J[kLeverArmBlock],
-                         network.NodePose(network.gnss_edges[e].node).v_m, r.squaredNorm(),
-                         rows->weight});
+    if (!linearized.RowsOf(id) || !network.net.EvaluateFactor(id, &r, &J)) continue;
+    positions.push_back({e, id, J[kPositionBlock], J[kLeverArmBlock], r.squaredNorm()});
   }
   return positions;
+}
+
+/// What the squares of all residuals have too much.
+double Excess(const LinearizedNetwork& linearized) {
+  return linearized.residual().squaredNorm() -
+         static_cast<double>(linearized.rows() - linearized.parameters());
 }
 
 double Scale(const std::vector<Position>& positions) {
@@ -73,16 +76,79 @@ std::vector<Run> RunsBetween(const std::vector<Position>& positions,
   return runs;
 }
 
-// A tag that is late by dt belongs to the position of dt before.
-EffectModel LateTags(const std::vector<Position>& positions, std::size_t first) {
-  EffectModel effect;
-  for (std::size_t k = first; k < positions.size(); ++k) {
-    const Position& position = positions[k];
-    effect.push_back(
-        {position.id, Eigen::MatrixXd(Eigen::Vector3d(-position.whitening * position.velocity))});
-  }
-  return effect;
+constexpr const char* kOffset = "gnss_time_offset";
+constexpr const char* kDrift = "gnss_time_drift";
+
+bool IsUnknown(const FlightNetwork& network, const std::string& effect) {
+  return std::any_of(network.effects.begin(), network.effects.end(),
+                     [&](const EffectBlock& one) { return one.name == effect; });
 }
+
+/// Derivatives of the GNSS edges by an offset and a drift of the clock at their present values.
+class ClockModel {
+ public:
+  explicit ClockModel(const FlightNetwork& network)
+      : network_(network), state_(network.Calibration()) {
+    for (const char* name : {kOffset, kDrift}) {
+      if (IsUnknown(network, name)) continue;
+      state_.Insert(
+          {name, FindEstimable(name)->make({network.flight()}), Eigen::VectorXd::Zero(1)});
+    }
+    for (std::size_t e = 0; e < network.gnss_edges.size(); ++e) {
+      const FlightNetwork::GnssEdge& edge = network.gnss_edges[e];
+      Add(e, edge.position, *network.GnssPositionFactor(edge, state_), network.gnss_error);
+      if (edge.velocity < 0) continue;
+      Add(e, edge.velocity, *network.GnssVelocityFactor(edge, state_), {});
+    }
+  }
+
+  /// Columns offset, drift.
+  const EffectModel& both() const { return model_; }
+
+  /// An offset from an edge on.
+  EffectModel OffsetFrom(std::size_t edge) const {
+    EffectModel late;
+    for (std::size_t k = 0; k < model_.size(); ++k) {
+      if (edge_[k] >= edge) late.push_back({model_[k].factor, model_[k].L.leftCols<1>()});
+    }
+    return late;
+  }
+
+ private:
+  void Add(std::size_t e, FactorId id, const FactorBase& factor,
+           const std::vector<ProcessChain>& errors) {
+    if (!network_.net.factor(id).active) return;
+    const FlightNetwork::GnssEdge& edge = network_.gnss_edges[e];
+    const NodeBlocks& node = network_.nodes[edge.node];
+    std::vector<const double*> x;
+    for (const BlockId block :
+         {node.q_mb.id, node.p_mb.id, network_.gnss_lever_arm.id, node.v_m.id}) {
+      x.push_back(Value(block));
+    }
+    const double tag_s = network_.flight().gnss->epochs[edge.epoch].t_s;
+    for (const ProcessChain& chain : errors) x.push_back(Value(chain.At(tag_s).id));
+    std::vector<std::size_t> columns;
+    for (const std::size_t k : EffectsOfGnss(state_)) {
+      const CalibrationValue& effect = state_.effects[k];
+      if (effect.name == kOffset || effect.name == kDrift) columns.push_back(x.size());
+      x.push_back(effect.value.data());
+    }
+    Eigen::VectorXd r;
+    std::vector<Eigen::MatrixXd> J;
+    if (!EvaluateInTangent(factor, x, &r, &J)) return;
+    Eigen::MatrixXd L(r.size(), 2);
+    L << J[columns[0]], J[columns[1]];
+    model_.push_back({id, std::move(L)});
+    edge_.push_back(e);
+  }
+
+  const double* Value(BlockId id) const { return network_.net.block(id).value.get(); }
+
+  const FlightNetwork& network_;
+  CalibrationState state_;
+  EffectModel model_;
+  std::vector<std::size_t> edge_;  // of each part
+};
 
 EffectModel LeverArm(const std::vector<Position>& positions) {
   EffectModel effect;
@@ -107,13 +173,12 @@ Suspects AllSuspects(const FlightNetwork& network, const std::vector<Position>& 
   if (network.net.block(network.gnss_lever_arm.id).held) {
     add(GnssMisfit::Cause::kLeverArm, 0, LeverArm(positions));
   }
-  const bool offset_estimated =
-      std::any_of(network.effects.begin(), network.effects.end(),
-                  [](const EffectBlock& effect) { return effect.name == "gnss_time_offset"; });
-  if (!offset_estimated) add(GnssMisfit::Cause::kTimeOffset, 0, LateTags(positions, 0));
+  const ClockModel clock(network);
+  const bool unknown = IsUnknown(network, kOffset) && IsUnknown(network, kDrift);
+  if (!unknown) add(GnssMisfit::Cause::kClock, 0, clock.both());
   const std::size_t hop = std::max<std::size_t>(1, positions.size() / kClockSteps);
   for (std::size_t first = hop; first + kShortestRun <= positions.size(); first += hop) {
-    add(GnssMisfit::Cause::kClockStep, first, LateTags(positions, first));
+    add(GnssMisfit::Cause::kClockStep, first, clock.OffsetFrom(positions[first].edge));
   }
   return suspects;
 }
@@ -128,8 +193,11 @@ double Moved(const EffectModel& effect, const Eigen::VectorXd& estimate) {
 /// The run whose common offset is the most significant one.
 class JumpSearch {
  public:
-  JumpSearch(const Marginals& marginals, const std::vector<Position>& positions)
-      : marginals_(marginals), positions_(positions), least_(kCertain * Scale(positions)) {}
+  JumpSearch(const Marginals& marginals, const std::vector<Position>& positions, double noise_ratio)
+      : marginals_(marginals),
+        positions_(positions),
+        least_(kCertain * noise_ratio * Scale(positions)),
+        real_(kRealSigmas * std::sqrt(noise_ratio)) {}
 
   void Try(const std::vector<Run>& runs) {
     std::vector<EffectModel> effects;
@@ -142,7 +210,7 @@ class JumpSearch {
     }
     const std::vector<ScoreTest> tests = TestEffects(marginals_, effects);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      const bool real = Moved(effects[i], tests[i].estimate) > kRealSigmas;
+      const bool real = Moved(effects[i], tests[i].estimate) > real_;
       if (tests[i].statistic <= least_ || !real) continue;
       least_ = tests[i].statistic;
       run_ = runs[i];
@@ -173,7 +241,7 @@ class JumpSearch {
  private:
   const Marginals& marginals_;
   const std::vector<Position>& positions_;
-  double least_;
+  double least_, real_;
   Run run_{0, 0};
   std::optional<GnssJump> best_;
 };
@@ -181,10 +249,10 @@ class JumpSearch {
 }  // namespace
 
 std::optional<GnssJump> FindGnssJump(const FlightNetwork& network, const Marginals& marginals,
-                                     const std::vector<FactorId>& ends) {
+                                     const std::vector<FactorId>& ends, double noise_ratio) {
   const std::vector<Position> positions = ActivePositions(network, marginals.linearized());
   if (positions.size() < 2 * kShortestRun) return std::nullopt;
-  JumpSearch search(marginals, positions);
+  JumpSearch search(marginals, positions, noise_ratio);
   search.Try(RunsBetween(positions, ends));
   search.Refine();
   return search.best();
@@ -196,15 +264,17 @@ std::optional<GnssMisfit> ExplainGnssMisfit(const FlightNetwork& network,
   if (positions.size() < 2 * kShortestRun) return std::nullopt;
   const Suspects suspects = AllSuspects(network, positions);
   const std::vector<ScoreTest> tests = TestEffects(marginals, suspects.effects);
-  double excess = -3.0 * static_cast<double>(positions.size());
-  for (const Position& position : positions) excess += position.weight * position.norm2;
-  double least = std::max(kCertain * Scale(positions), kExplainedShare * excess);
+  const double enough =
+      std::max(kCertain * Scale(positions), kExplainedShare * Excess(marginals.linearized()));
   std::optional<GnssMisfit> best;
   for (std::size_t i = 0; i < tests.size(); ++i) {
-    if (tests[i].statistic <= least) continue;
-    if (Moved(suspects.effects[i], tests[i].estimate) <= kRealSigmas) continue;
-    least = tests[i].statistic;
-    best = suspects.causes[i];
+    const GnssMisfit& suspect = suspects.causes[i];
+    const bool clock = suspect.cause == GnssMisfit::Cause::kClock;
+    if (tests[i].statistic <= (clock ? kCertain : enough)) continue;
+    if (best && tests[i].statistic <= best->statistic) continue;
+    if (best && best->cause == GnssMisfit::Cause::kClock) break;
+    if (!clock && Moved(suspects.effects[i], tests[i].estimate) <= kRealSigmas) continue;
+    best = suspect;
     best->estimate = tests[i].estimate;
     best->statistic = tests[i].statistic;
   }

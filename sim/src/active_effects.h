@@ -68,6 +68,7 @@ struct ActiveEffects {
   /// Error of an antenna position, east, north, up, m.
   std::vector<std::function<Eigen::Vector3d(double t_s)>> antenna_enu_m;
   std::vector<TagShift> gnss_tags;
+  double gnss_tag_drift = 0.0;  ///< of the tags against true time, from the first epoch on
   std::vector<DataGap> gnss_gaps;
 
   Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();  ///< beyond the assumed one

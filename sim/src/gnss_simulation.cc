@@ -4,6 +4,7 @@
 #include <dn/sim/random.h>
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,8 @@ class Receiver {
     }
   }
 
-  GnssEpoch At(double t_s) {
+  /// `first_s`: the true time of the first epoch in the file.
+  GnssEpoch At(double t_s, double first_s) {
     const TruthState state = truth_.State(t_s);
     const Eigen::Matrix3d R_mb = state.pose.q_mb.toRotationMatrix();
     const Vector3d antenna_m = state.pose.p_mb + R_mb * lever_arm_b_m_;
@@ -39,7 +41,7 @@ class Receiver {
     for (AntennaError& lasting_enu_m : lasting_) error_enu += lasting_enu_m(t_s);
     for (const auto& more_enu_m : effects_.antenna_enu_m) error_enu += more_enu_m(t_s);
     GnssEpoch epoch;
-    epoch.t_s = Tag(effects_.gnss_tags, t_s);
+    epoch.t_s = Tag(effects_.gnss_tags, t_s) + effects_.gnss_tag_drift * (t_s - first_s);
     epoch.antenna = truth_.frame().ToGeodetic(antenna_m + R_m_enu * error_enu);
     epoch.covariance_enu_m2 = gnss_.sigma_enu_m.cwiseAbs2().asDiagonal();
     if (gnss_.velocity) {
@@ -69,11 +71,14 @@ GnssData SimulateGnss(const GnssScenario& gnss, const TruthTrajectory& truth, st
   Receiver receiver(gnss, truth, seed, noise, effects);
   GnssData data;
   double before_s = truth.t_begin_s();
+  std::optional<double> first_s;
   const auto first = static_cast<long>(std::ceil(truth.t_begin_s() * gnss.rate_hz));
   for (long k = first; static_cast<double>(k) / gnss.rate_hz <= truth.t_end_s(); ++k) {
     const double t_s = static_cast<double>(k) / gnss.rate_hz;
-    GnssEpoch epoch = receiver.At(t_s);
-    if (InGap(effects.gnss_gaps, t_s)) continue;
+    const bool in_gap = InGap(effects.gnss_gaps, t_s);
+    if (!in_gap && !first_s) first_s = t_s;
+    GnssEpoch epoch = receiver.At(t_s, first_s.value_or(t_s));
+    if (in_gap) continue;
     if (!data.epochs.empty() && epoch.t_s <= data.epochs.back().t_s) {
       RefuseStepBack(effects.gnss_tags, before_s, t_s);
     }

@@ -242,6 +242,24 @@ TEST(Effects, GnssStepsInItsWindowAndTagsAreLate) {
   }
 }
 
+// The epoch of a tag does not depend on how late the first one is.
+TEST(Effects, AnOffsetAndADriftOfTheGnssClockUndoTheTag) {
+  Flight flight = LidarFlight();
+  GnssEpoch first;
+  first.t_s = 100.25;
+  flight.gnss = GnssData{{first}};
+  GnssReading reading;
+  reading.tag_s = 100.25 + 500.0 * (1.0 + 200e-6);
+  reading.J_shift = Eigen::Matrix3Xd::Zero(3, 2);
+  reading.J_delay = Eigen::RowVectorXd::Zero(2);
+  const auto drift = As<GnssEffect>(Make("gnss_time_drift", flight));
+  As<GnssEffect>(Make("gnss_time_offset", flight))
+      ->Correct(VectorXd::Constant(1, 0.25), 0, &reading);
+  drift->Correct(VectorXd::Constant(1, 200e-6), 1, &reading);
+  EXPECT_NEAR(reading.tag_s - reading.delay_s, 600.0, 1e-9);
+  EXPECT_NEAR(reading.J_delay[1], 500.0 / (1.0 + 200e-6), 1e-9);
+}
+
 // North and east of the map's origin, where its axes are those of ENU.
 TEST(Effects, GravityGainsTowardNorthAndEast) {
   const Flight flight = LidarFlight();

@@ -141,6 +141,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         EffectCase{"gnss_lever_arm", "[0.10, -0.06, 0.08]", {0.10, -0.06, 0.08}},
         EffectCase{"gnss_time_offset", "0.003", {0.003}},
+        EffectCase{"gnss_time_drift", "20", {20.0}},
         EffectCase{
             "gnss_position_step", "[0.03, -0.04, 0.05]", {0.03, -0.04, 0.05}, {}, false, kWindow},
         EffectCase{"lidar_time_offset", "0.01", {0.01}},

@@ -149,6 +149,7 @@ INSTANTIATE_TEST_SUITE_P(
         Injection{"lidar_angle_scale", "3000", {3000.0}, true, 0.05},
         Injection{"gnss_lever_arm", "[0.1, -0.1, 0.1]", {0.1, -0.1, 0.1}, false, 0.05},
         Injection{"gnss_time_offset", "0.01", {0.01}, false, 0.05},
+        Injection{"gnss_time_drift", "20", {20.0}, false, 0.05},
         Injection{"gyro_scale_factor", "[60, -60, 60]", {60.0, -60.0, 60.0}, true, 0.1},
         Injection{"gyro_misalignment", "[0.5, 0.4, -0.3]", {0.5, 0.4, -0.3}, true, 0.25},
         Injection{"accel_scale_factor", "[0, 0, 500]", {0.0, 0.0, 500.0}, true, 0.25},

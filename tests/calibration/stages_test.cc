@@ -56,8 +56,8 @@ SimulatedFlight WithWrongGnss(std::uint64_t seed) {
 TEST(Stages, TheDefaultOnesStandInOneList) {
   std::vector<std::string> names;
   for (const AdjustmentStage& stage : DefaultStages(false)) names.push_back(stage.name);
-  EXPECT_THAT(names, ElementsAre("network", "INS/GNSS", "GNSS screening", "before final",
-                                 "final least squares"));
+  EXPECT_THAT(names, ElementsAre("network", "INS/GNSS", "GNSS clock", "GNSS screening",
+                                 "before final", "final least squares"));
   std::vector<AdjustmentStage> all = DefaultStages();
   EXPECT_EQ(StageNamed("pair rejection", &all)->name, "pair rejection");
   try {

@@ -92,15 +92,15 @@ TEST(Words, OfTwoSourcesOfHowLongErrorsLastTheFileWins) {
 
 TEST(Words, TheFindingsOfACheckComeFirstAndOnce) {
   ModelCheck check;
-  check.findings.push_back({facts::GnssTimeOff{0.05}, true});
+  check.findings.push_back({facts::GnssTimeOff{{0.05, 0.001}}, true});
   BoresightResult boresight;
   boresight.verdict = Verdict::kAbsorbed;
-  boresight.reasons.push_back({facts::GnssTimeOff{0.05}, true});
+  boresight.reasons.push_back({facts::GnssTimeOff{{0.05, 0.001}}, true});
   boresight.reasons.push_back({facts::FewPairs{12}});
   Assess(check, &boresight);
   EXPECT_EQ(boresight.verdict, Verdict::kContradicted);
   EXPECT_THAT(Words(boresight.reasons),
-              ElementsAre(HasSubstr("earlier by about 0.05 s"), "only 12 pairs"));
+              ElementsAre(HasSubstr("are 0.05 +- 0.001 s late"), "only 12 pairs"));
 }
 
 }  // namespace

@@ -160,6 +160,19 @@ TEST_F(Effects, GnssOutageLeavesOutEpochs) {
   EXPECT_THROW(With("{effect: gnss_outage, window_s: [0, 600000]}"), InvalidConfig);
 }
 
+TEST_F(Effects, ADriftGrowsFromTheFirstEpochOnBesideAnOffset) {
+  const SimulatedFlight with = With(
+      "{effect: gnss_time_offset, value: 0.25}, {effect: gnss_time_drift, value: 200},"
+      "{effect: gnss_outage, window_s: [381000, 381020]}");
+  const auto& epochs = with.flight.gnss->epochs;
+  const double first_s = epochs.front().t_s - 0.25;
+  ASSERT_GT(first_s, 381020.0);
+  for (std::size_t k = 0; k < epochs.size(); ++k) {
+    const double since_s = std::round(2.0 * (epochs[k].t_s - epochs.front().t_s)) / 2.0;
+    ASSERT_NEAR(epochs[k].t_s, first_s + 0.25 + since_s * (1.0 + 200e-6), 1e-9);
+  }
+}
+
 TEST_F(Effects, ClocksShiftTheTagsAndNothingElse) {
   const SimulatedFlight with = With(
       "{effect: gnss_time_offset, value: 0.01}, {effect: gnss_clock_step, value: 0.1, t0_s: "

@@ -15,6 +15,7 @@ EffectAction GyroMisalignment(const EffectSite& site);
 EffectAction GravityTilt(const EffectSite& site);
 EffectAction GravityDisturbance(const EffectSite& site);
 EffectAction GnssTimeOffset(const EffectSite& site);
+EffectAction GnssTimeDrift(const EffectSite& site);
 EffectAction GnssPositionStep(const EffectSite& site);
 EffectAction LidarTimeDrift(const EffectSite& site);
 EffectAction LidarRangeOffset(const EffectSite& site);

@@ -36,6 +36,10 @@ const std::vector<EstimableEffect>& EstimableEffects() {
        "check the time system of gnss.file against that of imu.file and correct its time tags, or "
        "estimate gnss_time_offset",
        GnssTimeOffset},
+      {"gnss_time_drift", "GNSS time drift",
+       "the clocks of gnss.file and imu.file run apart: correct the time tags, or estimate "
+       "gnss_time_offset and gnss_time_drift",
+       GnssTimeDrift},
       {"gnss_position_step", "step of the GNSS positions",
        "leave the epochs of the window out, or estimate it", GnssPositionStep},
       {"lidar_time_offset", "lidar time offset",

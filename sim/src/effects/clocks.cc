@@ -25,6 +25,10 @@ void GnssTimeOffset(const EffectInput& input, ActiveEffects* active) {
   active->gnss_tags.push_back(Later(input));
 }
 
+void GnssTimeDrift(const EffectInput& input, ActiveEffects* active) {
+  active->gnss_tag_drift += input.value[0];
+}
+
 void LidarTimeOffset(const EffectInput& input, ActiveEffects* active) {
   const double offset_s = input.value[0];
   active->lidar_tag_shift_s.emplace_back([offset_s](double, const LidarSpan&) { return offset_s; });

@@ -28,6 +28,7 @@ void GnssCorrelatedNoise(const EffectInput& input, ActiveEffects* active);
 void GnssOutliers(const EffectInput& input, ActiveEffects* active);
 void GnssOutage(const EffectInput& input, ActiveEffects* active);
 void GnssTimeOffset(const EffectInput& input, ActiveEffects* active);
+void GnssTimeDrift(const EffectInput& input, ActiveEffects* active);
 void GnssClockStep(const EffectInput& input, ActiveEffects* active);
 void LidarLeverArm(const EffectInput& input, ActiveEffects* active);
 void BoresightDrift(const EffectInput& input, ActiveEffects* active);

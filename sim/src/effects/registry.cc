@@ -27,6 +27,7 @@ const std::vector<SimulatedEffect>& SimulatedEffects() {
       {"gnss_outliers", &effects::GnssOutliers},
       {"gnss_outage", &effects::GnssOutage},
       {"gnss_time_offset", &effects::GnssTimeOffset},
+      {"gnss_time_drift", &effects::GnssTimeDrift},
       {"gnss_clock_step", &effects::GnssClockStep},
       {"lidar_lever_arm", &effects::LidarLeverArm},
       {"boresight_drift", &effects::BoresightDrift},

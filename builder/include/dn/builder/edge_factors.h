@@ -31,9 +31,12 @@ double TypicalGnssSigma(const Flight& flight);
 /// sigma.
 bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config);
 
+/// The time of an epoch with this tag: the tag less the delays that the calibration knows.
+double GnssEpochTime(const CalibrationState& calibration, double tag_s);
+
 /// What an edge of a GNSS epoch is made with.
 struct GnssEdgeInput {
-  MapPose pose;          ///< at the tag, for the way of the antenna to a late epoch
+  MapPose pose;          ///< of a node near the epoch, from where the antenna has its way
   ImuCorrection biases;  ///< biases there, for the angular rate
   /// Added to the covariance of the file, map axes, m^2 or (m/s)^2.
   Eigen::Matrix3d added_covariance = Eigen::Matrix3d::Zero();

@@ -80,8 +80,10 @@ struct FlightNetworkOptions {
 /// "gnss error process", "prior".
 class FlightNetwork {
  public:
-  /// Builds the inertial, GNSS and bias part, with nodes at node_t_s. The flight must outlive the
-  /// network. Throws InvalidInput when the IMU data do not cover the nodes.
+  /// Builds the inertial, GNSS and bias part, with nodes at node_t_s. A GNSS epoch is attached to
+  /// the node at its time under the starting calibration (GnssEpochTime); one without a node there
+  /// is left out. The flight must outlive the network. Throws InvalidInput when the IMU data do not
+  /// cover the nodes.
   FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                 const InitialStates& initial, const FlightNetworkOptions& options = {});
 

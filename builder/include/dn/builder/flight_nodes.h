@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/builder/calibration_state.h>
 #include <dn/builder/node_grid.h>
 #include <dn/flight/flight.h>
 
@@ -9,11 +10,13 @@ namespace dn {
 
 /// The part of the flight that a network can span: from the first to the last GNSS epoch or pair
 /// epoch that the IMU data cover. Throws InvalidInput when fewer than three GNSS epochs lie inside
-/// the IMU data.
-TimeInterval NetworkSpan(const Flight& flight, bool with_pairs);
+/// the IMU data. The GNSS epochs are those that the calibration makes of the tags (GnssEpochTime).
+TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
+                         const CalibrationState& calibration = {});
 
 /// Times of the GNSS epochs inside the span.
-std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span);
+std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
+                              const CalibrationState& calibration = {});
 
 /// Node rate within the strips for `node_rate_hz: auto`: the lowest of 1, 2, 5, 10 and 20 Hz at
 /// which the angle random walk of one interval, less what the bridge to its end takes of it, seen at
@@ -29,7 +32,7 @@ double NodeRateHz(const Flight& flight, bool with_pairs);
 
 /// The nodes of a flight's network over a span, at NodeRateHz; with `inertial: raw` at every IMU
 /// epoch.
-std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span,
-                                    bool with_pairs);
+std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span, bool with_pairs,
+                                    const CalibrationState& calibration = {});
 
 }  // namespace dn

@@ -2,6 +2,7 @@
 
 #include <dn/builder/flight_network.h>
 #include <dn/builder/flight_nodes.h>
+#include <dn/calibration/clocks.h>
 #include <dn/calibration/finding.h>
 #include <dn/flight/flight.h>
 #include <dn/interrupted.h>
@@ -10,6 +11,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -78,6 +80,10 @@ struct Adjustment {
   /// Of the INS/GNSS solution with the epochs that are left; untested where another cause of misfit
   /// was found.
   GnssCorrelation gnss_correlation;
+  /// The GNSS clock as the INS/GNSS solution estimates it beside the assumed model, where that takes
+  /// away at least half of the misfit. The epochs are screened with it; the result is that of the
+  /// assumed model.
+  std::optional<ClockEstimate> gnss_clock;
   /// What its user should look into: the adjustment stands, but its model is in doubt.
   std::vector<Finding> warnings;
   double residual_initial_m = 0.0;  ///< mean norm of the pairs' differences before the lidar stages

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/calibration/checks.h>
+#include <dn/calibration/clocks.h>
 #include <dn/navigation/gnss_correlation.h>
 
 #include <Eigen/Core>
@@ -66,9 +67,11 @@ struct GnssLeverArmOff {
   Eigen::Vector3d correction_b_m;
 };
 
-/// The innovations of the GNSS positions ask for other time tags.
+/// The time tags of GNSS are off against those of the inertial data.
 struct GnssTimeOff {
-  double late_s = 0.0;  ///< by what the tags are late
+  ClockEstimate clock;
+  double damage = 0.0;           ///< largest move of a watched unknown by it, in its sigmas
+  bool moves_boresight = false;  ///< else the trajectory
 };
 
 /// Innovations of a sensor are larger or smaller than the model expects.

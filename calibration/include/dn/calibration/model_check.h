@@ -17,6 +17,10 @@ struct ModelCheck {
   std::vector<CommonErrorCheck> common_errors;
   std::vector<EffectCheck> effects;  ///< the significant ones, in the order found
   std::vector<PriorCheck> priors;
+  /// Estimates of the adjustment where they are among its unknowns, of the screening where it has
+  /// found the clock off, else by the scores of the effects, offset and drift together.
+  Clocks clocks;
+  double gnss_clock_damage = 0.0;      ///< of Adjustment::gnss_clock, as EffectCheck::damage
   double sigma0_beside_effects = 1.0;  ///< sigma0 with those among the unknowns, to first order
   double p_value = 1.0;                ///< smallest of all, for the family
   std::vector<Finding> findings;       ///< those that contradict first

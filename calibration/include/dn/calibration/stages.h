@@ -3,6 +3,7 @@
 #include <dn/calibration/adjust.h>
 #include <dn/network.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,11 @@ class AdjustmentRun {
   void SetGnssLoss(const Loss& loss);
   void SetPairLoss(const Loss& loss);
 
+  /// Takes another network in place of the present one, until TakeBack gives it back for that.
+  void StandIn(std::unique_ptr<FlightNetwork> network);
+  std::unique_ptr<FlightNetwork> TakeBack();
+  bool has_stand_in() const { return set_aside_ != nullptr; }
+
   /// Mean norm of the differences of the pairs that are in use, m; 0 without any.
   double MeanPairDifference();
 
@@ -42,6 +48,7 @@ class AdjustmentRun {
   const Flight& flight_;
   const AdjustOptions& options_;
   Adjustment result_;
+  std::unique_ptr<FlightNetwork> set_aside_;
 };
 
 /// The stages of Adjust in their order:
@@ -51,6 +58,8 @@ class AdjustmentRun {
 ///   network                | MakeNetwork       | alignment, forward filter, nodes, inertial and GNSS
 ///                          |                   | edges
 ///   INS/GNSS               | SolveInsGnss      | solves it with a robust loss on GNSS
+///   GNSS clock             | SettleGnssClock   | nodes at the times of the GNSS epochs, where the
+///                          |                   | clock is estimated
 ///   GNSS screening         | ScreenGnss        | takes out what contradicts all other data
 ///   pairs                  | AddPairs          | edges of the pairs
 ///   before lidar           | AddOwnBeforeLidar | AdjustOptions::customise_before_lidar
@@ -60,7 +69,7 @@ class AdjustmentRun {
 ///   before final           | AddOwnBeforeFinal | AdjustOptions::customise
 ///   final least squares    | SolveFinally      | no robust loss; increments integrated anew
 ///
-/// Without pairs the first three and the last two.
+/// Without pairs the first four and the last two.
 std::vector<AdjustmentStage> DefaultStages(bool with_pairs = true);
 
 /// The place of a stage in a list, for insert and erase. Throws InvalidConfig naming the stages
@@ -74,10 +83,15 @@ void MakeNetwork(AdjustmentRun& run);
 /// The loss on GNSS is that of gnss.robust, Huber's by default. It stays until SolveFinally.
 void SolveInsGnss(AdjustmentRun& run);
 
+/// Solves anew with nodes at the times of the epochs that the estimated clock tells, as long as the
+/// two lie more than 5 ms apart.
+void SettleGnssClock(AdjustmentRun& run);
+
 /// Takes out gross errors of single epochs and offsets of whole runs, whichever stands out more,
-/// until nothing changes. A misfit with one cause for all epochs is not one of gross errors: a
-/// warning, or InvalidInput where a clock steps. Throws InvalidInput where more than a third of the
-/// epochs contradict, or nothing fits.
+/// until nothing changes. Where offset and drift of the clock show in the misfit, that is done with
+/// both among the unknowns, and the assumed network is solved without the same epochs
+/// (Adjustment::gnss_clock). Another cause for all epochs is a warning, or InvalidInput where a clock
+/// steps. Throws InvalidInput where more than a third of the epochs contradict, or nothing fits.
 void ScreenGnss(AdjustmentRun& run);
 
 /// Throws InvalidInput where no pair joins two nodes.

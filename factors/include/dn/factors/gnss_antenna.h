@@ -37,31 +37,36 @@ class GnssEffect {
 
 using GnssEffects = std::vector<std::shared_ptr<const GnssEffect>>;
 
-/// How the body moves about the tag of an epoch: the antenna's way to the epoch of a late tag is
-/// that of constant rate and acceleration.
+/// What all effects together make of the tag, with one pointer to the values of each.
+GnssReading Corrected(const GnssEffects& effects, double const* const* values, double tag_s);
+
+/// How the body moves at a node near the tag of an epoch: the antenna's way from the node to the
+/// epoch is that of constant rate and acceleration.
 struct MotionAtTag {
   double tag_s = 0.0;
   Eigen::Vector3d w_ib_b_radps = Eigen::Vector3d::Zero();  ///< corrected angular rate
   Eigen::Vector3d w_ie_m_radps = Eigen::Vector3d::Zero();  ///< Earth rotation in map
   Eigen::Vector3d a_m_mps2 = Eigen::Vector3d::Zero();      ///< d v_m / dt of the body origin
+  double node_lead_s = 0.0;                                ///< the node stands at tag - lead
 };
 
 /// GNSS antenna position or velocity at a tag that may be late, with calibration values among its
-/// blocks. With w = w_ib_b - R_mb^T w_ie_m and R(d) = R_mb Exp(-d w),
+/// blocks. With d the delay of the tag less the lead of the node, w = w_ib_b - R_mb^T w_ie_m and
+/// R(d) = R_mb Exp(-d w),
 ///
 ///   position  r = W (p_mb - d v_m + d^2/2 a_m + R(d) a_b + shift - z)       [3], unitless
 ///   velocity  r = W (v_m - d a_m + R(d) (w x a_b) - z)
 ///
 ///   block | symbol | stored | tangent | meaning
 ///   ------|--------|--------|---------|---------------------------------------------------
-///     0   | q_mb   |   4    |    3    | rotation body -> map at the tag, (x, y, z, w)
-///     1   | p_mb   |   3    |    3    | body origin in map at the tag, m; has no part in a
+///     0   | q_mb   |   4    |    3    | rotation body -> map at the node, (x, y, z, w)
+///     1   | p_mb   |   3    |    3    | body origin in map at the node, m; has no part in a
 ///     velocity 2   | v_m    |   3    |    3    | its velocity in map, m/s 3   | a_b    |   3    |
 ///     3    | antenna phase centre in body, m
 ///    then | c      |   n    |    n    | one per effect, SI
 ///
 /// Jacobians are analytic; the tangent of block 0 is right, rad. Accuracy: what the acceleration
-/// changes by over the delay, below 1e-6 m at 10 ms and 5 m/s^3. Degenerate when: as GnssPosition
+/// changes by over d, below 1e-6 m at 10 ms and 5 m/s^3. Degenerate when: as GnssPosition
 /// and GnssVelocity; at constant velocity and attitude a delay is not separable from a lever arm.
 class GnssAntenna final : public DynamicFactor {
  public:
@@ -75,8 +80,6 @@ class GnssAntenna final : public DynamicFactor {
   bool Evaluate(double const* const* x, double* r, double** J) const override;
 
  private:
-  GnssReading ReadingAt(double const* const* x) const;
-
   Quantity quantity_;
   Eigen::Vector3d z_m_;
   MotionAtTag motion_;

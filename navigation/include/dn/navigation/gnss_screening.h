@@ -27,7 +27,8 @@ class GnssScreening {
   /// spoiled the others, and takes those back that agree, but for out_for_good. Returns how many
   /// changed. The threshold grows with the median of the statistics, so that a flight whose sigmas
   /// are too small as a whole keeps its measurements.
-  long Apply(const std::set<FactorId>& out_for_good, Network* net) const;
+  /// `noise_ratio`: variance of white noise and lasting errors together over that of the white noise.
+  long Apply(const std::set<FactorId>& out_for_good, double noise_ratio, Network* net) const;
 
  private:
   struct Judged {
@@ -39,7 +40,7 @@ class GnssScreening {
                                    FactorId FlightNetwork::GnssEdge::*which);
   static double WorstNearby(const std::vector<Judged>& judged, std::size_t k);
   static long Apply(const std::vector<Judged>& judged, const std::set<FactorId>& out_for_good,
-                    Network* net);
+                    double noise_ratio, Network* net);
 
   std::vector<Judged> positions_;
   std::vector<Judged> velocities_;

@@ -1,0 +1,182 @@
+// Clocks of GNSS and of the scanner that are off against that of the inertial data.
+#include <dn/calibration/words.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "testing/short_flights.h"
+
+namespace dn {
+namespace {
+
+using testing::AircraftScenario;
+using ::testing::AllOf;
+using testing::Calibration;
+using testing::DroneScenario;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kSigmas = 4.0;
+
+/// What the receiver of a flight is worth, and how its clock is off.
+struct Receiver {
+  const char* name;
+  double sigma_m;
+  double rate_hz;
+  double offset_s;
+  double drift_ppm;
+};
+
+std::string Number(double value) { return std::to_string(value); }
+
+SimulatedFlight Fly(const Receiver& receiver) {
+  Scenario scenario =
+      DroneScenario("effects: [{effect: gnss_time_offset, value: " + Number(receiver.offset_s) +
+                    "}, {effect: gnss_time_drift, value: " + Number(receiver.drift_ppm) + "}]\n");
+  scenario.gnss.rate_hz = receiver.rate_hz;
+  scenario.gnss.sigma_enu_m = receiver.sigma_m * Eigen::Vector3d(1.0, 1.0, 1.5);
+  scenario.gnss.velocity = true;
+  SimulateOptions options;
+  options.seed = 3;
+  return Simulate(scenario, options);
+}
+
+void ExpectNear(const ClockEstimate& clock, const Receiver& receiver) {
+  EXPECT_NEAR(clock.offset_s, receiver.offset_s, kSigmas * clock.sigma_offset_s);
+  EXPECT_NEAR(clock.drift, 1e-6 * receiver.drift_ppm, kSigmas * clock.sigma_drift);
+}
+
+class ClockThatIsOff : public ::testing::TestWithParam<Receiver> {};
+
+INSTANTIATE_TEST_SUITE_P(Receivers, ClockThatIsOff,
+                         ::testing::Values(Receiver{"CentimetresLate", 0.02, 1.0, 0.25, 0.0},
+                                           Receiver{"CentimetresVeryEarly", 0.02, 2.0, -1.0, 0.0},
+                                           Receiver{"MetresLate", 2.0, 5.0, 0.25, 0.0},
+                                           Receiver{"CentimetresDrifting", 0.02, 1.0, 0.0, 200.0},
+                                           Receiver{"MetresLateAndDrifting", 2.0, 2.0, 0.5,
+                                                    -2000.0}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST_P(ClockThatIsOff, IsNamedWithItsSizeAndNoEpochIsLeftOut) {
+  const Receiver& receiver = GetParam();
+  const SimulatedFlight sim = Fly(receiver);
+  const Solution solution(sim.flight);
+  EXPECT_TRUE(solution.adjustment().gnss_rejected.empty());
+  ASSERT_TRUE(solution.adjustment().gnss_clock);
+  const ClockEstimate& clock = *solution.adjustment().gnss_clock;
+  ExpectNear(clock, receiver);
+  EXPECT_EQ(clock.shows_offset(), receiver.offset_s != 0.0);
+  EXPECT_EQ(clock.shows_drift(), receiver.drift_ppm != 0.0);
+  const ModelCheck& check = solution.model_check();
+  ASSERT_TRUE(check.clocks.gnss);
+  EXPECT_EQ(check.clocks.gnss->offset_s, clock.offset_s);
+  EXPECT_EQ(solution.CheckedBoresight().verdict, Verdict::kContradicted);
+  ASSERT_FALSE(check.findings.empty());
+  EXPECT_NE(check.findings.front().As<facts::GnssTimeOff>(), nullptr)
+      << Words(check.findings.front());
+}
+
+TEST_P(ClockThatIsOff, IsEstimatedWithTheBoresight) {
+  const Receiver& receiver = GetParam();
+  SimulatedFlight sim = Fly(receiver);
+  sim.flight.config.estimate = {{.unknown = "boresight"}, {.unknown = "gnss_time_offset"}};
+  if (receiver.drift_ppm != 0.0) {
+    sim.flight.config.estimate.push_back({.unknown = "gnss_time_drift"});
+  }
+  const Calibration c(sim.flight);
+  EXPECT_TRUE(c.adjustment.gnss_rejected.empty());
+  EXPECT_FALSE(c.adjustment.gnss_clock);
+  ASSERT_TRUE(c.solution.model_check().clocks.gnss);
+  ExpectNear(*c.solution.model_check().clocks.gnss, receiver);
+  EXPECT_TRUE(c.solution.trajectory().warnings.empty());
+  const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);
+  EXPECT_LT(e.cwiseQuotient(c.boresight.sigma_rad()).cwiseAbs().maxCoeff(), kSigmas);
+  EXPECT_EQ(c.solution.CheckedBoresight().verdict, Verdict::kCalibrated);
+}
+
+TEST(Clocks, OfAGoodFlightAreZeroWithinTheirSigmas) {
+  const SimulatedFlight sim = Fly({"", 0.02, 1.0, 0.0, 0.0});
+  const Solution solution(sim.flight);
+  EXPECT_FALSE(solution.adjustment().gnss_clock);
+  for (const auto& clock :
+       {solution.model_check().clocks.gnss, solution.model_check().clocks.lidar}) {
+    ASSERT_TRUE(clock);
+    EXPECT_GT(clock->sigma_offset_s, 0.0);
+    EXPECT_GT(clock->sigma_drift, 0.0);
+    ExpectNear(*clock, {"", 0.0, 0.0, 0.0, 0.0});
+  }
+}
+
+TEST(Clocks, OfTheScannerAreTold) {
+  const SimulatedFlight sim = Simulate(
+      DroneScenario("effects: [{effect: lidar_time_offset, value: 0.005}]\n"), {.seed = 3});
+  const Solution solution(sim.flight);
+  const std::optional<ClockEstimate> lidar = solution.model_check().clocks.lidar;
+  ASSERT_TRUE(lidar);
+  EXPECT_TRUE(lidar->shows_offset());
+  EXPECT_NEAR(lidar->offset_s, 0.005, kSigmas * lidar->sigma_offset_s);
+  EXPECT_FALSE(solution.model_check().clocks.gnss->shows_offset());
+}
+
+TEST(Clocks, AreSaidBySizeSigmaAndKey) {
+  const ClockEstimate late{0.25, 1e-4, 1e-7, 1e-7};
+  EXPECT_THAT(Words(Finding{facts::GnssTimeOff{late, 93.0, true}}),
+              AllOf(HasSubstr("are 0.25 +- 0.0001 s late"), HasSubstr("moves the boresight (93.0"),
+                    HasSubstr("estimate gnss_time_offset"), Not(HasSubstr("gnss_time_drift"))));
+  const ClockEstimate drifting{1e-5, 1e-4, 2e-4, 1e-7};
+  EXPECT_THAT(Words(Finding{facts::GnssTimeOff{drifting, 93.0, false}}),
+              AllOf(HasSubstr("drift by 200 +- 0.1 ppm"), HasSubstr("moves the trajectory"),
+                    HasSubstr("estimate gnss_time_drift"), Not(HasSubstr("s late"))));
+}
+
+// The formulas of a conditional normal distribution, by the inverse of the covariance.
+TEST(Clocks, OneOfTheTwoAloneIsThatOfTheSameData) {
+  const ClockEstimate both{1e-3, 2e-4, -3e-6, 1e-6, -0.8};
+  Eigen::Matrix2d covariance;
+  covariance << 4e-8, -0.8 * 2e-10, -0.8 * 2e-10, 1e-12;
+  const Eigen::Matrix2d N = covariance.inverse();
+  const Eigen::Vector2d right = N * Eigen::Vector2d(1e-3, -3e-6);
+  EXPECT_NEAR(both.WithoutDrift().offset_s, right[0] / N(0, 0), 1e-12);
+  EXPECT_NEAR(both.WithoutDrift().sigma_offset_s, std::sqrt(1.0 / N(0, 0)), 1e-12);
+  EXPECT_NEAR(both.WithoutOffset().drift, right[1] / N(1, 1), 1e-14);
+  EXPECT_NEAR(both.WithoutOffset().sigma_drift, std::sqrt(1.0 / N(1, 1)), 1e-14);
+}
+
+/// Errors of the positions of three times the stated white sigma and more that last for so many
+/// seconds.
+class LastingErrors : public ::testing::TestWithParam<double> {
+ protected:
+  LastingErrors() {
+    const std::string process =
+        "{effect: gnss_correlated_noise, value: [0.05, 0.05, 0.1, " + Number(GetParam()) + "]}";
+    sim_ = Simulate(AircraftScenario("effects: [" + process + "]\n"), {.seed = 3});
+  }
+  SimulatedFlight sim_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Taus, LastingErrors, ::testing::Values(20.0, 40.0, 120.0));
+
+TEST_P(LastingErrors, AreNoStepOfAClockAndCostNoEpochs) {
+  const Calibration c(sim_.flight);
+  EXPECT_LE(c.adjustment.gnss_rejected.size(), 3U);
+  EXPECT_FALSE(c.adjustment.gnss_clock);
+  EXPECT_TRUE(c.adjustment.gnss_correlation.significant());
+  EXPECT_EQ(c.solution.CheckedBoresight().verdict, Verdict::kContradicted);
+}
+
+TEST_P(LastingErrors, AreJudgedBesideTheirProcess) {
+  sim_.flight.config.gnss->processes = {{{0.05, 0.05, 0.1}, GetParam()}};
+  const Calibration c(sim_.flight);
+  EXPECT_TRUE(c.adjustment.gnss_rejected.empty());
+  EXPECT_FALSE(c.adjustment.gnss_clock);
+  const Eigen::Vector3d e = c.BoresightError(sim_.boresight_rad);
+  EXPECT_LT(e.cwiseQuotient(c.boresight.sigma_rad()).cwiseAbs().maxCoeff(), kSigmas);
+  EXPECT_EQ(c.solution.CheckedBoresight().verdict, Verdict::kCalibrated);
+}
+
+}  // namespace
+}  // namespace dn
