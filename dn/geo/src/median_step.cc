@@ -1,5 +1,4 @@
 #include <dn/geo/median_step.h>
-
 #include <dn/median.h>
 
 #include <utility>
