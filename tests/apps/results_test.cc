@@ -120,9 +120,10 @@ TEST(CliCalibrate, TrajectoryFiles) { ExpectTrajectoryFiles(CalibrateResult()); 
 
 TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   const Json result = JsonOf(CalibrateResult() / "result.json");
-  EXPECT_THAT(KeysOf(result), UnorderedElementsAre("schema", "flight", "method", "boresight",
-                                                   "assessment", "correlations", "estimates",
-                                                   "adjustment", "model_check", "timing_s"));
+  EXPECT_THAT(
+      KeysOf(result),
+      UnorderedElementsAre("schema", "flight", "method", "boresight", "assessment", "correlations",
+                           "estimates", "clocks", "adjustment", "model_check", "timing_s"));
   EXPECT_EQ(result["schema"], "dn.result/1");
   EXPECT_EQ(result["flight"], "short");
   EXPECT_EQ(result["method"], "dn");
@@ -151,6 +152,9 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
     EXPECT_TRUE(result["correlations"][bias]["rms"].is_number());
   }
   EXPECT_TRUE(result["estimates"].is_object());
+  EXPECT_THAT(KeysOf(result["clocks"]), UnorderedElementsAre("gnss", "lidar"));
+  EXPECT_THAT(KeysOf(result["clocks"]["gnss"]),
+              UnorderedElementsAre("offset_s", "sigma_offset_s", "drift_ppm", "sigma_drift_ppm"));
   const Json& adjustment = result["adjustment"];
   for (const char* key : {"sigma0", "chi2", "redundancy", "condition_number", "iterations",
                           "residual_initial_m", "residual_final_m", "nodes", "parameters",
