@@ -154,7 +154,8 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   EXPECT_TRUE(result["estimates"].is_object());
   EXPECT_THAT(KeysOf(result["clocks"]), UnorderedElementsAre("gnss", "lidar"));
   EXPECT_THAT(KeysOf(result["clocks"]["gnss"]),
-              UnorderedElementsAre("offset_s", "sigma_offset_s", "drift_ppm", "sigma_drift_ppm"));
+              UnorderedElementsAre("offset_s", "sigma_offset_s", "drift_ppm", "sigma_drift_ppm",
+                                   "correlation"));
   const Json& adjustment = result["adjustment"];
   for (const char* key : {"sigma0", "chi2", "redundancy", "condition_number", "iterations",
                           "residual_initial_m", "residual_final_m", "nodes", "parameters",
