@@ -99,6 +99,7 @@ AtTau Judge(const FlightNetwork& network, const std::string& effect, double tau_
 /// relative standard deviation there; nothing at the ends of those tried.
 struct LikeliestTau {
   double tau_s = 0.0, relative_sigma = 0.0;
+  double slope_of_ln_size = 0.0;  ///< of the likeliest size, over ln(tau)
 };
 
 std::optional<LikeliestTau> BetweenTaus(const std::vector<AtTau>& all) {
@@ -114,7 +115,8 @@ std::optional<LikeliestTau> BetweenTaus(const std::vector<AtTau>& all) {
       (step * step);
   if (!(curvature > 0.0)) return std::nullopt;
   const double move = std::clamp(slope / curvature, -step, step);
-  return LikeliestTau{best->tau_s * std::exp(move), 1.0 / std::sqrt(curvature)};
+  const double slope_of_ln_size = std::log(after.size / before.size) / (2.0 * step);
+  return LikeliestTau{best->tau_s * std::exp(move), 1.0 / std::sqrt(curvature), slope_of_ln_size};
 }
 
 /// A process of the usual size beside other effects, at one time constant after another.
@@ -176,11 +178,13 @@ void JudgeProcess(const Flight& flight, const std::vector<GapCause>& beside,
   effect->log_evidence = best.log_evidence + std::log(sum / static_cast<double>(std::size(kTausS)));
   const std::optional<LikeliestTau> likeliest = BetweenTaus(all);
   if (likeliest) best = trial.At(likeliest->tau_s).value_or(best);
+  const double by_tau = likeliest ? likeliest->slope_of_ln_size * likeliest->relative_sigma : 0.0;
+  const double relative_sigma = std::hypot(best.relative_sigma, by_tau);
   const EffectSpec& spec = *FindEffect(effect->name);
   const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
   for (Eigen::Index k = 0; k < last; ++k) {
     effect->estimate[k] = best.size * spec.components[static_cast<std::size_t>(k)].typical_si();
-    effect->sigma[k] = best.relative_sigma * effect->estimate[k];
+    effect->sigma[k] = relative_sigma * effect->estimate[k];
   }
   effect->estimate[last] = best.tau_s;
   if (likeliest) effect->sigma[last] = likeliest->relative_sigma * best.tau_s;

@@ -134,10 +134,13 @@ TEST(JudgeProcess, FindsTheSizeOfAProcess) {
   const ScreenedEffect found =
       Judged("effects: [{effect: gnss_correlated_noise, value: [0.04, 0.04, 0.04, 15]}]");
   EXPECT_GT(found.log_evidence, 20.0);
-  EXPECT_GT(found.estimate[0], 0.025);
-  EXPECT_LT(found.estimate[0], 0.065);
+  EXPECT_NEAR(found.estimate[0], 0.04, 3.0 * found.sigma[0]);
+  EXPECT_LT(found.sigma[0], 0.01);
   EXPECT_GE(found.estimate[3], 4.0);
   EXPECT_LE(found.estimate[3], 60.0);
+  // A longer time constant goes with a larger size: nearly as its root.
+  ASSERT_TRUE(std::isfinite(found.sigma[3]));
+  EXPECT_GT(found.sigma[0] / found.estimate[0], 0.25 * found.sigma[3] / found.estimate[3]);
 }
 
 TEST(JudgeProcess, FindsNoneInNoise) { EXPECT_LT(Judged("").log_evidence, 2.0); }
