@@ -309,7 +309,7 @@ class GaussHelmertDiagnosis {
     }
     for (const Eigen::Index k : order) {
       const auto [quantity, place] = NameOf(k);
-      out_.fingerprint.push_back({"lidar " + quantity + ", " + place,
+      out_.fingerprint.push_back({fmt::format("lidar {}, {}", quantity, place),
                                   stated.appearance.locations[k], test.mean[k], test.sigma[k],
                                   std::nullopt, std::nullopt});
       if (out_.where.size() >= kMostPlaces || test.p_adjusted[k] > options_.alpha) continue;

@@ -15,7 +15,9 @@ std::string Wrapped(const std::string& text, const std::string& indent) {
   std::string out, line, word;
   while (words >> word) {
     if (!line.empty() && indent.size() + line.size() + 1 + word.size() > kLineWidth) {
-      out += line + "\n" + indent;
+      out += line;
+      out += "\n";
+      out += indent;
       line.clear();
     }
     line += (line.empty() ? "" : " ") + word;
