@@ -22,7 +22,7 @@ constexpr double kShortestWave_m = 200.0;
 constexpr double kLongestWave_m = 5000.0;
 
 double Quantile(std::vector<double> values, double p) {
-  const auto at = static_cast<std::ptrdiff_t>(p * static_cast<double>(values.size() - 1) + 0.5);
+  const std::ptrdiff_t at = std::lround(p * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + at, values.end());
   return values[static_cast<std::size_t>(at)];
 }
