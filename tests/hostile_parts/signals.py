@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 
 from .cases import CALIBRATE, GAUSS_HELMERT, SMOOTH, Case
@@ -41,6 +42,10 @@ def is_whole(path):
     if path.endswith(".svg"):
         return content.rstrip().endswith(b"</svg>")
     return not path.endswith((".txt", ".yaml")) or content.endswith(b"\n")
+
+
+# Of a series that is ended by force while it records a flight: the next run sweeps it.
+UNFINISHED_RECORD = re.compile(r"^here/out/(flights|records)/\.\d+\.json\.\d+\.part$")
 
 
 def run_again(arena, arguments, as_nobody=False):
@@ -100,12 +105,16 @@ class Interrupted(Case):
                              f"{outcome.err[-200:]}"))
         if outcome.exit_code == 130 and any(n.startswith("result") for n in os.listdir(arena.out)):
             findings.append(("half written", "a result stands beside exit 130"))
-        return outcome, findings + self.left_over(arena)
+        findings += self.left_over(arena)
+        if any(UNFINISHED_RECORD.search(path) for path in arena.contents()):
+            findings += run_again(arena, self.arguments)
+        return outcome, findings
 
     @staticmethod
     def left_over(arena):
         left = [path for path in sorted(set(arena.contents()) - set(arena.before))
-                if LEFTOVER.search(path) or not path.startswith("here/out")]
+                if LEFTOVER.search(path) and not UNFINISHED_RECORD.search(path)
+                or not path.startswith("here/out")]
         changed = [path for path, content in arena.before.items()
                    if content != "special" and arena.contents().get(path) != content]
         return [("leftover", path) for path in left] + [("input changed", path) for path in changed]
