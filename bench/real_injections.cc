@@ -9,6 +9,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/gap/adapt.h>
 #include <dn/gap/diagnose.h>
+#include <dn/geo/nearest_pose.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -75,12 +76,11 @@ void MoveAntenna(const Eigen::Vector3d& arm_b_m, const Solution& measured, Fligh
   }
   const std::vector<ImuSample>& samples = flight->imu->samples;
   for (GnssEpoch& epoch : flight->gnss->epochs) {
-    const double t_s = std::clamp(epoch.t_s, poses.front().t_s, poses.back().t_s);
-    const Eigen::Quaterniond q_mb = InterpolatePose(poses, t_s).q_mb;
+    const Eigen::Quaterniond q_mb = NearestPose(poses, epoch.t_s).q_mb;
     epoch.antenna = flight->frame.ToGeodetic(flight->frame.ToMap(epoch.antenna) + q_mb * arm_b_m);
     if (!epoch.velocity_enu_mps) continue;
     const auto sample =
-        std::lower_bound(samples.begin(), samples.end() - 1, t_s,
+        std::lower_bound(samples.begin(), samples.end() - 1, epoch.t_s,
                          [](const ImuSample& one, double time_s) { return one.t_s < time_s; });
     *epoch.velocity_enu_mps += q_mb * sample->w_ib_b_radps.cross(arm_b_m);
   }

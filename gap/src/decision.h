@@ -2,6 +2,7 @@
 
 #include <dn/gap/diagnose.h>
 
+#include <algorithm>
 #include <cstddef>
 
 namespace dn::internal {
@@ -9,6 +10,9 @@ namespace dn::internal {
 /// Evidence that an effect must have: by `kSafetyNats` more than one flight in twenty without any
 /// effect has somewhere in the library, and no less than `kLeastThresholdNats`.
 constexpr double kSafetyNats = 2.0, kLeastThresholdNats = 4.0;
+constexpr double ThresholdNats(double evidence_95) {
+  return std::max(kLeastThresholdNats, evidence_95 + kSafetyNats);
+}
 /// Before there are twins to tell.
 constexpr double kThresholdOfDesignNats = kLeastThresholdNats + kSafetyNats;
 /// Evidence, more than a physical effect has, at which a discrepancy without a name is the better one.

@@ -6,6 +6,7 @@
 #include <dn/gap/report.h>
 #include <dn/gap/twin.h>
 #include <dn/interrupted.h>
+#include <dn/quantile.h>
 #include <dn/rotation.h>
 #include <dn/sim/random.h>
 #include <fmt/format.h>
@@ -49,14 +50,6 @@ constexpr int kFullTwins = 8;  // of each kind
 // p-value of the flight among its simulated twins below which they are not like it.
 constexpr double kUnlike = 0.01;
 constexpr long kLeastRedundancy = 30;
-
-double Quantile(std::vector<double> values, double p) {
-  std::sort(values.begin(), values.end());
-  const double at = p * static_cast<double>(values.size() - 1);
-  const auto low = static_cast<std::size_t>(at);
-  const std::size_t high = std::min(low + 1, values.size() - 1);
-  return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
-}
 
 std::vector<double> Over(const Twins& twins, double Appearance::*what) {
   std::vector<double> values;
@@ -121,18 +114,20 @@ class Diagnosis {
       MeasureHeldOut(attribution);
       watch_.Lap("data held out");
     }
+    const Trajectory trajectory(
+        DenseTrajectory(attribution.last().solution->network(), kTrajectoryStepS));
     if (options_.depth == GapOptions::Depth::kFull) {
       Report("simulated twins", 0.88);
-      FlyAgain(attribution);
+      FlyAgain(attribution, trajectory);
       watch_.Lap("simulated twins");
     }
     Report("limits", 0.94);
     out_.could_still_hide = HiddenEffects(*attribution.base->screen, Threshold(), options_.seed);
     watch_.Lap("limits");
-    BreakTies(attribution);
+    BreakTies(attribution, trajectory);
     for (const std::string& note : attribution.notes) out_.validity.notes.push_back(note);
     out_.verdict.text = VerdictSentence(out_);
-    return Result(attribution);
+    return Result(attribution, trajectory);
   }
 
   /// By the geometry at the solution.
@@ -156,9 +151,7 @@ class Diagnosis {
     return out;
   }
 
-  double Threshold() const {
-    return std::max(kLeastThresholdNats, before_.test.evidence_95 + kSafetyNats);
-  }
+  double Threshold() const { return ThresholdNats(before_.test.evidence_95); }
 
   /// What the twins cannot show: raw inertial noise, gross errors.
   static double POutsideTwins(const ExplainedFlight& explained) {
@@ -217,16 +210,11 @@ class Diagnosis {
 
   void FillWhere(const ExplainedFlight& base) {
     const TwinTest& test = before_.test;
-    std::vector<Eigen::Index> order;
-    for (Eigen::Index k = 0; k < test.z.size(); ++k) order.push_back(k);
-    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-      return std::abs(test.z[a]) > std::abs(test.z[b]);
-    });
     if (base.coloured_imu_nats > -std::log(kCertain)) {
       out_.where.push_back({"imu", "raw data, highest octaves", "the whole flight",
                             base.coloured_imu_nats, std::exp(-base.coloured_imu_nats)});
     }
-    for (const Eigen::Index k : order) {
+    for (const Eigen::Index k : test.LargestFirst()) {
       const LocationStatistic& at = before_.statistics[static_cast<std::size_t>(k)];
       if (out_.fingerprint.size() < kMostStatistics) {
         out_.fingerprint.push_back({NameOf(at), before_.appearance.locations[k], test.mean[k],
@@ -345,9 +333,8 @@ class Diagnosis {
   }
 
   /// Twins simulated anew, without the effects and with them.
-  void FlyAgain(const Attribution& attribution) {
+  void FlyAgain(const Attribution& attribution, const Trajectory& trajectory) {
     const ExplainedFlight& last = attribution.last();
-    const Trajectory trajectory(DenseTrajectory(last.solution->network(), kTrajectoryStepS));
     const LinearTwins linear = NamedLinearTwins(before_.statistics, before_.twins, before_.test);
     const std::vector<NamedStatistics> without = FlyTwinsWith({}, last, trajectory);
     out_.validity.full_twins = static_cast<int>(without.size());
@@ -394,12 +381,11 @@ class Diagnosis {
     }
   }
 
-  void BreakTies(const Attribution& attribution) {
+  void BreakTies(const Attribution& attribution, const Trajectory& trajectory) {
     const std::vector<Tie> ties = TiesOf(out_);
     if (options_.depth == GapOptions::Depth::kScreen || ties.empty()) return;
     Report("what would tell the causes apart", 0.97);
     const ExplainedFlight& last = attribution.last();
-    const Trajectory trajectory(DenseTrajectory(last.solution->network(), kTrajectoryStepS));
     std::vector<std::string> sentences;
     for (const Tie& tie : ties) {
       const std::string text = TieBreaker(flight_, trajectory, BoresightOf(last), tie, options_);
@@ -417,11 +403,11 @@ class Diagnosis {
     return solution.Boresight().angles_rad;
   }
 
-  GapResult Result(const Attribution& attribution) {
+  GapResult Result(const Attribution& attribution, const Trajectory& trajectory) {
     GapResult result;
     const ExplainedFlight& last = attribution.last();
     result.adapted = Adapted(flight_, CausesOfVerdict(out_));
-    result.trajectory = Trajectory(DenseTrajectory(last.solution->network(), kTrajectoryStepS));
+    result.trajectory = trajectory;
     result.boresight_rad = BoresightOf(last);
     result.diagnosis = std::move(out_);
     return result;

@@ -5,6 +5,7 @@
 #include <dn/gap/adapt.h>
 #include <dn/gap/report.h>
 #include <dn/interrupted.h>
+#include <dn/log_sum.h>
 #include <dn/rotation.h>
 #include <dn/sim/random.h>
 #include <dn/symmetric_eigen.h>
@@ -228,19 +229,15 @@ class GaussHelmertDiagnosis {
     return std::max(0.0, more);
   }
 
-  double Threshold() const {
-    return std::max(kLeastThresholdNats, before_.test.evidence_95 + kSafetyNats);
-  }
+  double Threshold() const { return ThresholdNats(before_.test.evidence_95); }
 
   // ---- Is there a gap, and where -----------------------------------------------------------------
 
   /// The mean ratio of likelihoods over the family exceeds 1 / p with probability p at most.
   static double PByEvidence(const std::vector<ScreenedEffect>& effects) {
-    double most = 0.0;
-    for (const ScreenedEffect& effect : effects) most = std::max(most, effect.log_evidence);
-    double sum = 0.0;
-    for (const ScreenedEffect& effect : effects) sum += std::exp(effect.log_evidence - most);
-    return std::min(1.0, std::exp(-most) * static_cast<double>(effects.size()) / sum);
+    LogSum sum;
+    for (const ScreenedEffect& effect : effects) sum.Add(effect.log_evidence);
+    return std::min(1.0, static_cast<double>(effects.size()) * std::exp(-sum.Value()));
   }
 
   /// By evidence alone: twins at one scale of the trajectory's errors do not show that the scale is
@@ -297,17 +294,12 @@ class GaussHelmertDiagnosis {
     const ComparedPairs stated =
         Compare(*base_.at_stated, base_.chi2_at_stated, base_.scale.white, GrossInSigmas(base_));
     const TwinTest& test = stated.test;
-    std::vector<Eigen::Index> order;
-    for (Eigen::Index k = 0; k < test.z.size(); ++k) order.push_back(k);
-    std::sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
-      return std::abs(test.z[a]) > std::abs(test.z[b]);
-    });
     const double larger_nats = (chosen_.empty() ? base_ : final_).larger_errors_nats;
     if (larger_nats > kLargerErrorsNats) {
       out_.where.push_back({"trajectory", "errors that last, against the stated ones",
                             "the whole flight", larger_nats, std::exp(-larger_nats)});
     }
-    for (const Eigen::Index k : order) {
+    for (const Eigen::Index k : test.LargestFirst()) {
       const auto [quantity, place] = NameOf(k);
       out_.fingerprint.push_back({fmt::format("lidar {}, {}", quantity, place),
                                   stated.appearance.locations[k], test.mean[k], test.sigma[k],

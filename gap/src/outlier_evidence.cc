@@ -1,8 +1,9 @@
 #include "outlier_evidence.h"
 
+#include <dn/log_sum.h>
+
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace dn::internal {
 namespace {
@@ -16,16 +17,13 @@ constexpr int kShares = 40;
 double Evidence(long found, long of_all, double usual) {
   const auto all = static_cast<double>(of_all), n = static_cast<double>(found);
   const double expected = std::max(usual * all, 1e-3);
-  std::vector<double> log_ratio;
+  LogSum sum;
   for (int k = 0; k < kShares; ++k) {
     const double share = kLeastShare * std::pow(kLargestShare / kLeastShare, (k + 0.5) / kShares);
     const double with = expected + kFound * share * all;
-    log_ratio.push_back(n * std::log(with / expected) - (with - expected));
+    sum.Add(n * std::log(with / expected) - (with - expected));
   }
-  const double largest = *std::max_element(log_ratio.begin(), log_ratio.end());
-  double sum = 0.0;
-  for (const double one : log_ratio) sum += std::exp(one - largest);
-  return largest + std::log(sum / kShares);
+  return sum.Value() - std::log(kShares);
 }
 
 }  // namespace

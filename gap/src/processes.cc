@@ -4,6 +4,7 @@
 #include <dn/error.h>
 #include <dn/gap/adapt.h>
 #include <dn/interrupted.h>
+#include <dn/log_sum.h>
 #include <dn/solvers/restricted_likelihood.h>
 
 #include <algorithm>
@@ -173,9 +174,9 @@ void JudgeProcess(const Flight& flight, const std::vector<GapCause>& beside,
   AtTau best = *std::max_element(all.begin(), all.end(), [](const AtTau& a, const AtTau& b) {
     return a.log_evidence < b.log_evidence;
   });
-  double sum = 0.0;
-  for (const AtTau& at : all) sum += std::exp(at.log_evidence - best.log_evidence);
-  effect->log_evidence = best.log_evidence + std::log(sum / static_cast<double>(std::size(kTausS)));
+  LogSum sum;
+  for (const AtTau& at : all) sum.Add(at.log_evidence);
+  effect->log_evidence = sum.Value() - std::log(static_cast<double>(std::size(kTausS)));
   const std::optional<LikeliestTau> likeliest = BetweenTaus(all);
   if (likeliest) best = trial.At(likeliest->tau_s).value_or(best);
   const double by_tau = likeliest ? likeliest->slope_of_ln_size * likeliest->relative_sigma : 0.0;

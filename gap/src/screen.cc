@@ -1,6 +1,7 @@
 #include "screen.h"
 
 #include <dn/effects/effect_table.h>
+#include <dn/log_sum.h>
 #include <dn/report/distributions.h>
 
 #include <algorithm>
@@ -51,16 +52,14 @@ Eigen::MatrixXd Screen::Scores(const LinearizedNetwork& linearized,
   return s;
 }
 
+double Screen::LogEvidence(std::size_t candidate, const Eigen::VectorXd& s) const {
+  return forms_[candidate].LogEvidence(ScoreOf(library_.candidates[candidate], score_, s));
+}
+
 double Screen::LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s) const {
-  double largest = -std::numeric_limits<double>::infinity();
-  std::vector<double> of_each;
-  for (std::size_t k = family.first; k < family.past; ++k) {
-    of_each.push_back(forms_[k].LogEvidence(ScoreOf(library_.candidates[k], score_, s)));
-    largest = std::max(largest, of_each.back());
-  }
-  double sum = 0.0;
-  for (const double one : of_each) sum += std::exp(one - largest);
-  return largest + std::log(sum / static_cast<double>(of_each.size()));
+  LogSum sum;
+  for (std::size_t k = family.first; k < family.past; ++k) sum.Add(LogEvidence(k, s));
+  return sum.Value() - std::log(static_cast<double>(family.past - family.first));
 }
 
 ScoreTest Screen::Test(std::size_t candidate, const Eigen::VectorXd& s) const {
@@ -90,15 +89,17 @@ ScreenedEffect Screen::Describe(const EffectFamily& family) const {
   ScreenedEffect effect;
   effect.name = family.name;
   effect.physical = family.physical;
-  effect.log_evidence = LogEvidence(family, score_.s);
-  double best = -std::numeric_limits<double>::infinity();
+  LogSum sum;
+  double best = kNever;
   for (std::size_t k = family.first; k < family.past; ++k) {
-    const double one = forms_[k].LogEvidence(ScoreOf(library_.candidates[k], score_, score_.s));
+    const double one = LogEvidence(k, score_.s);
+    sum.Add(one);
     if (one > best) {
       best = one;
       effect.candidate = k;
     }
   }
+  effect.log_evidence = sum.Value() - std::log(static_cast<double>(family.past - family.first));
   const Candidate& candidate = library_.candidates[effect.candidate];
   effect.times = candidate.times;
   const ScoreTest test = Test(effect.candidate, score_.s);

@@ -73,6 +73,7 @@ class Screen {
 
  private:
   void MakeForms();
+  double LogEvidence(std::size_t candidate, const Eigen::VectorXd& s) const;
   ScreenedEffect Describe(const EffectFamily& family) const;
   void DescribeProcess(const Candidate& candidate, std::size_t index, ScreenedEffect* effect) const;
   void DescribeFixed(const Candidate& candidate, std::size_t index, ScreenedEffect* effect) const;

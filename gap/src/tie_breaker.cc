@@ -3,6 +3,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/gap/twin.h>
+#include <dn/geo/nearest_pose.h>
 #include <dn/interrupted.h>
 #include <dn/parallel.h>
 #include <dn/rotation.h>
@@ -47,17 +48,13 @@ const Candidate* CandidateOf(const Screen& screen, const std::string& effect) {
   return nullptr;
 }
 
-MapPose PoseAt(const std::vector<MapPose>& poses, double t_s) {
-  return InterpolatePose(poses, std::clamp(t_s, poses.front().t_s, poses.back().t_s));
-}
-
 /// The flight's strips as lines to be flown.
 std::vector<PlannedLine> LinesOf(const Flight& flight, const Trajectory& estimated) {
   const std::vector<MapPose> poses = estimated.InMap(flight.frame);
   std::vector<PlannedLine> lines;
   for (const StripInterval& strip : FindStrips(flight)) {
-    const Eigen::Vector3d start_m = PoseAt(poses, strip.t0_s).p_mb;
-    const Eigen::Vector3d end_m = PoseAt(poses, strip.t1_s).p_mb;
+    const Eigen::Vector3d start_m = NearestPose(poses, strip.t0_s).p_mb;
+    const Eigen::Vector3d end_m = NearestPose(poses, strip.t1_s).p_mb;
     PlannedLine line;
     line.start_en_m = start_m.head<2>();
     line.end_en_m = end_m.head<2>();
@@ -76,7 +73,7 @@ TurbulenceScenario MotionOf(const Flight& flight, const Trajectory& estimated) {
   long n = 0;
   for (const StripInterval& strip : FindStrips(flight)) {
     std::vector<Eigen::Vector3d> turns;
-    const Eigen::Quaterniond middle = PoseAt(poses, 0.5 * (strip.t0_s + strip.t1_s)).q_mb;
+    const Eigen::Quaterniond middle = NearestPose(poses, 0.5 * (strip.t0_s + strip.t1_s)).q_mb;
     for (const MapPose& pose : poses) {
       if (pose.t_s < strip.t0_s || pose.t_s > strip.t1_s) continue;
       turns.push_back(Log(Eigen::Quaterniond(middle.conjugate() * pose.q_mb)));

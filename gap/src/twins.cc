@@ -196,6 +196,14 @@ Twins MakeTwins(const Marginals& marginals, const Screen& screen, const Location
   return twins;
 }
 
+std::vector<Eigen::Index> TwinTest::LargestFirst() const {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(z.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](Eigen::Index a, Eigen::Index b) { return std::abs(z[a]) > std::abs(z[b]); });
+  return order;
+}
+
 TwinTest CompareWithTwins(const Appearance& flight, const Twins& twins) {
   const Ranking ranking(twins, twins.all.size() / 2, twins.all.size());
   const Statistics& statistics = ranking.statistics();

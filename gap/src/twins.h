@@ -57,6 +57,9 @@ struct TwinTest {
   Eigen::VectorXd p_adjusted;   ///< of each location, for all of them (step-down maxT)
   Eigen::VectorXd mean, sigma;  ///< of the locations over the twins
   double evidence_95 = 0.0;     ///< quantile of the largest log evidence
+
+  /// Locations by |z|.
+  std::vector<Eigen::Index> LargestFirst() const;
 };
 
 TwinTest CompareWithTwins(const Appearance& flight, const Twins& twins);

@@ -1,32 +1,13 @@
 #pragma once
 
 #include <dn/imu/high_band.h>
+#include <dn/log_sum.h>
 
 #include <cmath>
 #include <limits>
 #include <vector>
 
 namespace dn {
-
-inline constexpr double kNever = -std::numeric_limits<double>::infinity();
-
-/// log(sum of exp), of what is added one by one.
-class LogSum {
- public:
-  void Add(double log_value) {
-    if (log_value == kNever) return;
-    if (log_value > largest_) {
-      sum_ *= std::exp(largest_ - log_value);
-      largest_ = log_value;
-    }
-    sum_ += std::exp(log_value - largest_);
-  }
-  double Value() const { return sum_ > 0.0 ? largest_ + std::log(sum_) : kNever; }
-
- private:
-  double largest_ = kNever;
-  double sum_ = 0.0;
-};
 
 /// log(L(v) / L(1)), see CheckNoise.
 double LogLikelihood(const BandEnergy& energy, double v);

@@ -1,6 +1,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/montecarlo/blind_score.h>
+#include <dn/quantile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,17 +25,11 @@ bool Contains(const BlindRecord& record, const std::string& effect) {
                      [&](const Effect& there) { return there.name == effect; });
 }
 
-Quartiles QuartilesOf(std::vector<double> values) {
+Quartiles QuartilesOf(const std::vector<double>& values) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (values.empty()) return {0, kNone, kNone, kNone};
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double share) {
-    const double place = share * static_cast<double>(values.size() - 1);
-    const auto k = static_cast<std::size_t>(place);
-    const std::size_t next = std::min(k + 1, values.size() - 1);
-    return values[k] + (place - static_cast<double>(k)) * (values[next] - values[k]);
-  };
-  return {static_cast<long>(values.size()), at(0.25), at(0.5), at(0.75)};
+  return {static_cast<long>(values.size()), Quantile(values, 0.25), Quantile(values, 0.5),
+          Quantile(values, 0.75)};
 }
 
 /// The entry of this name, made at the end where there is none.

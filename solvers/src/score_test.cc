@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/log_sum.h>
 #include <dn/solvers/score_test.h>
 #include <dn/symmetric_eigen.h>
 
@@ -260,7 +261,10 @@ EvidenceForm::EvidenceForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& typi
 }
 
 double EvidenceForm::LogEvidence(const Eigen::VectorXd& s, double variance) const {
-  const Eigen::VectorXd c = W_.transpose() * s;
+  return LogEvidenceOf(W_.transpose() * s, variance);
+}
+
+double EvidenceForm::LogEvidenceOf(const Eigen::VectorXd& c, double variance) const {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < d_.size(); ++i) {
     const double growth = 1.0 + variance * d_[i];
@@ -272,14 +276,12 @@ double EvidenceForm::LogEvidence(const Eigen::VectorXd& s, double variance) cons
 double EvidenceForm::LogEvidence(const Eigen::VectorXd& s) const {
   constexpr double kVariances[] = {0.01, 0.1, 1.0, 10.0, 100.0};
   constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
-  double log_of_each[5];
+  const Eigen::VectorXd c = W_.transpose() * s;
+  LogSum sum;
   for (int g = 0; g < 5; ++g) {
-    log_of_each[g] = std::log(kWeights[g]) + LogEvidence(s, kVariances[g]);
+    sum.Add(std::log(kWeights[g]) + LogEvidenceOf(c, kVariances[g]));
   }
-  const double largest = *std::max_element(log_of_each, log_of_each + 5);
-  double sum = 0.0;
-  for (const double one : log_of_each) sum += std::exp(one - largest);
-  return largest + std::log(sum);
+  return sum.Value();
 }
 
 Eigen::MatrixXd TransposeTimes(const LinearizedNetwork& linearized, const EffectModel& effect,

@@ -1,5 +1,6 @@
 #include "geometry.h"
 
+#include <dn/geo/nearest_pose.h>
 #include <dn/rotation.h>
 
 #include <algorithm>
@@ -13,11 +14,6 @@ constexpr double kParallelRad = 15.0 * kRadPerDeg;
 constexpr double kSameHeight = 0.15;
 constexpr double kSameSpeed = 0.1;
 
-/// The pose at a time, that of the nearest end outside.
-MapPose PoseAt(const std::vector<MapPose>& poses, double t_s) {
-  return InterpolatePose(poses, std::clamp(t_s, poses.front().t_s, poses.back().t_s));
-}
-
 /// Mean distance of the points of pairs below the body, over the ends of pairs within a strip; 0
 /// without any.
 double HeightAboveGround(const StudyDesign& design, const StripInterval& strip) {
@@ -26,7 +22,7 @@ double HeightAboveGround(const StudyDesign& design, const StripInterval& strip) 
   long n = 0;
   const auto add = [&](double t_s, const Eigen::Vector3d& u_s) {
     if (t_s < strip.t0_s || t_s > strip.t1_s) return;
-    sum_m -= (PoseAt(design.states.poses, t_s).q_mb * (R_bs * u_s)).z();
+    sum_m -= (NearestPose(design.states.poses, t_s).q_mb * (R_bs * u_s)).z();
     ++n;
   };
   for (const LidarPair& pair : design.flight.pairs->pairs) {
@@ -38,7 +34,8 @@ double HeightAboveGround(const StudyDesign& design, const StripInterval& strip) 
 
 StripGeometry GeometryOf(const StudyDesign& design, const StripInterval& strip) {
   const std::vector<MapPose>& poses = design.states.poses;
-  const Eigen::Vector3d way = PoseAt(poses, strip.t1_s).p_mb - PoseAt(poses, strip.t0_s).p_mb;
+  const Eigen::Vector3d way =
+      NearestPose(poses, strip.t1_s).p_mb - NearestPose(poses, strip.t0_s).p_mb;
   StripGeometry geometry;
   geometry.name = strip.name;
   geometry.course_rad = std::atan2(way.x(), way.y());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "solvers/pose_graph.h"
+#include "solvers/step_factor.h"
 
 namespace dn {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
 using testing::PoseGraph;
+using testing::Step;
 
 // The covariance is exact to 1e-9 of its sigmas; some hundred numbers are added.
 constexpr double kSumTolerance = 1e-6;
@@ -55,17 +57,6 @@ TEST(Redundancy, OfTwoMeasurementsOfOneUnknown) {
   without.ComputeSelectedInverse();
   EXPECT_THROW(RedundancyNumbers(without, coarse), InvalidInput);
 }
-
-/// r = (b - a - z) / sigma
-struct Step : AutoFactor<Step, 3, Vec<3>, Vec<3>> {
-  Eigen::Vector3d z;
-  double sigma = 1.0;
-  template <class T>
-  bool Residual(const T* a, const T* b, T* r) const {
-    for (int i = 0; i < 3; ++i) r[i] = (b[i] - a[i] - z[i]) / sigma;
-    return true;
-  }
-};
 
 // Residuals of a chain of noisy steps and noisy positions, divided by the roots of their numbers,
 // have variance one: of the steps and of the positions separately.

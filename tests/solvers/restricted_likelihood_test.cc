@@ -12,24 +12,15 @@
 #include <vector>
 
 #include "solvers/pose_graph.h"
+#include "solvers/step_factor.h"
 
 namespace dn {
 namespace {
 
 using testing::MakeVectorPrior;
+using testing::Step;
 
 constexpr double kPositionSigma = 0.5, kStepSigma = 0.2;
-
-/// r = (b - a - z) / sigma
-struct Step : AutoFactor<Step, 3, Vec<3>, Vec<3>> {
-  Eigen::Vector3d z;
-  double sigma = 1.0;
-  template <class T>
-  bool Residual(const T* a, const T* b, T* r) const {
-    for (int i = 0; i < 3; ++i) r[i] = (b[i] - a[i] - z[i]) / sigma;
-    return true;
-  }
-};
 
 /// A chain of noisy steps whose positions are measured; the noise of the positions is
 /// `position_ratio` times what they state.

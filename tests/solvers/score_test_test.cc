@@ -9,22 +9,13 @@
 #include <vector>
 
 #include "solvers/pose_graph.h"
+#include "solvers/step_factor.h"
 
 namespace dn {
 namespace {
 
 using testing::MakeVectorPrior;
-
-/// r = (b - a - z) / sigma
-struct Step : AutoFactor<Step, 3, Vec<3>, Vec<3>> {
-  Eigen::Vector3d z;
-  double sigma = 1.0;
-  template <class T>
-  bool Residual(const T* a, const T* b, T* r) const {
-    for (int i = 0; i < 3; ++i) r[i] = (b[i] - a[i] - z[i]) / sigma;
-    return true;
-  }
-};
+using testing::Step;
 
 /// r = (x + offset - z) / sigma: a position with an offset of its own block.
 struct ShiftedPosition : AutoFactor<ShiftedPosition, 3, Vec<3>, Vec<3>> {

@@ -93,6 +93,8 @@ class EvidenceForm {
   Eigen::Index size() const { return d_.size(); }
 
  private:
+  double LogEvidenceOf(const Eigen::VectorXd& c, double variance) const;
+
   Eigen::MatrixXd W_;
   Eigen::VectorXd d_;
 };

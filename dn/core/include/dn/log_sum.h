@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+namespace dn {
+
+inline constexpr double kNever = -std::numeric_limits<double>::infinity();
+
+/// log(sum of exp), of what is added one by one.
+class LogSum {
+ public:
+  void Add(double log_value) {
+    if (log_value == kNever) return;
+    if (log_value > largest_) {
+      sum_ *= std::exp(largest_ - log_value);
+      largest_ = log_value;
+    }
+    sum_ += std::exp(log_value - largest_);
+  }
+  double Value() const { return sum_ > 0.0 ? largest_ + std::log(sum_) : kNever; }
+
+ private:
+  double largest_ = kNever;
+  double sum_ = 0.0;
+};
+
+}  // namespace dn
