@@ -65,12 +65,12 @@ void SummariseImu(const Flight& flight, Json* json) {
 }
 
 void SummariseGnss(const Flight& flight, Json* json) {
-  const std::vector<GnssEpoch>& epochs = flight.gnss->epochs;
+  const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
   double longest_s = 0.0;
   for (std::size_t i = 1; i < epochs.size(); ++i) {
     longest_s = std::max(longest_s, epochs[i].t_s - epochs[i - 1].t_s);
   }
-  const bool velocity = std::any_of(epochs.begin(), epochs.end(), [&](const GnssEpoch& epoch) {
+  const bool velocity = std::any_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
     return UsesVelocity(epoch, *flight.config.gnss);
   });
   fmt::print("GNSS data       {} epochs, {:.3f} .. {:.3f} s, longest hole {:.1f} s, velocity {}\n",

@@ -74,7 +74,7 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
   std::vector<std::string> warnings = Words(findings);
   const std::vector<std::size_t>& rejected = flight_run.adjustment().gnss_rejected;
   if (!rejected.empty()) {
-    const GnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
+    const MapGnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
     warnings.push_back(fmt::format(
         "{} GNSS epochs contradict all other data and were left out, the first at t = {} s "
         "({}:{}); report.json lists them",
@@ -86,7 +86,7 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
 Json RejectedGnssJson(const FlightRun& flight_run) {
   Json epochs = Json::array();
   for (const std::size_t e : flight_run.adjustment().gnss_rejected) {
-    const GnssEpoch& epoch = flight_run.flight.gnss->epochs[e];
+    const MapGnssEpoch& epoch = flight_run.flight.gnss->epochs[e];
     epochs.push_back({{"t_s", epoch.t_s}, {"line", epoch.line}});
   }
   return epochs;

@@ -158,11 +158,11 @@ void PredictWithheld(const fs::path& folder) {
   double nis = 0.0;
   Eigen::Vector3d worst = Eigen::Vector3d::Zero();
   for (const FlightNetwork::GnssEdge& edge : withheld) {
-    const GnssEpoch& epoch = smoothed.flight.gnss->epochs[edge.epoch];
+    const MapGnssEpoch& epoch = smoothed.flight.gnss->epochs[edge.epoch];
     const Eigen::Vector3d antenna_m = network.net.Value(network.nodes[edge.node].p_mb) +
                                       network.net.Value(network.nodes[edge.node].q_mb) *
                                           smoothed.flight.config.gnss->lever_arm_b_m;
-    const Eigen::Vector3d e = antenna_m - smoothed.flight.frame.ToMap(epoch.antenna);
+    const Eigen::Vector3d e = antenna_m - epoch.p_m;
     error.Add(e);
     worst = worst.cwiseMax(e.cwiseAbs());
     nis += PredictFactor(smoothed.solution.marginals(), edge.position).statistic / 3.0;

@@ -61,9 +61,9 @@ void PrintVerdict(const std::string& what, const GapDiagnosis& diagnosis) {
 // ---- Errors in data ------------------------------------------------------------------------------
 
 void ShiftTags(double offset_s, Flight* flight) {
-  std::vector<GnssEpoch>& epochs = flight->gnss->epochs;
-  for (GnssEpoch& epoch : epochs) epoch.t_s += offset_s;
-  std::erase_if(epochs, [&](const GnssEpoch& epoch) {
+  std::vector<MapGnssEpoch>& epochs = flight->gnss->epochs;
+  for (MapGnssEpoch& epoch : epochs) epoch.t_s += offset_s;
+  std::erase_if(epochs, [&](const MapGnssEpoch& epoch) {
     return epoch.t_s < flight->imu->t_begin_s() || epoch.t_s > flight->imu->t_end_s();
   });
 }
@@ -75,9 +75,9 @@ void MoveAntenna(const Eigen::Vector3d& arm_b_m, const Solution& measured, Fligh
     poses.push_back(measured.network().NodePose(k));
   }
   const std::vector<ImuSample>& samples = flight->imu->samples;
-  for (GnssEpoch& epoch : flight->gnss->epochs) {
+  for (MapGnssEpoch& epoch : flight->gnss->epochs) {
     const Eigen::Quaterniond q_mb = NearestPose(poses, epoch.t_s).q_mb;
-    epoch.antenna = flight->frame.ToGeodetic(flight->frame.ToMap(epoch.antenna) + q_mb * arm_b_m);
+    epoch.p_m += q_mb * arm_b_m;
     if (!epoch.velocity_enu_mps) continue;
     const auto sample =
         std::lower_bound(samples.begin(), samples.end() - 1, epoch.t_s,
@@ -88,9 +88,9 @@ void MoveAntenna(const Eigen::Vector3d& arm_b_m, const Solution& measured, Fligh
 
 void StepPositions(const Eigen::Vector3d& step_m, const std::pair<double, double>& window_s,
                    Flight* flight) {
-  for (GnssEpoch& epoch : flight->gnss->epochs) {
+  for (MapGnssEpoch& epoch : flight->gnss->epochs) {
     if (epoch.t_s < window_s.first || epoch.t_s > window_s.second) continue;
-    epoch.antenna = flight->frame.ToGeodetic(flight->frame.ToMap(epoch.antenna) + step_m);
+    epoch.p_m += step_m;
   }
 }
 

@@ -45,8 +45,7 @@ inline dn::Solution AdjustWithheld(const char* name, const dn::Flight& flight,
   for (const dn::FlightNetwork::GnssEdge& edge : withheld) {
     const dn::MapPose pose = solution.network().NodePose(edge.node);
     const Eigen::Vector3d antenna_m = pose.p_mb + pose.q_mb * flight.config.gnss->lever_arm_b_m;
-    const Eigen::Vector3d error_m =
-        antenna_m - flight.frame.ToMap(flight.gnss->epochs[edge.epoch].antenna);
+    const Eigen::Vector3d error_m = antenna_m - flight.gnss->epochs[edge.epoch].p_m;
     error2 += error_m.squaredNorm();
     largest = std::max(largest, error_m.norm());
     sigma2 += solution.trajectory().sigma[edge.node].position_enu_m.squaredNorm();

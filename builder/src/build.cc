@@ -10,19 +10,20 @@ namespace {
 
 bool HasPairs(const Flight& flight) { return flight.pairs && !flight.pairs->pairs.empty(); }
 
-GnssData PlannedGnss(const LocalFrame& frame, const std::vector<MapPose>& poses,
-                     const Eigen::Vector3d& lever_arm_b_m, double rate_hz) {
+MapGnss PlannedGnss(const LocalFrame& frame, const std::vector<MapPose>& poses,
+                    const Eigen::Vector3d& lever_arm_b_m, double rate_hz) {
   if (!(rate_hz > 0.0)) {
     throw InvalidInput("plan: the GNSS rate is " + std::to_string(rate_hz) +
                        " Hz, must be greater than 0");
   }
-  GnssData gnss;
+  MapGnss gnss;
   const double t0_s = poses.front().t_s;
   for (double k = 1.0; t0_s + k / rate_hz < poses.back().t_s; ++k) {
     const MapPose pose = InterpolatePose(poses, t0_s + k / rate_hz);
-    GnssEpoch epoch;
+    MapGnssEpoch epoch;
     epoch.t_s = pose.t_s;
-    epoch.antenna = frame.ToGeodetic(pose.p_mb + pose.q_mb * lever_arm_b_m);
+    epoch.p_m = pose.p_mb + pose.q_mb * lever_arm_b_m;
+    epoch.R_m_enu = frame.R_m_enu(epoch.p_m);
     gnss.epochs.push_back(epoch);
   }
   return gnss;

@@ -40,16 +40,15 @@ ImuCorrection CorrectionOf(const CalibrationState& state, const ImuCorrection& b
   return state.ImuAt(biases.gyro_bias_radps, biases.accel_bias_mps2);
 }
 
-GnssEffects LastingErrors(const Flight& flight, const Eigen::Vector3d& z_m) {
-  const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(z_m);
+GnssEffects LastingErrors(const Flight& flight, const MapGnssEpoch& epoch) {
   GnssEffects errors;
   for (const GnssProcess& process : flight.config.gnss->processes) {
-    errors.push_back(std::make_shared<GnssError>(process, R_m_enu));
+    errors.push_back(std::make_shared<GnssError>(process, epoch.R_m_enu));
   }
   return errors;
 }
 
-MotionAtTag MotionOf(const Flight& flight, const GnssEpoch& epoch, const CalibrationState& state,
+MotionAtTag MotionOf(const Flight& flight, const MapGnssEpoch& epoch, const CalibrationState& state,
                      const GnssEdgeInput& input, const Preintegrated& here) {
   const Eigen::Vector3d w_ie_m = flight.frame.w_ie_m();
   const MapPose& pose = input.pose;
@@ -98,12 +97,11 @@ PreparedEnd PrepareEnd(const Flight& flight, const CalibrationState& state,
 
 }  // namespace
 
-Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig& config,
-                                       const LocalFrame& frame) {
+Eigen::Matrix3d GnssPositionCovariance(const MapGnssEpoch& epoch, const GnssConfig& config) {
   const Eigen::Matrix3d covariance_enu = epoch.covariance_enu_m2.value_or(
       Eigen::Matrix3d(config.sigma_enu_m.cwiseAbs2().asDiagonal()));
-  const Eigen::Matrix3d R_m_enu = frame.R_m_enu(frame.ToMap(epoch.antenna));
-  return config.sigma_scale * config.sigma_scale * R_m_enu * covariance_enu * R_m_enu.transpose();
+  return config.sigma_scale * config.sigma_scale * epoch.R_m_enu * covariance_enu *
+         epoch.R_m_enu.transpose();
 }
 
 std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config) {
@@ -116,8 +114,7 @@ std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config) {
 
 double TypicalGnssSigma(const Flight& flight) {
   const GnssConfig& config = *flight.config.gnss;
-  Eigen::Vector3d variance =
-      GnssPositionCovariance(flight.gnss->epochs.front(), config, flight.frame).diagonal();
+  Eigen::Vector3d variance = GnssPositionCovariance(flight.gnss->epochs.front(), config).diagonal();
   for (const GnssProcess& process : config.processes) variance += process.sigma_enu_m.cwiseAbs2();
   return std::sqrt(variance.maxCoeff());
 }
@@ -131,40 +128,38 @@ double GnssEpochTime(const CalibrationState& calibration, double tag_s) {
   return tag_s - Corrected(Of<GnssEffect>(calibration), values.data(), tag_s).delay_s;
 }
 
-bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config) {
+bool UsesVelocity(const MapGnssEpoch& epoch, const GnssConfig& config) {
   return config.use_velocity.value_or(true) && epoch.velocity_enu_mps.has_value() &&
          epoch.velocity_covariance_enu.has_value();
 }
 
 std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
-                                                         const GnssEpoch& epoch,
+                                                         const MapGnssEpoch& epoch,
                                                          const CalibrationState& calibration,
                                                          const GnssEdgeInput& input) {
-  const Noise<3> noise = MeasurementNoise(
-      GnssPositionCovariance(epoch, *flight.config.gnss, flight.frame) + input.added_covariance,
-      "the GNSS position", epoch.t_s, kCheckGnss);
-  const Eigen::Vector3d z_m = flight.frame.ToMap(epoch.antenna);
-  GnssEffects effects = LastingErrors(flight, z_m);
+  const Noise<3> noise =
+      MeasurementNoise(GnssPositionCovariance(epoch, *flight.config.gnss) + input.added_covariance,
+                       "the GNSS position", epoch.t_s, kCheckGnss);
+  GnssEffects effects = LastingErrors(flight, epoch);
   for (auto& effect : Of<GnssEffect>(calibration)) effects.push_back(std::move(effect));
-  if (effects.empty()) return std::make_shared<GnssPosition>(z_m, noise);
+  if (effects.empty()) return std::make_shared<GnssPosition>(epoch.p_m, noise);
   const Preintegrated here =
       IdentityIncrement(*flight.imu, input.pose.t_s, CorrectionOf(calibration, input.biases));
-  return std::make_shared<GnssAntenna>(GnssAntenna::Quantity::kPosition, z_m,
+  return std::make_shared<GnssAntenna>(GnssAntenna::Quantity::kPosition, epoch.p_m,
                                        MotionOf(flight, epoch, calibration, input, here),
                                        std::move(effects), noise);
 }
 
 std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
-                                                         const GnssEpoch& epoch,
+                                                         const MapGnssEpoch& epoch,
                                                          const CalibrationState& calibration,
                                                          const GnssEdgeInput& input) {
   const GnssConfig& config = *flight.config.gnss;
-  const Eigen::Matrix3d R_m_enu = flight.frame.R_m_enu(flight.frame.ToMap(epoch.antenna));
-  const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * R_m_enu *
-                                     *epoch.velocity_covariance_enu * R_m_enu.transpose();
+  const Eigen::Matrix3d covariance = config.sigma_scale * config.sigma_scale * epoch.R_m_enu *
+                                     *epoch.velocity_covariance_enu * epoch.R_m_enu.transpose();
   const Noise<3> noise = MeasurementNoise(covariance + input.added_covariance, "the GNSS velocity",
                                           epoch.t_s, kCheckGnss);
-  const Eigen::Vector3d z_m = R_m_enu * *epoch.velocity_enu_mps;
+  const Eigen::Vector3d z_m = epoch.R_m_enu * *epoch.velocity_enu_mps;
   const Preintegrated here =
       IdentityIncrement(*flight.imu, input.pose.t_s, CorrectionOf(calibration, input.biases));
   GnssEffects effects = Of<GnssEffect>(calibration);

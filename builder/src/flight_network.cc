@@ -219,11 +219,10 @@ void FlightNetwork::AddGnssErrors() {
   const TimeInterval span{node_t_s_.front() - kSameEpochS, node_t_s_.back() + kSameEpochS};
   std::vector<double> epoch_t_s;
   Eigen::Array3d least_variance = Eigen::Array3d::Constant(kInfinity);
-  for (const GnssEpoch& epoch : flight_->gnss->epochs) {
+  for (const MapGnssEpoch& epoch : flight_->gnss->epochs) {
     if (epoch.t_s < span.t0_s || epoch.t_s > span.t1_s) continue;
     epoch_t_s.push_back(epoch.t_s);
-    least_variance = least_variance.min(
-        GnssPositionCovariance(epoch, config, flight_->frame).diagonal().array());
+    least_variance = least_variance.min(GnssPositionCovariance(epoch, config).diagonal().array());
   }
   if (epoch_t_s.empty()) return;
   for (const BiasProcess& process : GnssProcessesInSigmas(config)) {
@@ -318,14 +317,14 @@ void FlightNetwork::AddInertialEdges() {
 
 std::shared_ptr<const FactorBase> FlightNetwork::GnssPositionFactor(
     const GnssEdge& edge, const CalibrationState& calibration) const {
-  const GnssEpoch& epoch = flight_->gnss->epochs[edge.epoch];
+  const MapGnssEpoch& epoch = flight_->gnss->epochs[edge.epoch];
   return MakeGnssPositionFactor(*flight_, epoch, calibration,
                                 {NodePose(edge.node), {GyroBias(epoch.t_s), AccelBias(epoch.t_s)}});
 }
 
 std::shared_ptr<const FactorBase> FlightNetwork::GnssVelocityFactor(
     const GnssEdge& edge, const CalibrationState& calibration) const {
-  const GnssEpoch& epoch = flight_->gnss->epochs[edge.epoch];
+  const MapGnssEpoch& epoch = flight_->gnss->epochs[edge.epoch];
   return MakeGnssVelocityFactor(*flight_, epoch, calibration,
                                 {NodePose(edge.node), {GyroBias(epoch.t_s), AccelBias(epoch.t_s)}});
 }
@@ -337,7 +336,7 @@ void FlightNetwork::AddGnssEdges() {
   const GnssConfig& config = *flight_->config.gnss;
   const auto& epochs = flight_->gnss->epochs;
   for (std::size_t e = 0; e < epochs.size(); ++e) {
-    const GnssEpoch& epoch = epochs[e];
+    const MapGnssEpoch& epoch = epochs[e];
     const double t_s = GnssEpochTime(calibration, epoch.t_s);
     const std::size_t k = NodeBefore(node_t_s_, t_s + 1e-6);
     if (std::abs(node_t_s_[k] - t_s) > kSameEpochS) continue;  // outside the network's span

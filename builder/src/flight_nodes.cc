@@ -43,7 +43,7 @@ TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
   const ImuData& imu = *flight.imu;
   TimeInterval span{1e300, -1e300};
   long inside = 0;
-  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+  for (const MapGnssEpoch& epoch : flight.gnss->epochs) {
     const double t_s = GnssEpochTime(calibration, epoch.t_s);
     if (t_s < imu.t_begin_s() + 1e-6 || t_s > imu.t_end_s() - 1e-6) continue;
     span.t0_s = std::min(span.t0_s, t_s);
@@ -66,7 +66,7 @@ TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
 std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
                               const CalibrationState& calibration) {
   std::vector<double> times;
-  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+  for (const MapGnssEpoch& epoch : flight.gnss->epochs) {
     const double t_s = GnssEpochTime(calibration, epoch.t_s);
     if (t_s >= span.t0_s - 1e-6 && t_s <= span.t1_s + 1e-6) times.push_back(t_s);
   }

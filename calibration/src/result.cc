@@ -48,7 +48,7 @@ std::optional<Flight> AtGnssEpochs(const Flight& flight, CalibrationState* calib
   auto& effects = calibration->effects;
   if (std::none_of(effects.begin(), effects.end(), of_clock)) return std::nullopt;
   Flight corrected = flight;
-  for (GnssEpoch& epoch : corrected.gnss->epochs) {
+  for (MapGnssEpoch& epoch : corrected.gnss->epochs) {
     epoch.t_s = GnssEpochTime(*calibration, epoch.t_s);
   }
   std::erase_if(effects, of_clock);

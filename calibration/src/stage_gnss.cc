@@ -56,7 +56,7 @@ void CountRejected(AdjustmentRun& run) {
   rejected = RejectedGnss(run.network());
   if (!TooManyOut(rejected, run.network())) return;
   const std::size_t all = run.network().gnss_edges.size();
-  const GnssEpoch& first = run.flight().gnss->epochs[rejected.front()];
+  const MapGnssEpoch& first = run.flight().gnss->epochs[rejected.front()];
   throw InvalidInput("GNSS and inertial data contradict each other at " +
                          std::to_string(rejected.size()) + " of " + std::to_string(all) +
                          " GNSS epochs, first at t = " + FormatDouble(first.t_s) +
@@ -77,10 +77,9 @@ void ExpectFit(AdjustmentRun& run) {
 
 // Largest ratio of their variances on an axis, of the first epoch.
 double LastingOverWhite(const GnssProcess& process, const Flight& flight) {
-  const Eigen::Matrix3d R_m_enu =
-      flight.frame.R_m_enu(flight.frame.ToMap(flight.gnss->epochs.front().antenna));
+  const Eigen::Matrix3d& R_m_enu = flight.gnss->epochs.front().R_m_enu;
   const Eigen::Matrix3d white =
-      GnssPositionCovariance(flight.gnss->epochs.front(), *flight.config.gnss, flight.frame);
+      GnssPositionCovariance(flight.gnss->epochs.front(), *flight.config.gnss);
   return process.sigma_enu_m.cwiseAbs2()
       .cwiseQuotient((R_m_enu.transpose() * white * R_m_enu).diagonal())
       .maxCoeff();
@@ -150,7 +149,7 @@ class Screener {
       run_.result().warnings.push_back({facts::GnssLeverArmOff{misfit.estimate}, true});
       return false;
     }
-    const GnssEpoch& epoch =
+    const MapGnssEpoch& epoch =
         run_.flight().gnss->epochs[run_.network().gnss_edges[misfit.first].epoch];
     throw InvalidInput("a clock steps: from about t = " + FormatDouble(epoch.t_s) +
                            " s on, the GNSS time tags are " +

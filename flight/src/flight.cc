@@ -46,6 +46,7 @@ class FolderReader {
     flight_.initial_guess = ReadIfPresent("initial_guess");
     flight_.reference = ReadIfPresent("reference");
     flight_.frame = LocalFrame(Origin());
+    if (gnss_) flight_.gnss = ToMap(*gnss_, flight_.frame);
     return std::move(flight_);
   }
 
@@ -110,7 +111,7 @@ class FolderReader {
     Count("gnss repeated rows", gnss.repeated_rows_dropped);
     KeepGnssInside(file, gnss);
     flight_.counts["gnss epochs"] = static_cast<long>(gnss.epochs.size());
-    flight_.gnss = std::move(gnss);
+    gnss_ = std::move(gnss);
   }
 
   void KeepGnssInside(const fs::path& file, GnssData& gnss) {
@@ -285,6 +286,7 @@ class FolderReader {
 
   FlightNeeds needs_;
   Flight flight_;
+  std::optional<GnssData> gnss_;
   std::optional<Geodetic> first_gnss_;
 };
 

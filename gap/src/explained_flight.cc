@@ -84,8 +84,7 @@ void Explainer::AddOutliers(ExplainedFlight* explained) const {
   double largest_gnss_m = 0.0;
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
     if (network.net.factor(edge.position).active) continue;
-    const Eigen::Vector3d p_m =
-        network.flight().frame.ToMap(network.flight().gnss->epochs[edge.epoch].antenna);
+    const Eigen::Vector3d p_m = network.flight().gnss->epochs[edge.epoch].p_m;
     const MapPose pose = network.NodePose(edge.node);
     const Eigen::Vector3d arm_b_m = network.net.Value(network.gnss_lever_arm);
     largest_gnss_m = std::max(largest_gnss_m, (pose.p_mb + pose.q_mb * arm_b_m - p_m).norm());

@@ -81,7 +81,7 @@ Locations::Locations(const FlightNetwork& network, const LinearizedNetwork& line
     if (!rows) continue;
     const Flight& flight = network.flight();
     const Eigen::Vector3d sigma_m =
-        GnssPositionCovariance(flight.gnss->epochs[edge.epoch], *flight.config.gnss, flight.frame)
+        GnssPositionCovariance(flight.gnss->epochs[edge.epoch], *flight.config.gnss)
             .diagonal()
             .cwiseSqrt();
     for (int k = 0; k < rows->count && k < 3; ++k) {

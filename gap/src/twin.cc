@@ -70,7 +70,7 @@ std::vector<Effect> VibrationOf(const Flight& flight) {
 }
 
 /// Of an epoch, as the estimator takes it.
-Vector3d SigmaOf(const GnssEpoch& epoch, const GnssConfig& config) {
+Vector3d SigmaOf(const MapGnssEpoch& epoch, const GnssConfig& config) {
   const Vector3d sigma_enu_m = epoch.covariance_enu_m2
                                    ? Vector3d(epoch.covariance_enu_m2->diagonal().cwiseSqrt())
                                    : config.sigma_enu_m;
@@ -79,7 +79,7 @@ Vector3d SigmaOf(const GnssEpoch& epoch, const GnssConfig& config) {
 
 GnssScenario GnssOf(const Flight& flight) {
   const GnssConfig& config = *flight.config.gnss;
-  const std::vector<GnssEpoch>& epochs = flight.gnss->epochs;
+  const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
   GnssScenario gnss;
   std::vector<double> step_s;
   for (std::size_t i = 1; i < epochs.size(); ++i) {
@@ -88,12 +88,13 @@ GnssScenario GnssOf(const Flight& flight) {
   if (!step_s.empty()) gnss.rate_hz = RateOf(Median(step_s));
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> sigma_m;
-    for (const GnssEpoch& epoch : epochs) sigma_m.push_back(SigmaOf(epoch, config)[axis]);
+    for (const MapGnssEpoch& epoch : epochs) sigma_m.push_back(SigmaOf(epoch, config)[axis]);
     gnss.sigma_enu_m[axis] = Median(sigma_m);
   }
   gnss.lever_arm_b_m = config.lever_arm_b_m;
-  gnss.velocity = std::any_of(epochs.begin(), epochs.end(),
-                              [&](const GnssEpoch& epoch) { return UsesVelocity(epoch, config); });
+  gnss.velocity = std::any_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
+    return UsesVelocity(epoch, config);
+  });
   gnss.processes = config.processes;
   return gnss;
 }

@@ -41,9 +41,9 @@ struct Antenna {
 
 std::vector<Antenna> AntennaTrack(const Flight& flight, const TimeInterval& span) {
   std::vector<Antenna> track;
-  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+  for (const MapGnssEpoch& epoch : flight.gnss->epochs) {
     if (epoch.t_s >= span.t0_s - 1e-6 && epoch.t_s <= span.t1_s + 1e-6) {
-      track.push_back({epoch.t_s, flight.frame.ToMap(epoch.antenna)});
+      track.push_back({epoch.t_s, epoch.p_m});
     }
   }
   return track;
@@ -252,12 +252,12 @@ MapPose StartPose(const Flight& flight, const TimeInterval& span, const Eigen::Q
   std::size_t j = 1;
   while (j + 1 < track.size() && track[j].t_s - track[0].t_s < spacing_s - 1e-3) ++j;
   pose.v_m = (track[j].p_m - track[0].p_m) / (track[j].t_s - track[0].t_s);
-  const GnssEpoch* first = nullptr;
-  for (const GnssEpoch& epoch : flight.gnss->epochs) {
+  const MapGnssEpoch* first = nullptr;
+  for (const MapGnssEpoch& epoch : flight.gnss->epochs) {
     if (std::abs(epoch.t_s - track.front().t_s) < 1e-6) first = &epoch;
   }
   if (first != nullptr && UsesVelocity(*first, *flight.config.gnss)) {
-    pose.v_m = flight.frame.R_m_enu(track.front().p_m) * *first->velocity_enu_mps;
+    pose.v_m = first->R_m_enu * *first->velocity_enu_mps;
   }
   return pose;
 }

@@ -51,13 +51,13 @@ class Filter {
     state_.pose.t_s = t_s;
   }
 
-  void UpdatePosition(const GnssEpoch& epoch) {
+  void UpdatePosition(const MapGnssEpoch& epoch) {
     const auto factor = MakeGnssPositionFactor(flight_, epoch, calibration_,
                                                InputOf(Isotropic(options_.position_floor_m)));
     UpdateGnss(*factor, {state_.pose.p_mb.data(), 3}, state_.gnss_error, false);
   }
 
-  void UpdateVelocity(const GnssEpoch& epoch) {
+  void UpdateVelocity(const MapGnssEpoch& epoch) {
     const auto factor = MakeGnssVelocityFactor(flight_, epoch, calibration_,
                                                InputOf(Isotropic(options_.velocity_floor_mps)));
     UpdateGnss(*factor, {state_.pose.v_m.data(), 6}, {}, true);
@@ -282,7 +282,7 @@ FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
 FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& times,
                            const FilterState& start, const FilterOptions& options) {
   Filter filter(flight, start, options);
-  const std::vector<GnssEpoch>& epochs = flight.gnss->epochs;
+  const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
   std::size_t e = 0;
   for (const double t_s : times) {
     if (t_s > options.t_end_s) break;

@@ -32,7 +32,7 @@ class Receiver {
   }
 
   /// `first_s`: the true time of the first epoch in the file.
-  GnssEpoch At(double t_s, double first_s) {
+  MapGnssEpoch At(double t_s, double first_s) {
     const TruthState state = truth_.State(t_s);
     const Eigen::Matrix3d R_mb = state.pose.q_mb.toRotationMatrix();
     const Vector3d antenna_m = state.pose.p_mb + R_mb * lever_arm_b_m_;
@@ -40,9 +40,10 @@ class Receiver {
     Vector3d error_enu = noise_scale_ * gnss_.sigma_enu_m.cwiseProduct(random_.Normal3());
     for (AntennaError& lasting_enu_m : lasting_) error_enu += lasting_enu_m(t_s);
     for (const auto& more_enu_m : effects_.antenna_enu_m) error_enu += more_enu_m(t_s);
-    GnssEpoch epoch;
+    MapGnssEpoch epoch;
     epoch.t_s = Tag(effects_.gnss_tags, t_s) + effects_.gnss_tag_drift * (t_s - first_s);
-    epoch.antenna = truth_.frame().ToGeodetic(antenna_m + R_m_enu * error_enu);
+    epoch.p_m = antenna_m + R_m_enu * error_enu;
+    epoch.R_m_enu = truth_.frame().R_m_enu(epoch.p_m);
     epoch.covariance_enu_m2 = gnss_.sigma_enu_m.cwiseAbs2().asDiagonal();
     if (gnss_.velocity) {
       const Vector3d v_m = state.pose.v_m + R_mb * state.w_mb_b.cross(lever_arm_b_m_);
@@ -66,10 +67,10 @@ class Receiver {
 
 }  // namespace
 
-GnssData SimulateGnss(const GnssScenario& gnss, const TruthTrajectory& truth, std::uint64_t seed,
-                      bool noise, const ActiveEffects& effects) {
+MapGnss SimulateGnss(const GnssScenario& gnss, const TruthTrajectory& truth, std::uint64_t seed,
+                     bool noise, const ActiveEffects& effects) {
   Receiver receiver(gnss, truth, seed, noise, effects);
-  GnssData data;
+  MapGnss data;
   double before_s = truth.t_begin_s();
   std::optional<double> first_s;
   const auto first = static_cast<long>(std::ceil(truth.t_begin_s() * gnss.rate_hz));
@@ -77,7 +78,7 @@ GnssData SimulateGnss(const GnssScenario& gnss, const TruthTrajectory& truth, st
     const double t_s = static_cast<double>(k) / gnss.rate_hz;
     const bool in_gap = InGap(effects.gnss_gaps, t_s);
     if (!in_gap && !first_s) first_s = t_s;
-    GnssEpoch epoch = receiver.At(t_s, first_s.value_or(t_s));
+    MapGnssEpoch epoch = receiver.At(t_s, first_s.value_or(t_s));
     if (in_gap) continue;
     if (!data.epochs.empty() && epoch.t_s <= data.epochs.back().t_s) {
       RefuseStepBack(effects.gnss_tags, before_s, t_s);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/gnss/gnss_data.h>
+#include <dn/flight/map_gnss.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/truth.h>
 
@@ -17,7 +17,7 @@ inline const Eigen::Vector3d kGnssVelocitySigma_enu_mps(0.02, 0.02, 0.03);
 /// Antenna positions (and velocities where the scenario wants them) at whole multiples of 1 / rate
 /// in GPS time, with the GNSS effects; without `noise` there is no white noise. Throws
 /// InvalidConfig when no epoch is left, or a clock steps back over an epoch.
-GnssData SimulateGnss(const GnssScenario& gnss, const TruthTrajectory& truth, std::uint64_t seed,
-                      bool noise, const ActiveEffects& effects);
+MapGnss SimulateGnss(const GnssScenario& gnss, const TruthTrajectory& truth, std::uint64_t seed,
+                     bool noise, const ActiveEffects& effects);
 
 }  // namespace dn

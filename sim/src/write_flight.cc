@@ -50,14 +50,15 @@ std::string ImuText(const ImuData& imu) {
   return table.text();
 }
 
-std::string GnssText(const GnssData& gnss) {
+std::string GnssText(const MapGnss& gnss, const LocalFrame& frame) {
   const bool velocity = !gnss.epochs.empty() && gnss.epochs.front().velocity_enu_mps.has_value();
   TableText table;
-  for (const GnssEpoch& epoch : gnss.epochs) {
+  for (const MapGnssEpoch& epoch : gnss.epochs) {
     table.Add(epoch.t_s);
-    table.Add(kDegPerRad * epoch.antenna.lat_rad);
-    table.Add(kDegPerRad * epoch.antenna.lon_rad);
-    table.Add(epoch.antenna.h_m);
+    const Geodetic antenna = frame.ToGeodetic(epoch.p_m);
+    table.Add(kDegPerRad * antenna.lat_rad);
+    table.Add(kDegPerRad * antenna.lon_rad);
+    table.Add(antenna.h_m);
     table.Add(Eigen::Vector3d(epoch.covariance_enu_m2->diagonal().cwiseSqrt()));
     if (velocity) {
       table.Add(*epoch.velocity_enu_mps);
@@ -120,7 +121,7 @@ void WriteMeasurements(const SimulatedFlight& simulated, OutputDirectory& direct
   const Flight& flight = simulated.flight;
   directory.Add("flight.yaml", FormatFlightConfig(flight.config));
   directory.Add("IMU.txt", ImuText(*flight.imu));
-  directory.Add("GPS.txt", GnssText(*flight.gnss));
+  directory.Add("GPS.txt", GnssText(*flight.gnss, flight.frame));
   if (flight.pairs) {
     for (std::size_t i = 0; i < flight.pairs->files.size(); ++i) {
       directory.Add(flight.pairs->files[i].generic_string(),

@@ -245,9 +245,9 @@ TEST(Effects, GnssStepsInItsWindowAndTagsAreLate) {
 // The epoch of a tag does not depend on how late the first one is.
 TEST(Effects, AnOffsetAndADriftOfTheGnssClockUndoTheTag) {
   Flight flight = LidarFlight();
-  GnssEpoch first;
+  MapGnssEpoch first;
   first.t_s = 100.25;
-  flight.gnss = GnssData{{first}};
+  flight.gnss = MapGnss{{first}};
   GnssReading reading;
   reading.tag_s = 100.25 + 500.0 * (1.0 + 200e-6);
   reading.J_shift = Eigen::Matrix3Xd::Zero(3, 2);

@@ -515,27 +515,27 @@ TEST(FlightNetwork, GnssCovarianceIsTheFilesElseTheDefaultScaled) {
   GnssConfig config;
   config.sigma_enu_m = {0.1, 0.2, 0.3};
   config.sigma_scale = 2.0;
-  GnssEpoch epoch;
-  epoch.antenna = Drone().frame.origin();  // there, east-north-up is m
+  MapGnssEpoch epoch;
   const Eigen::Matrix3d expected = Eigen::Vector3d(0.04, 0.16, 0.36).asDiagonal();
   constexpr double kRounding = 1e-12;
-  EXPECT_LT((GnssPositionCovariance(epoch, config, Drone().frame) - expected).norm(), kRounding);
+  EXPECT_LT((GnssPositionCovariance(epoch, config) - expected).norm(), kRounding);
   epoch.covariance_enu_m2 = Eigen::Matrix3d::Identity();
-  EXPECT_LT(
-      (GnssPositionCovariance(epoch, config, Drone().frame) - 4.0 * Eigen::Matrix3d::Identity())
-          .norm(),
-      kRounding);
+  EXPECT_LT((GnssPositionCovariance(epoch, config) - 4.0 * Eigen::Matrix3d::Identity()).norm(),
+            kRounding);
   // A quarter of the Earth to the east, up is east.
   epoch.covariance_enu_m2 = Eigen::Matrix3d(Eigen::Vector3d(1.0, 2.0, 3.0).asDiagonal());
   const LocalFrame equator{Geodetic{}};
-  epoch.antenna = {0.0, 90.0 * kRadPerDeg, 0.0};
+  GnssData east;
+  east.epochs.resize(1);
+  east.epochs[0].antenna = {0.0, 90.0 * kRadPerDeg, 0.0};
+  epoch.R_m_enu = ToMap(east, equator).epochs[0].R_m_enu;
   const Eigen::Matrix3d turned = Eigen::Vector3d(12.0, 8.0, 4.0).asDiagonal();
-  EXPECT_LT((GnssPositionCovariance(epoch, config, equator) - turned).norm(), 1e-9);
+  EXPECT_LT((GnssPositionCovariance(epoch, config) - turned).norm(), 1e-9);
 }
 
 TEST(FlightNetwork, VelocitiesAreUsedWithTheirSigmasUnlessSwitchedOff) {
   GnssConfig config;
-  GnssEpoch epoch;
+  MapGnssEpoch epoch;
   EXPECT_FALSE(UsesVelocity(epoch, config));
   epoch.velocity_enu_mps = Eigen::Vector3d::Zero();
   EXPECT_FALSE(UsesVelocity(epoch, config)) << "no sigma";

@@ -50,12 +50,11 @@ CandidateEffect StepInWindow(const FlightNetwork& network, const EffectTimes& ti
   constexpr std::size_t kPositionBlock = 1;
   CandidateEffect step = DescribeEffect(*FindEstimable("gnss_position_step"));
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
-    const GnssEpoch& epoch = network.flight().gnss->epochs[edge.epoch];
+    const MapGnssEpoch& epoch = network.flight().gnss->epochs[edge.epoch];
     Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
     if (!times.During(epoch.t_s) || !network.net.EvaluateFactor(edge.position, &r, &J)) continue;
-    const Eigen::Matrix3d R_m_enu =
-        network.flight().frame.R_m_enu(network.flight().frame.ToMap(epoch.antenna));
+    const Eigen::Matrix3d R_m_enu = epoch.R_m_enu;
     step.model.push_back({edge.position, Eigen::MatrixXd(J[kPositionBlock] * R_m_enu)});
   }
   return step;

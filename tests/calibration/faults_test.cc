@@ -45,7 +45,7 @@ class Faults : public ::testing::TestWithParam<const char*> {
 
   void RemoveGnss(double from_s, double to_s) {
     std::erase_if(sim_.flight.gnss->epochs,
-                  [&](const GnssEpoch& e) { return e.t_s > from_s && e.t_s < to_s; });
+                  [&](const MapGnssEpoch& e) { return e.t_s > from_s && e.t_s < to_s; });
   }
 
   void RemoveImu(double from_s, double to_s) {
@@ -59,8 +59,8 @@ class Faults : public ::testing::TestWithParam<const char*> {
     samples.erase(first, past);
   }
 
-  void MoveAntenna(GnssEpoch& epoch, const Eigen::Vector3d& offset_m) const {
-    epoch.antenna = sim_.frame.ToGeodetic(sim_.frame.ToMap(epoch.antenna) + offset_m);
+  void MoveAntenna(MapGnssEpoch& epoch, const Eigen::Vector3d& offset_m) const {
+    epoch.p_m += offset_m;
   }
 
   // Boresight and every node within its covariance.
@@ -198,7 +198,7 @@ TEST_P(Faults, AClockThatStepsIsRefused) {
   const SimulatedFlight clean = sim_;
   for (const double step_s : {0.05, 1.0}) {
     sim_ = clean;
-    for (GnssEpoch& epoch : sim_.flight.gnss->epochs) {
+    for (MapGnssEpoch& epoch : sim_.flight.gnss->epochs) {
       if (epoch.t_s > middle_s_) epoch.t_s += step_s;
     }
     ExpectRefused("a clock steps");
@@ -246,7 +246,7 @@ TEST_P(Faults, SigmasThatAreFarOffShowInTheInnovations) {
 }
 
 TEST_P(Faults, LateTimeTagsOfTheWholeFlightAreNamed) {
-  for (GnssEpoch& epoch : sim_.flight.gnss->epochs) epoch.t_s += 0.05;
+  for (MapGnssEpoch& epoch : sim_.flight.gnss->epochs) epoch.t_s += 0.05;
   const Calibration c(sim_.flight);
   EXPECT_TRUE(c.adjustment.warnings.empty());
   ASSERT_TRUE(c.adjustment.gnss_clock);

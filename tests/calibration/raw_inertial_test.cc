@@ -28,7 +28,7 @@ SimulatedFlight TwoStrips() {
   SimulatedFlight sim = Simulate(scenario, options);
   const double end_s = sim.strips.back().t1_s + 8.0;
   std::erase_if(sim.flight.imu->samples, [&](const ImuSample& s) { return s.t_s > end_s; });
-  std::erase_if(sim.flight.gnss->epochs, [&](const GnssEpoch& e) { return e.t_s > end_s; });
+  std::erase_if(sim.flight.gnss->epochs, [&](const MapGnssEpoch& e) { return e.t_s > end_s; });
   return sim;
 }
 

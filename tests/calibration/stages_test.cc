@@ -45,10 +45,10 @@ SimulatedFlight WithWrongPairs(std::uint64_t seed) {
 SimulatedFlight WithWrongGnss(std::uint64_t seed) {
   SimulatedFlight sim = Fly(seed);
   Random random(4, "wrong GNSS");
-  for (GnssEpoch& epoch : sim.flight.gnss->epochs) {
+  for (MapGnssEpoch& epoch : sim.flight.gnss->epochs) {
     if (random.Uniform() > 0.05) continue;
     const Eigen::Vector3d off_m = random.Uniform(0.2, 1.0) * random.Normal3().normalized();
-    epoch.antenna = sim.frame.ToGeodetic(sim.frame.ToMap(epoch.antenna) + off_m);
+    epoch.p_m += off_m;
   }
   return sim;
 }

@@ -135,13 +135,13 @@ SimulatedFlight TakeOff(const std::string& preset, double still_s, double end_s)
     sample.f_b_mps2 += accel_bias + model.accel.white / std::sqrt(kDt) * random.Normal3();
     imu.samples.push_back(sample);
   }
-  GnssData& gnss = flight.gnss.emplace();
+  MapGnss& gnss = flight.gnss.emplace();
   for (double t = 0.5; t < end_s - 1.0; t += 0.5) {
-    GnssEpoch epoch;
+    MapGnssEpoch epoch;
     epoch.t_s = 1000.0 + t;
-    epoch.antenna =
-        sim.frame.ToGeodetic(sim.truth->Pose(epoch.t_s).p_mb +
-                             flight.config.gnss->sigma_enu_m.cwiseProduct(random.Normal3()));
+    epoch.p_m = sim.truth->Pose(epoch.t_s).p_mb +
+                flight.config.gnss->sigma_enu_m.cwiseProduct(random.Normal3());
+    epoch.R_m_enu = sim.frame.R_m_enu(epoch.p_m);
     gnss.epochs.push_back(epoch);
   }
   return sim;

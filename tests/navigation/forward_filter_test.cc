@@ -152,8 +152,8 @@ TEST_F(ForwardFilter, StopsAtTheEndTime) {
 
 TEST_F(ForwardFilter, HuberKeepsAGrossErrorFromPulling) {
   const std::size_t bad = times_.size() / 2;
-  for (GnssEpoch& epoch : sim_.flight.gnss->epochs) {
-    if (epoch.t_s == times_[bad]) epoch.antenna.h_m += 30.0;
+  for (MapGnssEpoch& epoch : sim_.flight.gnss->epochs) {
+    if (epoch.t_s == times_[bad]) epoch.p_m += 30.0 * epoch.R_m_enu.col(2);
   }
   FilterOptions options;
   const double pulled =

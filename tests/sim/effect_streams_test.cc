@@ -18,10 +18,7 @@ bool Same(const ImuSample& a, const ImuSample& b) {
   return a.t_s == b.t_s && a.w_ib_b_radps == b.w_ib_b_radps && a.f_b_mps2 == b.f_b_mps2;
 }
 
-bool Same(const GnssEpoch& a, const GnssEpoch& b) {
-  return a.t_s == b.t_s && a.antenna.lat_rad == b.antenna.lat_rad &&
-         a.antenna.lon_rad == b.antenna.lon_rad && a.antenna.h_m == b.antenna.h_m;
-}
+bool Same(const MapGnssEpoch& a, const MapGnssEpoch& b) { return a.t_s == b.t_s && a.p_m == b.p_m; }
 
 bool Same(const LidarPair& a, const LidarPair& b) {
   return a.t_i_s == b.t_i_s && a.t_j_s == b.t_j_s && a.u_i_s == b.u_i_s && a.u_j_s == b.u_j_s;

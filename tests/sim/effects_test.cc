@@ -40,8 +40,8 @@ class Effects : public ::testing::Test {
   static std::vector<Vector3d> AntennaShift(const SimulatedFlight& a, const SimulatedFlight& b) {
     std::vector<Vector3d> shift;
     for (std::size_t k = 0; k < a.flight.gnss->epochs.size(); ++k) {
-      const Vector3d pa = a.frame.ToMap(a.flight.gnss->epochs[k].antenna);
-      const Vector3d pb = b.frame.ToMap(b.flight.gnss->epochs[k].antenna);
+      const Vector3d pa = a.flight.gnss->epochs[k].p_m;
+      const Vector3d pb = b.flight.gnss->epochs[k].p_m;
       shift.emplace_back(b.frame.R_m_enu(pb).transpose() * (pa - pb));
     }
     return shift;
@@ -153,7 +153,7 @@ TEST_F(Effects, GnssOutliersAreThisManyAndNoLarger) {
 TEST_F(Effects, GnssOutageLeavesOutEpochs) {
   const SimulatedFlight with = With("{effect: gnss_outage, window_s: [381100, 381130]}");
   const auto& epochs = with.flight.gnss->epochs;
-  EXPECT_TRUE(std::none_of(epochs.begin(), epochs.end(), [](const GnssEpoch& e) {
+  EXPECT_TRUE(std::none_of(epochs.begin(), epochs.end(), [](const MapGnssEpoch& e) {
     return e.t_s >= 381100.0 && e.t_s <= 381130.0;
   }));
   EXPECT_EQ(Clean().flight.gnss->epochs.size() - epochs.size(), 61U) << "2 Hz for 30 s, both ends";
@@ -181,8 +181,7 @@ TEST_F(Effects, ClocksShiftTheTagsAndNothingElse) {
   for (std::size_t k = 0; k < Clean().flight.gnss->epochs.size(); ++k) {
     const double t_s = Clean().flight.gnss->epochs[k].t_s;
     ASSERT_NEAR(with.flight.gnss->epochs[k].t_s - t_s, t_s >= 381100.0 ? 0.11 : 0.01, 1e-9);
-    ASSERT_EQ(with.flight.gnss->epochs[k].antenna.lat_rad,
-              Clean().flight.gnss->epochs[k].antenna.lat_rad);
+    ASSERT_EQ(with.flight.gnss->epochs[k].p_m, Clean().flight.gnss->epochs[k].p_m);
   }
   EachSample(with, [](const ImuSample& late, const ImuSample& clean, std::size_t) {
     ASSERT_NEAR(late.t_s - clean.t_s, clean.t_s >= 381150.0 ? 0.01 : 0.0, 1e-9);

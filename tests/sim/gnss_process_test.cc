@@ -25,8 +25,7 @@ SimulatedFlight Fly(const std::vector<GnssProcess>& processes, bool noise) {
 std::vector<Eigen::Vector3d> Differences(const SimulatedFlight& a, const SimulatedFlight& b) {
   std::vector<Eigen::Vector3d> differences;
   for (std::size_t k = 0; k < a.flight.gnss->epochs.size(); ++k) {
-    differences.emplace_back(a.frame.ToMap(a.flight.gnss->epochs[k].antenna) -
-                             b.frame.ToMap(b.flight.gnss->epochs[k].antenna));
+    differences.emplace_back(a.flight.gnss->epochs[k].p_m - b.flight.gnss->epochs[k].p_m);
   }
   return differences;
 }

@@ -28,10 +28,10 @@ double LargestDifference(const ImuData& a, const ImuData& b) {
   return largest;
 }
 
-double LargestDifference(const GnssData& a, const GnssData& b) {
+double LargestDifference(const MapGnss& a, const MapGnss& b) {
   double largest_m = 0.0;
   for (std::size_t k = 0; k < a.epochs.size(); ++k) {
-    largest_m = std::max(largest_m, std::abs(a.epochs[k].antenna.h_m - b.epochs[k].antenna.h_m));
+    largest_m = std::max(largest_m, std::abs(a.epochs[k].p_m.z() - b.epochs[k].p_m.z()));
   }
   return largest_m;
 }

@@ -119,7 +119,7 @@ TEST(Study, MeasuredValuesDoNotEnter) {
   Flight flight = AdjustedFlight().simulated.flight;
   flight.trajectory = flight.reference;
   const StudyResult before = Study(flight, WithoutRemedies());
-  for (GnssEpoch& epoch : flight.gnss->epochs) epoch.antenna.h_m += 5.0;
+  for (MapGnssEpoch& epoch : flight.gnss->epochs) epoch.p_m += 5.0 * epoch.R_m_enu.col(2);
   const StudyResult after = Study(flight, WithoutRemedies());
   EXPECT_TRUE(before.boresight.covariance_rad2.isApprox(after.boresight.covariance_rad2, 1e-6));
 }

@@ -30,7 +30,7 @@ class PositionStep final : public GnssEffect {
 Eigen::Matrix3d AxesOf(const Flight& flight) {
   if (!flight.gnss || flight.gnss->epochs.empty()) return flight.frame.R_m_enu({0.0, 0.0, 0.0});
   const auto& epochs = flight.gnss->epochs;
-  return flight.frame.R_m_enu(flight.frame.ToMap(epochs[epochs.size() / 2].antenna));
+  return epochs[epochs.size() / 2].R_m_enu;
 }
 
 }  // namespace

@@ -17,8 +17,7 @@ namespace dn {
 
 /// Noise of a GNSS epoch's position in the mapping frame: the file's covariance or the flight's
 /// default, scaled, rotated from the ENU of the point.
-Eigen::Matrix3d GnssPositionCovariance(const GnssEpoch& epoch, const GnssConfig& config,
-                                       const LocalFrame& frame);
+Eigen::Matrix3d GnssPositionCovariance(const MapGnssEpoch& epoch, const GnssConfig& config);
 
 /// The processes of gnss.processes as those of a chain: of unit sigma, see GnssError.
 std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config);
@@ -29,7 +28,7 @@ double TypicalGnssSigma(const Flight& flight);
 
 /// Whether the velocity of an epoch is used: by the configuration, else when it is there with its
 /// sigma.
-bool UsesVelocity(const GnssEpoch& epoch, const GnssConfig& config);
+bool UsesVelocity(const MapGnssEpoch& epoch, const GnssConfig& config);
 
 /// The time of an epoch with this tag: the tag less the delays that the calibration knows.
 double GnssEpochTime(const CalibrationState& calibration, double tag_s);
@@ -47,14 +46,14 @@ struct GnssEdgeInput {
 /// the effects in the order of EffectsOfGnss. Throws InvalidInput naming the epoch where its
 /// covariance is none.
 std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
-                                                         const GnssEpoch& epoch,
+                                                         const MapGnssEpoch& epoch,
                                                          const CalibrationState& calibration,
                                                          const GnssEdgeInput& input);
 
 /// Velocity edge of an epoch that has one: a GnssVelocity on (q_mb, v_m, a_b), or where there are GNSS
 /// effects a GnssAntenna as above, without the lasting errors, which are those of positions.
 std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
-                                                         const GnssEpoch& epoch,
+                                                         const MapGnssEpoch& epoch,
                                                          const CalibrationState& calibration,
                                                          const GnssEdgeInput& input);
 

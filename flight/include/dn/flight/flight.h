@@ -1,8 +1,8 @@
 #pragma once
 
 #include <dn/flight/flight_config.h>
+#include <dn/flight/map_gnss.h>
 #include <dn/geo/trajectory.h>
-#include <dn/gnss/gnss_data.h>
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
 
@@ -30,7 +30,7 @@ struct Flight {
   FlightConfig config;
   LocalFrame frame{Geodetic{}};
   std::optional<ImuData> imu;
-  std::optional<GnssData> gnss;   ///< only epochs inside time_span_s
+  std::optional<MapGnss> gnss;    ///< only epochs inside time_span_s
   std::optional<PairData> pairs;  ///< after pairs: {strategy, ...}; outside time_span_s dropped
   /// Strips, found from all pairs before the selection (FindStrips).
   std::vector<StripInterval> pair_strips;
