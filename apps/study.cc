@@ -10,6 +10,7 @@
 #include "command.h"
 #include "option_checks.h"
 #include "series.h"
+#include "study_lines.h"
 #include "study_sweep.h"
 
 namespace dn::apps {
@@ -22,6 +23,7 @@ struct Options {
   bool no_remedies = false;
   std::uint64_t seed = 1;
   SweepOptions sweep;
+  std::string lines;  ///< file of candidates
 };
 
 /// A shipped scenario, or a YAML file with a plan; what is not there passes for a scenario, whose
@@ -124,18 +126,29 @@ void AddOptions(CLI::App* app, Options* options) {
       ->check(ShardText())
       ->needs(sweep)
       ->capture_default_str();
-  what->excludes(sweep);
+  CLI::Option* lines =
+      app->add_option("--optimise", options->lines,
+                      "File that names a base scenario, candidate lines and the sigmas to be met: "
+                      "the shortest flight over some of the lines that meets them is found");
+  what->excludes(sweep)->excludes(lines);
+  sweep->excludes(lines);
   AddCommonOptions(app, &options->common, true);
 }
 
 Inputs InputsOf(const Options& options) {
-  if (options.sweep.file.empty()) {
+  if (!options.what.empty()) {
     return std::filesystem::is_directory(options.what) ? FlightInputs(options.what)
                                                        : ScenarioInputs(options.what);
   }
   Inputs inputs;
-  inputs.files.emplace_back(options.sweep.file);
+  inputs.files.emplace_back(options.sweep.file.empty() ? options.lines : options.sweep.file);
   return inputs;
+}
+
+void RunOne(const Options& options, Run& run) {
+  if (!options.lines.empty()) return RunLineChoice({options.lines, options.seed}, run);
+  if (!options.sweep.file.empty()) return RunSweep(options.sweep, run);
+  RunStudy(options, run);
 }
 
 }  // namespace
@@ -151,16 +164,15 @@ void AddStudy(CLI::App* program, Action* action) {
       "A design that leaves an unknown undetermined ends with exit code 1. docs/study.md says how "
       "to read it.\n"
       "Example: dn study lar2 --out study\n"
-      "         dn study --sweep lines_and_grades.yaml --out sweep");
+      "         dn study --sweep lines_and_grades.yaml --out sweep\n"
+      "         dn study --optimise candidates.yaml --out plan");
   app->callback([options, action] {
-    if (options->what.empty() && options->sweep.file.empty()) {
+    if (options->what.empty() && options->sweep.file.empty() && options->lines.empty()) {
       throw CLI::RequiredError("FLIGHT");
     }
     *action = [options] {
       options->common.inputs = InputsOf(*options);
-      return Execute("study", options->common, [&](Run& run) {
-        options->sweep.file.empty() ? RunStudy(*options, run) : RunSweep(options->sweep, run);
-      });
+      return Execute("study", options->common, [&](Run& run) { RunOne(*options, run); });
     };
   });
 }

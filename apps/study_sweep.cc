@@ -1,8 +1,6 @@
 #include "study_sweep.h"
 
-#include <dn/error.h>
 #include <dn/flight/flight.h>
-#include <dn/geo/read_file.h>
 #include <dn/interrupted.h>
 #include <dn/report/plot.h>
 #include <dn/study/sweep.h>
@@ -11,22 +9,13 @@
 #include <optional>
 #include <vector>
 
+#include "config_text.h"
 #include "fleet.h"
 #include "record_folder.h"
 #include "series.h"
 
 namespace dn::apps {
 namespace {
-
-constexpr std::size_t kMostSweepBytes = std::size_t{1} << 20;
-
-std::string ReadText(const std::string& file) {
-  try {
-    return ReadWholeFile(file, kMostSweepBytes);
-  } catch (const InvalidInput& error) {
-    throw InvalidConfig(error.what(), error.where());
-  }
-}
 
 std::vector<SweepRecord> StudyAll(const Sweep& sweep, const RecordFolder& folder,
                                   const std::vector<std::uint64_t>& numbers, Run* run) {
@@ -64,7 +53,7 @@ long CountSingular(const std::vector<SweepRecord>& records) {
 }  // namespace
 
 void RunSweep(const SweepOptions& options, Run& run) {
-  const std::string text = ReadText(options.file);
+  const std::string text = ReadConfigText(options.file);
   const Sweep sweep = Sweep::Parse(text, options.file);
   const Json made_from = {{"sweep", text},
                           {"base", sweep.base_text()},

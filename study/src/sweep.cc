@@ -4,20 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <utility>
+
+#include "base_scenario.h"
 
 namespace dn {
 namespace {
 
 constexpr std::uint64_t kMostDesigns = 10000;
 const char* const kEstimate = "estimate";
-
-/// The elements of a list of YAML, joined by commas.
-std::string ListText(const YamlValue& list) {
-  std::string text;
-  for (const YamlValue& item : list.List()) text += (text.empty() ? "" : ", ") + item.Yaml();
-  return text;
-}
 
 SweepKey ReadKey(const YamlValue& values, const std::string& path) {
   SweepKey key{path, {}};
@@ -41,15 +36,6 @@ SweepKey ReadKey(const YamlValue& values, const std::string& path) {
   return key;
 }
 
-/// A shipped scenario, else a file beside the sweep.
-std::string BasePath(const std::string& base, const std::string& where) {
-  const std::vector<std::string> shipped = ScenarioNames();
-  if (std::find(shipped.begin(), shipped.end(), base) != shipped.end()) return base;
-  const std::filesystem::path beside = std::filesystem::path(where).parent_path() / base;
-  std::error_code none;
-  return std::filesystem::exists(beside, none) ? beside.string() : base;
-}
-
 }  // namespace
 
 Sweep Sweep::Parse(const std::string& yaml_text, const std::string& where) {
@@ -57,9 +43,10 @@ Sweep Sweep::Parse(const std::string& yaml_text, const std::string& where) {
   root.ExpectMap({"base", kEstimate, "sweep"});
   Sweep sweep;
   sweep.where_ = where;
-  sweep.base_ = BasePath(root["base"].Text(), where);
-  sweep.base_text_ = ScenarioText(sweep.base_);
-  if (root[kEstimate]) sweep.estimate_ = ListText(root[kEstimate]);
+  BaseScenario base = ReadBaseScenario(root["base"], where);
+  sweep.base_ = std::move(base.path);
+  sweep.base_text_ = std::move(base.text);
+  if (root[kEstimate]) sweep.estimate_ = JoinedYaml(root[kEstimate]);
   const YamlValue keys = root["sweep"];
   if (!keys.IsMap()) keys.Fail("expected a map from keys of the scenario to their values");
   for (const std::string& path : keys.Keys()) sweep.keys_.push_back(ReadKey(keys[path], path));
@@ -137,7 +124,7 @@ std::string Sweep::EstimateOf(std::uint64_t number) const {
   const std::vector<std::size_t> choice = Choice(number);
   for (std::size_t k = 0; k < keys_.size(); ++k) {
     if (keys_[k].path != kEstimate) continue;
-    return ListText(ParseYaml(keys_[k].values[choice[k]].yaml, where_));
+    return JoinedYaml(ParseYaml(keys_[k].values[choice[k]].yaml, where_));
   }
   return estimate_;
 }

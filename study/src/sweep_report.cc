@@ -7,16 +7,10 @@
 #include <algorithm>
 #include <map>
 
+#include "csv_field.h"
+
 namespace dn {
 namespace {
-
-/// A field of a CSV file, in quotes where it needs them (RFC 4180).
-std::string Quoted(const std::string& field) {
-  if (field.find_first_of(",\"\n\r") == std::string::npos) return field;
-  std::string quoted = "\"";
-  for (const char c : field) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
 
 /// The numbers of a design in the order of the columns, none of one that has failed.
 std::vector<double> NumbersOf(const SweepRecord& record) {
@@ -61,18 +55,18 @@ std::vector<std::string> LabelsOf(const std::vector<SweepRecord>& records, std::
 std::string SweepCsv(const std::vector<std::string>& paths,
                      const std::vector<SweepRecord>& records) {
   std::string text = "design";
-  for (const std::string& path : paths) text += "," + Quoted(path);
+  for (const std::string& path : paths) text += "," + CsvField(path);
   for (const char* column : kColumns) text += std::string(",") + column;
   text += ",singular\n";
   for (const SweepRecord& record : records) {
     text += std::to_string(record.number);
-    for (const std::string& label : record.labels) text += "," + Quoted(label);
+    for (const std::string& label : record.labels) text += "," + CsvField(label);
     const std::vector<double> numbers = NumbersOf(record);
     for (std::size_t k = 0; k < std::size(kColumns); ++k) {
       text += ",";
       if (!numbers.empty()) text += FormatDouble(numbers[k]);
     }
-    text += "," + Quoted(WithoutControls(record.failure)) + "\n";
+    text += "," + CsvField(WithoutControls(record.failure)) + "\n";
   }
   return text;
 }

@@ -132,5 +132,32 @@ TEST(CliStudy, MergedShardsOfASweepAreTheBytesOfOneRun) {
   EXPECT_EQ(RunProgram({"merge", one, "--out", folder.path() / "part"}).exit_code, 2);
 }
 
+TEST(CliStudy, ChoosesTheLinesOfThePlan) {
+  const TempFolder folder;
+  folder.Write("short.yaml", ContentOf(ShortScenario()));
+  const std::string lines =
+      "lines:\n"
+      "  east: [-400, 0, 400, 0, 200, 45]\n"
+      "  west: [400, 60, -400, 60, 200, 45]\n"
+      "  across: [0, -400, 0, 400, 240, 45]\n";
+  folder.Write("near.yaml", "base: short.yaml\ntarget_deg: [0.5, 0.5, 0.5]\n" + lines);
+  folder.Write("far.yaml", "base: short.yaml\ntarget_deg: [1e-6, 0.5, 0.5]\n" + lines);
+  const fs::path out = folder.path() / "plan";
+  const ProgramRun run =
+      RunProgram({"study", "--optimise", folder.path() / "near.yaml", "--out", out});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json result = JsonIn(out / "optimise.json");
+  EXPECT_EQ(result["schema"], "dn.optimise/1");
+  EXPECT_EQ(result["best"]["lines"].size(), 2u);
+  EXPECT_EQ(RunProgram({"study", out / "plan.yaml", "--out", folder.path() / "study"}).exit_code,
+            0);
+  const ProgramRun missed =
+      RunProgram({"study", "--optimise", folder.path() / "far.yaml", "--out", out});
+  EXPECT_EQ(missed.exit_code, 1);
+  EXPECT_THAT(missed.err, HasSubstr("roll"));
+  EXPECT_TRUE(fs::exists(out / "designs.csv"));
+  EXPECT_FALSE(fs::exists(out / "plan.yaml"));
+}
+
 }  // namespace
 }  // namespace dn::testing

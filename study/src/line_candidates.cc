@@ -1,0 +1,65 @@
+#include <dn/error.h>
+#include <dn/geo/local_frame.h>
+#include <dn/study/line_choice.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base_scenario.h"
+
+namespace dn {
+namespace {
+
+constexpr std::size_t kFewestLines = 2, kMostLines = 12;
+
+/// All lines as `plan.lines` of a scenario.
+std::string LinesYaml(const YamlValue& lines, std::vector<std::string>* names) {
+  if (!lines.IsMap()) lines.Fail("expected a map from names to lines");
+  *names = lines.Keys();
+  if (names->size() < kFewestLines || names->size() > kMostLines) {
+    lines.Fail(
+        fmt::format("holds {} lines, must hold {} to {}", names->size(), kFewestLines, kMostLines));
+  }
+  std::string yaml;
+  for (const std::string& name : *names) yaml += (yaml.empty() ? "[" : ", ") + lines[name].Yaml();
+  return yaml + "]";
+}
+
+/// Of the scenario with other lines, whose errors are those of the file that names them.
+Scenario WithLines(const BaseScenario& base, const std::string& lines_yaml,
+                   const YamlValue& lines) {
+  try {
+    return ParseScenario(WithYamlValue(base.text, "plan.lines", lines_yaml), base.path);
+  } catch (const InvalidConfig& error) {
+    lines.Fail(std::string("in the base, these lines: ") + error.what());
+  }
+}
+
+}  // namespace
+
+LineCandidates LineCandidates::Parse(const std::string& yaml_text, const std::string& where) {
+  const YamlValue root = ParseYaml(yaml_text, where);
+  root.ExpectMap({"base", "estimate", "target_deg", "lines"});
+  const BaseScenario base = ReadBaseScenario(root["base"], where);
+  const Scenario as_it_is = ParseScenario(base.text, base.path);
+  if (as_it_is.plan.replay) root["base"].Fail("flies a replay: it has no lines to choose from");
+  if (as_it_is.pairs.count == 0) root["base"].Fail("has no pairs of points");
+  LineCandidates candidates;
+  const std::string lines_yaml = LinesYaml(root["lines"], &candidates.names);
+  candidates.scenario = WithLines(base, lines_yaml, root["lines"]);
+  if (root["estimate"]) candidates.estimate = JoinedYaml(root["estimate"]);
+  candidates.target_rad = kRadPerDeg * root["target_deg"].PositiveVector3();
+  candidates.pairs_per_line =
+      static_cast<double>(as_it_is.pairs.count) / static_cast<double>(as_it_is.plan.lines.size());
+  return candidates;
+}
+
+Scenario LineCandidates::With(const std::vector<std::size_t>& lines) const {
+  Scenario some = scenario;
+  some.plan.lines.clear();
+  for (const std::size_t k : lines) some.plan.lines.push_back(scenario.plan.lines[k]);
+  some.pairs.count = std::lround(pairs_per_line * static_cast<double>(lines.size()));
+  return some;
+}
+
+}  // namespace dn

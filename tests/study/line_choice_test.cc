@@ -1,0 +1,123 @@
+#include <dn/error.h>
+#include <dn/study/line_choice.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "study/small_designs.h"
+#include "testing/temp_folder.h"
+
+namespace dn::testing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr const char* kLines =
+    "  east: [-600, 0, 600, 0, 200, 45]\n"
+    "  west: [600, 60, -600, 60, 200, 45]\n"
+    "  across: [0, -600, 0, 600, 240, 45]\n"
+    "  long: [-1200, 30, 1200, 30, 200, 45]\n";
+
+/// Candidates over the small scenario, which lies beside their file.
+struct SmallCandidates {
+  TempFolder folder;
+  std::string where = (folder.path() / "candidates.yaml").string();
+
+  SmallCandidates() { std::ofstream(folder.path() / "two.yaml") << kTwoStrips; }
+  LineCandidates Parse(const std::string& target, const std::string& lines = kLines) const {
+    return LineCandidates::Parse("base: two.yaml\ntarget_deg: " + target + "\nlines:\n" + lines,
+                                 where);
+  }
+};
+
+std::string ErrorOf(const std::string& target, const std::string& lines) {
+  try {
+    SmallCandidates().Parse(target, lines);
+  } catch (const InvalidConfig& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// The shortest of all choices that meet the target, each of them studied.
+std::vector<std::size_t> ShortestOfAll(const LineCandidates& candidates) {
+  LineSearch all;
+  const std::size_t n = candidates.names.size();
+  std::vector<std::size_t> best;
+  double best_s = 1e9;
+  for (unsigned bits = 1; bits < 1u << n; ++bits) {
+    std::vector<std::size_t> lines;
+    for (std::size_t k = 0; k < n; ++k) {
+      if ((bits >> k & 1u) != 0) lines.push_back(k);
+    }
+    if (lines.size() < 2) continue;
+    const Scenario scenario = candidates.With(lines);
+    StudyOptions options;
+    options.remedies = false;
+    const StudyResult study = Study(scenario, options);
+    const double time_s = study.trajectory.back().t_s - study.trajectory.front().t_s;
+    const bool meets = study.observable() &&
+                       (study.boresight.sigma_rad().array() <= candidates.target_rad.array()).all();
+    if (meets && time_s < best_s) {
+      best = lines;
+      best_s = time_s;
+    }
+  }
+  return best;
+}
+
+TEST(LineChoice, FindsTheShortestFlightThatMeetsTheTarget) {
+  const SmallCandidates small;
+  for (const char* target : {"[0.03, 0.03, 0.06]", "[0.025, 0.02, 0.03]"}) {
+    SCOPED_TRACE(target);
+    const LineCandidates candidates = small.Parse(target);
+    const LineSearch search = ChooseLines(candidates);
+    ASSERT_GE(search.best, 0);
+    const LineChoice& best = search.studied[static_cast<std::size_t>(search.best)];
+    EXPECT_EQ(best.lines, ShortestOfAll(candidates));
+    EXPECT_LE(best.WorstRatio(candidates.target_rad), 1.0);
+  }
+}
+
+TEST(LineChoice, IsTheSameForAnyNumberOfThreads) {
+  const SmallCandidates small;
+  const LineCandidates candidates = small.Parse("[0.03, 0.03, 0.06]");
+  LineSearchOptions two;
+  two.design.threads = 2;
+  EXPECT_EQ(ToJson(candidates, ChooseLines(candidates)).dump(),
+            ToJson(candidates, ChooseLines(candidates, two)).dump());
+}
+
+TEST(LineChoice, SaysWhichAngleMissesWithAllLines) {
+  const SmallCandidates small;
+  const LineCandidates candidates = small.Parse("[1, 1, 1e-7]");
+  const LineSearch search = ChooseLines(candidates);
+  EXPECT_LT(search.best, 0);
+  ASSERT_EQ(search.studied.size(), 1u);
+  EXPECT_THAT(MissedTarget(candidates, search), HasSubstr("yaw"));
+  EXPECT_THAT(LineSearchSummary(candidates, search), HasSubstr("not even all lines"));
+}
+
+TEST(LineChoice, EachLineHasThePairsOfTheBase) {
+  const SmallCandidates small;
+  const LineCandidates candidates = small.Parse("[1, 1, 1]");
+  EXPECT_THAT(candidates.names, ElementsAre("east", "west", "across", "long"));
+  const Scenario scenario = candidates.With({0, 2, 3});
+  EXPECT_EQ(scenario.pairs.count, 900);
+  ASSERT_EQ(scenario.plan.lines.size(), 3u);
+  EXPECT_EQ(scenario.plan.lines[1].height_m, 240.0);
+}
+
+TEST(LineChoice, RefusesWhatIsNone) {
+  EXPECT_THAT(ErrorOf("[1, 1, 1]", "  one: [-600, 0, 600, 0, 200, 45]\n"),
+              HasSubstr("holds 1 lines"));
+  EXPECT_THAT(ErrorOf("[1, 1, 0]", kLines), HasSubstr("target_deg"));
+  EXPECT_THAT(ErrorOf("[1, 1, 1]", "  one: [-600, 0, 600]\n  two: [0, 0, 1, 1, 200, 45]\n"),
+              HasSubstr("in the base, these lines"));
+  EXPECT_THAT(ErrorOf("[1, 1, 1]\nanother: 1", kLines), HasSubstr("another"));
+}
+
+}  // namespace
+}  // namespace dn::testing
