@@ -146,6 +146,9 @@ void AddBlindCheckResults(const Json& made_from, const std::vector<BlindRecord>&
                           Run* run) {
   const BlindScore score = ScoreBlindFlights(records);
   run->report["counts"] = {{"flights", score.flights}, {"failures", score.failures.size()}};
+  run->report["timings_s"]["gap, median"] = score.diagnosis_time_s.median;
+  run->report["timings_s"]["gap, upper quartile"] = score.diagnosis_time_s.high;
+  run->report["timings_s"]["calibrate, median"] = score.calibration_time_s.median;
   run->AddFile("config.resolved.yaml", ConfigText(made_from));
   run->AddFile("blind_check.json", FormatJson(ToJson(score)));
   run->AddFile("flights.csv", FormatCsv(records));

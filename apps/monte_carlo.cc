@@ -118,6 +118,7 @@ void AddMonteCarloResults(const Json& made_from, const std::vector<FlightRecord>
   const MonteCarloSummary summary = Summarise(records);
   run->report["scenario"] = name;
   run->report["counts"] = {{"flights", summary.flights}, {"failed", summary.failures}};
+  run->report["timings_s"]["flight"] = summary.mean_time_s;
   run->AddFile("config.resolved.yaml", text);
   run->AddFile("monte_carlo.json", FormatJson(ToJson(summary)));
   const std::string table = FormatTable(summary, name);

@@ -260,9 +260,7 @@ Json ToJson(const BlindScore& s) {
            {{"fixed", ToJson(s.fixed_coverage)}, {"stochastic", ToJson(s.stochastic_coverage)}}},
           {"boresight", {{"assumed", ToJson(s.calibrated)}, {"adapted", ToJson(s.adapted)}}},
           {"shrinkage",
-           {{"right_name", ToJson(s.shrinkage_right)}, {"wrong_name", ToJson(s.shrinkage_wrong)}}},
-          {"time_s",
-           {{"gap", ToJson(s.diagnosis_time_s)}, {"calibrate", ToJson(s.calibration_time_s)}}}};
+           {{"right_name", ToJson(s.shrinkage_right)}, {"wrong_name", ToJson(s.shrinkage_wrong)}}}};
 }
 
 std::string FormatTable(const BlindScore& s) {
@@ -300,9 +298,6 @@ std::string FormatTable(const BlindScore& s) {
   text += Lines("boresight of dn calibrate, by its verdict", s.calibrated);
   text += Lines("boresight of the adapted flight, by its verdict", s.adapted);
   text += EffectLines(s);
-  text += "time [s]\n";
-  text += Line("dn gap", s.diagnosis_time_s);
-  text += Line("dn calibrate", s.calibration_time_s);
   for (const std::string& failure : s.failures) text += failure + "\n";
   return text;
 }
@@ -312,14 +307,13 @@ std::string FormatCsv(const std::vector<BlindRecord>& records) {
       "flight,seed,scenario,strips,content,truth,value,size,detected,p_value,verdict,effects,"
       "credible_set,posterior_of_truth,best_cause,shrinkage,named,named_with_group,"
       "calibrate,z_roll,z_pitch,z_yaw,adapted,adapted_z_roll,adapted_z_pitch,adapted_z_yaw,"
-      "gap_s,calibrate_s,failure\n";
+      "failure\n";
   for (const BlindRecord& r : records) {
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{:.2f},{:.2f},{}\n", r.number, r.seed,
-                    r.base, r.strips, Word(r.content), TruthWords(r), TruthValues(r), Sizes(r),
-                    DiagnosisFields(r), NamedStrictly(r) ? 1 : 0, NamedWithGroup(r) ? 1 : 0,
-                    CalibrationFields(r.calibrated), CalibrationFields(r.adapted),
-                    r.diagnosis.time_s, r.calibrated.time_s, Quoted(r.diagnosis.failure));
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.number, r.seed, r.base,
+                        r.strips, Word(r.content), TruthWords(r), TruthValues(r), Sizes(r),
+                        DiagnosisFields(r), NamedStrictly(r) ? 1 : 0, NamedWithGroup(r) ? 1 : 0,
+                        CalibrationFields(r.calibrated), CalibrationFields(r.adapted),
+                        Quoted(r.diagnosis.failure));
   }
   return text;
 }

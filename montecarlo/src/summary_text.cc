@@ -76,8 +76,7 @@ Json ToJson(const MonteCarloSummary& s) {
                {"velocity_rms_mps", dn::ToJson(s.velocity_rms_mps)},
                {"attitude_rms_deg", dn::ToJson(s.attitude_rms_deg)},
                {"residuals", ToJson(s.residuals, false)},
-               {"innovations", ToJson(s.innovations, true)},
-               {"mean_time_s", s.mean_time_s}};
+               {"innovations", ToJson(s.innovations, true)}};
   for (const TrajectoryConsistency& c : s.trajectory) json["trajectory"].push_back(ToJson(c));
   return json;
 }

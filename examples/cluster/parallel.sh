@@ -1,0 +1,16 @@
+#!/bin/bash
+# The shards of a series by GNU parallel, on this machine or on others:
+#
+#   parallel.sh 20 OUT monte-carlo lar3 --flights 2000
+#   PARALLEL="--sshloginfile hosts --workdir ." parallel.sh 20 OUT monte-carlo lar3 --flights 2000
+#
+# 20 is the number of shards, OUT a folder that all machines see; what follows is the command without
+# --shard, --threads and --out. The same line again takes up what was cut off. When all are done:
+#
+#   dn merge OUT/shard_* --out RESULT
+set -euo pipefail
+shards=$1 out=$2
+shift 2
+mkdir -p "$out"
+seq "$shards" | parallel --joblog "$out/jobs.log" --resume-failed --line-buffer --tag \
+  "${DN:-dn}" "${@@Q}" --shard "{}/$shards" --threads 1 --out "$out/shard_{}"
