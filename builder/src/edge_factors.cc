@@ -57,6 +57,10 @@ MotionAtTag MotionOf(const Flight& flight, const MapGnssEpoch& epoch, const Cali
   return {epoch.t_s, here.w_end_b_radps, w_ie_m, a_m, epoch.t_s - pose.t_s};
 }
 
+double EpochOf(const CalibrationState& state, const LidarReading& reading, double tag_s) {
+  return tag_s - (state.lidar_time_offset_s + reading.delay_s);
+}
+
 /// An end of a pair with what its covariance is made of.
 struct PreparedEnd {
   LidarEnd end;
@@ -68,18 +72,16 @@ PreparedEnd PrepareEnd(const Flight& flight, const CalibrationState& state,
                        const PairEndInput& input) {
   const MapPose& node = input.node;
   const LidarReading reading = Corrected(Of<LidarEffect>(state), LidarValues(state), tag_s, u_s);
-  const double delay_s = state.lidar_time_offset_s + reading.delay_s;
-  const double t_s = tag_s - delay_s;
+  const double t_s = EpochOf(state, reading, tag_s);
   if (t_s < node.t_s - kSameEpochS) {
-    throw InvalidInput("lidar time offset: the estimate of " + std::to_string(delay_s) +
+    throw InvalidInput("lidar time offset: the estimate of " + std::to_string(tag_s - t_s) +
                        " s exceeds the " + std::to_string(kLidarTimeMarginS) +
                        " s that can be estimated; correct the time tags of the pairs first");
   }
-  const ImuCorrection correction = CorrectionOf(state, input.biases);
   PreparedEnd out;
-  out.end.partial = t_s - node.t_s > kSameEpochS
-                        ? Preintegrate(*flight.imu, node.t_s, t_s, correction, noise)
-                        : IdentityIncrement(*flight.imu, node.t_s, correction);
+  out.end.partial = input.partial != nullptr
+                        ? *input.partial
+                        : EndIncrements(flight, state, noise, node.t_s, input.biases).To(t_s);
   out.end.u_s = u_s;
   out.end.p_nominal_m = node.p_mb;
   if (input.inertial) {
@@ -179,6 +181,25 @@ std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration
         bases.push_back(field(p_m));
       });
   return bases;
+}
+
+double LidarEpoch(const CalibrationState& calibration, double tag_s, const Eigen::Vector3d& u_s) {
+  return EpochOf(calibration,
+                 Corrected(Of<LidarEffect>(calibration), LidarValues(calibration), tag_s, u_s),
+                 tag_s);
+}
+
+EndIncrements::EndIncrements(const Flight& flight, const CalibrationState& calibration,
+                             const PreintegrationNoise& noise, double node_t_s,
+                             const ImuCorrection& biases)
+    : imu_(*flight.imu),
+      node_t_s_(node_t_s),
+      correction_(CorrectionOf(calibration, biases)),
+      growing_(imu_, node_t_s, correction_, noise) {}
+
+Preintegrated EndIncrements::To(double epoch_s) {
+  return epoch_s - node_t_s_ > kSameEpochS ? growing_.To(epoch_s)
+                                           : IdentityIncrement(imu_, node_t_s_, correction_);
 }
 
 PairParts MakePairParts(const Flight& flight, const CalibrationState& calibration,

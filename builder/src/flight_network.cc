@@ -3,10 +3,12 @@
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/factors/prior.h>
+#include <dn/parallel.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "factor_groups.h"
 
@@ -372,26 +374,75 @@ std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorInUse(
                 : InertialFactor(inertial_edges[edge], linearised_);  // replaced from outside
 }
 
-PairEdgeInput FlightNetwork::InputOf(const PairEdge& edge, const InertialFactorOf& inertial) const {
-  const auto end = [&](std::size_t k, const std::optional<std::size_t>& bridge) {
-    const ImuCorrection biases{GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k])};
-    return PairEndInput{NodePose(k), biases, bridge ? inertial(*bridge) : nullptr};
+std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
+    std::span<const PairEdge> edges, const CalibrationState& calibration, int threads) const {
+  struct End {
+    std::size_t node;
+    double epoch_s;
+    Preintegrated* increments;
   };
-  return {edge.pair, end(edge.node_i, edge.bridge_i), end(edge.node_j, edge.bridge_j)};
+  std::vector<PairIncrements> increments(edges.size());
+  std::vector<End> ends;
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    const LidarPair& pair = edges[k].pair;
+    ends.push_back(
+        {edges[k].node_i, LidarEpoch(calibration, pair.t_i_s, pair.u_i_s), &increments[k].i});
+    ends.push_back(
+        {edges[k].node_j, LidarEpoch(calibration, pair.t_j_s, pair.u_j_s), &increments[k].j});
+  }
+  std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
+    return std::tie(a.node, a.epoch_s) < std::tie(b.node, b.epoch_s);
+  });
+  std::vector<std::size_t> firsts;  // of each node
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    if (k == 0 || ends[k].node != ends[k - 1].node) firsts.push_back(k);
+  }
+  ParallelFor(static_cast<int>(firsts.size()), threads, [&](int n) {
+    const std::size_t first = firsts[static_cast<std::size_t>(n)];
+    const double node_t_s = node_t_s_[ends[first].node];
+    EndIncrements from_node(*flight_, calibration, noise_, node_t_s,
+                            {GyroBias(node_t_s), AccelBias(node_t_s)});
+    for (std::size_t k = first; k < ends.size() && ends[k].node == ends[first].node; ++k) {
+      *ends[k].increments = from_node.To(ends[k].epoch_s);
+    }
+  });
+  return increments;
+}
+
+PairEdgeInput FlightNetwork::InputOf(const PairEdge& edge, const InertialFactorOf& inertial,
+                                     const PairIncrements& increments) const {
+  const auto end = [&](std::size_t k, const std::optional<std::size_t>& bridge,
+                       const Preintegrated& partial) {
+    const ImuCorrection biases{GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k])};
+    return PairEndInput{NodePose(k), biases, bridge ? inertial(*bridge) : nullptr, &partial};
+  };
+  return {edge.pair, end(edge.node_i, edge.bridge_i, increments.i),
+          end(edge.node_j, edge.bridge_j, increments.j)};
+}
+
+template <class Work>
+void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
+                             const Work& work) const {
+  for (std::size_t first = 0; first < edges.size(); first += kPairsAtOnce) {
+    const auto some = edges.subspan(first, std::min(kPairsAtOnce, edges.size() - first));
+    const std::vector<PairIncrements> increments = IncrementsOf(some, calibration);
+    for (std::size_t k = 0; k < some.size(); ++k) work(some[k], increments[k]);
+  }
 }
 
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactor(
-    const PairEdge& edge, const CalibrationState& calibration,
-    const InertialFactorOf& inertial) const {
-  return MakePairFactor(*flight_, calibration, noise_, InputOf(edge, inertial));
+    const PairEdge& edge, const CalibrationState& calibration, const InertialFactorOf& inertial,
+    const PairIncrements& increments) const {
+  return MakePairFactor(*flight_, calibration, noise_, InputOf(edge, inertial, increments));
 }
 
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactorInUse(
-    const PairEdge& edge, const CalibrationState& calibration) const {
+    const PairEdge& edge, const CalibrationState& calibration,
+    const PairIncrements& increments) const {
   const auto inertial = [&](std::size_t k) { return InertialFactorInUse(k); };
-  if (!pair_model_) return PairFactor(edge, calibration, inertial);
+  if (!pair_model_) return PairFactor(edge, calibration, inertial, increments);
   auto factor = pair_model_->make(
-      *flight_, MakePairParts(*flight_, calibration, noise_, InputOf(edge, inertial)));
+      *flight_, MakePairParts(*flight_, calibration, noise_, InputOf(edge, inertial, increments)));
   if (dynamic_cast<const PointPairFactor*>(factor.get()) == nullptr) {
     throw InvalidInput(
         "pair model: the factor of the pair at t = " + std::to_string(edge.pair.t_i_s) +
@@ -469,6 +520,7 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
   const CalibrationState calibration = Calibration();
   const std::vector<std::size_t> of_edge = EffectsOfPairs(calibration);
   AskForPairModel();
+  std::vector<PairEdge> edges;
   for (const LidarPair& pair : pairs) {
     PairEdge edge = HangOnNodes(pair, margin_s);
     if (edge.node_i == edge.node_j) {
@@ -481,12 +533,15 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
       continue;
     }
     if (!pair_model_) Bridge(&edge);
+    edges.push_back(edge);
+  }
+  ForPairs(edges, calibration, [&](PairEdge& edge, const PairIncrements& increments) {
     std::vector<BlockId> blocks = PairBlocks(edge);
     AppendEffects(of_edge, &blocks);
-    edge.id =
-        AddEdge(PairFactorInUse(edge, calibration), blocks, internal::PairGroup(), pair.t_i_s);
+    edge.id = AddEdge(PairFactorInUse(edge, calibration, increments), blocks, internal::PairGroup(),
+                      edge.pair.t_i_s);
     pair_edges.push_back(edge);
-  }
+  });
 }
 
 double FlightNetwork::BiasChange() const {
@@ -542,9 +597,9 @@ void FlightNetwork::Relinearise() {
       Renew(edge.velocity, [&] { return GnssVelocityFactor(edge, linearised_); });
     }
   }
-  for (const PairEdge& edge : pair_edges) {
-    Renew(edge.id, [&] { return PairFactorInUse(edge, linearised_); });
-  }
+  ForPairs(pair_edges, linearised_, [&](const PairEdge& edge, const PairIncrements& increments) {
+    Renew(edge.id, [&] { return PairFactorInUse(edge, linearised_, increments); });
+  });
 }
 
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {

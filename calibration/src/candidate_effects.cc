@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <span>
 
 namespace dn {
 namespace {
@@ -36,6 +37,8 @@ struct EdgeKind {
   /// edges that lack the block of the velocity.
   std::optional<std::size_t> own_effects = {};
   std::vector<std::size_t> nodes;  ///< of GNSS edges
+  /// Called before factors [first, past) are made; may be empty.
+  std::function<void(std::size_t first, std::size_t past)> prepare = {};
   std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
 };
 
@@ -209,9 +212,17 @@ class Candidates {
     kind.effects = EffectsOfPairs(state_);
     kind.own_effects =
         EffectsOfPairs(network_.Calibration()).size() + network_.num_own_pair_blocks();
+    std::size_t first = 0;
+    std::vector<FlightNetwork::PairIncrements> increments;
+    kind.prepare = [&](std::size_t from, std::size_t past) {
+      const std::span all(network_.pair_edges);
+      increments = network_.IncrementsOf(all.subspan(from, past - from), state_, threads_);
+      first = from;
+    };
     kind.make = [&](std::size_t k) {
-      return network_.PairFactor(network_.pair_edges[k], state_,
-                                 [&](std::size_t edge) { return bridging_[edge]; });
+      return network_.PairFactor(
+          network_.pair_edges[k], state_, [&](std::size_t edge) { return bridging_[edge]; },
+          increments[k - first]);
     };
     Differentiate(kind);
   }
@@ -234,20 +245,32 @@ class Candidates {
 
   const double* Value(BlockId id) const { return network_.net.block(id).value.get(); }
 
+  /// Of an edge by all blocks and effects; none of an edge that is not active.
+  std::vector<Eigen::MatrixXd> DerivativesOf(const EdgeKind& kind, std::size_t k) const {
+    const FactorRecord& record = network_.net.factor(kind.edges[k]);
+    if (!record.active) return {};
+    const std::shared_ptr<const FactorBase> factor = kind.make(k);
+    if (factor->residual_size() != record.factor->residual_size()) return {};  // a user's own
+    Eigen::VectorXd r;
+    std::vector<Eigen::MatrixXd> J;
+    if (!EvaluateInTangent(*factor, ValuesOf(kind, k), &r, &J)) return {};
+    return J;
+  }
+
   void Differentiate(const EdgeKind& kind) {
     const bool any = std::any_of(kind.effects.begin(), kind.effects.end(),
                                  [&](std::size_t e) { return of_state_[e] != nullptr; });
     if (!any) return;
     std::vector<std::vector<Eigen::MatrixXd>> J_of(kind.edges.size());
-    ParallelFor(static_cast<int>(kind.edges.size()), threads_, [&](int at) {
-      const auto k = static_cast<std::size_t>(at);
-      if (!network_.net.factor(kind.edges[k]).active) return;
-      const std::shared_ptr<const FactorBase> factor = kind.make(k);
-      const int rows = network_.net.factor(kind.edges[k]).factor->residual_size();
-      if (factor->residual_size() != rows) return;  // a user's own
-      Eigen::VectorXd r;
-      if (!EvaluateInTangent(*factor, ValuesOf(kind, k), &r, &J_of[k])) J_of[k].clear();
-    });
+    constexpr std::size_t kAtOnce = FlightNetwork::kPairsAtOnce;
+    for (std::size_t first = 0; first < J_of.size(); first += kAtOnce) {
+      const std::size_t past = std::min(first + kAtOnce, J_of.size());
+      if (kind.prepare) kind.prepare(first, past);
+      ParallelFor(static_cast<int>(past - first), threads_, [&](int at) {
+        const std::size_t k = first + static_cast<std::size_t>(at);
+        J_of[k] = DerivativesOf(kind, k);
+      });
+    }
     for (std::size_t k = 0; k < J_of.size(); ++k) {
       if (J_of[k].empty()) continue;
       const std::size_t first = J_of[k].size() - kind.effects.size();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -436,39 +437,98 @@ void WriteEnd(const LinearSample& sample, EffectCorrector* corrector, Preintegra
 
 }  // namespace
 
+class GrowingIncrements::Impl {
+ public:
+  Impl(const ImuData& imu, double t_begin_s, const ImuCorrection& correction,
+       const PreintegrationNoise& noise)
+      : imu_(imu),
+        t_begin_s_(t_begin_s),
+        correction_(correction),
+        noise_(noise),
+        integrator_(noise),
+        corrector_(correction_.effects),
+        bridge_noise_(imu, t_begin_s),
+        t_s_(t_begin_s),
+        last_end_s_(t_begin_s) {
+    CheckBias(correction, t_begin_s);
+    CheckNoise(noise);
+  }
+
+  Preintegrated To(double t_end_s) {
+    Check(t_end_s);
+    last_end_s_ = t_end_s;
+    if (!k_) {
+      k_ = std::min(SampleRange(imu_, t_begin_s_, t_end_s).first, imu_.samples.size() - 1);
+    }
+    for (; imu_.samples[*k_].t_s < t_end_s && *k_ + 1 < imu_.samples.size(); ++*k_) {
+      const double stop_s = imu_.samples[*k_].t_s;
+      Add(Linear(t_end_s), stop_s, &integrator_);
+      t_s_ = stop_s;
+    }
+    const LinearSample linear = Linear(t_end_s);
+    Integrator whole = integrator_;
+    Add(linear, t_end_s, &whole);
+    Preintegrated out = Frame(t_begin_s_, t_end_s, correction_);
+    WriteEnd(linear, &corrector_, &out);
+    whole.Write(&out);
+    out.covariance.bottomRightCorner<3, 3>().diagonal().array() +=
+        noise_.position_floor_m * noise_.position_floor_m;
+    return out;
+  }
+
+ private:
+  void Check(double t_end_s) const {
+    if (!(t_end_s > t_begin_s_)) {
+      throw InvalidInput("inertial increments: the end " + Seconds(t_end_s) +
+                         " is not after the begin " + Seconds(t_begin_s_));
+    }
+    if (t_end_s < last_end_s_) {
+      throw InvalidInput("inertial increments: the end " + Seconds(t_end_s) +
+                         " precedes the one before, " + Seconds(last_end_s_));
+    }
+    CheckInside(imu_, t_begin_s_, t_end_s);
+  }
+
+  /// Of the sample at hand.
+  LinearSample Linear(double t_end_s) const {
+    const ImuSample& sample = imu_.samples[*k_];
+    if (sample.t_s - sample.dt_s > t_s_ + kTimeTolerance_s) ThrowGap(t_begin_s_, t_end_s, sample);
+    return {imu_, *k_, correction_};
+  }
+
+  /// Its part from t_s_ on.
+  void Add(const LinearSample& linear, double stop_s, Integrator* integrator) {
+    const ImuSample& sample = imu_.samples[*k_];
+    Piece piece = linear.Part(t_s_, stop_s);
+    if (!corrector_.empty()) corrector_.Correct(t_s_ + 0.5 * (stop_s - t_s_), &piece);
+    integrator->Add(piece, bridge_noise_.Of(sample) + VibrationNoise(noise_.vibration, sample),
+                    corrector_.empty() ? nullptr : &corrector_.reading());
+  }
+
+  const ImuData& imu_;
+  double t_begin_s_;
+  ImuCorrection correction_;
+  const PreintegrationNoise& noise_;
+  Integrator integrator_;
+  EffectCorrector corrector_;
+  BridgeNoise bridge_noise_;
+  std::optional<std::size_t> k_;  ///< the sample that comes next
+  double t_s_;                    ///< integrated up to here
+  double last_end_s_;             ///< of To
+};
+
+GrowingIncrements::GrowingIncrements(const ImuData& imu, double t_begin_s,
+                                     const ImuCorrection& correction,
+                                     const PreintegrationNoise& noise)
+    : impl_(std::make_unique<Impl>(imu, t_begin_s, correction, noise)) {}
+
+GrowingIncrements::~GrowingIncrements() = default;
+
+Preintegrated GrowingIncrements::To(double t_end_s) { return impl_->To(t_end_s); }
+
 Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
                            const ImuCorrection& correction, const PreintegrationNoise& noise) {
-  if (!(t_end_s > t_begin_s)) {
-    throw InvalidInput("inertial increments: the end " + Seconds(t_end_s) +
-                       " is not after the begin " + Seconds(t_begin_s));
-  }
-  CheckInside(imu, t_begin_s, t_end_s);
-  CheckBias(correction, t_begin_s);
-  CheckNoise(noise);
-  Preintegrated out = Frame(t_begin_s, t_end_s, correction);
-  Integrator integrator(noise);
-  EffectCorrector corrector(correction.effects);
-  BridgeNoise bridge_noise(imu, t_begin_s);
-
-  std::size_t k = SampleRange(imu, t_begin_s, t_end_s).first;
-  k = std::min(k, imu.samples.size() - 1);
-  for (double t_s = t_begin_s; t_s < t_end_s; ++k) {
-    const ImuSample& sample = imu.samples[k];
-    if (sample.t_s - sample.dt_s > t_s + kTimeTolerance_s) ThrowGap(t_begin_s, t_end_s, sample);
-    const bool last = sample.t_s >= t_end_s || k + 1 == imu.samples.size();
-    const double stop_s = last ? t_end_s : sample.t_s;
-    const LinearSample linear(imu, k, correction);
-    Piece piece = linear.Part(t_s, stop_s);
-    if (!corrector.empty()) corrector.Correct(t_s + 0.5 * (stop_s - t_s), &piece);
-    integrator.Add(piece, bridge_noise.Of(sample) + VibrationNoise(noise.vibration, sample),
-                   corrector.empty() ? nullptr : &corrector.reading());
-    if (last) WriteEnd(linear, &corrector, &out);
-    t_s = stop_s;
-  }
-  integrator.Write(&out);
-  out.covariance.bottomRightCorner<3, 3>().diagonal().array() +=
-      noise.position_floor_m * noise.position_floor_m;
-  return out;
+  return GrowingIncrements(imu, t_begin_s, correction, noise).To(t_end_s);
 }
 
 Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& correction) {

@@ -68,6 +68,8 @@ struct PairEndInput {
   /// Inertial edge that begins at the node, under the same calibration: a bridge to the attitude of
   /// its other node; null: none.
   std::shared_ptr<const PreintegratedInertial> inertial = {};
+  /// From the node to the LidarEpoch of the end; null: integrated here.
+  const Preintegrated* partial = nullptr;
 };
 
 /// A pair with how its ends hang on their nodes.
@@ -84,6 +86,24 @@ struct PairParts {
   double dt_nominal_s = 0.0;  ///< delay of the tags with which the increments were cut
   /// Of the difference of the two points, map axes: that of the pair and of its increments.
   Noise<3> noise_m;
+};
+
+/// When the beam of a tag left, as the calibration says, s.
+double LidarEpoch(const CalibrationState& calibration, double tag_s, const Eigen::Vector3d& u_s);
+
+/// The increments from a node to the LidarEpochs of ends that hang on it, in the order of time.
+class EndIncrements {
+ public:
+  EndIncrements(const Flight& flight, const CalibrationState& calibration,
+                const PreintegrationNoise& noise, double node_t_s, const ImuCorrection& biases);
+
+  Preintegrated To(double epoch_s);
+
+ private:
+  const ImuData& imu_;
+  double node_t_s_;
+  ImuCorrection correction_;
+  GrowingIncrements growing_;
 };
 
 /// Throws InvalidInput when an epoch falls before its node.

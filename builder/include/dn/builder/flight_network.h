@@ -17,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace dn {
@@ -158,9 +159,21 @@ class FlightNetwork {
                                                        const CalibrationState& calibration) const;
   /// `inertial`: the factor of an inertial edge for that calibration, which a bridged end needs.
   using InertialFactorOf = std::function<std::shared_ptr<const PreintegratedInertial>(std::size_t)>;
+  /// From their nodes to the epochs of both ends.
+  struct PairIncrements {
+    Preintegrated i, j;
+  };
+  /// Of some pair edges, at the present biases; the samples after a node are integrated once.
+  std::vector<PairIncrements> IncrementsOf(std::span<const PairEdge> edges,
+                                           const CalibrationState& calibration,
+                                           int threads = 1) const;
+  /// So many at a time need little memory beside the network.
+  static constexpr std::size_t kPairsAtOnce = 4096;
+  /// `increments`: of the edge for that calibration.
   std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
                                                const CalibrationState& calibration,
-                                               const InertialFactorOf& inertial) const;
+                                               const InertialFactorOf& inertial,
+                                               const PairIncrements& increments) const;
 
   /// The two points of pair edge k in m with the present unknowns: p_i - p_j, m. Throws
   /// InvalidInput where its factor was replaced by one that is no PointPairFactor.
@@ -229,9 +242,15 @@ class FlightNetwork {
   void Bridge(PairEdge* edge) const;
   std::vector<BlockId> PairBlocks(const PairEdge& edge) const;
   std::shared_ptr<const PreintegratedInertial> InertialFactorInUse(std::size_t edge) const;
-  PairEdgeInput InputOf(const PairEdge& edge, const InertialFactorOf& inertial) const;
+  PairEdgeInput InputOf(const PairEdge& edge, const InertialFactorOf& inertial,
+                        const PairIncrements& increments) const;
   std::shared_ptr<const FactorBase> PairFactorInUse(const PairEdge& edge,
-                                                    const CalibrationState& calibration) const;
+                                                    const CalibrationState& calibration,
+                                                    const PairIncrements& increments) const;
+  /// Calls work(edge, increments) for all pair edges, in their order.
+  template <class Work>
+  void ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
+                const Work& work) const;
   void AskForPairModel();
   FactorId AddEdge(std::shared_ptr<const FactorBase> factor, const std::vector<BlockId>& blocks,
                    const FactorGroup& group, double t_s);

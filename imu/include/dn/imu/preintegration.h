@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <memory>
 #include <vector>
 
 namespace dn {
@@ -80,6 +81,25 @@ struct PreintegrationNoise {
 /// Linear in the number of samples, about 0.3 us each; finding the first is logarithmic.
 Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
                            const ImuCorrection& correction, const PreintegrationNoise& noise);
+
+/// The increments of Preintegrate from one begin to ends that come in the order of time: every
+/// sample between is integrated once. `imu` and `noise` must outlive it. Throws as Preintegrate.
+class GrowingIncrements {
+ public:
+  GrowingIncrements(const ImuData& imu, double t_begin_s, const ImuCorrection& correction,
+                    const PreintegrationNoise& noise);
+  ~GrowingIncrements();
+  GrowingIncrements(const GrowingIncrements&) = delete;
+  GrowingIncrements& operator=(const GrowingIncrements&) = delete;
+
+  /// Bit by bit what Preintegrate gives. Throws InvalidInput where t_end_s precedes that of the call
+  /// before, too.
+  Preintegrated To(double t_end_s);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// Increments of zero length at t_s: identity, zero covariance and Jacobians, and the corrected
 /// rate and specific force of the sample that ends at or contains t_s.
