@@ -49,7 +49,7 @@ TEST(CliGaussHelmert, ResultOnTheSmoothedTrajectory) {
       flight.Run("calibrate", {"--method", "gh", "--trajectory", SmoothedTrajectory()});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(NamesIn(flight.out()),
-              ElementsAre("config.resolved.yaml", "report.json", "result.json"));
+              ElementsAre("config.resolved.yaml", "pair_residuals.txt", "report.json", "result.json"));
   const Json result = JsonOf(flight.out() / "result.json");
   EXPECT_EQ(result["schema"], "dn.result/1");
   EXPECT_EQ(result["method"], "gh");
