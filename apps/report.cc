@@ -27,11 +27,12 @@ CLI::Validator HtmlFile() {
 
 void Report(const Options& options, Run& run) {
   run.progress.Stage("reading results");
-  const Document document = PageOf({options.folders.begin(), options.folders.end()});
+  Document document = PageOf({options.folders.begin(), options.folders.end()});
   if (std::filesystem::is_directory(options.file)) {
     throw InvalidConfig("--out " + options.file + " is a folder; give the file of the page");
   }
   WriteFileAtomically(options.file, ToHtml(document));
+  if (options.folders.size() == 1) document.sections.clear();  // the page has them
   fmt::print("{}", ToText(document));
 }
 

@@ -14,6 +14,9 @@ Document OtherPage(const ResultFolder& folder) {
   const std::string flight = report["flight"].text();
   const std::string name = flight.empty() ? report["scenario"].text() : flight;
   Document document = Begin(folder, name.empty() ? "dn" : name, "result");
+  if (const Facts error = report["error"]) {
+    document.headlines = {{"failed", error["message"].text(), Tone::kBad}};
+  }
   Table commands{"What each command could do with this flight", {"command", "", ""}, {}};
   for (const std::string& command : report["commands"].keys()) {
     const bool possible = report["commands"][command]["possible"].flag();

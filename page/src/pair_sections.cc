@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -25,7 +26,7 @@ enum PairColumn : std::size_t {
 };
 constexpr std::size_t kMostDots = 600;  // of one cloud
 constexpr std::size_t kBins = 15;
-constexpr std::size_t kFewest = 8;  // pairs of a bin whose mean is shown
+constexpr double kFewest = 8.0;  // pairs of a bin whose mean is shown
 
 /// Swath overlap difference, RMSDz [m]: USGS Lidar Base Specification 2.1, table 2.
 struct QualityLevel {
@@ -85,22 +86,24 @@ std::array<double, 3> InTrack(const double* row) {
           east * std::cos(heading_rad) - north * std::sin(heading_rad), row[kAfter + 2]};
 }
 
-/// Means of y over stretches of x with equal numbers of values.
-Curve BinMeans(const std::string& label, std::vector<std::pair<double, double>> points) {
-  std::stable_sort(points.begin(), points.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+/// Means of y over stretches of x; the curve is open where a stretch has few values.
+Curve BinMeans(const std::string& label, const std::vector<double>& x,
+               const std::vector<double>& y) {
+  const auto [least, most] = std::minmax_element(x.begin(), x.end());
+  const double width = std::max(*most - *least, 1e-9) / kBins;
+  std::array<double, kBins> sum_x{}, sum_y{}, count{};
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const auto bin = std::min(static_cast<std::size_t>((x[k] - *least) / width), kBins - 1);
+    sum_x[bin] += x[k];
+    sum_y[bin] += y[k];
+    count[bin] += 1.0;
+  }
   Curve means{label, {}, {}};
   for (std::size_t bin = 0; bin < kBins; ++bin) {
-    const std::size_t first = bin * points.size() / kBins;
-    const std::size_t past = (bin + 1) * points.size() / kBins;
-    if (past - first < kFewest) continue;
-    double x = 0.0, y = 0.0;
-    for (std::size_t k = first; k < past; ++k) {
-      x += points[k].first;
-      y += points[k].second;
-    }
-    means.x.push_back(x / static_cast<double>(past - first));
-    means.y.push_back(y / static_cast<double>(past - first));
+    const bool enough = count[bin] >= kFewest;
+    const double middle = *least + (static_cast<double>(bin) + 0.5) * width;
+    means.x.push_back(enough ? sum_x[bin] / count[bin] : middle);
+    means.y.push_back(enough ? sum_y[bin] / count[bin] : std::numeric_limits<double>::quiet_NaN());
   }
   return means;
 }
@@ -110,18 +113,18 @@ ScatterChart Against(const std::string& what, const TextTable& pairs, std::size_
   ScatterChart chart{"What is left of the pairs against " + what, what, "difference [m]", {}};
   const char* names[] = {"along track", "across track", "up"};
   const std::size_t step = pairs.rows() / kMostDots + 1;
+  const std::vector<double> x = Column(pairs, column, minus);
   for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double> y;
     Curve cloud{names[axis], {}, {}};
-    std::vector<std::pair<double, double>> all;
     for (std::size_t k = 0; k < pairs.rows(); ++k) {
-      const double* row = pairs.row(k);
-      all.emplace_back(row[column] - minus, InTrack(row)[axis]);
+      y.push_back(InTrack(pairs.row(k))[axis]);
       if (k % step != 0) continue;
-      cloud.x.push_back(all.back().first);
-      cloud.y.push_back(all.back().second);
+      cloud.x.push_back(x[k]);
+      cloud.y.push_back(y[k]);
     }
     chart.clouds.push_back(std::move(cloud));
-    chart.curves.push_back(BinMeans(names[axis], std::move(all)));
+    chart.curves.push_back(BinMeans(names[axis], x, y));
   }
   return chart;
 }

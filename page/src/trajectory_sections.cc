@@ -43,10 +43,10 @@ void AddMap(const ResultFolder& folder, Section* section) {
   const std::vector<MapPose> path = PathOf(folder, *config);
   if (path.empty()) return;
   MapChart map{"Path of the flight", {}};
+  map.lines.push_back(LineOf("path", path, path.front().t_s, path.back().t_s));
   for (const StripInterval& strip : config->strips) {
     map.lines.push_back(LineOf("strip " + strip.name, path, strip.t0_s, strip.t1_s));
   }
-  map.lines.push_back(LineOf("path", path, path.front().t_s, path.back().t_s));
   section->contents.emplace_back(Chart{std::move(map)});
 }
 

@@ -147,6 +147,7 @@
     drawnWidth.set(figure, width);
     const chart = charts[figure.dataset.chart];
     place.replaceChildren();
+    place.style.minHeight = "0";
     draw[chart.type](chart, place, width);
   }
 
