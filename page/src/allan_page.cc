@@ -11,19 +11,25 @@ struct Sensor {
 };
 constexpr Sensor kSensors[] = {{"gyro", "Gyro"}, {"accel", "Accelerometer"}};
 
-Cell WithUnit(const Facts& term) { return term["value"].Significant(4); }
+/// Of the first axis that has white noise.
+std::string WhiteUnit(const Facts& of) {
+  for (const std::string& axis : kXyz) {
+    if (const Facts white = of[axis]["terms"]["white"]) return white["unit"].text();
+  }
+  return of["model"]["white"]["unit"].text();
+}
 
 Table Terms(const Sensor& sensor, const Facts& of) {
   Table table{std::string(sensor.name) + ": terms",
               {"axis", "white", "sigma", "Gauss-Markov", "sigma", "tau [s]", "sigma", "random walk",
                "sigma", "floor", "at [s]"},
               {},
-              "White in " + of["model"]["white"]["unit"].text() + ", others in " +
-                  of["x"]["curve"]["unit"].text() + ". A dash: the record does not show it."};
+              "White in " + WhiteUnit(of) + ", others in " + of["x"]["curve"]["unit"].text() +
+                  ". A dash: the record does not show it."};
   const auto add = [&](const std::string& name, const Facts& fit) {
     std::vector<Cell> row{Text(name)};
     for (const char* term : {"white", "gauss_markov", "gauss_markov_tau", "random_walk"}) {
-      row.push_back(WithUnit(fit[term]));
+      row.push_back(fit[term]["value"].Significant(4));
       row.push_back(fit[term]["sigma"].Significant(2));
     }
     row.push_back(fit["floor"]["deviation"].Significant(4));

@@ -91,7 +91,7 @@ Document ComparisonPage(const std::vector<std::filesystem::path>& folders) {
       named.emplace_back(name, one.result);
     }
     for (Headline& headline : PageOf(path).headlines) {
-      headline.word += ": " + path.string();
+      headline.word = path.string() + ": " + headline.word;
       headline.next.clear();
       document.headlines.push_back(std::move(headline));
     }

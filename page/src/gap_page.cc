@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -61,10 +60,11 @@ const std::map<std::string, Meaning>& Meanings() {
 Headline HeadlineOf(const Facts& gap) {
   const Facts verdict = gap["verdict"];
   Headline headline;
-  headline.word = verdict["kind"].text();
+  const std::string kind = verdict["kind"].text();
+  headline.word = kind == "no_gap" ? "no gap" : kind;
   headline.reasons = {verdict["text"].text()};
   if (verdict["tie_breaker"]) headline.reasons.push_back(verdict["tie_breaker"].text());
-  const auto known = Meanings().find(headline.word);
+  const auto known = Meanings().find(kind);
   if (known != Meanings().end()) {
     headline.answer = known->second.answer;
     headline.tone = known->second.tone;
@@ -83,16 +83,6 @@ Headline HeadlineOf(const Facts& gap) {
           {units["boresight_inconsistency_mdeg"].Decimals(2)})};
   headline.figures = {figures};
   return headline;
-}
-
-std::string SizeOf(const Facts& cause) {
-  std::string text;
-  const std::size_t count = cause["estimate"].elements().size();
-  for (std::size_t k = 0; k < count; ++k) {
-    text += (k == 0 ? "" : ", ") + fmt::format("{:.3g} ± {:.2g}", cause["estimate"][k].number(),
-                                               cause["sigma"][k].number());
-  }
-  return text + " " + cause["unit"].text();
 }
 
 Section Causes(const Facts& gap) {
@@ -242,7 +232,7 @@ Section Validity(const Facts& gap) {
 
 Document GapPage(const ResultFolder& folder) {
   const Facts gap = folder.Read("gap.json");
-  Document document = Begin(folder, gap["flight"].text(), "does the data depart from the model?");
+  Document document = Begin(folder, gap["flight"].text(), "do the data depart from the model?");
   document.headlines = {HeadlineOf(gap)};
   for (Section section : {Closed(gap), Causes(gap), CouldHide(gap), Where(gap),
                           TrajectorySection(folder), Fingerprint(gap), Validity(gap)}) {

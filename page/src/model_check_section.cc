@@ -1,3 +1,7 @@
+#include <dn/effects/effect_table.h>
+#include <fmt/format.h>
+
+#include <cmath>
 #include <utility>
 
 #include "sections.h"
@@ -38,13 +42,7 @@ std::vector<Cell> EffectRow(const Facts& effect) {
   std::vector<Cell> cells{Text(effect["effect"].text()), effect["p_value"].Significant(2),
                           effect["log_evidence"].Decimals(1)};
   for (const Cell& cell : Three(effect["boresight_damage_mdeg"], 2)) cells.push_back(cell);
-  std::string size;
-  const Facts estimate = effect["estimate"];
-  for (std::size_t k = 0; k < estimate.elements().size(); ++k) {
-    size += (k == 0 ? "" : ", ") + ToText(std::get<Number>(estimate[k].Significant(3).content)) +
-            " ± " + ToText(std::get<Number>(effect["sigma"][k].Significant(2).content));
-  }
-  cells.push_back(Text(size + " " + effect["unit"].text()));
+  cells.push_back(Text(SizeOf(effect)));
   return cells;
 }
 
@@ -72,6 +70,20 @@ Table Clocks(const Facts& clocks) {
 }
 
 }  // namespace
+
+std::string SizeOf(const Facts& effect) {
+  const EffectSpec* spec = FindEffect(effect["effect"].text());
+  std::string text;
+  for (std::size_t k = 0; k < effect["estimate"].elements().size(); ++k) {
+    const double sigma = effect["sigma"][k].number();
+    text += fmt::format("{}{:.3g}", k == 0 ? "" : ", ", effect["estimate"][k].number());
+    if (std::isfinite(sigma)) text += fmt::format(" ± {:.2g}", sigma);
+    const bool own_unit = spec != nullptr && k < spec->components.size();
+    const std::string unit = own_unit ? spec->components[k].unit : effect["unit"].text();
+    if (unit != "1") text += " " + unit;
+  }
+  return text;
+}
 
 Section ModelCheckSection(const Facts& result) {
   Section section{"Does the model fit the data?", {}};

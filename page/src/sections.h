@@ -41,6 +41,9 @@ Section TrajectorySection(const ResultFolder& folder);
 /// Inertial biases with their bands.
 Section BiasSection(const ResultFolder& folder);
 
+/// The value of an effect with its sigma, in the units of the table of effects.
+std::string SizeOf(const Facts& effect);
+
 /// Groups, effects, clocks, findings.
 Section ModelCheckSection(const Facts& result);
 

@@ -5,6 +5,7 @@
   const kColours = 7;
   const kSeriesHeight = 260;
   const kTallestMap = 640;
+  const kFewPoints = 400;
 
   const variable = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const colour = (k) => `var(--c${k % kColours})`;
@@ -53,7 +54,7 @@
 
   function drawSeries(chart, place, width) {
     const { series, bands, data } = seriesOptions(chart);
-    const axis = { stroke: variable("--soft"), grid: { stroke: variable("--line") }, ticks: { stroke: variable("--line") } };
+    const axis = { stroke: variable("--soft"), grid: { stroke: variable("--line"), width: 1 }, ticks: { stroke: variable("--line"), width: 1 } };
     const scale = chart.log ? { distr: 3 } : {};
     new uPlot({
       width, height: kSeriesHeight, series, bands,
@@ -70,13 +71,14 @@
   function drawScatter(chart, place, width) {
     const all = [...chart.clouds, ...chart.curves];
     const labels = unique(all.map((curve) => curve.label));
+    const points = chart.clouds.flatMap(pointsOf);
     place.append(swatches(labels), Plot.plot({
       ...base(width), height: 280, marginLeft: 56,
       x: { label: chart.x }, y: { label: chart.y },
       color: { domain: labels, range: labels.map((_, k) => colour(k)) },
       marks: [
         Plot.ruleY([0], { stroke: "var(--soft)" }),
-        Plot.dot(chart.clouds.flatMap(pointsOf), { x: "x", y: "y", fill: "label", r: 1.6, fillOpacity: 0.55 }),
+        Plot.dot(points, { x: "x", y: "y", fill: "label", r: points.length < kFewPoints ? 3 : 1.6, fillOpacity: 0.55 }),
         Plot.line(chart.curves.flatMap(pointsOf), { x: "x", y: "y", z: "label", stroke: "label", strokeWidth: 2 }),
       ],
     }));
