@@ -87,7 +87,7 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
     const double drift = DriftInSigmas(values, imu.nominal_dt_s, axis.fit);
     if (std::abs(drift) > kDriftSigmas) {
       warnings->push_back(fmt::format(
-          "{} {}: the record drifts from its first to its last third by {:.0f} times what its "
+          "{} {}: the record drifts from its first to its last third by {:.3g} times what its "
           "stationary terms explain: temperature? A random walk below may be that drift",
           units.name, kAxes[i], std::abs(drift)));
     }

@@ -237,6 +237,7 @@ struct NetworkRun {
   std::unique_ptr<FlightRun> flight_run;
   BoresightResult boresight;
   std::vector<UnknownEstimate> unknowns;
+  std::vector<PairResidual> pairs;
 };
 
 NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
@@ -244,23 +245,27 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
   out.flight_run = std::move(flight_run);
   out.boresight = out.flight_run->solution->CheckedBoresight();
   out.unknowns = out.flight_run->solution->Unknowns();
+  out.pairs =
+      PairResiduals(out.flight_run->solution->network(), Trajectory(out.flight_run->trajectory));
   return out;
 }
 
-void AddNetworkFiles(const NetworkRun& network, const std::string& result_name, Run* run) {
+/// `suffix` tells the method where a run has several.
+void AddNetworkFiles(const NetworkRun& network, const std::string& suffix, Run* run) {
   const FlightRun& flight_run = *network.flight_run;
   AddTrajectoryFiles(flight_run, run);
-  run->AddFile(result_name,
+  run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(network.pairs));
+  run->AddFile("result" + suffix + ".json",
                FormatJson(CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
                                           flight_run.solution->trajectory(),
                                           flight_run.solution->model_check(), network.boresight,
-                                          network.unknowns, flight_run.timings)));
+                                          network.unknowns, network.pairs, flight_run.timings)));
   FillReport(flight_run, run);
 }
 
 void RunNetwork(const CalibrateOptions& options, Run& run) {
   const NetworkRun network = CalibrateByNetwork(AdjustFlight(options.flight, true, &run));
-  AddNetworkFiles(network, "result.json", &run);
+  AddNetworkFiles(network, "", &run);
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   FailUnlessReliable({&network.boresight});
 }
@@ -276,12 +281,19 @@ Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double
   return flight;
 }
 
+void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
+                          const std::string& suffix, Run* run) {
+  const std::vector<PairResidual> pairs = PairResiduals(flight, gh.calibration);
+  run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(pairs));
+  run->AddFile("result" + suffix + ".json",
+               FormatJson(CalibrationJson(flight.config.name, gh.calibration, pairs, gh.timings)));
+}
+
 void RunGaussHelmert(const FlightConfig& config, Run& run) {
   double read_s = 0.0;
   const Flight flight = ReadForGaussHelmert(config, false, &read_s, &run);
   const GaussHelmertRun gh = CalibrateByGaussHelmert(flight, read_s, &run);
-  run.AddFile("result.json",
-              FormatJson(CalibrationJson(flight.config.name, gh.calibration, gh.timings)));
+  AddGaussHelmertFiles(flight, gh, "", &run);
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
   FillReport(flight, gh, &run);
   PrintResult(flight.config, gh.calibration, gh.timings);
@@ -306,8 +318,8 @@ void RunAll(const FlightConfig& config, Run& run) {
   AssessAgainstNetwork(network.boresight, &gh.calibration);
   const std::string& name = config.name;
   FillReport(network.flight_run->flight, gh, &run);
-  AddNetworkFiles(network, "result_dn.json", &run);
-  run.AddFile("result_gh.json", FormatJson(CalibrationJson(name, gh.calibration, gh.timings)));
+  AddNetworkFiles(network, "_dn", &run);
+  AddGaussHelmertFiles(network.flight_run->flight, gh, "_gh", &run);
   run.AddFile(
       "comparison.json",
       FormatJson(ComparisonJson(

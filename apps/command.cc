@@ -3,6 +3,7 @@
 #include <ceres/version.h>
 #include <dn/calibration/adjust.h>
 #include <dn/error.h>
+#include <dn/page/page.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -21,6 +22,7 @@ namespace dn::apps {
 namespace {
 
 constexpr const char* kReportName = "report.json";
+constexpr const char* kPageName = "report.html";
 constexpr const char* kInterruptedText = "interrupted; no result was written";
 
 Json& CommandLine() {
@@ -208,26 +210,33 @@ void Run::AddFile(const std::string& name, const std::string& content) {
   if (!options_.out.empty()) files().Add(name, content);
 }
 
-void Run::Commit() {
-  if (!files_) return;
-  files_->Add(kReportName, FormatJson(report));
-  files_->Commit();
+// The page is made from what is staged, as dn report makes it from what is published. A result
+// without its page is better than none.
+void Run::AddPage() {
+  try {
+    files_->Add(kPageName, ToHtml(PageOf(files_->staging())));
+  } catch (const InvalidInput& error) {
+    progress.Warn(std::string("no report.html: ") + error.what());
+  }
 }
 
 void Run::Publish() {
   if (!BeginPublishing()) throw dn::Interrupted();
   report["timings_s"]["total"] = Since(start_);
-  if (files_) report["files"] = files_->staged();
-  report["files"].push_back(kReportName);
-  Commit();
+  if (!files_) return;
+  report["files"] = files_->staged();
+  report["files"].insert(report["files"].end(), {kReportName, kPageName});
+  files_->Add(kReportName, FormatJson(report));
+  AddPage();
+  files_->Commit();
 }
 
 void Run::PublishFailure(const std::string& kind, const std::string& message) {
   BeginReporting();
   if (!files_) return;
   files_->Discard();
-  report = FailureReport(kind, message);
-  Commit();
+  files_->Add(kReportName, FormatJson(FailureReport(kind, message)));
+  files_->Commit();
 }
 
 namespace {
@@ -272,7 +281,7 @@ int Execute(const std::string& command, const CommonOptions& options,
   return EndFailed(run, failure);
 }
 
-void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) {
+void AddThreads(CLI::App* app, CommonOptions* options) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   options->threads = std::max(1, cores);
   app->set_version_flag("--version", "dn " DN_VERSION);
@@ -281,6 +290,10 @@ void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) 
                   "the last digit")
       ->check(WholeNumber(1, 1024))
       ->capture_default_str();
+}
+
+void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) {
+  AddThreads(app, options);
   auto* out = app->add_option("--out", options->out, "Directory for the results, made if absent")
                   ->check([](const std::string& text) {
                     return text.empty() ? std::string("is empty") : std::string();

@@ -80,7 +80,8 @@ class Run {
   /// and removes the files of an earlier result.
   void TakeOutput();
 
-  /// Publishes what was staged and report.json. Throws Interrupted when a signal came before.
+  /// Publishes what was staged, report.json and report.html. Throws Interrupted when a signal came
+  /// before.
   void Publish();
 
   /// Publishes nothing but a report.json with the error, if --out was taken.
@@ -94,7 +95,7 @@ class Run {
  private:
   Json EmptyReport() const;
   Json FailureReport(const std::string& kind, const std::string& message) const;
-  void Commit();
+  void AddPage();
 
   std::string command_;
   CommonOptions options_;
@@ -106,6 +107,9 @@ class Run {
 /// code: 0, 1 failed, 2 usage or configuration, 130 interrupted.
 int Execute(const std::string& command, const CommonOptions& options,
             const std::function<void(Run&)>& body);
+
+/// Adds --threads to a subcommand.
+void AddThreads(CLI::App* app, CommonOptions* options);
 
 /// Adds --threads and --out to a subcommand. out_required: as for commands whose result is files.
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required);
@@ -122,5 +126,6 @@ void AddGap(CLI::App* program, Action* action);
 void AddStudy(CLI::App* program, Action* action);
 void AddBlindCheck(CLI::App* program, Action* action);
 void AddMerge(CLI::App* program, Action* action);
+void AddReport(CLI::App* program, Action* action);
 
 }  // namespace dn::apps

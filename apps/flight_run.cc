@@ -128,6 +128,7 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   solution.trajectory();
   run->progress.Stage("model check");
   solution.model_check();
+  result->trajectory = DenseTrajectory(solution.network(), kTrajectorySpacingS);
   result->timings.covariance_s = Since(covariance_start);
   for (const std::string& warning : Warnings(*result)) run->progress.Warn(warning);
   result->timings.total_s = read_s + Since(solve_start);
@@ -138,8 +139,7 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
   run->progress.Stage("writing " + run->options().out.string());
   const FlightNetwork& network = *flight_run.adjustment().network;
   const bool with_pairs = !network.pair_edges.empty();
-  run->AddFile("trajectory.out",
-               FormatSbet(DenseTrajectory(network, kTrajectorySpacingS), with_pairs));
+  run->AddFile("trajectory.out", FormatSbet(flight_run.trajectory, with_pairs));
   run->AddFile("trajectory_sigma.txt",
                FormatTrajectorySigma(flight_run.solution->trajectory().sigma));
   run->AddFile("biases.txt", FormatBiases(flight_run.solution->trajectory().biases));

@@ -14,6 +14,7 @@ namespace dn::apps {
 struct FlightRun {
   Flight flight;
   std::optional<Solution> solution;  ///< of `flight`
+  std::vector<NavPoint> trajectory;  ///< of the solution, at 100 Hz
   RunTimings timings;
 
   const Adjustment& adjustment() const { return solution->adjustment(); }

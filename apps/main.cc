@@ -46,6 +46,7 @@ int ParseAndRun(int argc, char** argv) {
   dn::apps::AddBlindCheck(&program, &action);
   dn::apps::AddMerge(&program, &action);
   dn::apps::AddAllan(&program, &action);
+  dn::apps::AddReport(&program, &action);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -123,6 +123,11 @@ void AddMonteCarloResults(const Json& made_from, const std::vector<FlightRecord>
   run->AddFile("monte_carlo.json", FormatJson(ToJson(summary)));
   const std::string table = FormatTable(summary, name);
   run->AddFile("table.txt", table);
+  for (const auto& [file, series] :
+       {std::pair("trajectory_nees.txt", FormatTrajectoryNees(summary)),
+        {"boresight_errors.txt", FormatBoresightErrors(records)}}) {
+    if (!series.empty()) run->AddFile(file, series);
+  }
   AddPlots(summary, records, name, run);
   fmt::print("{}", table);
 }

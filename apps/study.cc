@@ -1,3 +1,4 @@
+#include <dn/calibration/result_files.h>
 #include <dn/config/yaml_value.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
@@ -71,6 +72,15 @@ StudyResult StudyFlight(const Options& options, Run* run) {
   return study;
 }
 
+void AddSeries(const StudyResult& study, Run* run) {
+  if (!study.trajectory.empty()) {
+    run->AddFile("trajectory_sigma.txt", FormatTrajectorySigma(study.trajectory));
+  }
+  if (!study.correlations.empty()) {
+    run->AddFile("correlations.txt", FormatCorrelations(study.correlations));
+  }
+}
+
 void AddPlots(const StudyResult& study, Run* run) {
   for (const StudyPlot& plot : StudyPlots(study)) {
     const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, Interrupted);
@@ -95,6 +105,7 @@ void RunStudy(const Options& options, Run& run) {
                           {"strips", study.geometry.strips.size()}};
   run.AddFile("study.json", FormatJson(StudyJson(study)));
   run.AddFile("summary.txt", summary);
+  AddSeries(study, &run);
   AddPlots(study, &run);
   fmt::print("{}", summary);
   if (study.observable()) return;

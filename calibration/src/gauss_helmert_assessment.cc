@@ -168,13 +168,26 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
 
 }  // namespace internal
 
-MethodDifference Compare(const BoresightResult& a, const BoresightResult& b) {
+namespace {
+
+MethodDifference DifferenceWith(const Eigen::Matrix3d& covariance_rad2, const BoresightResult& a,
+                                const BoresightResult& b) {
   MethodDifference out;
   out.difference_rad = Log(Eigen::Quaterniond(Exp(a.angles_rad) * Exp(b.angles_rad).conjugate()));
-  out.covariance_rad2 = CovarianceOfDifference(a.covariance_rad2, b.covariance_rad2);
+  out.covariance_rad2 = covariance_rad2;
   out.mahalanobis2 = out.difference_rad.dot(out.covariance_rad2.inverse() * out.difference_rad);
   out.p_value = ChiSquareTail(out.mahalanobis2, 3.0);
   return out;
+}
+
+}  // namespace
+
+MethodDifference Compare(const BoresightResult& a, const BoresightResult& b) {
+  return DifferenceWith(CovarianceOfDifference(a.covariance_rad2, b.covariance_rad2), a, b);
+}
+
+MethodDifference CompareIndependent(const BoresightResult& a, const BoresightResult& b) {
+  return DifferenceWith(a.covariance_rad2 + b.covariance_rad2, a, b);
 }
 
 void AssessAgainstNetwork(const BoresightResult& network, GaussHelmertCalibration* gauss_helmert) {

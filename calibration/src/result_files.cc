@@ -88,7 +88,7 @@ Json AdjustmentJson(const AdjustmentFigures& figures) {
 Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
                      const TrajectoryResult& trajectory, const ModelCheck& check,
                      const BoresightResult& boresight, const std::vector<UnknownEstimate>& unknowns,
-                     const RunTimings& timings) {
+                     const std::vector<PairResidual>& pairs, const RunTimings& timings) {
   Json json;
   json["schema"] = "dn.result/1";
   json["flight"] = flight;
@@ -104,13 +104,14 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
   figures["residual_initial_m"] = adjustment.residual_initial_m;
   figures["residual_final_m"] = adjustment.residual_final_m;
   json["adjustment"] = figures;
+  json["strip_pairs"] = StripPairsJson(pairs);
   json["model_check"] = ModelCheckJson(check);
   json["timing_s"] = TimingJson(timings);
   return json;
 }
 
 Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
-                     const RunTimings& timings) {
+                     const std::vector<PairResidual>& pairs, const RunTimings& timings) {
   const BoresightResult& boresight = calibration.boresight;
   Json json;
   json["schema"] = "dn.result/1";
@@ -127,6 +128,7 @@ Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& c
   figures["residual_final_m"] = calibration.adjustment.residual_final_m;
   for (const char* key : {"nodes", "imu_epochs", "gnss_epochs"}) figures[key] = nullptr;
   json["adjustment"] = figures;
+  json["strip_pairs"] = StripPairsJson(pairs);
   json["model_check"] = ModelCheckJson(calibration.model_check);
   json["timing_s"] = TimingJson(timings);
   return json;

@@ -200,9 +200,4 @@ OwnEffect LaserByStrip(const std::vector<StripInterval>& strips) {
           Eigen::VectorXd::Constant(3 * count, kLaserM)};
 }
 
-double ScanAngle(const LidarConfig& lidar, const Eigen::Vector3d& u_s) {
-  return std::atan2(u_s.dot(lidar.scan_axis_s.cross(lidar.nadir_axis_s)),
-                    u_s.dot(lidar.nadir_axis_s));
-}
-
 }  // namespace dn::internal

@@ -2,6 +2,7 @@
 
 #include <dn/calibration/candidate_effects.h>
 #include <dn/flight/flight.h>
+#include <dn/flight/scan_angle.h>
 
 #include <Eigen/Core>
 #include <string>
@@ -60,8 +61,5 @@ OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double la
 
 /// The laser vectors are off by a constant in each strip: three components (sensor axes) each.
 OwnEffect LaserByStrip(const std::vector<StripInterval>& strips);
-
-/// Scan angle of a laser vector in the sensor frame.
-double ScanAngle(const LidarConfig& lidar, const Eigen::Vector3d& u_s);
 
 }  // namespace dn::internal

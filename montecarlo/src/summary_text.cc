@@ -1,3 +1,4 @@
+#include <dn/geo/text_table.h>
 #include <dn/montecarlo/summary.h>
 #include <fmt/format.h>
 
@@ -120,6 +121,30 @@ std::string FormatTable(const MonteCarloSummary& s, const std::string& scenario)
   text += SensorLines("residuals, mean square / expected\n", s.residuals, false);
   text += SensorLines("innovations, mean square / expected\n", s.innovations, true);
   return text;
+}
+
+std::string FormatTrajectoryNees(const MonteCarloSummary& summary) {
+  std::string text;
+  for (std::size_t q = 0; q < summary.trajectory.size(); ++q) {
+    const TrajectoryConsistency& of = summary.trajectory[q];
+    for (std::size_t k = 0; k < of.t_s.size(); ++k) {
+      text += fmt::format("{}, {}, {}\n", q + 1, FormatDouble(of.t_s[k]),
+                          FormatDouble(of.nees_per_dof[k]));
+    }
+  }
+  return text.empty() ? text : "# number of the quantity, t [s], NEES / 3\n" + text;
+}
+
+std::string FormatBoresightErrors(const std::vector<FlightRecord>& records) {
+  std::string text;
+  for (const FlightRecord& record : records) {
+    if (!record.failure.empty() || !record.with_pairs) continue;
+    const Eigen::Vector3d sigmas = record.boresight_error_rad.cwiseQuotient(
+        record.boresight_covariance_rad2.diagonal().cwiseSqrt());
+    text += fmt::format("{}, {}, {}, {}\n", record.seed, FormatDouble(sigmas.x()),
+                        FormatDouble(sigmas.y()), FormatDouble(sigmas.z()));
+  }
+  return text.empty() ? text : "# seed; error / sigma of roll, pitch, yaw\n" + text;
 }
 
 }  // namespace dn::apps

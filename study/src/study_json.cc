@@ -1,5 +1,6 @@
 #include <dn/calibration/result_files.h>
 #include <dn/geo/local_frame.h>
+#include <dn/geo/text_table.h>
 #include <dn/study/report.h>
 
 #include <cmath>
@@ -108,6 +109,21 @@ Json StudyJson(const StudyResult& study) {
             {"imu_epochs", study.imu_epochs},
             {"gnss_epochs", study.gnss_epochs},
             {"correspondences", study.pairs}}}};
+}
+
+std::string FormatCorrelations(const std::vector<BiasCorrelationAt>& correlations) {
+  std::string text =
+      "# t [s]; roll, pitch, yaw with accelerometer x, y, z each; with gyro x, y, z each\n";
+  for (const BiasCorrelationAt& at : correlations) {
+    text += FormatDouble(at.t_s);
+    for (const Eigen::Matrix3d& matrix : {at.accel, at.gyro}) {
+      for (Eigen::Index k = 0; k < matrix.size(); ++k) {
+        text += ", " + FormatDouble(matrix(k / 3, k % 3));
+      }
+    }
+    text += '\n';
+  }
+  return text;
 }
 
 }  // namespace dn

@@ -16,9 +16,9 @@ using ::testing::StartsWith;
 namespace fs = std::filesystem;
 
 TEST(CliGap, WritesItsFiles) {
-  EXPECT_THAT(NamesIn(GapResult()),
-              IsSupersetOf({"config.resolved.yaml", "flight.adapted.yaml", "gap.json",
-                            "report.json", "summary.txt", "trajectory.out", "twin.yaml"}));
+  EXPECT_THAT(NamesIn(GapResult()), IsSupersetOf({"config.resolved.yaml", "flight.adapted.yaml",
+                                                  "gap.json", "report.html", "report.json",
+                                                  "summary.txt", "trajectory.out", "twin.yaml"}));
   EXPECT_THAT(ContentOf(GapResult() / "summary.txt"), StartsWith("flight short: "));
   const Json report = Json::parse(ContentOf(GapResult() / "report.json"));
   EXPECT_EQ(report["seed"], 5);

@@ -146,7 +146,7 @@ TEST(CliOutputFolder, OfAKilledRunIsSweptByTheNext) {
   EXPECT_EQ(RunProgram(killed).signal, SIGKILL);
   EXPECT_EQ(NamesIn(out).size(), 1U);
   EXPECT_EQ(RunProgram({"check", ShortFlight().string(), "--out", out}).exit_code, 0);
-  EXPECT_THAT(NamesIn(out), ElementsAre("config.resolved.yaml", "report.json"));
+  EXPECT_THAT(NamesIn(out), ElementsAre("config.resolved.yaml", "report.html", "report.json"));
 }
 
 TEST(CliOutputFolder, AFolderInTheWayOfAFileLeavesNothingElse) {

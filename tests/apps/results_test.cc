@@ -120,10 +120,10 @@ TEST(CliCalibrate, TrajectoryFiles) { ExpectTrajectoryFiles(CalibrateResult()); 
 
 TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   const Json result = JsonOf(CalibrateResult() / "result.json");
-  EXPECT_THAT(
-      KeysOf(result),
-      UnorderedElementsAre("schema", "flight", "method", "boresight", "assessment", "correlations",
-                           "estimates", "clocks", "adjustment", "model_check", "timing_s"));
+  EXPECT_THAT(KeysOf(result),
+              UnorderedElementsAre("schema", "flight", "method", "boresight", "assessment",
+                                   "correlations", "estimates", "clocks", "adjustment",
+                                   "strip_pairs", "model_check", "timing_s"));
   EXPECT_EQ(result["schema"], "dn.result/1");
   EXPECT_EQ(result["flight"], "short");
   EXPECT_EQ(result["method"], "dn");

@@ -23,7 +23,7 @@ ProgramRun SimulateInto(const fs::path& folder, const fs::path& scenario, const 
 TEST(CliSimulate, WritesAFlightFolder) {
   EXPECT_THAT(NamesIn(ShortFlight()),
               ElementsAre("GPS.txt", "IMU.txt", "config.resolved.yaml", "flight.yaml", "lidar",
-                          "reference.out", "report.json", "truth.yaml"));
+                          "reference.out", "report.html", "report.json", "truth.yaml"));
   EXPECT_THAT(NamesIn(ShortFlight() / "lidar"), Not(IsEmpty()));
 }
 

@@ -13,15 +13,16 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-constexpr const char* kSubcommands[] = {"check", "simulate",    "smooth",      "calibrate", "gap",
-                                        "allan", "monte-carlo", "blind-check", "merge"};
+constexpr const char* kSubcommands[] = {"check", "simulate", "smooth",      "calibrate",
+                                        "gap",   "allan",    "monte-carlo", "blind-check",
+                                        "merge", "report"};
 
 class EverySubcommand : public ::testing::TestWithParam<const char*> {
  protected:
   // With what the subcommand requires.
   static std::vector<std::string> Complete(const std::vector<std::string>& options) {
     const std::string name = GetParam();
-    std::vector<std::string> arguments{name, "--out", "y"};
+    std::vector<std::string> arguments{name, "--out", "y.html"};
     if (name != "blind-check") arguments.insert(arguments.begin() + 1, "x");
     if (name == "allan") arguments.insert(arguments.end(), {"--rate", "200"});
     arguments.insert(arguments.end(), options.begin(), options.end());

@@ -311,7 +311,7 @@ TEST_P(Results, StatisticsCountTheSeries) {
 TEST_P(Results, FilesHoldWhatWasEstimated) {
   const ModelCheck check = CheckModel(calibration_.adjustment, calibration_.marginals, trajectory_);
   const Json json = CalibrationJson("x", calibration_.adjustment, trajectory_, check,
-                                    calibration_.boresight, {}, {0.1, 0.2, 0.3, 0.6});
+                                    calibration_.boresight, {}, {}, {0.1, 0.2, 0.3, 0.6});
   EXPECT_EQ(json["model_check"]["groups"].size(), check.groups.size());
   EXPECT_TRUE(json["model_check"]["effects"].empty());
   EXPECT_EQ(json["schema"], "dn.result/1");

@@ -131,6 +131,9 @@ struct MethodDifference {
 /// Source: Hausman (1978), corollary 2.6.
 MethodDifference Compare(const BoresightResult& a, const BoresightResult& b);
 
+/// Of results that share no data: the covariance of the difference is C_a + C_b.
+MethodDifference CompareIndependent(const BoresightResult& a, const BoresightResult& b);
+
 /// Turns the verdict of a Gauss-Helmert result to `absorbed` where the dynamic network of the same
 /// flight contradicts it (p < 0.0027, three sigma), and adds the comparison to the reasons.
 void AssessAgainstNetwork(const BoresightResult& network, GaussHelmertCalibration* gauss_helmert);

@@ -2,6 +2,7 @@
 
 #include <dn/calibration/gauss_helmert_flight.h>
 #include <dn/calibration/model_check.h>
+#include <dn/calibration/pair_residuals.h>
 #include <dn/calibration/result.h>
 #include <dn/report/json.h>
 
@@ -23,11 +24,11 @@ struct RunTimings {
 Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
                      const TrajectoryResult& trajectory, const ModelCheck& check,
                      const BoresightResult& boresight, const std::vector<UnknownEstimate>& unknowns,
-                     const RunTimings& timings);
+                     const std::vector<PairResidual>& pairs, const RunTimings& timings);
 
 /// result.json of `dn calibrate --method gh`.
 Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
-                     const RunTimings& timings);
+                     const std::vector<PairResidual>& pairs, const RunTimings& timings);
 
 /// What report.json holds of a Gauss-Helmert adjustment beyond result.json.
 Json GaussHelmertReportJson(const GaussHelmertCalibration& calibration);

@@ -76,6 +76,14 @@ MonteCarloSummary Summarise(const std::vector<FlightRecord>& records);
 
 Json ToJson(const MonteCarloSummary& summary);
 
+/// trajectory_nees.txt: number of the quantity in the order of the summary, from 1; t [s]; NEES / 3,
+/// mean over the flights. Empty where no epochs were judged.
+std::string FormatTrajectoryNees(const MonteCarloSummary& summary);
+
+/// boresight_errors.txt: seed, error / sigma of roll, pitch, yaw of every flight that was adjusted
+/// with pairs; empty without any.
+std::string FormatBoresightErrors(const std::vector<FlightRecord>& records);
+
 /// The table that a person reads.
 std::string FormatTable(const MonteCarloSummary& summary, const std::string& scenario);
 

@@ -12,6 +12,10 @@ namespace dn {
 /// study.json (schema dn.study/1).
 Json StudyJson(const StudyResult& study);
 
+/// correlations.txt: t, then of roll, pitch and yaw the correlations with the accelerometer biases
+/// x, y, z, and of each with the gyro biases.
+std::string FormatCorrelations(const std::vector<BiasCorrelationAt>& correlations);
+
 /// A study on one screen.
 std::string StudySummary(const StudyResult& study);
 

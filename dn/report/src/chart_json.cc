@@ -1,0 +1,107 @@
+#include "chart_json.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace dn::internal {
+namespace {
+
+Json Drawn(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::strtod(fmt::format("{:.7g}", value).c_str(), nullptr);
+}
+
+Json Drawn(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(Drawn(value));
+  return list;
+}
+
+Json Drawn(const Curve& curve) {
+  Json json = {{"label", curve.label}, {"x", Drawn(curve.x)}, {"y", Drawn(curve.y)}};
+  if (!curve.low.empty()) {
+    json["low"] = Drawn(curve.low);
+    json["high"] = Drawn(curve.high);
+  }
+  if (curve.points) json["points"] = true;
+  return json;
+}
+
+Json Drawn(const Bar& bar) {
+  return {{"label", bar.label},
+          {"group", bar.group},
+          {"value", Drawn(bar.value)},
+          {"low", Drawn(bar.low)},
+          {"high", Drawn(bar.high)}};
+}
+
+template <class T>
+Json List(const std::vector<T>& values) {
+  Json list = Json::array();
+  for (const T& value : values) list.push_back(Drawn(value));
+  return list;
+}
+
+Json Axes(const char* type, const auto& chart) {
+  return {{"type", type}, {"title", chart.title}, {"x", chart.x_label}, {"y", chart.y_label}};
+}
+
+Json Drawn(const SeriesChart& chart) {
+  Json json = Axes("series", chart);
+  json["curves"] = List(chart.curves);
+  json["log"] = chart.log_scales;
+  return json;
+}
+
+Json Drawn(const ScatterChart& chart) {
+  Json json = Axes("scatter", chart);
+  json["clouds"] = List(chart.clouds);
+  json["curves"] = List(chart.curves);
+  return json;
+}
+
+Json Drawn(const BarChart& chart) {
+  return {
+      {"type", "bars"}, {"title", chart.title}, {"x", chart.x_label}, {"bars", List(chart.bars)}};
+}
+
+Json Drawn(const MapChart& chart) {
+  return {{"type", "map"},
+          {"title", chart.title},
+          {"lines", List(chart.lines)},
+          {"points", List(chart.points)}};
+}
+
+Json Drawn(const HeatMap& chart) {
+  return {{"type", "heat"},
+          {"title", chart.title},
+          {"rows", chart.rows},
+          {"columns", chart.columns},
+          {"values", List(chart.values)}};
+}
+
+}  // namespace
+
+Json ChartJson(const Chart& chart) {
+  return std::visit([](const auto& one) { return Drawn(one); }, chart);
+}
+
+std::string EscapedJson(const Json& json) {
+  std::string text;
+  for (const char c : json.dump(-1, ' ', true, Json::error_handler_t::replace)) {
+    switch (c) {
+      case '<':
+      case '>':
+      case '&':
+        text += fmt::format("\\u{:04x}", static_cast<int>(c));
+        break;
+      default:
+        text += c;
+    }
+  }
+  return text;
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,172 @@
+#include <map>
+#include <utility>
+
+#include "calibration.h"
+#include "sections.h"
+
+namespace dn::internal {
+namespace {
+
+/// What a verdict means for who wants to use the angles.
+struct Meaning {
+  const char* answer;
+  Tone tone;
+  std::vector<std::string> next;
+};
+
+const std::map<std::string, Meaning>& Meanings() {
+  static const std::map<std::string, Meaning> meanings{
+      {"calibrated",
+       {"You may rely on these angles within their sigmas: they are the mounting's.",
+        Tone::kGood,
+        {"Georeference with these angles.",
+         "dn gap FLIGHT --out DIR says what could still hide, and by how much it could move "
+         "them."}}},
+      {"absorbed",
+       {"The angles make this cloud consistent, but they hold an error of the trajectory: they are "
+        "not the mounting's.",
+        Tone::kDoubtful,
+        {"Use them for this flight only, with this trajectory.",
+         "For the mounting: calibrate from the raw data (--method dn), or fly with a better "
+         "trajectory."}}},
+      {"not_observable",
+       {"Do not use these angles: the data do not determine them.",
+        Tone::kBad,
+        {"Fly crossing strips, opposite directions and two heights.",
+         "dn study FLIGHT --out DIR says which direction is weak, and which strip would help."}}},
+      {"contradicted",
+       {"Do not rely on these angles: the data contradict the assumed model.",
+        Tone::kBad,
+        {"dn gap FLIGHT --out DIR names the cause, and how far adding it closes the gap.",
+         "Check what the first reason names: lever arms, clocks, stated noise."}}},
+  };
+  return meanings;
+}
+
+Table Angles(const Facts& boresight) {
+  Table table{"Boresight, a rotation vector about the body axes (forward, right, down)",
+              {"", "angle [deg]", "sigma [deg]", "sigma [mdeg]"},
+              {}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    table.rows.push_back(Row(kBoresightAngles[k], {boresight["angles_deg"][k].Decimals(5),
+                                                   boresight["sigma_deg"][k].Decimals(5),
+                                                   boresight["sigma_deg"][k].Decimals(2, 1e3)}));
+  }
+  return table;
+}
+
+Table OtherAngles(const Facts& boresight) {
+  Table table{"In other forms", {"", "roll", "pitch", "yaw"}, {}};
+  const auto add = [&](const char* name, const char* key) {
+    if (boresight[key]) table.rows.push_back(Row(name, Three(boresight[key], 6)));
+  };
+  add("Euler angles of the order yaw, pitch, roll [deg]", "euler_zyx_deg");
+  add("sigma by the normal matrix alone [deg]", "sigma_apriori_deg");
+  add("the same, times sigma0 [deg]", "sigma_scaled_deg");
+  return table;
+}
+
+Table Covariance(const Facts& matrix) {
+  Table table{
+      "Covariance [mdeg²], of a perturbation from the left", {"", "roll", "pitch", "yaw"}, {}};
+  for (std::size_t r = 0; r < 3; ++r) {
+    std::vector<Cell> cells;
+    for (std::size_t c = 0; c < 3; ++c) cells.push_back(matrix[r][c].Significant(4, 1e6));
+    table.rows.push_back(Row(kBoresightAngles[r], std::move(cells)));
+  }
+  return table;
+}
+
+Table Estimates(const Facts& estimates) {
+  Table table{"Estimated beside it: corrections to the assumed values",
+              {"unknown", "component", "correction", "sigma", "unit"},
+              {}};
+  for (const std::string& name : estimates.keys()) {
+    const Facts one = estimates[name];
+    for (std::size_t k = 0; k < one["value"].elements().size(); ++k) {
+      table.rows.push_back({Text(name), Text(std::to_string(k + 1)), one["value"][k].Significant(5),
+                            one["sigma"][k].Significant(3), Text(one["unit"].text())});
+    }
+  }
+  return table;
+}
+
+Section BoresightSection(const Facts& result) {
+  const Facts boresight = result["boresight"];
+  Section section{"Boresight", {}};
+  section.contents.emplace_back(
+      Chart{Correlations("Correlation of the angles [%]", kBoresightAngles, kBoresightAngles,
+                         boresight["correlation"])});
+  for (Table table : {OtherAngles(boresight), Covariance(boresight["covariance_deg2"]),
+                      Estimates(result["estimates"])}) {
+    if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
+  }
+  return section;
+}
+
+std::string MethodName(const Facts& result) {
+  const std::string method = result["method"].text();
+  if (method == "dn") return "dynamic network";
+  return method == "gh" ? "Gauss-Helmert adjustment" : method;
+}
+
+void AppendAll(const ResultFolder& folder, const Calibrated& one, bool several,
+               Document* document) {
+  const std::string of = several ? ", " + MethodName(one.result) : "";
+  const auto append = [&](Section section) {
+    section.title += of;
+    Append(std::move(section), document);
+  };
+  append(PairSection(folder, one.result, one.suffix));
+  append(BoresightSection(one.result));
+  append(ModelCheckSection(one.result));
+  append(BiasCorrelationSection(one.result["correlations"]));
+  append({"Adjustment", {AdjustmentTable(one.result["adjustment"])}, true});
+}
+
+}  // namespace
+
+std::vector<Calibrated> CalibrationsIn(const ResultFolder& folder) {
+  std::vector<Calibrated> found;
+  for (const char* suffix : {"", "_dn", "_gh"}) {
+    const std::string file = std::string("result") + suffix + ".json";
+    Facts result = folder.Read(file);
+    if (result["boresight"]) found.push_back({suffix, std::move(result)});
+  }
+  return found;
+}
+
+Headline HeadlineOf(const Calibrated& calibrated, bool with_name) {
+  const Facts assessment = calibrated.result["assessment"];
+  const std::string verdict = assessment["verdict"].text();
+  const auto known = Meanings().find(verdict);
+  Headline headline;
+  headline.word = verdict + (with_name ? " (" + MethodName(calibrated.result) + ")" : "");
+  headline.reasons = assessment["reasons"].texts();
+  headline.figures = {Angles(calibrated.result["boresight"])};
+  if (known == Meanings().end()) return headline;
+  headline.answer = known->second.answer;
+  headline.tone = known->second.tone;
+  headline.next = known->second.next;
+  return headline;
+}
+
+Document CalibrationPage(const ResultFolder& folder) {
+  const std::vector<Calibrated> all = CalibrationsIn(folder);
+  Document document = Begin(folder, all.front().result["flight"].text(), "boresight calibration");
+  const bool several = all.size() > 1;
+  std::vector<std::pair<std::string, Facts>> named;
+  for (const Calibrated& one : all) {
+    document.headlines.push_back(HeadlineOf(one, several));
+    named.emplace_back(MethodName(one.result), one.result);
+  }
+  if (several) Append({"Do the methods agree?", {DifferenceTable(named)}}, &document);
+  for (const Calibrated& one : all) AppendAll(folder, one, several, &document);
+  Append(TrajectorySection(folder), &document);
+  Append(BiasSection(folder), &document);
+  Append(StatisticsSection(folder.report()["innovations"], folder.report()["residuals"]),
+         &document);
+  return document;
+}
+
+}  // namespace dn::internal

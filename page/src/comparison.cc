@@ -1,0 +1,103 @@
+#include "comparison.h"
+
+#include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/page/page.h>
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "sections.h"
+
+namespace dn::internal {
+namespace {
+
+// Three sigma: chosen, as for the comparison of two methods.
+constexpr double kSignificant = 0.0027;
+
+BoresightResult ResultOf(const Facts& result) {
+  BoresightResult out;
+  out.angles_rad = result["boresight"]["angles_deg"].vector3() * kRadPerDeg;
+  out.covariance_rad2 =
+      result["boresight"]["covariance_deg2"].matrix3() * (kRadPerDeg * kRadPerDeg);
+  return out;
+}
+
+/// Whether one is the Gauss-Helmert result of the flight that the network of the other has.
+bool OfOneFlight(const Facts& a, const Facts& b) {
+  return a["method"].text() == "gh" && b["method"].text() == "dn" &&
+         a["flight"].text() == b["flight"].text();
+}
+
+struct Difference {
+  MethodDifference values;
+  std::string covariance;  // how it was taken
+};
+
+Difference Between(const Facts& a, const Facts& b) {
+  if (OfOneFlight(a, b)) return {Compare(ResultOf(a), ResultOf(b)), "of nested data"};
+  if (OfOneFlight(b, a)) {
+    Difference difference{Compare(ResultOf(b), ResultOf(a)), "of nested data"};
+    difference.values.difference_rad = -difference.values.difference_rad;
+    return difference;
+  }
+  return {CompareIndependent(ResultOf(a), ResultOf(b)), "independent"};
+}
+
+}  // namespace
+
+Table DifferenceTable(const std::vector<std::pair<std::string, Facts>>& named) {
+  Table table{
+      "Difference of the boresight",
+      {"", "roll [mdeg]", "sigma", "pitch [mdeg]", "sigma", "yaw [mdeg]", "sigma", "p-value", "",
+       "covariances"},
+      {},
+      "Significant: p < 0.0027 of the chi-square of all three angles (three sigma). Of nested "
+      "data: one is the Gauss-Helmert adjustment, the other the dynamic network of the same "
+      "flight, which uses all its data; the difference then has the covariance of the first "
+      "less that of the second (Hausman 1978). Independent: the covariances are summed, which "
+      "is too wide where two results share data."};
+  constexpr double kMdeg = 1e3 * kDegPerRad;
+  for (std::size_t a = 0; a < named.size(); ++a) {
+    for (std::size_t b = a + 1; b < named.size(); ++b) {
+      const Difference difference = Between(named[a].second, named[b].second);
+      const Eigen::Vector3d sigma_rad = difference.values.sigma_rad();
+      std::vector<Cell> row{Text(named[a].first + " − " + named[b].first)};
+      for (Eigen::Index k = 0; k < 3; ++k) {
+        row.push_back(
+            {Number{kMdeg * difference.values.difference_rad[k], 3, Number::Style::kDecimals}});
+        row.push_back({Number{kMdeg * sigma_rad[k], 3, Number::Style::kDecimals}});
+      }
+      const bool differ = difference.values.p_value < kSignificant;
+      row.push_back({Number{difference.values.p_value, 2}});
+      row.push_back(
+          Text(differ ? "significant" : "not significant", differ ? Tone::kBad : Tone::kGood));
+      row.push_back(Text(difference.covariance));
+      table.rows.push_back(std::move(row));
+    }
+  }
+  return table;
+}
+
+Document ComparisonPage(const std::vector<std::filesystem::path>& folders) {
+  Document document;
+  document.title = "Results side by side";
+  std::vector<std::pair<std::string, Facts>> named;
+  for (const std::filesystem::path& path : folders) {
+    const ResultFolder folder(path);
+    const std::vector<Calibrated> all = CalibrationsIn(folder);
+    for (const Calibrated& one : all) {
+      const std::string name =
+          path.string() + (all.size() > 1 ? " (" + one.result["method"].text() + ")" : "");
+      named.emplace_back(name, one.result);
+    }
+    for (Headline& headline : PageOf(path).headlines) {
+      headline.word = path.string() + ": " + headline.word;
+      headline.next.clear();
+      document.headlines.push_back(std::move(headline));
+    }
+  }
+  if (named.size() > 1) Append({"Do they agree?", {DifferenceTable(named)}}, &document);
+  return document;
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,104 @@
+#include "facts.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace dn::internal {
+namespace {
+
+/// A key of a JSON pointer (RFC 6901).
+std::string Escaped(const std::string& key) {
+  std::string out;
+  for (const char c : key) out += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+  return out;
+}
+
+}  // namespace
+
+Facts::Facts(std::string file, Json json)
+    : source_(std::move(file) + "#"), root_(std::make_shared<const Json>(std::move(json))) {
+  json_ = root_.get();
+}
+
+Facts Facts::At(const Json* json, const std::string& key) const {
+  Facts place;
+  place.source_ = source_ + "/" + Escaped(key);
+  place.root_ = root_;
+  place.json_ = json;
+  return place;
+}
+
+Facts Facts::operator[](const std::string& key) const {
+  const bool there = json_ != nullptr && json_->is_object() && json_->contains(key);
+  return At(there ? &json_->at(key) : nullptr, key);
+}
+
+Facts Facts::operator[](std::size_t index) const {
+  const bool there = json_ != nullptr && json_->is_array() && index < json_->size();
+  return At(there ? &json_->at(index) : nullptr, std::to_string(index));
+}
+
+std::vector<Facts> Facts::elements() const {
+  std::vector<Facts> list;
+  if (json_ == nullptr || !json_->is_structured()) return list;
+  for (const std::string& key : keys()) list.push_back((*this)[key]);
+  for (std::size_t k = 0; json_->is_array() && k < json_->size(); ++k) {
+    list.push_back((*this)[k]);
+  }
+  return list;
+}
+
+std::vector<std::string> Facts::keys() const {
+  std::vector<std::string> names;
+  if (json_ == nullptr || !json_->is_object()) return names;
+  for (const auto& item : json_->items()) names.push_back(item.key());
+  return names;
+}
+
+double Facts::number() const {
+  const bool there = json_ != nullptr && json_->is_number();
+  return there ? json_->get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool Facts::flag() const { return json_ != nullptr && json_->is_boolean() && json_->get<bool>(); }
+
+std::string Facts::text() const {
+  return json_ != nullptr && json_->is_string() ? json_->get<std::string>() : "";
+}
+
+std::vector<std::string> Facts::texts() const {
+  std::vector<std::string> list;
+  for (const Facts& element : elements()) list.push_back(element.text());
+  return list;
+}
+
+Eigen::Vector3d Facts::vector3() const {
+  return {(*this)[0].number(), (*this)[1].number(), (*this)[2].number()};
+}
+
+Eigen::Matrix3d Facts::matrix3() const {
+  Eigen::Matrix3d matrix;
+  for (std::size_t r = 0; r < 3; ++r) {
+    matrix.row(static_cast<Eigen::Index>(r)) = (*this)[r].vector3().transpose();
+  }
+  return matrix;
+}
+
+Cell Facts::CellOf(Number::Style style, int digits, double scale) const {
+  if (json_ != nullptr && json_->is_boolean()) return Text(flag() ? "yes" : "no");
+  const double value = number();
+  return {Number{value, digits, style, scale, std::isnan(value) ? "" : source_}};
+}
+
+Cell Facts::Significant(int digits, double scale) const {
+  return CellOf(Number::Style::kSignificant, digits, scale);
+}
+
+Cell Facts::Decimals(int digits, double scale) const {
+  return CellOf(Number::Style::kDecimals, digits, scale);
+}
+
+Cell Text(std::string text, Tone tone) { return {std::move(text), tone}; }
+
+}  // namespace dn::internal

@@ -1,0 +1,244 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "sections.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr std::size_t kMostCauses = 15;
+constexpr std::size_t kMostStatistics = 30;
+constexpr double kSigmasOfBand = 1.96;  // 95 %
+const double kNone = std::numeric_limits<double>::quiet_NaN();
+
+struct Meaning {
+  const char* answer;
+  Tone tone;
+  std::vector<std::string> next;
+};
+
+// As docs/gap.md says.
+const std::map<std::string, Meaning>& Meanings() {
+  static const std::map<std::string, Meaning> meanings{
+      {"identified",
+       {"The data depart from the model, and the effects named explain it.",
+        Tone::kDoubtful,
+        {"dn calibrate flight.adapted.yaml --out DIR, with the effects in the estimator.",
+         "Where the size can be measured or looked up, correct flight.yaml instead."}}},
+      {"group",
+       {"The data depart from the model; one of several effects, which this flight cannot tell "
+        "apart, explains it.",
+        Tone::kDoubtful,
+        {"Measure one of them, or fly what the reason proposes.",
+         "The boresight is as good as the choice between them."}}},
+      {"partial",
+       {"Do not rely on the boresight: a part of the gap has no name.",
+        Tone::kBad,
+        {"Look at the first place under Where: a sensor, a strip or a time that differs."}}},
+      {"unknown",
+       {"Do not rely on the boresight: the data depart from the model, and no known effect "
+        "explains it.",
+        Tone::kBad,
+        {"Look at the first place under Where: a sensor, a strip or a time that differs."}}},
+      {"no_gap",
+       {"The data are those that the assumed model would produce.",
+        Tone::kGood,
+        {"Read below what could still hide, and decide whether you can live with it."}}},
+      {"unavailable",
+       {"This flight cannot carry the diagnosis.",
+        Tone::kDoubtful,
+        {"Fly or add what the reason asks for."}}},
+  };
+  return meanings;
+}
+
+Headline HeadlineOf(const Facts& gap) {
+  const Facts verdict = gap["verdict"];
+  Headline headline;
+  const std::string kind = verdict["kind"].text();
+  headline.word = kind == "no_gap" ? "no gap" : kind;
+  headline.reasons = {verdict["text"].text()};
+  if (verdict["tie_breaker"]) headline.reasons.push_back(verdict["tie_breaker"].text());
+  const auto known = Meanings().find(kind);
+  if (known != Meanings().end()) {
+    headline.answer = known->second.answer;
+    headline.tone = known->second.tone;
+    headline.next = known->second.next;
+  }
+  const Facts size = gap["gap"]["size_nats_per_obs"];
+  const Facts units = gap["gap"]["user_units"];
+  Table figures{"The gap", {"", ""}, {}};
+  figures.rows = {
+      Row("chance of such data without one (p)", {gap["gap"]["p_value"].Significant(2)}),
+      Row("size [nats per observation]", {size["value"].Significant(3)}),
+      Row("at most", {size["upper_limit_95"].Significant(3)}),
+      Row("pairs beyond their noise [mm]", {units["p2p_excess_mm"].Decimals(1)}),
+      Row("GNSS beyond its noise [mm]", {units["gnss_excess_mm"].Decimals(1)}),
+      Row("parts of the flight disagree on the boresight [mdeg]",
+          {units["boresight_inconsistency_mdeg"].Decimals(2)})};
+  headline.figures = {figures};
+  return headline;
+}
+
+Section Causes(const Facts& gap) {
+  Section section{"Causes", {}};
+  BarChart chart{"Evidence for each effect, with its probability", "log evidence [nats]", {}};
+  Table table{
+      "",
+      {"effect", "probability", "nats", "moves roll [mdeg]", "pitch", "yaw", "share absorbed",
+       "size"},
+      {},
+      "Best explanation first. Moves: by how much the boresight is off where the effect is "
+      "there and left out. Share absorbed: what trajectory, biases and boresight follow, so "
+      "that it does not show in residuals."};
+  for (const Facts& cause : gap["causes"].elements()) {
+    const std::string name = cause["effect"].text();
+    if (chart.bars.size() < kMostCauses) {
+      chart.bars.push_back({fmt::format("{} ({:.2f})", name, cause["posterior"].number()), "",
+                            cause["log_evidence"].number(), kNone, kNone});
+    }
+    std::vector<Cell> row{Text(name), cause["posterior"].Decimals(2),
+                          cause["log_evidence"].Decimals(1)};
+    for (const Cell& cell : Three(cause["boresight_damage_mdeg"], 2)) row.push_back(cell);
+    row.push_back(cause["absorbed_fraction"].Decimals(2));
+    row.push_back(Text(SizeOf(cause)));
+    table.rows.push_back(std::move(row));
+  }
+  if (table.rows.empty()) return section;
+  section.contents = {Chart{std::move(chart)}, std::move(table)};
+  Table nameless{
+      "Ways of departing from the model that have no name", {"", "probability", "nats"}, {}};
+  for (const Facts& one : gap["discrepancies"].elements()) {
+    nameless.rows.push_back(
+        Row(one["name"].text(), {one["posterior"].Decimals(3), one["log_evidence"].Decimals(1)}));
+  }
+  if (!nameless.rows.empty()) section.contents.emplace_back(std::move(nameless));
+  return section;
+}
+
+Section Where(const Facts& gap) {
+  Section section{"Where", {}};
+  Table table{"",
+              {"sensor", "quantity", "place", "statistic", "p-value"},
+              {},
+              "p-values hold for all places together: where p is large, nothing stands out."};
+  for (const Facts& place : gap["where"].elements()) {
+    table.rows.push_back({Text(place["sensor"].text()), Text(place["quantity"].text()),
+                          Text(place["location"].text()), place["statistic"].Decimals(2),
+                          place["p_adjusted"].Significant(2)});
+  }
+  if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
+  return section;
+}
+
+Section Closed(const Facts& gap) {
+  Section section{"How far the effects close it", {}};
+  const Facts closed = gap["shrinkage"];
+  if (!closed) return section;
+  Table table{"", {"", "before", "after"}, {}};
+  const auto add = [&](const std::string& name, const std::string& key) {
+    if (!closed[key + "_before"]) return;
+    table.rows.push_back(
+        Row(name, {closed[key + "_before"].Significant(3), closed[key + "_after"].Significant(3)}));
+  };
+  add("p", "p");
+  add("size [nats per observation]", "size");
+  add("pairs [mm]", "p2p_mm");
+  add("GNSS [mm]", "gnss_mm");
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Facts before = closed["boresight_before_deg"][k];
+    if (!before) continue;
+    table.rows.push_back(Row("boresight " + kBoresightAngles[k] + " [deg]",
+                             {before.Decimals(5), closed["boresight_after_deg"][k].Decimals(5)}));
+  }
+  Table figures{"", {"", ""}, {}};
+  figures.rows = {Row("closed (1: gone)", {closed["fraction"].Decimals(2)}),
+                  Row("of it 95 % from", {closed["interval_95"][0].Decimals(2)}),
+                  Row("to", {closed["interval_95"][1].Decimals(2)}),
+                  Row("gain on held-out data [nats]", {closed["held_out_gain_nats"].Decimals(1)})};
+  section.contents = {std::move(figures), std::move(table)};
+  return section;
+}
+
+Section CouldHide(const Facts& gap) {
+  Section section{"What could still hide", {}};
+  Table table{"",
+              {"effect", "seen from", "named from", "unit", "moves roll [mdeg]", "pitch", "yaw"},
+              {},
+              "An effect below its first size may be there unseen, and move the boresight by up to "
+              "that."};
+  for (const Facts& effect : gap["could_still_hide"].elements()) {
+    std::vector<Cell> row{
+        Text(effect["effect"].text()), effect["minimal_detectable"].Significant(2),
+        effect["minimal_identifiable"].Significant(2), Text(effect["unit"].text())};
+    for (const Cell& cell : Three(effect["boresight_damage_mdeg"], 2)) row.push_back(cell);
+    table.rows.push_back(std::move(row));
+  }
+  if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
+  return section;
+}
+
+double Deviation(const Facts& statistic) {
+  return (statistic["value"].number() - statistic["null_mean"].number()) /
+         statistic["null_sigma"].number();
+}
+
+Section Fingerprint(const Facts& gap) {
+  Section section{"What departs most from the model", {}, true};
+  std::vector<Facts> all = gap["fingerprint"].elements();
+  std::erase_if(all, [](const Facts& one) { return !std::isfinite(Deviation(one)); });
+  std::stable_sort(all.begin(), all.end(), [](const Facts& a, const Facts& b) {
+    return std::abs(Deviation(a)) > std::abs(Deviation(b));
+  });
+  if (all.size() > kMostStatistics) all.resize(kMostStatistics);
+  if (all.empty()) return section;
+  BarChart chart{"Statistics of the flight beside 95 % of its twins",
+                 "departure from the mean of the model [sigmas of it]",
+                 {}};
+  for (const Facts& one : all) {
+    const std::string name = one["name"].text();
+    chart.bars.push_back({name, "flight", Deviation(one), -kSigmasOfBand, kSigmasOfBand});
+    if (!one["twin_mean"]) continue;
+    const double sigma = one["null_sigma"].number();
+    const double mean = (one["twin_mean"].number() - one["null_mean"].number()) / sigma;
+    const double half = kSigmasOfBand * one["twin_sigma"].number() / sigma;
+    chart.bars.push_back({name, "twins with the effects", kNone, mean - half, mean + half});
+  }
+  section.contents.emplace_back(Chart{std::move(chart)});
+  return section;
+}
+
+Section Validity(const Facts& gap) {
+  Table table{"", {"", ""}, {}};
+  const Facts validity = gap["validity"];
+  for (const std::string& key : validity.keys()) {
+    if (validity[key] && validity[key].elements().empty() && key != "notes") {
+      table.rows.push_back(Row(key, {validity[key].Significant(6)}));
+    }
+  }
+  Section section{"What the diagnosis rests on", {std::move(table)}, true};
+  for (const std::string& note : validity["notes"].texts()) {
+    section.contents.emplace_back(Paragraph{note});
+  }
+  return section;
+}
+
+}  // namespace
+
+Document GapPage(const ResultFolder& folder) {
+  const Facts gap = folder.Read("gap.json");
+  Document document = Begin(folder, gap["flight"].text(), "do the data depart from the model?");
+  document.headlines = {HeadlineOf(gap)};
+  for (Section section : {Closed(gap), Causes(gap), CouldHide(gap), Where(gap),
+                          TrajectorySection(folder), Fingerprint(gap), Validity(gap)}) {
+    Append(std::move(section), &document);
+  }
+  return document;
+}
+
+}  // namespace dn::internal

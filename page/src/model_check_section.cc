@@ -1,0 +1,106 @@
+#include <dn/effects/effect_table.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "sections.h"
+
+namespace dn::internal {
+namespace {
+
+// Of a family of tests, as the model check has it.
+constexpr double kSignificant = 0.001;
+
+Tone ToneOf(const Facts& p_value) {
+  return p_value.number() < kSignificant ? Tone::kDoubtful : Tone::kPlain;
+}
+
+Cell Toned(Cell cell, Tone tone) {
+  cell.tone = tone;
+  return cell;
+}
+
+Table Groups(const Facts& check) {
+  Table table{"Groups of observations",
+              {"group", "observations", "redundancy", "variance ratio", "p-value", "worst [sigma]",
+               "at [s]"},
+              {},
+              "Variance ratio: sum of squares over redundancy, 1 where the stated noise is right. "
+              "p-values hold for all tests of the flight together."};
+  for (const Facts& group : check["groups"].elements()) {
+    const Facts worst = group["worst"];
+    table.rows.push_back({Text(group["name"].text()), group["observations"].Count(),
+                          group["redundancy"].Decimals(1), group["variance_ratio"].Significant(4),
+                          Toned(group["p_value"].Significant(2), ToneOf(group["p_value"])),
+                          worst["standardised"].Decimals(2), worst["t_s"].Decimals(2)});
+  }
+  return table;
+}
+
+std::vector<Cell> EffectRow(const Facts& effect) {
+  std::vector<Cell> cells{Text(effect["effect"].text()), effect["p_value"].Significant(2),
+                          effect["log_evidence"].Decimals(1)};
+  for (const Cell& cell : Three(effect["boresight_damage_mdeg"], 2)) cells.push_back(cell);
+  cells.push_back(Text(SizeOf(effect)));
+  return cells;
+}
+
+Table Effects(const Facts& check) {
+  Table table{"Effects that the data hold and the model lacks",
+              {"effect", "p-value", "nats", "moves roll [mdeg]", "pitch", "yaw", "size"},
+              {}};
+  for (const Facts& effect : check["effects"].elements()) table.rows.push_back(EffectRow(effect));
+  return table;
+}
+
+Table Clocks(const Facts& clocks) {
+  Table table{"Clocks against that of the inertial data",
+              {"sensor", "offset [ms]", "sigma", "drift [ppm]", "sigma"},
+              {},
+              "tag = t + offset + drift (t - first epoch)"};
+  for (const std::string& sensor : clocks.keys()) {
+    const Facts clock = clocks[sensor];
+    if (!clock) continue;
+    table.rows.push_back(
+        Row(sensor, {clock["offset_s"].Decimals(3, 1e3), clock["sigma_offset_s"].Decimals(3, 1e3),
+                     clock["drift_ppm"].Decimals(3), clock["sigma_drift_ppm"].Decimals(3)}));
+  }
+  return table;
+}
+
+}  // namespace
+
+std::string SizeOf(const Facts& effect) {
+  const EffectSpec* spec = FindEffect(effect["effect"].text());
+  std::string text;
+  for (std::size_t k = 0; k < effect["estimate"].elements().size(); ++k) {
+    const double sigma = effect["sigma"][k].number();
+    text += fmt::format("{}{:.3g}", k == 0 ? "" : ", ", effect["estimate"][k].number());
+    if (std::isfinite(sigma)) text += fmt::format(" ± {:.2g}", sigma);
+    const bool own_unit = spec != nullptr && k < spec->components.size();
+    const std::string unit = own_unit ? spec->components[k].unit : effect["unit"].text();
+    if (unit != "1") text += " " + unit;
+  }
+  return text;
+}
+
+Section ModelCheckSection(const Facts& result) {
+  Section section{"Does the model fit the data?", {}};
+  const Facts check = result["model_check"];
+  if (!check) return section;
+  for (const Facts& finding : check["findings"].elements()) {
+    section.contents.emplace_back(Paragraph{
+        finding["text"].text(), finding["contradicts"].flag() ? Tone::kBad : Tone::kDoubtful});
+  }
+  if (section.contents.empty()) {
+    section.contents.emplace_back(
+        Paragraph{"No test of the model check speaks against the assumed model.", Tone::kGood});
+  }
+  for (Table table : {Effects(check), Groups(check), Clocks(result["clocks"])}) {
+    if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
+  }
+  return section;
+}
+
+}  // namespace dn::internal

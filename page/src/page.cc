@@ -1,0 +1,65 @@
+#include <dn/error.h>
+#include <dn/page/page.h>
+
+#include <utility>
+
+#include "comparison.h"
+#include "sections.h"
+
+namespace dn {
+namespace internal {
+
+Document OtherPage(const ResultFolder& folder) {
+  const Facts& report = folder.report();
+  const std::string flight = report["flight"].text();
+  const std::string name = flight.empty() ? report["scenario"].text() : flight;
+  Document document = Begin(folder, name.empty() ? "dn" : name, "result");
+  if (const Facts error = report["error"]) {
+    document.headlines = {{"failed", error["message"].text(), Tone::kBad}};
+  }
+  Table commands{"What each command could do with this flight", {"command", "", ""}, {}};
+  for (const std::string& command : report["commands"].keys()) {
+    const bool possible = report["commands"][command]["possible"].flag();
+    commands.rows.push_back(
+        Row("dn " + command,
+            {Text(possible ? "possible" : "not possible", possible ? Tone::kGood : Tone::kDoubtful),
+             Text(report["commands"][command]["why"].text())}));
+  }
+  if (!commands.rows.empty()) Append({"Commands", {std::move(commands)}}, &document);
+  for (const char* file : {"table.txt", "summary.txt"}) {
+    const std::string text = folder.Text(file);
+    if (!text.empty()) Append({"Summary", {Listing{file, text}}}, &document);
+  }
+  return document;
+}
+
+namespace {
+
+Document PageWithoutRun(const ResultFolder& folder) {
+  if (!CalibrationsIn(folder).empty()) return CalibrationPage(folder);
+  if (folder.Has("smooth.json")) return SmoothPage(folder);
+  if (folder.Has("gap.json")) return GapPage(folder);
+  if (folder.Has("study.json")) return StudyPage(folder);
+  if (folder.Has("monte_carlo.json")) return MonteCarloPage(folder);
+  if (folder.Has("allan.json")) return AllanPage(folder);
+  return OtherPage(folder);
+}
+
+}  // namespace
+}  // namespace internal
+
+Document PageOf(const std::filesystem::path& folder) {
+  const internal::ResultFolder result(folder);
+  Document document = internal::PageWithoutRun(result);
+  for (Section& section : internal::RunSections(result)) {
+    document.sections.push_back(std::move(section));
+  }
+  return document;
+}
+
+Document PageOf(const std::vector<std::filesystem::path>& folders) {
+  if (folders.size() == 1) return PageOf(folders.front());
+  return internal::ComparisonPage(folders);
+}
+
+}  // namespace dn

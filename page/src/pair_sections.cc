@@ -1,0 +1,175 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "sections.h"
+
+namespace dn::internal {
+namespace {
+
+// Columns of pair_residuals.txt.
+enum PairColumn : std::size_t {
+  kTime = 0,
+  kStrips = 2,
+  kGround = 3,
+  kAfter = 8,
+  kScanAngle = 11,
+  kRange = 13,
+  kHeading = 15,
+  kColumns = 17,
+};
+constexpr std::size_t kMostDots = 600;  // of one cloud
+constexpr std::size_t kBins = 15;
+constexpr double kFewest = 8.0;  // pairs of a bin whose mean is shown
+
+/// Swath overlap difference, RMSDz [m]: USGS Lidar Base Specification 2.1, table 2.
+struct QualityLevel {
+  const char* name;
+  double most_m;
+};
+constexpr QualityLevel kUsgs[] = {{"QL0", 0.04}, {"QL1, QL2", 0.08}, {"QL3", 0.16}};
+
+Table StripPairs(const Facts& list) {
+  Table table{"Differences of the pairs by pair of strips",
+              {"strips", "pairs", "before: mean length [m]", "rms E [m]", "rms N", "rms U",
+               "after: mean length [m]", "rms E [m]", "rms N", "rms U", "mean U"},
+              {},
+              "Before: with the assumed mounting on the trajectory of the result. After: with the "
+              "result."};
+  for (const Facts& of : list.elements()) {
+    const Facts before = of["before"];
+    const Facts after = of["after"];
+    std::vector<Cell> row{Text(of["strips"].text()), of["pairs"].Count(),
+                          before["mean_m"].Decimals(3)};
+    const auto add = [&](const std::vector<Cell>& cells) {
+      row.insert(row.end(), cells.begin(), cells.end());
+    };
+    add(Three(before["rms_enu_m"], 3));
+    add({after["mean_m"].Decimals(3)});
+    add(Three(after["rms_enu_m"], 3));
+    add({after["mean_enu_m"][2].Decimals(4)});
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Table Usgs(const Facts& all) {
+  const Facts rms = all["after"]["rms_enu_m"][2];
+  Table table{
+      "Height differences between the swaths, judged by USGS",
+      {"quality level", "at most [m]", "here [m]", ""},
+      {},
+      "Swath overlap difference (RMSDz) of the USGS Lidar Base Specification 2.1. Pairs are "
+      "single points: their differences hold the noise of ranging and matching too, so that "
+      "a surface of many points is better than this."};
+  for (const QualityLevel& level : kUsgs) {
+    const bool met = rms.number() <= level.most_m;
+    table.rows.push_back(
+        Row(level.name, {Cell{Number{level.most_m, 2}}, rms.Decimals(3),
+                         Text(met ? "met" : "not met", met ? Tone::kGood : Tone::kDoubtful)}));
+  }
+  return table;
+}
+
+/// What is left of a pair along the course of its first end, across (to the right), and up.
+std::array<double, 3> InTrack(const double* row) {
+  const double heading_rad = row[kHeading] * std::numbers::pi / 180.0;
+  const double east = row[kAfter];
+  const double north = row[kAfter + 1];
+  return {east * std::sin(heading_rad) + north * std::cos(heading_rad),
+          east * std::cos(heading_rad) - north * std::sin(heading_rad), row[kAfter + 2]};
+}
+
+/// Means of y over stretches of x; the curve is open where a stretch has few values.
+Curve BinMeans(const std::string& label, const std::vector<double>& x,
+               const std::vector<double>& y) {
+  const auto [least, most] = std::minmax_element(x.begin(), x.end());
+  const double width = std::max(*most - *least, 1e-9) / kBins;
+  std::array<double, kBins> sum_x{}, sum_y{}, count{};
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const auto bin = std::min(static_cast<std::size_t>((x[k] - *least) / width), kBins - 1);
+    sum_x[bin] += x[k];
+    sum_y[bin] += y[k];
+    count[bin] += 1.0;
+  }
+  Curve means{label, {}, {}};
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    const bool enough = count[bin] >= kFewest;
+    const double middle = *least + (static_cast<double>(bin) + 0.5) * width;
+    means.x.push_back(enough ? sum_x[bin] / count[bin] : middle);
+    means.y.push_back(enough ? sum_y[bin] / count[bin] : std::numeric_limits<double>::quiet_NaN());
+  }
+  return means;
+}
+
+ScatterChart Against(const std::string& what, const TextTable& pairs, std::size_t column,
+                     double minus) {
+  ScatterChart chart{"What is left of the pairs against " + what, what, "difference [m]", {}};
+  const char* names[] = {"along track", "across track", "up"};
+  const std::size_t step = pairs.rows() / kMostDots + 1;
+  const std::vector<double> x = Column(pairs, column, minus);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double> y;
+    Curve cloud{names[axis], {}, {}};
+    for (std::size_t k = 0; k < pairs.rows(); ++k) {
+      y.push_back(InTrack(pairs.row(k))[axis]);
+      if (k % step != 0) continue;
+      cloud.x.push_back(x[k]);
+      cloud.y.push_back(y[k]);
+    }
+    chart.clouds.push_back(std::move(cloud));
+    chart.curves.push_back(BinMeans(names[axis], x, y));
+  }
+  return chart;
+}
+
+MapChart MapOf(const TextTable& pairs, const Facts& list) {
+  MapChart map{"Where the pairs lie", {}};
+  const std::size_t step = pairs.rows() / (3 * kMostDots) + 1;
+  std::map<double, Curve> clouds;
+  for (std::size_t k = 0; k < pairs.rows(); k += step) {
+    const double* row = pairs.row(k);
+    Curve& cloud = clouds[row[kStrips]];
+    cloud.x.push_back(row[kGround]);
+    cloud.y.push_back(row[kGround + 1]);
+  }
+  for (auto& [strips, cloud] : clouds) {
+    const auto number = static_cast<std::size_t>(std::max(1.0, strips));
+    cloud.label = "strips " + list[number - 1]["strips"].text();
+    map.points.push_back(std::move(cloud));
+  }
+  return map;
+}
+
+}  // namespace
+
+Section PairSection(const ResultFolder& folder, const Facts& result, const std::string& suffix) {
+  Section section{"Pairs before and after", {}};
+  const Facts list = result["strip_pairs"];
+  if (list.elements().empty()) return section;
+  section.contents.emplace_back(StripPairs(list));
+  section.contents.emplace_back(Usgs(list.elements().back()));
+  const auto pairs = folder.Numbers("pair_residuals" + suffix + ".txt", kColumns);
+  if (!pairs) return section;
+  const std::vector<double> t_s = Column(*pairs, kTime);
+  const double start_s = *std::min_element(t_s.begin(), t_s.end());
+  section.contents.emplace_back(Chart{MapOf(*pairs, list)});
+  section.contents.emplace_back(Paragraph{
+      "A mean (line) that leaves zero along one of these is what a calibration should have "
+      "taken away."});
+  for (const auto& [what, column, minus] : {std::tuple("scan angle [deg]", kScanAngle, 0.0),
+                                            {"range [m]", kRange, 0.0},
+                                            {"heading [deg]", kHeading, 0.0},
+                                            {"time since the first pair [s]", kTime, start_s}}) {
+    section.contents.emplace_back(Chart{Against(what, *pairs, column, minus)});
+  }
+  return section;
+}
+
+}  // namespace dn::internal

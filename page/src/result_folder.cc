@@ -1,0 +1,52 @@
+#include "result_folder.h"
+
+#include <dn/error.h>
+#include <dn/geo/read_file.h>
+
+#include <utility>
+
+namespace dn::internal {
+namespace {
+
+// Far above any that a command writes.
+constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+
+}  // namespace
+
+ResultFolder::ResultFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+  report_ = Read("report.json");
+  if (report_["schema"].text() == "dn.report/1") return;
+  throw InvalidInput("it is no result of dn: there is no report.json of schema dn.report/1",
+                     {folder_.string()});
+}
+
+bool ResultFolder::Has(const std::string& name) const {
+  std::error_code none;
+  return std::filesystem::is_regular_file(folder_ / name, none);
+}
+
+Facts ResultFolder::Read(const std::string& name) const {
+  if (!Has(name)) return {name, Json()};
+  Json json = Json::parse(Text(name), nullptr, false);
+  if (json.is_discarded()) throw InvalidInput("it is no JSON", {PathOf(name).string()});
+  return {name, std::move(json)};
+}
+
+std::optional<TextTable> ResultFolder::Numbers(const std::string& name, std::size_t columns) const {
+  if (!Has(name)) return std::nullopt;
+  return ReadTextTable(PathOf(name), {columns});
+}
+
+std::string ResultFolder::Text(const std::string& name) const {
+  return Has(name) ? ReadWholeFile(PathOf(name), kMostBytes) : "";
+}
+
+std::optional<FlightConfig> ResultFolder::Config() const {
+  try {
+    return ParseFlightConfig(Text("config.resolved.yaml"), folder_);
+  } catch (const InvalidInput&) {
+    return std::nullopt;  // of a scenario, or of no flight at all
+  }
+}
+
+}  // namespace dn::internal

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <dn/flight/flight_config.h>
+#include <dn/geo/text_table.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "facts.h"
+
+namespace dn::internal {
+
+/// The files of a result.
+class ResultFolder {
+ public:
+  /// Throws InvalidInput where no run has ended with results in it.
+  explicit ResultFolder(std::filesystem::path folder);
+
+  const Facts& report() const { return report_; }
+  bool Has(const std::string& name) const;
+  /// A JSON file; nothing where it is absent. Throws InvalidInput for what is no JSON.
+  Facts Read(const std::string& name) const;
+  /// A table of numbers; nothing where it is absent or has other columns.
+  std::optional<TextTable> Numbers(const std::string& name, std::size_t columns) const;
+  /// A text; empty where it is absent.
+  std::string Text(const std::string& name) const;
+  std::filesystem::path PathOf(const std::string& name) const { return folder_ / name; }
+  /// The flight that config.resolved.yaml describes, where it describes one.
+  std::optional<FlightConfig> Config() const;
+
+ private:
+  std::filesystem::path folder_;
+  Facts report_;
+};
+
+}  // namespace dn::internal

@@ -1,0 +1,46 @@
+#include "sections.h"
+
+namespace dn::internal {
+namespace {
+
+Headline HeadlineOf(const Facts& smooth) {
+  const Facts assessment = smooth["assessment"];
+  Headline headline;
+  headline.word = assessment["verdict"].text();
+  headline.reasons = assessment["reasons"].texts();
+  const bool consistent = headline.word == "consistent";
+  headline.tone = consistent ? Tone::kGood : Tone::kBad;
+  headline.answer =
+      consistent
+          ? "You may rely on this trajectory within its sigmas: the data agree with the model."
+          : "Do not rely on this trajectory: the data contradict the assumed model.";
+  const Facts adjustment = smooth["adjustment"];
+  Table figures{"", {"", ""}, {}};
+  figures.rows = {Row("sigma0 (1: as stated)", {adjustment["sigma0"].Decimals(3)}),
+                  Row("NIS of the GNSS positions (1: as stated)",
+                      {smooth["innovations"]["gnss position"]["nis"].Decimals(3)}),
+                  Row("GNSS epochs", {adjustment["gnss_epochs"].Count()})};
+  headline.figures = {figures};
+  headline.next =
+      consistent ? std::vector<std::string>{"dn calibrate FLIGHT --out DIR, for the boresight."}
+                 : std::vector<std::string>{
+                       "dn gap FLIGHT --out DIR names the cause.",
+                       "Check what the first reason names: lever arms, clocks, stated noise."};
+  return headline;
+}
+
+}  // namespace
+
+Document SmoothPage(const ResultFolder& folder) {
+  const Facts smooth = folder.Read("smooth.json");
+  Document document = Begin(folder, smooth["flight"].text(), "smoothed trajectory");
+  document.headlines = {HeadlineOf(smooth)};
+  Append(ModelCheckSection(smooth), &document);
+  Append(TrajectorySection(folder), &document);
+  Append(BiasSection(folder), &document);
+  Append({"Adjustment", {AdjustmentTable(smooth["adjustment"])}, true}, &document);
+  Append(StatisticsSection(smooth["innovations"], smooth["residuals"]), &document);
+  return document;
+}
+
+}  // namespace dn::internal
