@@ -6,6 +6,7 @@
 #include <dn/rotation.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -53,20 +54,23 @@ Fate FateBy(const CoveredTime& covered, double t_s) {
 
 struct StripGeoreferencer::Setup {
   Setup(GeoreferenceOptions given, const LocalFrame& map, const PointCrs& points)
-      : options(std::move(given)),
-        frame(map),
-        crs(points),
-        path(options.trajectory, frame),
-        maker(options.made_by, frame) {}
+      : options(std::move(given)), frame(map), crs(points), path(options.trajectory, frame) {
+    if (options.made_by) other_maker.emplace(*options.made_by, frame);
+    if (const auto& given_span = options.time_span_s) {
+      span.t_begin_s = given_span->x();
+      span.t_end_s = given_span->y();
+    }
+    options.trajectory = Trajectory();  // its poses are kept
+    options.made_by.reset();
+  }
+
+  const Path& maker() const { return other_maker ? *other_maker : path; }
 
   Fate FateOf(double t_s, bool own_vectors) const {
-    if (options.time_span_s) {
-      const CoveredTime span{"", options.time_span_s->x(), options.time_span_s->y(), {}};
-      if (!span.InSpan(internal::AlignWeek(t_s, span))) return Fate::kOutsideSpan;
-    }
+    if (!span.InSpan(internal::AlignWeek(t_s, span))) return Fate::kOutsideSpan;
     const Fate fate = FateBy(path.covered, t_s);
-    if (fate != Fate::kKept || own_vectors) return fate;
-    return FateBy(maker.covered, t_s) == Fate::kKept ? Fate::kKept : Fate::kOutsideMaker;
+    if (fate != Fate::kKept || own_vectors || !other_maker) return fate;
+    return FateBy(other_maker->covered, t_s) == Fate::kKept ? Fate::kKept : Fate::kOutsideMaker;
   }
 
   Matrix3d CovarianceInMap(const MapPose& pose, const Vector3d& u_s) const {
@@ -87,8 +91,9 @@ struct StripGeoreferencer::Setup {
   GeoreferenceOptions options;
   LocalFrame frame;
   PointCrs crs;
+  CoveredTime span;  ///< of the points that are wanted
   Path path;
-  Path maker;
+  std::optional<Path> other_maker;
 };
 
 /// One strip on its way from file to file.
@@ -144,7 +149,7 @@ class StripGeoreferencer::Work {
       const Vector3d old_m = setup_.crs.ToMap(points->p_c[i]);
       const MapPose pose = setup_.path.At(points->t_s[i]);
       const Vector3d u_s = result_.own_vectors ? points->u_s[i]
-                                               : LaserVectorTo(setup_.maker.At(points->t_s[i]),
+                                               : LaserVectorTo(setup_.maker().At(points->t_s[i]),
                                                                setup_.options.made_with, old_m);
       const Vector3d p_m = Georeference(pose, setup_.options.mounting, u_s);
       points->p_c[i] = setup_.crs.FromMap(p_m);

@@ -153,18 +153,28 @@ class LasFileReader {
     }
   }
 
+  /// A number of the header that must be finite.
+  double Real(const char* what, std::size_t at) const {
+    const auto value = Number<double>(at);
+    if (!std::isfinite(value)) {
+      Fail(std::string(what) + " (byte " + std::to_string(at) + ") is no finite number");
+    }
+    return value;
+  }
+
   void ReadGrid() {
     for (int i = 0; i < 3; ++i) {
-      const auto at = static_cast<std::size_t>(8 * i);
-      las_.scale[i] = Number<double>(las::kScaleAt + at);
-      las_.offset[i] = Number<double>(las::kOffsetAt + at);
+      const std::size_t scale_at = las::kScaleAt + static_cast<std::size_t>(8 * i);
+      const std::size_t offset_at = las::kOffsetAt + static_cast<std::size_t>(8 * i);
+      las_.scale[i] = Real("scale factor", scale_at);
+      las_.offset[i] = Real("offset", offset_at);
       if (!(las_.scale[i] > 0.0 && las_.scale[i] <= kMostScaleM)) {
-        Fail("scale factor " + FormatDouble(las_.scale[i]) + " (byte " +
-             std::to_string(las::kScaleAt + at) + ") must be positive and at most 1000 m");
+        Fail("scale factor " + FormatDouble(las_.scale[i]) + " (byte " + std::to_string(scale_at) +
+             ") must be positive and at most 1000 m");
       }
-      if (!(std::abs(las_.offset[i]) <= kMostOffsetM)) {
-        Fail("offset " + FormatDouble(las_.offset[i]) + " (byte " +
-             std::to_string(las::kOffsetAt + at) + ") must lie within -1e9 and 1e9 m");
+      if (std::abs(las_.offset[i]) > kMostOffsetM) {
+        Fail("offset " + FormatDouble(las_.offset[i]) + " (byte " + std::to_string(offset_at) +
+             ") must lie within -1e9 and 1e9 m");
       }
     }
   }

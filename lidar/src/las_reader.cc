@@ -80,12 +80,15 @@ void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chun
 
 double LasReader::Time(std::uint64_t index, const char* record) {
   const auto tag_s = LoadLittleEndian<double>(record + *las_.time_at);
-  const auto fail = [&](const std::string& why) {
-    throw InvalidInput("GPS time " + FormatDouble(tag_s) + " of " + NameOfPoint(index) + why,
-                       Where());
+  if (!std::isfinite(tag_s)) {
+    throw InvalidInput("GPS time of " + NameOfPoint(index) + " is no finite number", Where());
+  }
+  const auto error = [&](const std::string& why) {
+    return InvalidInput("GPS time " + FormatDouble(tag_s) + " of " + NameOfPoint(index) + why,
+                        Where());
   };
-  if (las_.adjusted_time && !(std::abs(tag_s) <= kMostAdjustedS)) {
-    fail(
+  if (las_.adjusted_time && std::abs(tag_s) > kMostAdjustedS) {
+    throw error(
         ", which the header calls adjusted standard (bit 0 of byte 6), is no time since 1980 less "
         "1e9 s");
   }
@@ -96,13 +99,13 @@ double LasReader::Time(std::uint64_t index, const char* record) {
   const double t_s = tag_s - *time_origin_s_;
   if (IsSecondsOfWeek(t_s)) return t_s;
   if (las_.adjusted_time) {
-    fail(" is more than a week from that of the first point, " + FormatDouble(*time_origin_s_) +
-         " s being the begin of its week; split the file by weeks");
+    throw error(" is more than a week from that of the first point, " +
+                FormatDouble(*time_origin_s_) +
+                " s being the begin of its week; split the file by weeks");
   }
-  fail(
+  throw error(
       ", which the header calls seconds of week (bit 0 of byte 6), is none; if it is adjusted "
       "standard time, set the bit");
-  return t_s;
 }
 
 std::unique_ptr<StripWriter> LasReader::MakeWriter(const std::filesystem::path& file,

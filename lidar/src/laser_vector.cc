@@ -11,6 +11,7 @@ constexpr double kLongestRangeM = 50e3;
 }  // namespace
 
 void CheckLaserVector(const Eigen::Vector3d& u_m, const FileLocation& where) {
+  if (!u_m.allFinite()) throw InvalidInput("laser vector that is no finite number", where);
   const double range_m = u_m.stableNorm();
   if (range_m >= kShortestRangeM && range_m <= kLongestRangeM) return;
   if (range_m == 0.0) throw InvalidInput("laser vector of zero length; remove it", where);

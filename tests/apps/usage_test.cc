@@ -13,8 +13,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-constexpr const char* kSubcommands[] = {"check", "simulate",    "smooth",      "calibrate", "gap",
-                                        "allan", "monte-carlo", "blind-check", "merge"};
+constexpr const char* kSubcommands[] = {"check", "simulate", "smooth",      "calibrate",
+                                        "gap",   "allan",    "monte-carlo", "blind-check",
+                                        "merge", "georef"};
 
 class EverySubcommand : public ::testing::TestWithParam<const char*> {
  protected:
@@ -156,7 +157,7 @@ TEST(CliUsage, WrongUsageIsOneErrorLine) {
 TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
   ExpectUsageError(RunProgram(std::vector<std::string>{}),
                    "dn: error: a command is required: check, calibrate, smooth, simulate, study, "
-                   "gap, monte-carlo, blind-check, merge, allan; see dn --help");
+                   "georef, gap, monte-carlo, blind-check, merge, allan; see dn --help");
   ExpectUsageError(RunProgram({"calibrat", "x"}),
                    "dn: error: 'calibrat' is no command; the nearest one is 'calibrate'; see dn "
                    "--help");

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "testing/earth_motion.h"
 #include "testing/expect_invalid.h"
@@ -66,7 +67,7 @@ struct Survey {
 
   GeoreferenceOptions Options() const {
     GeoreferenceOptions options;
-    options.trajectory = options.made_by = Flown();
+    options.trajectory = Flown();
     options.mounting = options.made_with = mounting;
     return options;
   }
@@ -181,7 +182,7 @@ TEST_F(GeoreferenceStrip, ANewTrajectoryTakesTheVectorsOfTheOldOne) {
   GeoreferenceOptions options = survey_.Options();
   Survey shifted = survey_;
   shifted.motion.position_m.offset += Vector3d(1.0, -2.0, 0.5);
-  options.trajectory = shifted.Flown();
+  options.made_by = std::exchange(options.trajectory, shifted.Flown());
   Run(options, "map", "strip.las");
   const StripCloud points = ReadAll(Out("strip.las"));
   for (std::size_t i = 0; i < epochs_s.size(); ++i) {
@@ -226,7 +227,7 @@ TEST_F(GeoreferenceStrip, TheWeekOfTheTrajectoryCounts) {
   GeoreferenceOptions options = survey_.Options();
   std::vector<NavPoint> points = options.trajectory.points();
   for (NavPoint& point : points) point.t_s += kWeekS;
-  options.trajectory = options.made_by = Trajectory(points);
+  options.trajectory = Trajectory(points);
   EXPECT_EQ(Run(options, "map", "strip.txt").kept, 5u);
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "testing/expect_invalid.h"
@@ -154,6 +155,11 @@ TEST(Las, LaserVectorsAreExtraBytes) {
   const TempFile zero("strip.las", las.Build());
   ExpectInvalidIn([&] { ReadAll(zero.path()); }, "point 2: laser vector of zero length",
                   "strip.las");
+  const double nan = std::nan("");
+  std::memcpy(las.points[1].extra.data() + 8, &nan, sizeof nan);
+  const TempFile not_finite("strip.las", las.Build());
+  ExpectInvalidIn([&] { ReadAll(not_finite.path()); },
+                  "point 2: laser vector that is no finite number", "strip.las");
 }
 
 TEST(Las, CovarianceIsAddedBehindWhatIsThere) {
@@ -202,6 +208,21 @@ TEST(Las, WhatFollowsThePointsMovesWithTheirEnd) {
   LasBytes expected = las;
   expected.points.pop_back();
   EXPECT_EQ(WrittenAgain(file, false, {false, false, true}), expected.Build());
+}
+
+TEST(Las, WaveformsMoveWithTheEndOfThePoints) {
+  LasBytes las = ThreePoints();
+  las.minor = 3;
+  las.format = 4;
+  const auto with_waveforms = [](const LasBytes& points) {
+    std::string bytes = points.Build();
+    LasBytes::Put(static_cast<std::uint64_t>(bytes.size()), 227, &bytes);
+    return bytes + "waveforms";
+  };
+  const TempFile file("strip.las", with_waveforms(las));
+  LasBytes expected = las;
+  expected.points.pop_back();
+  EXPECT_EQ(WrittenAgain(file, false, {false, false, true}), with_waveforms(expected));
 }
 
 TEST(Las, ANewPointMustFitTheGridOfTheFile) {
@@ -260,14 +281,14 @@ TEST(LasHeader, LiesAreNamed) {
   with(107, std::uint32_t{4000000000u}, "4000000000 points");
   with(107, std::uint32_t{1}, "64 bytes follow the 1 points");
   with(131, 0.0, "scale factor 0 (byte 131)");
-  with(139, std::nan(""), "scale factor nan (byte 139)");
+  with(139, std::nan(""), "scale factor (byte 139) is no finite number");
   with(147, -0.001, "scale factor -0.001 (byte 147)");
-  with(155, std::nan(""), "offset nan (byte 155)");
+  with(155, std::nan(""), "offset (byte 155) is no finite number");
   with(163, 1e300, "offset 1e+300 (byte 163)");
   const std::size_t descriptor = 227 + 54 + 17 + 54;
   with(descriptor + 2, std::uint8_t{31}, "unknown type 31");
   const std::size_t first = las.Build().size() - 3 * las.RecordBytes();
-  with(first + 20, std::nan(""), "GPS time nan of point 1");
+  with(first + 20, std::nan(""), "GPS time of point 1 is no finite number");
   with(first + 20, 3.5e8, "if it is adjusted standard time, set the bit");
 }
 

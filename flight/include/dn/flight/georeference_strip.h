@@ -30,8 +30,8 @@ struct StripErrors {
 struct GeoreferenceOptions {
   Trajectory trajectory;  ///< of the new points
   Mounting mounting;
-  /// With which the points of a file without laser vectors were made.
-  Trajectory made_by;
+  /// With which the points of a file without laser vectors were made; absent: the same trajectory.
+  std::optional<Trajectory> made_by;
   Mounting made_with;
   std::optional<Eigen::Vector2d> time_span_s;  ///< points outside are dropped
   std::optional<StripErrors> errors;           ///< absent: no covariances
