@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "flight_run.h"
+#include "given_trajectory.h"
 #include "option_checks.h"
 
 namespace dn::apps {
@@ -138,16 +139,6 @@ struct Methods {
   bool gh = false;
 };
 
-/// The configuration with the trajectory of the command line, if any.
-FlightConfig ReadConfig(const CalibrateOptions& options) {
-  FlightConfig config = ReadFlightConfig(options.flight);
-  if (!options.trajectory.empty()) {
-    if (!config.trajectory) config.trajectory = TrajectoryConfig();
-    config.trajectory->file = std::filesystem::absolute(options.trajectory).string();
-  }
-  return config;
-}
-
 Methods ChooseMethods(const CalibrateOptions& options, const FlightConfig& config) {
   if (options.method == "planes") {
     throw InvalidConfig("--method planes is not part of this version; use dn, gh or all");
@@ -159,17 +150,6 @@ Methods ChooseMethods(const CalibrateOptions& options, const FlightConfig& confi
         "--trajectory is for the Gauss-Helmert adjustment: add --method gh or --method all");
   }
   return {dn, !dn};
-}
-
-bool HasTrajectory(const FlightConfig& config) {
-  const auto is_file = [&](const std::filesystem::path& name) {
-    std::error_code none;
-    return std::filesystem::is_regular_file(config.folder / name, none);
-  };
-  if (config.trajectory && is_file(config.trajectory->file)) return true;
-  const std::string usual = TrajectoryConfig().file;
-  const bool named = config.trajectory && config.trajectory->file != usual;
-  return !named && (is_file(usual) || is_file("trajectory.txt"));
 }
 
 /// Says how to get a trajectory where the Gauss-Helmert adjustment has none.
@@ -332,7 +312,7 @@ void RunAll(const FlightConfig& config, Run& run) {
 }
 
 void Calibrate(const CalibrateOptions& options, Run& run) {
-  const FlightConfig config = ReadConfig(options);
+  const FlightConfig config = WithTrajectory(ReadFlightConfig(options.flight), options.trajectory);
   const Methods methods = ChooseMethods(options, config);
   if (methods.gh) ExpectTrajectory(options, config);
   if (methods.dn && methods.gh) {

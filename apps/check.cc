@@ -1,5 +1,6 @@
 #include <dn/builder/flight_network.h>
 #include <dn/flight/flight.h>
+#include <dn/flight/strip_files.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +30,7 @@ std::string Missing(const std::vector<std::pair<std::string, bool>>& needs) {
   return missing;
 }
 
-std::vector<CommandVerdict> Verdicts(const Flight& flight) {
+std::vector<CommandVerdict> Verdicts(const Flight& flight, bool strips) {
   const bool imu = flight.imu.has_value();
   const bool gnss = flight.gnss.has_value();
   const bool pairs = flight.pairs && !flight.pairs->pairs.empty();
@@ -45,6 +46,10 @@ std::vector<CommandVerdict> Verdicts(const Flight& flight) {
       {{"a trajectory", flight.trajectory.has_value()},
        {"pairs", pairs},
        {"pairs inside the trajectory", !flight.counts.contains("pairs outside the trajectory")}});
+  add("georef", {{"a trajectory", flight.trajectory.has_value()},
+                 {"the section 'lidar'", flight.config.lidar.has_value()},
+                 {"strips", strips},
+                 {"their system (strips_crs)", flight.config.strips_crs != "none"}});
   return verdicts;
 }
 
@@ -98,6 +103,27 @@ void SummarisePairs(const Flight& flight, Json* json) {
                       {"strips", list}};
 }
 
+void SummariseStrips(const std::vector<std::filesystem::path>& files, const std::string& crs,
+                     Json* json) {
+  fmt::print("strips          {} in {}\n", files.size(), crs);
+  Json list = Json::array();
+  for (const std::filesystem::path& file : files) {
+    const auto reader = OpenStrip(file);
+    const std::string note = CheckStripCrs(reader->crs(), crs, file);
+    const std::string name = file.filename().string();
+    const std::string count =
+        reader->points() ? fmt::format("{} points", *reader->points()) : std::string("text");
+    fmt::print("                {}: {}, {}laser vectors{}{}\n", name, count,
+               reader->has_vectors() ? "" : "no ", reader->has_time() ? "" : ", no GPS time",
+               note.empty() ? "" : "; " + note);
+    list.push_back({{"name", name},
+                    {"points", reader->points() ? Json(*reader->points()) : Json()},
+                    {"laser_vectors", reader->has_vectors()},
+                    {"gps_time", reader->has_time()}});
+  }
+  (*json)["strips"] = {{"crs", crs}, {"files", list}};
+}
+
 void Check(const Options& options, Run& run) {
   FlightNeeds needs;
   needs.imu = needs.gnss = needs.pairs = needs.trajectory = true;
@@ -117,12 +143,14 @@ void Check(const Options& options, Run& run) {
                flight.trajectory->points().size(), flight.trajectory->t_begin_s(),
                flight.trajectory->t_end_s());
   }
+  const std::vector<std::filesystem::path> strips = FindStripFiles(flight.config.folder);
+  if (!strips.empty()) SummariseStrips(strips, flight.config.strips_crs, &report);
   for (const auto& [reason, count] : flight.counts) {
     if (count > 0) fmt::print("note            {}: {}\n", reason, count);
   }
   report["counts"] = flight.counts;
   report["commands"] = Json::object();
-  for (const CommandVerdict& verdict : Verdicts(flight)) {
+  for (const CommandVerdict& verdict : Verdicts(flight, !strips.empty())) {
     fmt::print("dn {:<22} {}\n", verdict.command, verdict.possible ? "possible" : verdict.why);
     report["commands"][verdict.command] = {{"possible", verdict.possible}, {"why", verdict.why}};
   }

@@ -2,6 +2,7 @@
 
 #include <dn/error.h>
 #include <dn/flight/flight.h>
+#include <dn/flight/strip_files.h>
 #include <dn/report/json.h>
 #include <dn/sim/scenario.h>
 #include <fmt/format.h>
@@ -43,6 +44,7 @@ void AddDataFiles(const fs::path& folder_or_file, Inputs* inputs) {
     if (config.imu) AddData(folder / config.imu->file, inputs);
     if (config.gnss) AddData(folder / config.gnss->file, inputs);
     if (config.trajectory) AddData(folder / config.trajectory->file, inputs);
+    for (const fs::path& file : FindStripFiles(folder)) AddData(file, inputs);
     if (!config.lidar) return;
     for (const fs::path& file : FindPairFiles(folder, config.lidar->p2p)) AddData(file, inputs);
   } catch (const std::exception&) {

@@ -1,5 +1,6 @@
 #include <dn/calibration/gauss_helmert_flight.h>
 #include <dn/error.h>
+#include <dn/flight/accuracy_files.h>
 #include <dn/geo/accuracy_series.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory_covariance.h>
@@ -20,65 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-constexpr const char* kCovarianceName = "trajectory_covariance.txt";
-constexpr const char* kSigmaName = "trajectory_sigma.txt";
-
-/// What a trajectory's smoother wrote about it.
-struct AccuracyFiles {
-  std::optional<fs::path> covariance, series;
-  bool named = false;  ///< by the configuration
-};
-
-std::string Lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-/// POSPac's smrmsg in a folder: of "sbet_<name>.out" it is "smrmsg_<name>.out", else the only one.
-std::optional<fs::path> FindSmrmsg(const fs::path& trajectory) {
-  std::string partner = Lower(trajectory.filename().string());
-  const std::size_t at = partner.find("sbet");
-  if (at != std::string::npos) partner.replace(at, 4, "smrmsg");
-  std::vector<fs::path> found;
-  std::error_code none;
-  const fs::path folder = trajectory.has_parent_path() ? trajectory.parent_path() : fs::path(".");
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
-    const std::string name = Lower(entry.path().filename().string());
-    if (entry.path().extension() != ".out" || name.find("smrmsg") == std::string::npos) continue;
-    if (name == partner) return entry.path();
-    found.push_back(entry.path());
-  }
-  if (found.size() > 1) {
-    throw InvalidInput("several files named smrmsg lie beside the trajectory " +
-                           trajectory.string() + "; name the one that belongs to it with the key " +
-                           "trajectory.sigma_file",
-                       FileLocation{folder.string(), 0, 0});
-  }
-  return found.empty() ? std::nullopt : std::optional(found.front());
-}
-
-std::optional<fs::path> IfThere(const fs::path& file) {
-  std::error_code none;
-  return fs::is_regular_file(file, none) ? std::optional(file) : std::nullopt;
-}
-
-AccuracyFiles FindFiles(const Flight& flight) {
-  const TrajectoryConfig& config = *flight.config.trajectory;
-  AccuracyFiles files;
-  if (!config.sigma_file.empty()) {
-    files.named = true;
-    const fs::path file = flight.config.folder / config.sigma_file;
-    const bool joint = file.filename().string().find("covariance") != std::string::npos;
-    (joint ? files.covariance : files.series) = file;
-    return files;
-  }
-  const fs::path trajectory = flight.config.folder / config.file;
-  files.covariance = IfThere(fs::path(trajectory).replace_filename(kCovarianceName));
-  files.series = IfThere(fs::path(trajectory).replace_filename(kSigmaName));
-  if (!files.series) files.series = FindSmrmsg(trajectory);
-  return files;
-}
 
 /// Every pair lies in a strip of the covariance, or as close to one as its epochs are to each
 /// other.
@@ -188,7 +130,7 @@ void AddEpochs(const Flight& flight, const TrajectoryCovariance& stated, MeanAcc
 
 TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
                                           const GaussHelmertProblem& problem) {
-  const AccuracyFiles files = FindFiles(flight);
+  const AccuracyFiles files = FindAccuracyFiles(flight.config);
   std::optional<AccuracySeries> series;
   if (files.series) series.emplace(*files.series);
   TrajectoryAccuracy accuracy;

@@ -1,10 +1,10 @@
 #include <dn/error.h>
 #include <dn/flight/flight_config.h>
+#include <dn/geo/point_crs.h>
 #include <dn/geo/read_file.h>
 #include <dn/names.h>
 
 #include <algorithm>
-#include <regex>
 
 #include "config_sections.h"
 
@@ -68,9 +68,8 @@ StripInterval ReadStrip(const YamlValue& item) {
 }
 
 std::string ReadCrs(const YamlValue& value) {
-  static const std::regex utm("utm:([1-9]|[1-5][0-9]|60)[ns]");
   std::string crs = value.Name();
-  if (crs != "map" && crs != "ecef" && crs != "none" && !std::regex_match(crs, utm)) {
+  if (!IsPointCrsName(crs)) {
     value.Fail("'" + crs + "' is none of map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef, none");
   }
   return crs;

@@ -110,6 +110,10 @@ OutputDirectory::~OutputDirectory() {
 }
 
 void OutputDirectory::Add(const std::string& name, std::string_view content) {
+  WriteFileAtomically(Stage(name), content);
+}
+
+fs::path OutputDirectory::Stage(const std::string& name) {
   CheckName(name);
   for (const fs::path& input : inputs_) {
     std::error_code none;
@@ -117,10 +121,10 @@ void OutputDirectory::Add(const std::string& name, std::string_view content) {
     throw InvalidConfig("the result file " + (directory_ / name).string() +
                         " would replace the input " + input.string() + "; give another --out");
   }
-  const fs::path staged = staging_ / name;
+  fs::path staged = staging_ / name;
   fs::create_directories(staged.parent_path());
-  WriteFileAtomically(staged, content);
   if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
+  return staged;
 }
 
 void OutputDirectory::Commit() {

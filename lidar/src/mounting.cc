@@ -42,4 +42,14 @@ Eigen::Vector3d Georeference(const MapPose& pose, const Mounting& mounting,
   return pose.p_mb + pose.q_mb * (LaserVectorInBody(mounting, u_s) + mounting.lever_arm_b_m);
 }
 
+Eigen::Vector3d LaserVectorInSensor(const Mounting& mounting, const Eigen::Vector3d& u_b) {
+  return mounting.R_bs_nominal.transpose() * (Exp(mounting.boresight_rad).conjugate() * u_b);
+}
+
+Eigen::Vector3d LaserVectorTo(const MapPose& pose, const Mounting& mounting,
+                              const Eigen::Vector3d& p_m) {
+  return LaserVectorInSensor(mounting,
+                             pose.q_mb.conjugate() * (p_m - pose.p_mb) - mounting.lever_arm_b_m);
+}
+
 }  // namespace dn

@@ -8,23 +8,20 @@
 #include <utility>
 
 #include "glob.h"
+#include "laser_vector.h"
+#include "text_rows.h"
 
 namespace dn {
 namespace {
 
+using internal::AppendNumbers;
+using internal::AppendUpperTriangle;
+using internal::FromUpperTriangle;
+
 constexpr std::size_t kPlainColumns = 8;
 constexpr std::size_t kColumnsWithCovariance = 14;
-constexpr double kShortestRangeM = 1e-3;
-constexpr double kLongestRangeM = 50e3;
 constexpr double kLeastVarianceM2 = 1e-12;
 constexpr double kMostVarianceM2 = 1e12;
-
-/// Symmetric matrix from its upper triangle xx, xy, xz, yy, yz, zz.
-Eigen::Matrix3d FromUpperTriangle(const double* c) {
-  Eigen::Matrix3d M;
-  M << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-  return M;
-}
 
 const Eigen::Matrix3d& CheckedCovariance(const Eigen::Matrix3d& M_m2, const FileLocation& where) {
   const Eigen::LLT<Eigen::Matrix3d> llt(M_m2);
@@ -47,17 +44,6 @@ void CheckTime(double t_s, const FileLocation& where) {
   if (!IsSecondsOfWeek(t_s)) CheckSecondsOfWeek(t_s, where);
 }
 
-void CheckRange(const Eigen::Vector3d& u_m, const FileLocation& where) {
-  const double range_m = u_m.stableNorm();
-  if (range_m >= kShortestRangeM && range_m <= kLongestRangeM) return;
-  if (range_m == 0.0) throw InvalidInput("laser vector of zero length; remove the pair", where);
-  throw InvalidInput("laser vector of length " + FormatDouble(range_m) +
-                         " in the unit that should be metres, must lie within 0.001 and 50000: " +
-                         (range_m > kLongestRangeM ? "is it in millimetres? Divide it by 1000"
-                                                   : "is it in kilometres? Multiply it by 1000"),
-                     where);
-}
-
 LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLocation& where) {
   LidarPair pair;
   pair.t_i_s = row[0];
@@ -68,8 +54,8 @@ LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLoc
   pair.line = where.line;
   CheckTime(pair.t_i_s, where);
   CheckTime(pair.t_j_s, where);
-  CheckRange(pair.u_i_s, where);
-  CheckRange(pair.u_j_s, where);
+  internal::CheckLaserVector(pair.u_i_s, where);
+  internal::CheckLaserVector(pair.u_j_s, where);
   if (columns == kColumnsWithCovariance) {
     pair.covariance_m2 = CheckedCovariance(FromUpperTriangle(row + kPlainColumns), where);
   }
@@ -119,13 +105,6 @@ long DropRepeats(std::vector<LidarPair>& pairs) {
   return dropped;
 }
 
-void AppendNumbers(const double* values, Eigen::Index count, std::string& line) {
-  for (Eigen::Index i = 0; i < count; ++i) {
-    if (!line.empty()) line += ", ";
-    line += FormatDouble(values[i]);
-  }
-}
-
 }  // namespace
 
 std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& folder,
@@ -162,11 +141,7 @@ std::string FormatPairs(const std::vector<LidarPair>& pairs) {
     AppendNumbers(&pair.t_j_s, 1, line);
     AppendNumbers(pair.u_i_s.data(), 3, line);
     AppendNumbers(pair.u_j_s.data(), 3, line);
-    if (pair.covariance_m2) {
-      const Eigen::Matrix3d& C = *pair.covariance_m2;
-      const double upper[6] = {C(0, 0), C(0, 1), C(0, 2), C(1, 1), C(1, 2), C(2, 2)};
-      AppendNumbers(upper, 6, line);
-    }
+    if (pair.covariance_m2) AppendUpperTriangle(*pair.covariance_m2, line);
     text += line;
     text += '\n';
   }

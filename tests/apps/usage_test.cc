@@ -15,7 +15,7 @@ using ::testing::Not;
 
 constexpr const char* kSubcommands[] = {"check", "simulate", "smooth",      "calibrate",
                                         "gap",   "allan",    "monte-carlo", "blind-check",
-                                        "merge", "report"};
+                                        "merge", "report",   "georef"};
 
 class EverySubcommand : public ::testing::TestWithParam<const char*> {
  protected:
@@ -157,7 +157,7 @@ TEST(CliUsage, WrongUsageIsOneErrorLine) {
 TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
   ExpectUsageError(RunProgram(std::vector<std::string>{}),
                    "dn: error: a command is required: check, calibrate, smooth, simulate, study, "
-                   "gap, monte-carlo, blind-check, merge, allan; see dn --help");
+                   "georef, gap, monte-carlo, blind-check, merge, allan; see dn --help");
   ExpectUsageError(RunProgram({"calibrat", "x"}),
                    "dn: error: 'calibrat' is no command; the nearest one is 'calibrate'; see dn "
                    "--help");

@@ -5,9 +5,11 @@
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <dn/geo/trajectory_covariance.h>
+#include <dn/geo/week_seconds.h>
 #include <dn/gnss/gnss_data.h>
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
+#include <dn/lidar/strip_io.h>
 #include <dn/sim/scenario.h>
 #include <unistd.h>
 
@@ -111,6 +113,32 @@ void CheckPairs(const fs::path& folder) {
   }
 }
 
+void CheckPoints(const StripCloud& points) {
+  Require(!points.p_c.empty(), "a chunk has points");
+  for (const Eigen::Vector3d& p_c : points.p_c) Require(p_c.allFinite(), "coordinates are finite");
+  for (const double t_s : points.t_s) Require(IsSecondsOfWeek(t_s), "times are seconds of week");
+  for (const Eigen::Vector3d& u_s : points.u_s) {
+    Require(u_s.allFinite() && u_s.norm() > 0.0, "laser vectors are not zero");
+  }
+}
+
+void CheckStrip(const fs::path& file) {
+  const auto reader = OpenStrip(file);
+  const fs::path copy = fs::path(file).replace_filename("copy" + file.extension().string());
+  const auto writer = reader->MakeWriter(copy, true);
+  std::size_t read = 0;
+  for (StripCloud points; reader->Next(&points); read += points.size()) {
+    CheckPoints(points);
+    points.covariance_c_m2.assign(points.size(), Eigen::Matrix3d::Identity());
+    writer->Append(points);
+  }
+  writer->Finish();
+  const auto again = OpenStrip(copy);
+  std::size_t written = 0;
+  for (StripCloud points; again->Next(&points);) written += points.size();
+  Require(written == read, "every point is written");
+}
+
 void CheckTrajectoryCovariance(const fs::path& file) {
   const TrajectoryCovariance read = ReadTrajectoryCovariance(file);
   Require(!read.t_s.empty(), "there are epochs");
@@ -169,6 +197,10 @@ void Read(char reader, std::string_view content) {
       return CheckScenario(std::string(content));
     case 'V':
       return CheckTrajectoryCovariance(scratch.Write("trajectory_covariance.txt", content));
+    case 'L':
+      return CheckStrip(scratch.Write("strip.las", content));
+    case 'X':
+      return CheckStrip(scratch.Write("strip.txt", content));
     default:
       scratch.Write("flight.yaml", content);
       return CheckConfig(scratch);

@@ -13,8 +13,8 @@ namespace dn::testing {
 ///   I ReadImu, ODyN                     J ReadImu, increments
 ///   G ReadGnss, ODyN                    R ReadGnss, RTKLIB          B ReadGnss, OB_GINS
 ///   P ReadPairs                         F ReadFlightConfig          C ParseScenario
-///   V ReadTrajectoryCovariance
-inline constexpr std::string_view kReaders = "TSOIJGRBPFCV";
+///   V ReadTrajectoryCovariance          L OpenStrip, LAS            X OpenStrip, text
+inline constexpr std::string_view kReaders = "TSOIJGRBPFCVLX";
 
 /// Gives the bytes after the first to the reader that the first selects (any other letter: modulo
 /// the number of readers), as a file in memory.

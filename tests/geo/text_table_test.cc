@@ -195,5 +195,23 @@ TEST(FormatDouble, ReadsBackToTheSameBits) {
             std::numeric_limits<double>::denorm_min());
 }
 
+TEST(TextTableReader, GivesTheRowsInParts) {
+  const TempFile file("table.txt", "# a\n1, 2\n3, 4\n\n5, 6\n");
+  TextTableReader reader(file.path(), {2});
+  ASSERT_TRUE(reader.Next(2));
+  EXPECT_EQ(reader.table().values, (std::vector<double>{1, 2, 3, 4}));
+  ASSERT_TRUE(reader.Next(2));
+  EXPECT_EQ(reader.table().values, (std::vector<double>{5, 6}));
+  EXPECT_EQ(reader.table().lines, std::vector<long>{5});
+  EXPECT_FALSE(reader.Next(2));
+}
+
+TEST(TextTableReader, ExpectsTheColumnsOfThePartBefore) {
+  const TempFile file("table.txt", "1, 2\n3, 4, 5\n");
+  TextTableReader reader(file.path(), {2, 3});
+  ASSERT_TRUE(reader.Next(1));
+  ExpectInvalid([&] { reader.Next(1); }, "row has 3 columns, the rows before it 2", 2);
+}
+
 }  // namespace
 }  // namespace dn

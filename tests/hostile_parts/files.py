@@ -2,8 +2,8 @@
 
 import os
 
-from . import instead, raw, rows
-from .cases import ALL, CALIBRATE, CHECK, GAUSS_HELMERT, SMOOTH, Case
+from . import instead, raw, rows, strips
+from .cases import ALL, CALIBRATE, CHECK, GAUSS_HELMERT, GEOREF, SMOOTH, Case
 from .flights import text_trajectory
 from .program import Conditions
 from .values import TOUCH, short
@@ -20,6 +20,8 @@ FILES = {
     "initial_guess.txt": (CALIBRATE, SMOOTH),
     "reference.out": (CALIBRATE, SMOOTH),
     "reference.txt": (CALIBRATE,),
+    "strips/1.las": (GEOREF, GEOREF, CHECK),
+    "strips/2.txt": (GEOREF,),
     "flight.yaml": (CALIBRATE, CHECK),
     "truth.yaml": (CALIBRATE,),
 }
@@ -55,6 +57,8 @@ def damage(rng, arena, name):
     change = raw.damaged
     if name.endswith(".out") and draw < 0.6:
         change = raw.damaged_sbet
+    if name.endswith(".las") and draw < 0.75:
+        change = strips.damaged_las
     if name.endswith(".txt") and draw < 0.75:
         change = rows.damaged
     content, how = change(rng, path.read_bytes())

@@ -5,6 +5,7 @@ import pathlib
 import shutil
 import struct
 
+from . import strips
 from .program import Conditions
 from .rotation import product, quaternion
 
@@ -154,6 +155,9 @@ class Base:
         for name in ("report.json", "config.resolved.yaml"):
             (self.flight / name).unlink(missing_ok=True)
         (self.flight / "flight.yaml").write_text(self.yaml)
+        (self.flight / "strips").mkdir()
+        (self.flight / "strips" / "1.las").write_bytes(strips.las(strips.epochs(381060, 381071, 300)))
+        (self.flight / "strips" / "2.txt").write_text(strips.text(strips.epochs(381121, 381133, 300)))
         thin_sbet(self.flight / "reference.out", 4)
 
     def _run(self, *arguments):

@@ -203,6 +203,8 @@ COMMANDS = {
     "calibrate": ["flight", "--out", "out", "--method", "dn", "--threads", "1"],
     "smooth": ["flight", "--out", "out", "--threads", "1"],
     "check": ["flight", "--out", "out"],
+    "georef": ["flight", "--boresight", "0.1,0.2,0.3", "--trajectory", "flight/trajectory.out",
+               "--covariance", "--sigma-range-m", "0.02", "--out", "out"],
     "simulate": ["lar3.yaml", "--out", "out", "--seed", "1", "--threads", "1"],
     "allan": ["flight/IMU.txt", "--rate", "25", "--format", "odyn", "--body", "FRD", "--out",
               "out"],

@@ -73,7 +73,7 @@ EpochAccuracy AccuracySeries::At(double t_s) const {
       std::upper_bound(epochs_.begin(), epochs_.end(), t_s,
                        [](double t, const EpochAccuracy& epoch) { return t < epoch.t_s; });
   if (after == epochs_.begin() || t_s > epochs_.back().t_s) {
-    throw InvalidInput("the pair epoch " + FormatDouble(t_s) +
+    throw InvalidInput("the epoch " + FormatDouble(t_s) +
                            " s lies outside the standard deviations of the trajectory (" +
                            FormatDouble(epochs_.front().t_s) + " s to " +
                            FormatDouble(epochs_.back().t_s) +

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <dn/error.h>
+#include <dn/geo/little_endian.h>
 #include <dn/geo/text_table.h>
 
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,17 +23,6 @@ struct RecordFormat {
 
 template <std::size_t N>
 using Record = std::array<double, N>;
-
-inline double DecodeLittleEndian(const char* bytes) {
-  std::uint64_t bits = 0;
-  for (int i = 7; i >= 0; --i) bits = (bits << 8) | static_cast<unsigned char>(bytes[i]);
-  return std::bit_cast<double>(bits);
-}
-
-inline void AppendLittleEndian(double value, std::string& out) {
-  auto bits = std::bit_cast<std::uint64_t>(value);
-  for (int i = 0; i < 8; ++i, bits >>= 8) out.push_back(static_cast<char>(bits & 0xFF));
-}
 
 inline std::string NameOfRecord(std::size_t index) { return "record " + std::to_string(index + 1); }
 
@@ -55,7 +43,7 @@ std::vector<Record<N>> DecodeRecords(const std::string& content, const RecordFor
   std::vector<Record<N>> records(n);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t c = 0; c < N; ++c) {
-      const double value = DecodeLittleEndian(content.data() + i * kRecordBytes + 8 * c);
+      const double value = LoadLittleEndian<double>(content.data() + i * kRecordBytes + 8 * c);
       if (!std::isfinite(value)) {
         throw InvalidInput(std::string(format.columns[c]) + " of " + name + " " + NameOfRecord(i) +
                                " is not finite",

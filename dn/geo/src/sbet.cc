@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/geo/little_endian.h>
 #include <dn/geo/text_table.h>
 #include <dn/rotation.h>
 
@@ -151,7 +152,7 @@ std::string FormatSbet(const std::vector<NavPoint>& points, bool adjusted_with_l
                                       point.w_b_radps.x(),
                                       point.w_b_radps.y(),
                                       point.w_b_radps.z()};
-    for (const double value : record) internal::AppendLittleEndian(value, out);
+    for (const double value : record) AppendLittleEndian(value, out);
   }
   return out;
 }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <system_error>
+#include <utility>
 
 #include "time_continuation.h"
 
@@ -34,14 +36,14 @@ std::string ListOfNumbers(const std::vector<std::size_t>& numbers) {
   return list;
 }
 
-/// Appends the rows of a text to a table.
-class TableParser {
+/// Appends a row of a text to a table.
+class RowParser {
  public:
-  TableParser(TextTable& table, const std::vector<std::size_t>& allowed_columns, char comment)
+  RowParser(TextTable& table, const std::vector<std::size_t>& allowed_columns, char comment)
       : table_(table), allowed_columns_(allowed_columns), comment_(comment) {}
 
-  void ParseLine(std::string_view text) {
-    ++line_;
+  void ParseLine(std::string_view text, long line) {
+    line_ = line;
     text_ = text.substr(0, std::min(text.find('#'), text.find(comment_)));
     position_ = 0;
     SkipBlanks();
@@ -93,7 +95,7 @@ class TableParser {
 
   void CheckColumns(std::size_t columns) {
     const FileLocation where{table_.file.string(), line_, 0};
-    if (table_.lines.empty()) {
+    if (table_.columns == 0) {
       const bool allowed = allowed_columns_.empty() ||
                            std::find(allowed_columns_.begin(), allowed_columns_.end(), columns) !=
                                allowed_columns_.end();
@@ -147,20 +149,33 @@ double ParseNumber(std::string_view text, const FileLocation& where) {
   return value;
 }
 
-TextTable ReadTextTable(const std::filesystem::path& file,
-                        const std::vector<std::size_t>& allowed_columns, char comment) {
-  TextTable table;
-  table.file = file;
-  TableParser parser(table, allowed_columns, comment);
-  LineReader lines(file);
-  for (std::string_view line; lines.Next(&line);) {
-    if (lines.line() == 1 && line.starts_with(kByteOrderMark)) {
+TextTableReader::TextTableReader(const std::filesystem::path& file,
+                                 std::vector<std::size_t> allowed_columns, char comment)
+    : lines_(file), allowed_columns_(std::move(allowed_columns)), comment_(comment) {
+  table_.file = file;
+}
+
+bool TextTableReader::Next(std::size_t most_rows) {
+  table_.values.clear();
+  table_.lines.clear();
+  RowParser parser(table_, allowed_columns_, comment_);
+  for (std::string_view line; table_.rows() < most_rows && lines_.Next(&line);) {
+    if (lines_.line() == 1 && line.starts_with(kByteOrderMark)) {
       line.remove_prefix(kByteOrderMark.size());
     }
-    parser.ParseLine(line);
+    parser.ParseLine(line, lines_.line());
   }
-  if (table.rows() == 0) throw InvalidInput("file has no rows of numbers", {file.string(), 0, 0});
-  return table;
+  if (table_.columns == 0) {
+    throw InvalidInput("file has no rows of numbers", {table_.file.string(), 0, 0});
+  }
+  return table_.rows() > 0;
+}
+
+TextTable ReadTextTable(const std::filesystem::path& file,
+                        const std::vector<std::size_t>& allowed_columns, char comment) {
+  TextTableReader reader(file, allowed_columns, comment);
+  reader.Next(std::numeric_limits<std::size_t>::max());
+  return std::move(reader).table();
 }
 
 long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep) {

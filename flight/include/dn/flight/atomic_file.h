@@ -43,6 +43,10 @@ class OutputDirectory {
   /// InvalidInput for another name, InvalidConfig where it would replace a protected file.
   void Add(const std::string& name, std::string_view content);
 
+  /// Path at which a file of this name is to be written before Commit, for one that is too large
+  /// for memory. Throws as Add.
+  std::filesystem::path Stage(const std::string& name);
+
   /// Makes every staged file visible. Throws with nothing changed when one cannot be.
   void Commit();
 

@@ -22,8 +22,15 @@ Eigen::Matrix3d CheckedRotation(const Eigen::Matrix3d& R);
 /// Laser vector in body: Exp([theta]x) T_s^b* u_s, m.
 Eigen::Vector3d LaserVectorInBody(const Mounting& mounting, const Eigen::Vector3d& u_s);
 
+/// Its inverse: the laser vector in the sensor frame, T_s^b*^T Exp(-[boresight]x) u_b, m.
+Eigen::Vector3d LaserVectorInSensor(const Mounting& mounting, const Eigen::Vector3d& u_b);
+
 /// Direct georeferencing: p_m = p_mb + R_mb (u_b + a_b), m. (Paper eq. 1.)
 Eigen::Vector3d Georeference(const MapPose& pose, const Mounting& mounting,
                              const Eigen::Vector3d& u_s);
+
+/// Its inverse: the laser vector in the sensor frame that led to the point p_m, m.
+Eigen::Vector3d LaserVectorTo(const MapPose& pose, const Mounting& mounting,
+                              const Eigen::Vector3d& p_m);
 
 }  // namespace dn

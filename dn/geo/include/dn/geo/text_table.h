@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace dn {
@@ -31,6 +32,26 @@ struct TextTable {
 /// right).
 TextTable ReadTextTable(const std::filesystem::path& file,
                         const std::vector<std::size_t>& allowed_columns, char comment = '#');
+
+/// Reads what ReadTextTable reads, in parts: of a file of any length only one part is held.
+class TextTableReader {
+ public:
+  TextTableReader(const std::filesystem::path& file, std::vector<std::size_t> allowed_columns,
+                  char comment = '#');
+
+  /// Reads the next rows, at most so many, in place of those before; false after the last. Throws
+  /// as ReadTextTable.
+  bool Next(std::size_t most_rows);
+
+  const TextTable& table() const& { return table_; }
+  TextTable table() && { return std::move(table_); }
+
+ private:
+  LineReader lines_;
+  std::vector<std::size_t> allowed_columns_;
+  char comment_;
+  TextTable table_;
+};
 
 /// A time column in GPS seconds of week: a backward jump of a week, to within an hour, is a
 /// rollover and is continued (604800 s added from there on).

@@ -1,0 +1,326 @@
+#include <dn/error.h>
+#include <dn/flight/accuracy_files.h>
+#include <dn/flight/flight.h>
+#include <dn/flight/georeference_strip.h>
+#include <dn/flight/strip_files.h>
+#include <dn/geo/read_file.h>
+#include <dn/geo/text_table.h>
+#include <dn/interrupted.h>
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <utility>
+
+#include "command.h"
+#include "given_trajectory.h"
+#include "option_checks.h"
+#include "shown_text.h"
+
+namespace dn::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kMostAngleDeg = 180.0;
+// The standard deviation across a Gaussian beam is a quarter of its divergence, which is the full
+// angle where the intensity has fallen by e^2.
+constexpr double kBeamSigmas = 4.0;
+
+struct GeorefOptions {
+  CommonOptions common;
+  std::string flight;
+  std::string boresight;  ///< empty: of the result, else of flight.yaml
+  std::string trajectory;
+  std::string result;
+  bool covariance = false;
+  double sigma_range_m = 0.02;
+  double divergence_mrad = 0.35;
+};
+
+/// What a result.json says of the boresight.
+struct BoresightOfResult {
+  Vector3d angles_rad = Vector3d::Zero();
+  Matrix3d covariance_rad2 = Matrix3d::Zero();
+};
+
+[[noreturn]] void FailAngles(const std::string& text) {
+  throw InvalidConfig("--boresight " + Quoted(text) +
+                      " must be roll,pitch,yaw: three numbers in degrees within -180 and 180");
+}
+
+Vector3d ParseAngles(const std::string& text) {
+  Vector3d angles_deg;
+  std::size_t begin = 0;
+  try {
+    for (int i = 0; i < 3; ++i) {
+      const std::size_t end = i < 2 ? text.find(',', begin) : text.size();
+      if (end == std::string::npos) FailAngles(text);
+      angles_deg[i] = ParseNumber(std::string_view(text).substr(begin, end - begin), {});
+      begin = end + 1;
+    }
+  } catch (const InvalidInput&) {
+    FailAngles(text);
+  }
+  if (angles_deg.cwiseAbs().maxCoeff() > kMostAngleDeg) FailAngles(text);
+  return angles_deg * kRadPerDeg;
+}
+
+/// Numbers of a list in a JSON file. Throws Json's own exceptions.
+Vector3d ToVector(const Json& list) {
+  if (list.size() != 3) throw std::invalid_argument("no list of three");
+  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+}
+
+BoresightOfResult ReadResult(const fs::path& file) {
+  BoresightOfResult result;
+  const std::string text = ReadWholeFile(file, kMostYamlBytes * 64);
+  try {
+    const Json boresight = Json::parse(text).at("boresight");
+    result.angles_rad = ToVector(boresight.at("angles_deg")) * kRadPerDeg;
+    const Json& rows = boresight.at("covariance_deg2");
+    for (int i = 0; i < 3; ++i) {
+      result.covariance_rad2.row(i) =
+          ToVector(rows.at(static_cast<std::size_t>(i))) * kRadPerDeg * kRadPerDeg;
+    }
+  } catch (const std::exception&) {
+    throw InvalidInput(
+        "this is no result of `dn calibrate`: boresight.angles_deg or "
+        "boresight.covariance_deg2 is missing",
+        {file.string()});
+  }
+  if (result.covariance_rad2.llt().info() != Eigen::Success) {
+    throw InvalidInput("boresight.covariance_deg2 is not positive definite", {file.string()});
+  }
+  return result;
+}
+
+std::vector<fs::path> Strips(const FlightConfig& config) {
+  std::vector<fs::path> strips = FindStripFiles(config.folder);
+  if (!strips.empty()) return strips;
+  throw InvalidInput(
+      "the flight has no strips; put point clouds (.las, or .txt of t, x, y, z, ux, "
+      "uy, uz) into " +
+      (config.folder / "strips").string());
+}
+
+void ExpectUsable(const FlightConfig& config) {
+  const FileLocation where{config.file.string()};
+  if (!config.lidar) {
+    throw InvalidConfig("the section 'lidar' is missing, and this command needs it", where);
+  }
+  if (config.strips_crs == "none") {
+    throw InvalidConfig(
+        "strips_crs is none: points in an unknown system cannot be georeferenced; write map, "
+        "utm:ZONEn, utm:ZONEs or ecef",
+        where);
+  }
+}
+
+void ExpectTrajectory(const GeorefOptions& options, bool own) {
+  if (own || !options.trajectory.empty()) return;
+  throw InvalidInput(fmt::format(
+      "the flight has no trajectory; make one with `dn smooth {} --out DIR` and give it with "
+      "--trajectory DIR/trajectory.out",
+      options.flight));
+}
+
+StripErrors ReadErrors(const GeorefOptions& options, const FlightConfig& config,
+                       const std::optional<BoresightOfResult>& result) {
+  const TrajectoryConfig& trajectory = *config.trajectory;
+  StripErrors errors;
+  const AccuracyFiles files = FindAccuracyFiles(config);
+  if (files.series) errors.series.emplace(*files.series);
+  errors.sigma_ned_m = Vector3d(trajectory.sigma_xy_m, trajectory.sigma_xy_m, trajectory.sigma_z_m);
+  errors.sigma_rph_rad =
+      Vector3d(trajectory.sigma_rp_rad, trajectory.sigma_rp_rad, trajectory.sigma_y_rad);
+  if (result) errors.boresight_rad2 = result->covariance_rad2;
+  errors.sigma_range_m = options.sigma_range_m;
+  errors.sigma_beam_rad = 1e-3 * options.divergence_mrad / kBeamSigmas;
+  return errors;
+}
+
+/// All that the command reads but the points.
+struct Georef {
+  FlightConfig config;  ///< with the trajectory of the new points
+  LocalFrame frame{Geodetic{}};
+  GeoreferenceOptions options;
+  std::string accuracy;  ///< what states the trajectory's errors
+};
+
+Georef Prepare(const GeorefOptions& given, Run& run) {
+  const FlightConfig config = ReadFlightConfig(given.flight);
+  ExpectUsable(config);
+  std::optional<Vector3d> boresight_rad;
+  if (!given.boresight.empty()) boresight_rad = ParseAngles(given.boresight);
+  std::optional<BoresightOfResult> result;
+  if (!given.result.empty()) result = ReadResult(given.result);
+  if (result && !boresight_rad) boresight_rad = result->angles_rad;
+  const bool own = HasTrajectory(config);
+  ExpectTrajectory(given, own);
+  run.progress.Stage("reading " + config.folder.string());
+  Flight flight =
+      ReadFlight(own ? config : WithTrajectory(config, given.trajectory), {.trajectory = true});
+
+  Georef georef;
+  georef.config = WithTrajectory(flight.config, given.trajectory);
+  georef.frame = flight.frame;
+  GeoreferenceOptions& options = georef.options;
+  options.trajectory = std::move(*flight.trajectory);
+  if (own && !given.trajectory.empty()) {
+    options.made_by =
+        std::exchange(options.trajectory, ReadTrajectory(given.trajectory, config.body_is_flu));
+  }
+  options.made_with = config.lidar->mounting;
+  options.mounting = options.made_with;
+  if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
+  options.time_span_s = config.time_span_s;
+  options.threads = run.options().threads;
+  if (given.covariance) options.errors = ReadErrors(given, georef.config, result);
+  return georef;
+}
+
+Json DegreesOf(const Vector3d& rad) {
+  const Vector3d deg = rad * kDegPerRad;
+  return {deg.x(), deg.y(), deg.z()};
+}
+
+Json CrsJson(const StripCrs& crs) {
+  return {{"epsg", crs.epsg ? Json(*crs.epsg) : Json()},
+          {"text", crs.text},
+          {"heights_from_geoid", crs.heights_from_geoid}};
+}
+
+Json StripJson(const std::string& name, const StripCrs& crs, const GeoreferencedStrip& strip) {
+  return {{"name", name},
+          {"points", strip.points},
+          {"kept", strip.kept},
+          {"dropped", strip.dropped},
+          {"laser_vectors", strip.own_vectors ? "file" : "trajectory"},
+          {"t_begin_s", strip.t_begin_s},
+          {"t_end_s", strip.t_end_s},
+          {"shift_rms_m", strip.shift_rms_m},
+          {"shift_max_m", strip.shift_max_m},
+          {"crs", CrsJson(crs)}};
+}
+
+Json CovarianceJson(const GeorefOptions& given, const FlightConfig& config) {
+  if (!given.covariance) return nullptr;
+  const AccuracyFiles files = FindAccuracyFiles(config);
+  return {{"trajectory", files.series ? files.series->string() : "flight.yaml"},
+          {"boresight", given.result.empty() ? Json() : Json(given.result)},
+          {"sigma_range_m", given.sigma_range_m},
+          {"divergence_mrad", given.divergence_mrad}};
+}
+
+/// Georeferences one strip into the output; adds to the report.
+Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
+                const std::string& strips_crs, Run& run) {
+  const std::string name = file.filename().string();
+  const std::string stage = "strip " + name;
+  run.progress.Stage(stage);
+  const auto reader = OpenStrip(file);
+  const StripCrs crs = reader->crs();
+  const std::string all = reader->points() ? fmt::format(" of {}", *reader->points()) : "";
+  const std::string warning = CheckStripCrs(crs, strips_crs, file);
+  if (!warning.empty()) run.progress.Warn(warning);
+  const GeoreferencedStrip strip =
+      georeferencer.Run(file, run.files().Stage("strips/" + name), [&](std::uint64_t points) {
+        if (Interrupted()) throw dn::Interrupted();
+        run.progress.Stage(stage, fmt::format("{}{} points", points, all));
+      });
+  fmt::print("  {:<24} {:>12} {:>12} {:>10.4f} {:>10.4f}  {}\n", name, strip.kept,
+             strip.points - strip.kept, strip.shift_rms_m, strip.shift_max_m,
+             strip.own_vectors ? "file" : "trajectory");
+  return StripJson(name, crs, strip);
+}
+
+void AddCounts(const Json& strip, Json* counts) {
+  const auto add = [&](const std::string& what, const Json& count) {
+    (*counts)[what] = counts->value(what, std::uint64_t{0}) + count.get<std::uint64_t>();
+  };
+  add("points", strip["points"]);
+  add("points kept", strip["kept"]);
+  for (const auto& [reason, count] : strip["dropped"].items()) add("points " + reason, count);
+}
+
+void RunGeoref(const GeorefOptions& given, Run& run) {
+  Georef georef = Prepare(given, run);
+  const FlightConfig& config = georef.config;
+  const std::vector<fs::path> files = Strips(config);
+  const Vector3d boresight_rad = georef.options.mounting.boresight_rad;
+  const StripGeoreferencer georeferencer(std::move(georef.options), georef.frame,
+                                         PointCrs(config.strips_crs, georef.frame));
+  fmt::print("flight {}, boresight {:.6f} {:.6f} {:.6f} deg, points in {}\n", config.name,
+             boresight_rad.x() * kDegPerRad, boresight_rad.y() * kDegPerRad,
+             boresight_rad.z() * kDegPerRad, config.strips_crs);
+  fmt::print("  {:<24} {:>12} {:>12} {:>10} {:>10}  {}\n", "strip", "kept", "dropped", "moved rms",
+             "max [m]", "laser vectors");
+  Json strips = Json::array();
+  Json& counts = run.report["counts"] = Json::object();
+  for (const fs::path& file : files) {
+    strips.push_back(RenewStrip(georeferencer, file, config.strips_crs, run));
+    AddCounts(strips.back(), &counts);
+  }
+  run.report["flight"] = config.name;
+  run.AddFile("georef.json",
+              FormatJson({{"schema", "dn.georef/1"},
+                          {"flight", config.name},
+                          {"strips_crs", config.strips_crs},
+                          {"trajectory", config.trajectory->file},
+                          {"boresight_deg", DegreesOf(boresight_rad)},
+                          {"boresight_before_deg", DegreesOf(config.lidar->mounting.boresight_rad)},
+                          {"covariance", CovarianceJson(given, config)},
+                          {"strips", strips}}));
+  run.AddFile("config.resolved.yaml", FormatFlightConfig(config));
+}
+
+void AddOptions(CLI::App* app, GeorefOptions* options) {
+  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
+      ->required();
+  app->add_option(
+      "--boresight", options->boresight,
+      "Boresight of the new points, roll,pitch,yaw [deg], as `dn calibrate` reports it. "
+      "Default: of --result, else of flight.yaml");
+  app->add_option("--trajectory", options->trajectory,
+                  "Trajectory of the new points (SBET .out, or text). Default: that of the flight");
+  app->add_option("--result", options->result,
+                  "result.json of `dn calibrate`: its boresight, and its covariance");
+  app->add_flag("--covariance", options->covariance,
+                "Also write the covariance of every point, from trajectory, boresight and beam");
+  app->add_option("--sigma-range-m", options->sigma_range_m,
+                  "Standard deviation of a range [m], for --covariance")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  app->add_option("--divergence-mrad", options->divergence_mrad,
+                  "Divergence of the beam [mrad], for --covariance; a quarter of it is the "
+                  "standard deviation of the beam's direction")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+}
+
+Inputs InputsOf(const GeorefOptions& options) {
+  Inputs inputs = FlightInputs(options.flight, options.trajectory);
+  if (!options.result.empty()) inputs.files.emplace_back(options.result);
+  return inputs;
+}
+
+}  // namespace
+
+void AddGeoref(CLI::App* program, Action* action) {
+  auto options = std::make_shared<GeorefOptions>();
+  CLI::App* app = program->add_subcommand(
+      "georef", "Point clouds of a flight with another boresight or trajectory");
+  AddOptions(app, options.get());
+  AddCommonOptions(app, &options->common, true);
+  app->footer("Example: dn georef flight --boresight 0.1,-0.02,0.3 --out result");
+  app->callback([options, action] {
+    *action = [options] {
+      options->common.inputs = InputsOf(*options);
+      return Execute("georef", options->common, [&](Run& run) { RunGeoref(*options, run); });
+    };
+  });
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <dn/geo/local_frame.h>
+
+#include <Eigen/Core>
+#include <string>
+
+namespace dn {
+
+/// Whether a name is one that PointCrs takes: map, ecef, none, or utm:ZONEn, utm:ZONEs (utm:32n).
+bool IsPointCrsName(const std::string& name);
+
+/// The coordinate system c in which the points of a strip are given, on WGS84:
+///
+///   map         the mapping frame m
+///   utm:32n     grid east, grid north (with the false origin 500 km, 0 or 10000 km), ellipsoidal
+///               height
+///   ecef        geocentric x, y, z
+///
+/// all in m. Copies share their data; every method is thread-safe.
+class PointCrs {
+ public:
+  /// Throws InvalidConfig for a name that is not one of these; `none` is none of them.
+  PointCrs(const std::string& name, const LocalFrame& frame);
+
+  const std::string& name() const { return name_; }
+
+  /// Position in m, and back, m. Accuracy about 5 nm. Throws InvalidInput, saying which and its
+  /// bound, for coordinates that are none of this system.
+  Eigen::Vector3d ToMap(const Eigen::Vector3d& p_c) const;
+  Eigen::Vector3d FromMap(const Eigen::Vector3d& p_m) const;
+
+  /// d p_c / d p_m at a point: a rotation, for UTM with the scale of the grid.
+  Eigen::Matrix3d J_c_m(const Eigen::Vector3d& p_m) const;
+
+ private:
+  enum class Kind { kMap, kUtm, kEcef };
+
+  std::string name_;
+  Kind kind_ = Kind::kMap;
+  LocalFrame frame_;
+  double central_meridian_deg_ = 0.0;
+  double false_northing_m_ = 0.0;
+};
+
+}  // namespace dn

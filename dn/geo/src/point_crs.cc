@@ -1,0 +1,134 @@
+#include <dn/error.h>
+#include <dn/geo/point_crs.h>
+#include <dn/geo/text_table.h>
+
+#include <GeographicLib/TransverseMercator.hpp>
+#include <cmath>
+#include <optional>
+#include <regex>
+
+namespace dn {
+namespace {
+
+constexpr double kFalseEastingM = 500e3;
+constexpr double kFalseNorthingSouthM = 10e6;
+constexpr double kMostNorthingM = 10e6;
+constexpr double kMostHeightM = 1e6;
+// Of the Earth's centre: from below the deepest mine to above any aircraft.
+constexpr double kLeastRadiusM = 6.3e6, kMostRadiusM = 7.4e6;
+// The tangent plane is no map of points beyond.
+constexpr double kMostMapM = 1e6;
+
+struct UtmZone {
+  int zone;
+  bool south;
+};
+
+std::optional<UtmZone> ParseUtm(const std::string& name) {
+  static const std::regex pattern("utm:([1-9]|[1-5][0-9]|60)([ns])");
+  std::smatch match;
+  if (!std::regex_match(name, match, pattern)) return std::nullopt;
+  return UtmZone{std::stoi(match[1]), match[2] == "s"};
+}
+
+[[noreturn]] void Fail(const std::string& what, const Eigen::Vector3d& p_c, const char* bounds) {
+  throw InvalidInput("the point (" + FormatDouble(p_c.x()) + ", " + FormatDouble(p_c.y()) + ", " +
+                     FormatDouble(p_c.z()) + ") m is no point in " + what + ", " + bounds +
+                     "; is strips_crs of flight.yaml right?");
+}
+
+void CheckUtm(const Eigen::Vector3d& p_c) {
+  if (p_c.x() >= 0.0 && p_c.x() <= 2.0 * kFalseEastingM && p_c.y() >= 0.0 &&
+      p_c.y() <= kMostNorthingM && std::abs(p_c.z()) <= kMostHeightM) {
+    return;
+  }
+  Fail("UTM", p_c, "where the easting lies within 0 and 1e6 m, the northing within 0 and 1e7 m");
+}
+
+}  // namespace
+
+bool IsPointCrsName(const std::string& name) {
+  return name == "map" || name == "ecef" || name == "none" || ParseUtm(name).has_value();
+}
+
+PointCrs::PointCrs(const std::string& name, const LocalFrame& frame) : name_(name), frame_(frame) {
+  if (name == "map") return;
+  if (name == "ecef") {
+    kind_ = Kind::kEcef;
+    return;
+  }
+  const std::optional<UtmZone> utm = ParseUtm(name);
+  if (!utm) {
+    throw InvalidConfig("'" + name +
+                        "' is no coordinate system of points; it must be map, ecef or " +
+                        "utm:ZONEn, utm:ZONEs (as utm:32n)");
+  }
+  kind_ = Kind::kUtm;
+  central_meridian_deg_ = 6.0 * utm->zone - 183.0;
+  false_northing_m_ = utm->south ? kFalseNorthingSouthM : 0.0;
+}
+
+Eigen::Vector3d PointCrs::ToMap(const Eigen::Vector3d& p_c) const {
+  switch (kind_) {
+    case Kind::kUtm: {
+      CheckUtm(p_c);
+      double lat_deg = 0.0, lon_deg = 0.0;
+      GeographicLib::TransverseMercator::UTM().Reverse(
+          central_meridian_deg_, p_c.x() - kFalseEastingM, p_c.y() - false_northing_m_, lat_deg,
+          lon_deg);
+      return frame_.ToMap({lat_deg * kRadPerDeg, lon_deg * kRadPerDeg, p_c.z()});
+    }
+    case Kind::kEcef:
+      if (!(p_c.norm() >= kLeastRadiusM && p_c.norm() <= kMostRadiusM)) {
+        Fail("ECEF", p_c, "where the centre of the Earth is 6.3e6 to 7.4e6 m away");
+      }
+      return frame_.R_me() * p_c - frame_.r0_m();
+    case Kind::kMap:
+      break;
+  }
+  if (!(p_c.cwiseAbs().maxCoeff() <= kMostMapM)) {
+    Fail("the mapping frame", p_c, "where coordinates lie within 1e6 m of its origin");
+  }
+  return p_c;
+}
+
+Eigen::Vector3d PointCrs::FromMap(const Eigen::Vector3d& p_m) const {
+  switch (kind_) {
+    case Kind::kUtm: {
+      const Geodetic point = frame_.ToGeodetic(p_m);
+      double x_m = 0.0, y_m = 0.0;
+      GeographicLib::TransverseMercator::UTM().Forward(
+          central_meridian_deg_, point.lat_rad * kDegPerRad, point.lon_rad * kDegPerRad, x_m, y_m);
+      return {x_m + kFalseEastingM, y_m + false_northing_m_, point.h_m};
+    }
+    case Kind::kEcef:
+      return frame_.R_me().transpose() * (frame_.r0_m() + p_m);
+    case Kind::kMap:
+      break;
+  }
+  return p_m;
+}
+
+Eigen::Matrix3d PointCrs::J_c_m(const Eigen::Vector3d& p_m) const {
+  switch (kind_) {
+    case Kind::kUtm: {
+      const Geodetic point = frame_.ToGeodetic(p_m);
+      double x_m = 0.0, y_m = 0.0, convergence_deg = 0.0, scale = 0.0;
+      GeographicLib::TransverseMercator::UTM().Forward(
+          central_meridian_deg_, point.lat_rad * kDegPerRad, point.lon_rad * kDegPerRad, x_m, y_m,
+          convergence_deg, scale);
+      const double c = std::cos(convergence_deg * kRadPerDeg);
+      const double s = std::sin(convergence_deg * kRadPerDeg);
+      Eigen::Matrix3d J_c_enu;
+      J_c_enu << scale * c, -scale * s, 0.0, scale * s, scale * c, 0.0, 0.0, 0.0, 1.0;
+      return J_c_enu * frame_.R_m_enu(p_m).transpose();
+    }
+    case Kind::kEcef:
+      return frame_.R_me().transpose();
+    case Kind::kMap:
+      break;
+  }
+  return Eigen::Matrix3d::Identity();
+}
+
+}  // namespace dn

@@ -1,0 +1,69 @@
+#include <dn/error.h>
+#include <dn/flight/accuracy_files.h>
+
+#include <cctype>
+#include <string>
+#include <system_error>
+#include <vector>
+
+namespace dn {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCovarianceName = "trajectory_covariance.txt";
+constexpr const char* kSigmaName = "trajectory_sigma.txt";
+
+std::string Lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// POSPac's smrmsg in a folder: of "sbet_<name>.out" it is "smrmsg_<name>.out", else the only one.
+std::optional<fs::path> FindSmrmsg(const fs::path& trajectory) {
+  std::string partner = Lower(trajectory.filename().string());
+  const std::size_t at = partner.find("sbet");
+  if (at != std::string::npos) partner.replace(at, 4, "smrmsg");
+  std::vector<fs::path> found;
+  std::error_code none;
+  const fs::path folder = trajectory.has_parent_path() ? trajectory.parent_path() : fs::path(".");
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, none)) {
+    const std::string name = Lower(entry.path().filename().string());
+    if (entry.path().extension() != ".out" || name.find("smrmsg") == std::string::npos) continue;
+    if (name == partner) return entry.path();
+    found.push_back(entry.path());
+  }
+  if (found.size() > 1) {
+    throw InvalidInput("several files named smrmsg lie beside the trajectory " +
+                           trajectory.string() + "; name the one that belongs to it with the key " +
+                           "trajectory.sigma_file",
+                       FileLocation{folder.string(), 0, 0});
+  }
+  return found.empty() ? std::nullopt : std::optional(found.front());
+}
+
+std::optional<fs::path> IfThere(const fs::path& file) {
+  std::error_code none;
+  return fs::is_regular_file(file, none) ? std::optional(file) : std::nullopt;
+}
+
+}  // namespace
+
+AccuracyFiles FindAccuracyFiles(const FlightConfig& flight) {
+  const TrajectoryConfig& config = *flight.trajectory;
+  AccuracyFiles files;
+  if (!config.sigma_file.empty()) {
+    files.named = true;
+    const fs::path file = flight.folder / config.sigma_file;
+    const bool joint = file.filename().string().find("covariance") != std::string::npos;
+    (joint ? files.covariance : files.series) = file;
+    return files;
+  }
+  const fs::path trajectory = flight.folder / config.file;
+  files.covariance = IfThere(fs::path(trajectory).replace_filename(kCovarianceName));
+  files.series = IfThere(fs::path(trajectory).replace_filename(kSigmaName));
+  if (!files.series) files.series = FindSmrmsg(trajectory);
+  return files;
+}
+
+}  // namespace dn

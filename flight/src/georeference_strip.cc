@@ -1,0 +1,216 @@
+#include <dn/error.h>
+#include <dn/flight/georeference_strip.h>
+#include <dn/geo/week_seconds.h>
+#include <dn/lidar/point_covariance.h>
+#include <dn/parallel.h>
+#include <dn/rotation.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "pair_coverage.h"
+
+namespace dn {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using internal::CoveredTime;
+
+constexpr std::size_t kPointsPerTask = 2048;
+
+/// A trajectory in the mapping frame, and the time that it covers.
+struct Path {
+  Path(const Trajectory& trajectory, const LocalFrame& frame)
+      : poses(trajectory.InMap(frame)), covered(internal::Cover(trajectory)) {}
+
+  MapPose At(double t_s) const { return InterpolatePose(poses, internal::AlignWeek(t_s, covered)); }
+
+  std::vector<MapPose> poses;
+  CoveredTime covered;
+};
+
+enum class Fate { kKept, kBefore, kAfter, kInGap, kOutsideMaker, kOutsideSpan };
+constexpr std::array<const char*, 6> kReasons{"",
+                                              "before the trajectory",
+                                              "after the trajectory",
+                                              "in trajectory gaps",
+                                              "outside the trajectory of the points",
+                                              "outside time span"};
+
+Fate FateBy(const CoveredTime& covered, double t_s) {
+  const double aligned_s = internal::AlignWeek(t_s, covered);
+  if (aligned_s < covered.t_begin_s) return Fate::kBefore;
+  if (aligned_s > covered.t_end_s) return Fate::kAfter;
+  return covered.HoleAt(aligned_s) != nullptr ? Fate::kInGap : Fate::kKept;
+}
+
+}  // namespace
+
+struct StripGeoreferencer::Setup {
+  Setup(GeoreferenceOptions given, const LocalFrame& map, const PointCrs& points)
+      : options(std::move(given)), frame(map), crs(points), path(options.trajectory, frame) {
+    if (options.made_by) other_maker.emplace(*options.made_by, frame);
+    if (const auto& given_span = options.time_span_s) {
+      span.t_begin_s = given_span->x();
+      span.t_end_s = given_span->y();
+    }
+    options.trajectory = Trajectory();  // its poses are kept
+    options.made_by.reset();
+  }
+
+  const Path& maker() const { return other_maker ? *other_maker : path; }
+
+  Fate FateOf(double t_s, bool own_vectors) const {
+    if (!span.InSpan(internal::AlignWeek(t_s, span))) return Fate::kOutsideSpan;
+    const Fate fate = FateBy(path.covered, t_s);
+    if (fate != Fate::kKept || own_vectors || !other_maker) return fate;
+    return FateBy(other_maker->covered, t_s) == Fate::kKept ? Fate::kKept : Fate::kOutsideMaker;
+  }
+
+  Matrix3d CovarianceInMap(const MapPose& pose, const Vector3d& u_s) const {
+    const StripErrors& errors = *options.errors;
+    EpochAccuracy accuracy{pose.t_s, errors.sigma_ned_m, errors.sigma_rph_rad};
+    if (errors.series) accuracy = errors.series->At(pose.t_s);
+    const Matrix3d R_mn = frame.R_mn(pose.p_mb);
+    const Matrix3d E = BodyFromEulerRates(pose.q_mb.conjugate() * R_mn.col(2));
+    PointErrors point;
+    point.position_m2 = R_mn * accuracy.sigma_ned_m.cwiseAbs2().asDiagonal() * R_mn.transpose();
+    point.attitude_rad2 = E * accuracy.sigma_rph_rad.cwiseAbs2().asDiagonal() * E.transpose();
+    point.boresight_rad2 = errors.boresight_rad2;
+    point.sigma_range_m = errors.sigma_range_m;
+    point.sigma_beam_rad = errors.sigma_beam_rad;
+    return PointCovariance(pose, options.mounting, u_s, point);
+  }
+
+  GeoreferenceOptions options;
+  LocalFrame frame;
+  PointCrs crs;
+  CoveredTime span;  ///< of the points that are wanted
+  Path path;
+  std::optional<Path> other_maker;
+};
+
+/// One strip on its way from file to file.
+class StripGeoreferencer::Work {
+ public:
+  Work(const Setup& setup, const fs::path& in) : setup_(setup), in_(in), reader_(OpenStrip(in)) {
+    if (!reader_->has_time()) {
+      throw InvalidInput(
+          "the points have no GPS time, so their poses are unknown; export the strip with GPS time "
+          "(LAS point format 1, 3 or 6 and more)",
+          Where());
+    }
+    result_.own_vectors = reader_->has_vectors();
+    result_.t_begin_s = std::numeric_limits<double>::infinity();
+    result_.t_end_s = -result_.t_begin_s;
+  }
+
+  GeoreferencedStrip Run(const fs::path& out, const std::function<void(std::uint64_t)>& progress) {
+    const auto writer = reader_->MakeWriter(out, setup_.options.errors.has_value());
+    for (StripCloud points; reader_->Next(&points);) {
+      Renew(&points);
+      writer->Append(points);
+      progress(result_.points);
+    }
+    ExpectPoints();
+    result_.shift_rms_m = std::sqrt(shift2_m2_ / static_cast<double>(result_.kept));
+    writer->Finish();
+    return result_;
+  }
+
+ private:
+  FileLocation Where() const { return {in_.string()}; }
+
+  void Renew(StripCloud* points) {
+    const std::size_t n = points->size();
+    fates_.assign(n, Fate::kKept);
+    shifts_m_.assign(n, 0.0);
+    if (setup_.options.errors) points->covariance_c_m2.resize(n);
+    ParallelForChunks(n, kPointsPerTask, setup_.options.threads,
+                      [&](std::size_t, std::size_t first, std::size_t past) {
+                        for (std::size_t i = first; i < past; ++i) RenewPoint(i, points);
+                      });
+    Count(*points);
+    std::vector<bool> drop(n);
+    for (std::size_t i = 0; i < n; ++i) drop[i] = fates_[i] != Fate::kKept;
+    points->Drop(drop);
+  }
+
+  void RenewPoint(std::size_t i, StripCloud* points) {
+    fates_[i] = setup_.FateOf(points->t_s[i], result_.own_vectors);
+    if (fates_[i] != Fate::kKept) return;
+    try {
+      const Vector3d old_m = setup_.crs.ToMap(points->p_c[i]);
+      const MapPose pose = setup_.path.At(points->t_s[i]);
+      const Vector3d u_s = result_.own_vectors ? points->u_s[i]
+                                               : LaserVectorTo(setup_.maker().At(points->t_s[i]),
+                                                               setup_.options.made_with, old_m);
+      const Vector3d p_m = Georeference(pose, setup_.options.mounting, u_s);
+      points->p_c[i] = setup_.crs.FromMap(p_m);
+      shifts_m_[i] = (p_m - old_m).norm();
+      if (!setup_.options.errors) return;
+      const Matrix3d J = setup_.crs.J_c_m(p_m);
+      points->covariance_c_m2[i] = J * setup_.CovarianceInMap(pose, u_s) * J.transpose();
+    } catch (const InvalidInput& e) {
+      if (!e.where().file.empty()) throw;
+      throw InvalidInput("point " + std::to_string(result_.points + i + 1) + ": " + e.what(),
+                         Where());
+    }
+  }
+
+  void Count(const StripCloud& points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      result_.t_begin_s = std::min(result_.t_begin_s, points.t_s[i]);
+      result_.t_end_s = std::max(result_.t_end_s, points.t_s[i]);
+      if (fates_[i] != Fate::kKept) {
+        ++result_.dropped[kReasons[static_cast<std::size_t>(fates_[i])]];
+        continue;
+      }
+      ++result_.kept;
+      shift2_m2_ += shifts_m_[i] * shifts_m_[i];
+      result_.shift_max_m = std::max(result_.shift_max_m, shifts_m_[i]);
+    }
+    result_.points += points.size();
+  }
+
+  void ExpectPoints() const {
+    if (result_.points == 0) throw InvalidInput("the strip has no points", Where());
+    if (result_.kept > 0) return;
+    const CoveredTime& covered = setup_.path.covered;
+    const std::string unit = TimeUnitHint(result_.t_begin_s, covered.t_begin_s, covered.t_end_s);
+    throw InvalidInput(
+        "no point can be georeferenced, all lie " + result_.dropped.begin()->first +
+            ": the strip covers " + internal::SpanText(result_.t_begin_s, result_.t_end_s) +
+            ", the trajectory " + internal::SpanText(covered.t_begin_s, covered.t_end_s) +
+            (unit.empty() ? "; is the kind of GPS time in the file right?" : unit),
+        Where());
+  }
+
+  const Setup& setup_;
+  fs::path in_;
+  std::unique_ptr<StripReader> reader_;
+  GeoreferencedStrip result_;
+  double shift2_m2_ = 0.0;
+  std::vector<Fate> fates_;
+  std::vector<double> shifts_m_;
+};
+
+StripGeoreferencer::StripGeoreferencer(GeoreferenceOptions options, const LocalFrame& frame,
+                                       const PointCrs& crs)
+    : setup_(std::make_unique<const Setup>(std::move(options), frame, crs)) {}
+
+StripGeoreferencer::~StripGeoreferencer() = default;
+
+GeoreferencedStrip StripGeoreferencer::Run(
+    const fs::path& in, const fs::path& out,
+    const std::function<void(std::uint64_t)>& progress) const {
+  return Work(*setup_, in).Run(out, progress);
+}
+
+}  // namespace dn

@@ -1,0 +1,66 @@
+#include <dn/error.h>
+#include <dn/flight/strip_files.h>
+
+#include <algorithm>
+#include <cctype>
+#include <system_error>
+
+namespace dn {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsStripName(const fs::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending == ".las" || ending == ".laz" || ending == ".txt";
+}
+
+std::string NameOf(const StripCrs& said) {
+  const std::string code = said.epsg ? "EPSG:" + std::to_string(*said.epsg) : "";
+  return code.empty() ? "'" + said.text + "'" : code;
+}
+
+}  // namespace
+
+std::vector<fs::path> FindStripFiles(const fs::path& flight_folder) {
+  std::vector<fs::path> files;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(flight_folder / "strips", none)) {
+    const bool hidden = entry.path().filename().string().starts_with('.');
+    if (!hidden && IsStripName(entry.path())) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
+                          const fs::path& file) {
+  const FileLocation where{file.string()};
+  if (strips_crs == "none") return {};
+  if (!said.name.empty() && said.name != strips_crs) {
+    throw InvalidConfig("the points are in " + NameOf(said) +
+                            ", but strips_crs of flight.yaml is " + strips_crs +
+                            "; write strips_crs: " + said.name,
+                        where);
+  }
+  if (said.name.empty() && said.epsg && strips_crs == "map") {
+    throw InvalidConfig(
+        "the points are in " + NameOf(said) +
+            ", but strips_crs of flight.yaml is map; convert them to UTM or ECEF on "
+            "WGS84, and write strips_crs: utm:ZONEn or ecef",
+        where);
+  }
+  if (said.heights_from_geoid) {
+    return "the heights of " + file.filename().string() +
+           " are from a vertical datum, by its header; they are taken as ellipsoidal";
+  }
+  if (said.name.empty() && said.epsg) {
+    return "the points of " + file.filename().string() + " are in " + NameOf(said) +
+           ", by its header; they are taken as " + strips_crs;
+  }
+  return {};
+}
+
+}  // namespace dn

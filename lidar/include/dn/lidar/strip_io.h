@@ -1,0 +1,70 @@
+#pragma once
+
+#include <dn/lidar/strip_cloud.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace dn {
+
+/// What a file says of the coordinate system of its points.
+struct StripCrs {
+  std::optional<int> epsg;  ///< of the horizontal, or three-dimensional, system
+  std::string text;         ///< its name or well-known text; empty: nothing is said
+  std::string name;         ///< as strips_crs of flight.yaml calls it: utm:32n, ecef; else empty
+  bool heights_from_geoid = false;  ///< a vertical system is named: heights are not ellipsoidal
+};
+
+/// Writes points to a file that appears complete or not at all.
+class StripWriter {
+ public:
+  virtual ~StripWriter() = default;
+
+  /// Points of the reader that this writer was made by, changed or fewer. Throws InvalidInput,
+  /// naming the point, when one cannot be represented; std::filesystem::filesystem_error when the
+  /// file cannot be written.
+  virtual void Append(const StripCloud& points) = 0;
+
+  /// Completes the file and gives it its name. Last call.
+  virtual void Finish() = 0;
+};
+
+/// Reads the points of a strip in chunks of at most 65536: memory does not grow with the file.
+class StripReader {
+ public:
+  virtual ~StripReader() = default;
+
+  /// The next points in place of what `chunk` holds; false after the last. Throws InvalidInput
+  /// naming the file and the record or line.
+  virtual bool Next(StripCloud* chunk) = 0;
+
+  virtual bool has_time() const = 0;
+  virtual bool has_vectors() const = 0;  ///< laser vectors
+  virtual const StripCrs& crs() const = 0;
+  /// Points of the file, where its header says so.
+  virtual std::optional<std::uint64_t> points() const = 0;
+
+  /// A writer of a file of the same format, version, coordinate system and further content.
+  /// with_covariance: every point gets columns (text) or extra bytes (LAS) for its covariance_c_m2.
+  virtual std::unique_ptr<StripWriter> MakeWriter(const std::filesystem::path& file,
+                                                  bool with_covariance) const = 0;
+};
+
+/// Opens a strip by the end of its name:
+///
+///   .las    ASPRS LAS 1.2 to 1.4, point formats 0 to 10, with extra bytes. GPS time of both kinds
+///           ("adjusted standard" is converted to seconds of week, counted from the begin of the
+///           week of the first point). Laser vectors are extra bytes named ux, uy, uz [m]. The
+///           coordinate system is read from GeoTIFF keys and well-known text.
+///   .txt    LiMatch text: t, x, y, z, ux, uy, uz, optionally the covariance of x, y, z in m^2
+///           (upper triangle xx, xy, xz, yy, yz, zz)
+///
+/// Throws InvalidInput, naming the file and what to do, for LAZ, another ending, a header that
+/// contradicts itself, its records or the size of the file, coordinates that are not in metres, a
+/// time that is no second of week, a laser vector that is shorter than 1 mm or longer than 50 km.
+std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file);
+
+}  // namespace dn

@@ -1,0 +1,296 @@
+#include "las_file.h"
+
+#include <dn/geo/little_endian.h>
+#include <dn/geo/read_file.h>
+#include <dn/geo/text_table.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+namespace dn::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uintmax_t kMostLasBytes = std::uintmax_t{1} << 42;
+constexpr std::uint64_t kMostHeadBytes = std::uint64_t{64} << 20;
+constexpr std::uint64_t kMostWktBytes = std::uint64_t{1} << 20;
+constexpr double kMostScaleM = 1e3;
+constexpr double kMostOffsetM = 1e9;
+
+// Of point formats 0 to 10.
+constexpr std::array<std::size_t, 11> kFormatBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+
+std::string Bytes(std::uint64_t count) { return std::to_string(count) + " bytes"; }
+
+/// Reads the header, its variable length records and what follows the points.
+class LasFileReader {
+ public:
+  explicit LasFileReader(const fs::path& path) : where_{path.string()} { las_.path = path; }
+
+  LasFile Read() {
+    ExpectRegularFile(las_.path, kMostLasBytes);
+    las_.file_bytes = fs::file_size(las_.path);
+    in_.open(las_.path, std::ios::binary);
+    if (!in_) throw InvalidInput("file cannot be opened for reading", where_);
+    ReadHead();
+    ReadLayout();
+    ReadCounts();
+    ReadGrid();
+    ReadVlrs();
+    ReadTail();
+    ReadCrs();
+    return std::move(las_);
+  }
+
+ private:
+  [[noreturn]] void Fail(const std::string& what) const {
+    throw InvalidInput("LAS header: " + what, where_);
+  }
+
+  template <class T>
+  T Number(std::size_t at) const {
+    return LoadLittleEndian<T>(las_.head.data() + at);
+  }
+
+  std::string ReadBytes(std::uint64_t at, std::uint64_t count) {
+    std::string bytes(count, '\0');
+    in_.clear();
+    in_.seekg(static_cast<std::streamoff>(at));
+    in_.read(bytes.data(), static_cast<std::streamsize>(count));
+    if (static_cast<std::uint64_t>(in_.gcount()) != count) {
+      throw InvalidInput("file cannot be read at byte " + std::to_string(at), where_);
+    }
+    return bytes;
+  }
+
+  std::size_t LeastHeaderBytes() const {
+    return las_.minor == 2 ? 227 : las_.minor == 3 ? 235 : 375;
+  }
+
+  void ReadHead() {
+    constexpr std::uint64_t kThroughOffset = 105;
+    if (las_.file_bytes < kThroughOffset) {
+      throw InvalidInput("file has " + Bytes(las_.file_bytes) + ", a LAS header at least 227",
+                         where_);
+    }
+    las_.head = ReadBytes(0, kThroughOffset);
+    if (!las_.head.starts_with("LASF")) {
+      throw InvalidInput("this is no LAS file: it does not begin with LASF", where_);
+    }
+    const int major = Number<std::uint8_t>(las::kVersionAt);
+    las_.minor = Number<std::uint8_t>(las::kVersionAt + 1);
+    if (major != 1 || las_.minor < 2 || las_.minor > 4) {
+      Fail("version " + std::to_string(major) + "." + std::to_string(las_.minor) +
+           " (byte 24) is not read; convert the file to LAS 1.4");
+    }
+    const auto points_begin = Number<std::uint32_t>(las::kPointsAt);
+    las_.header_bytes = Number<std::uint16_t>(las::kHeaderBytesAt);
+    if (las_.header_bytes < LeastHeaderBytes()) {
+      Fail("its size (byte 94) is " + std::to_string(las_.header_bytes) + ", of version 1." +
+           std::to_string(las_.minor) + " at least " + std::to_string(LeastHeaderBytes()));
+    }
+    if (points_begin < las_.header_bytes || points_begin > las_.file_bytes) {
+      Fail("the points begin (byte 96) at byte " + std::to_string(points_begin) +
+           ", which must lie behind the header of " + Bytes(las_.header_bytes) +
+           " and within the file of " + Bytes(las_.file_bytes));
+    }
+    if (points_begin > kMostHeadBytes) {
+      Fail("the points begin (byte 96) at byte " + std::to_string(points_begin) + ", at most " +
+           std::to_string(kMostHeadBytes) + " are read; remove needless records");
+    }
+    las_.head = ReadBytes(0, points_begin);
+  }
+
+  void ReadLayout() {
+    const auto format = Number<std::uint8_t>(las::kFormatAt);
+    if ((format & 0xC0) != 0) FailCompressed();
+    const int most = las_.minor == 2 ? 3 : las_.minor == 3 ? 5 : 10;
+    if (format > most) {
+      Fail("point format " + std::to_string(format) + " (byte 104) is none of 0 to " +
+           std::to_string(most) + ", which version 1." + std::to_string(las_.minor) + " has");
+    }
+    las_.format = format;
+    las_.record_bytes = Number<std::uint16_t>(las::kRecordBytesAt);
+    if (las_.record_bytes < kFormatBytes[format]) {
+      Fail("a record has " + Bytes(las_.record_bytes) + " (byte 105), of point format " +
+           std::to_string(format) + " at least " + std::to_string(kFormatBytes[format]));
+    }
+    const bool extended = format >= 6;
+    las_.source_at = extended ? 20 : 18;
+    if (extended) {
+      las_.time_at = 22;
+    } else if (format != 0 && format != 2) {
+      las_.time_at = 20;
+    }
+    las_.adjusted_time = (Number<std::uint16_t>(las::kEncodingAt) & 1) != 0;
+    las_.described_bytes = kFormatBytes[format];
+  }
+
+  [[noreturn]] void FailCompressed() const {
+    throw InvalidInput(
+        "the points are compressed (LAZ), which is not read; unpack the file, with `laszip -i "
+        "strip.laz -o strip.las` or `pdal translate strip.laz strip.las`",
+        where_);
+  }
+
+  void ReadCounts() {
+    const auto legacy = Number<std::uint32_t>(las::kLegacyCountAt);
+    las_.points = las_.minor < 4 ? legacy : Number<std::uint64_t>(las::kCountAt);
+    if (las_.minor == 4 && legacy != 0 && legacy != las_.points) {
+      Fail("it gives two numbers of points, " + std::to_string(las_.points) + " (byte 247) and " +
+           std::to_string(legacy) + " (byte 107); repair it");
+    }
+    const std::uint64_t room = las_.file_bytes - las_.points_begin();
+    if (las_.points > room / las_.record_bytes) {
+      Fail(std::to_string(las_.points) + " points of " + Bytes(las_.record_bytes) +
+           " are promised from byte " + std::to_string(las_.points_begin()) +
+           " on, but the file ends after " + std::to_string(room / las_.record_bytes) +
+           " of them (" + Bytes(las_.file_bytes) +
+           "): it is truncated, or the header is wrong; copy it again, or repair it");
+    }
+  }
+
+  /// A number of the header that must be finite.
+  double Real(const char* what, std::size_t at) const {
+    const auto value = Number<double>(at);
+    if (!std::isfinite(value)) {
+      Fail(std::string(what) + " (byte " + std::to_string(at) + ") is no finite number");
+    }
+    return value;
+  }
+
+  void ReadGrid() {
+    for (int i = 0; i < 3; ++i) {
+      const std::size_t scale_at = las::kScaleAt + static_cast<std::size_t>(8 * i);
+      const std::size_t offset_at = las::kOffsetAt + static_cast<std::size_t>(8 * i);
+      las_.scale[i] = Real("scale factor", scale_at);
+      las_.offset[i] = Real("offset", offset_at);
+      if (!(las_.scale[i] > 0.0 && las_.scale[i] <= kMostScaleM)) {
+        Fail("scale factor " + FormatDouble(las_.scale[i]) + " (byte " + std::to_string(scale_at) +
+             ") must be positive and at most 1000 m");
+      }
+      if (std::abs(las_.offset[i]) > kMostOffsetM) {
+        Fail("offset " + FormatDouble(las_.offset[i]) + " (byte " + std::to_string(offset_at) +
+             ") must lie within -1e9 and 1e9 m");
+      }
+    }
+  }
+
+  static std::string TextOf(std::string_view bytes) {
+    return std::string(bytes.substr(0, bytes.find('\0')));
+  }
+
+  void ReadVlrs() {
+    const auto count = Number<std::uint32_t>(las::kVlrCountAt);
+    std::size_t at = las_.header_bytes;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::size_t room = las_.head.size() - at;
+      const std::string name = "variable length record " + std::to_string(i + 1) + " of " +
+                               std::to_string(count) + " (byte 100), at byte " + std::to_string(at);
+      if (room < las::kVlrHeaderBytes) Fail(name + ", reaches into the points");
+      Vlr vlr{TextOf(std::string_view(las_.head).substr(at + 2, 16)),
+              Number<std::uint16_t>(at + 18), at, Number<std::uint16_t>(at + 20)};
+      if (room - las::kVlrHeaderBytes < vlr.bytes) {
+        Fail(name + ", has " + Bytes(vlr.bytes) + " of content and so reaches into the points");
+      }
+      if (vlr.user == "laszip encoded") FailCompressed();
+      at += las::kVlrHeaderBytes + vlr.bytes;
+      if (vlr.user == "LASF_Spec" && vlr.id == las::kExtraBytesId) ReadExtraBytes(vlr);
+      las_.vlrs.push_back(std::move(vlr));
+    }
+  }
+
+  void ReadExtraBytes(const Vlr& vlr) {
+    las_.extra =
+        ParseExtraBytes(las_.Content(vlr), kFormatBytes[static_cast<std::size_t>(las_.format)],
+                        las_.record_bytes, where_);
+    if (!las_.extra.empty()) las_.described_bytes = las_.extra.back().at + las_.extra.back().bytes;
+  }
+
+  // What follows the points.
+  void ReadTail() {
+    std::uint64_t tail = las_.points_end();
+    if (las_.minor == 4 && Number<std::uint32_t>(las::kEvlrCountAt) > 0) {
+      ReadEvlrs();
+      return;
+    }
+    if (las_.minor >= 3) {
+      const auto waveform = Number<std::uint64_t>(las::kWaveformAt);
+      if (waveform != 0 && (waveform < tail || waveform > las_.file_bytes)) {
+        Fail("the waveforms begin (byte 227) at byte " + std::to_string(waveform) +
+             ", which must lie behind the points, at " + std::to_string(tail) +
+             ", and within the file of " + Bytes(las_.file_bytes));
+      }
+      if (waveform != 0) return;
+    }
+    if (las_.file_bytes - tail >= las_.record_bytes) {
+      Fail(Bytes(las_.file_bytes - tail) + " follow the " + std::to_string(las_.points) +
+           " points of which it knows: the number of points is wrong; repair it");
+    }
+  }
+
+  void ReadEvlrs() {
+    const auto count = Number<std::uint32_t>(las::kEvlrCountAt);
+    auto at = Number<std::uint64_t>(las::kEvlrAt);
+    if (at < las_.points_end()) {
+      Fail("the extended records begin (byte 235) at byte " + std::to_string(at) +
+           ", before the end of the points at byte " + std::to_string(las_.points_end()));
+    }
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::string name = "extended record " + std::to_string(i + 1) + " of " +
+                               std::to_string(count) + " (byte 243), at byte " + std::to_string(at);
+      if (at > las_.file_bytes || las_.file_bytes - at < las::kEvlrHeaderBytes) {
+        Fail(name + ", lies beyond the end of the file");
+      }
+      const std::string header = ReadBytes(at, las::kEvlrHeaderBytes);
+      const auto bytes = LoadLittleEndian<std::uint64_t>(header.data() + 20);
+      if (bytes > las_.file_bytes - at - las::kEvlrHeaderBytes) {
+        Fail(name + ", has " + Bytes(bytes) + " of content, beyond the end of the file");
+      }
+      const auto id = LoadLittleEndian<std::uint16_t>(header.data() + 18);
+      if (TextOf(header.substr(2, 16)) == "LASF_Projection" && id == kWktId &&
+          bytes <= kMostWktBytes) {
+        extended_wkt_ = ReadBytes(at + las::kEvlrHeaderBytes, bytes);
+      }
+      at += las::kEvlrHeaderBytes + bytes;
+    }
+  }
+
+  // Well-known text wins over GeoTIFF keys: where both are there, the keys are the older copy.
+  void ReadCrs() {
+    std::string_view directory, ascii, wkt = extended_wkt_;
+    for (const Vlr& vlr : las_.vlrs) {
+      if (vlr.user != "LASF_Projection") continue;
+      if (vlr.id == kGeoKeysId) directory = las_.Content(vlr);
+      if (vlr.id == kGeoAsciiId) ascii = las_.Content(vlr);
+      if (vlr.id == kWktId) wkt = las_.Content(vlr);
+    }
+    if (!wkt.empty()) {
+      las_.crs = ParseWkt(wkt.substr(0, wkt.find('\0')), where_);
+    } else if (!directory.empty()) {
+      las_.crs = ParseGeoTiff(directory, ascii, where_);
+    }
+  }
+
+  static constexpr std::uint16_t kGeoKeysId = 34735, kGeoAsciiId = 34737, kWktId = 2112;
+
+  FileLocation where_;
+  std::ifstream in_;
+  LasFile las_;
+  std::string extended_wkt_;
+};
+
+}  // namespace
+
+const ExtraDimension* LasFile::Find(std::string_view name) const {
+  const auto at = std::find_if(extra.begin(), extra.end(),
+                               [&](const ExtraDimension& each) { return each.name == name; });
+  return at == extra.end() ? nullptr : &*at;
+}
+
+LasFile ReadLasFile(const fs::path& file) { return LasFileReader(file).Read(); }
+
+}  // namespace dn::internal

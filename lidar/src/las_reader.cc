@@ -1,0 +1,116 @@
+#include "las_reader.h"
+
+#include <dn/geo/little_endian.h>
+#include <dn/geo/text_table.h>
+#include <dn/geo/week_seconds.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "chunk_points.h"
+#include "las_writer.h"
+#include "laser_vector.h"
+
+namespace dn::internal {
+namespace {
+
+// "Adjusted standard" GPS time counts from here, in seconds since 1980.
+constexpr double kAdjustedOriginS = 1e9;
+// Adjusted time of the year 2100.
+constexpr double kMostAdjustedS = 2.8e9;
+constexpr std::uint64_t kChunkBytes = std::uint64_t{8} << 20;
+
+std::string NameOfPoint(std::uint64_t index) { return "point " + std::to_string(index + 1); }
+
+}  // namespace
+
+LasReader::LasReader(const std::filesystem::path& file)
+    : las_(ReadLasFile(file)), in_(file, std::ios::binary) {
+  if (!in_) throw InvalidInput("file cannot be opened for reading", Where());
+  in_.seekg(static_cast<std::streamoff>(las_.points_begin()));
+  const std::array<const ExtraDimension*, 3> vector{las_.Find("ux"), las_.Find("uy"),
+                                                    las_.Find("uz")};
+  const auto is_number = [](const ExtraDimension* each) {
+    return each != nullptr && each->type >= 1 && each->type <= 10;
+  };
+  if (std::all_of(vector.begin(), vector.end(), is_number)) vector_ = vector;
+}
+
+bool LasReader::Next(StripCloud* chunk) {
+  chunk->Clear();
+  const std::uint64_t most =
+      std::clamp<std::uint64_t>(kChunkBytes / las_.record_bytes, 1, kChunkPoints);
+  const std::uint64_t count = std::min(most, las_.points - read_);
+  ReadRecords(count, chunk);
+  return count > 0;
+}
+
+void LasReader::ReadRecords(std::uint64_t count, StripCloud* chunk) {
+  chunk->record_bytes = las_.record_bytes;
+  chunk->records.resize(count * las_.record_bytes);
+  in_.read(chunk->records.data(), static_cast<std::streamsize>(chunk->records.size()));
+  if (static_cast<std::size_t>(in_.gcount()) != chunk->records.size()) {
+    throw InvalidInput("file ends at " + NameOfPoint(read_) + " of " + std::to_string(las_.points),
+                       Where());
+  }
+  for (std::uint64_t i = 0; i < count; ++i, ++read_) {
+    Decode(read_, chunk->records.data() + i * las_.record_bytes, chunk);
+  }
+}
+
+void LasReader::Decode(std::uint64_t index, const char* record, StripCloud* chunk) {
+  Eigen::Vector3d p_c;
+  for (int i = 0; i < 3; ++i) {
+    p_c[i] = LoadLittleEndian<std::int32_t>(record + 4 * i) * las_.scale[i] + las_.offset[i];
+  }
+  chunk->p_c.push_back(p_c);
+  chunk->intensity.push_back(LoadLittleEndian<std::uint16_t>(record + las::kIntensityAt));
+  chunk->source.push_back(LoadLittleEndian<std::uint16_t>(record + las_.source_at));
+  if (las_.time_at) chunk->t_s.push_back(Time(index, record));
+  if (!has_vectors()) return;
+  const Eigen::Vector3d u_s(ValueOf(*vector_[0], record), ValueOf(*vector_[1], record),
+                            ValueOf(*vector_[2], record));
+  try {
+    CheckLaserVector(u_s, Where());
+  } catch (const InvalidInput& e) {
+    throw InvalidInput(NameOfPoint(index) + ": " + e.what(), Where());
+  }
+  chunk->u_s.push_back(u_s);
+}
+
+double LasReader::Time(std::uint64_t index, const char* record) {
+  const auto tag_s = LoadLittleEndian<double>(record + *las_.time_at);
+  if (!std::isfinite(tag_s)) {
+    throw InvalidInput("GPS time of " + NameOfPoint(index) + " is no finite number", Where());
+  }
+  const auto error = [&](const std::string& why) {
+    return InvalidInput("GPS time " + FormatDouble(tag_s) + " of " + NameOfPoint(index) + why,
+                        Where());
+  };
+  if (las_.adjusted_time && std::abs(tag_s) > kMostAdjustedS) {
+    throw error(
+        ", which the header calls adjusted standard (bit 0 of byte 6), is no time since 1980 less "
+        "1e9 s");
+  }
+  if (!time_origin_s_) {
+    const double week = std::floor((tag_s + kAdjustedOriginS) / kWeekS);
+    time_origin_s_ = las_.adjusted_time ? week * kWeekS - kAdjustedOriginS : 0.0;
+  }
+  const double t_s = tag_s - *time_origin_s_;
+  if (IsSecondsOfWeek(t_s)) return t_s;
+  if (las_.adjusted_time) {
+    throw error(" is more than a week from that of the first point, " +
+                FormatDouble(*time_origin_s_) +
+                " s being the begin of its week; split the file by weeks");
+  }
+  throw error(
+      ", which the header calls seconds of week (bit 0 of byte 6), is none; if it is adjusted "
+      "standard time, set the bit");
+}
+
+std::unique_ptr<StripWriter> LasReader::MakeWriter(const std::filesystem::path& file,
+                                                   bool with_covariance) const {
+  return std::make_unique<LasWriter>(file, las_, with_covariance);
+}
+
+}  // namespace dn::internal

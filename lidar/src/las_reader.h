@@ -1,0 +1,39 @@
+#pragma once
+
+#include <dn/lidar/strip_io.h>
+
+#include <array>
+#include <fstream>
+
+#include "las_file.h"
+
+namespace dn::internal {
+
+/// The points of a LAS file.
+class LasReader final : public StripReader {
+ public:
+  explicit LasReader(const std::filesystem::path& file);
+
+  bool Next(StripCloud* chunk) override;
+  bool has_time() const override { return las_.time_at.has_value(); }
+  bool has_vectors() const override { return vector_[0] != nullptr; }
+  const StripCrs& crs() const override { return las_.crs; }
+  std::optional<std::uint64_t> points() const override { return las_.points; }
+  std::unique_ptr<StripWriter> MakeWriter(const std::filesystem::path& file,
+                                          bool with_covariance) const override;
+
+ private:
+  void ReadRecords(std::uint64_t count, StripCloud* chunk);
+  void Decode(std::uint64_t index, const char* record, StripCloud* chunk);
+  double Time(std::uint64_t index, const char* record);
+  FileLocation Where() const { return {las_.path.string()}; }
+
+  LasFile las_;
+  std::array<const ExtraDimension*, 3> vector_{};  ///< ux, uy, uz
+  std::ifstream in_;
+  std::uint64_t read_ = 0;
+  /// GPS time of the file minus seconds of week: of whole weeks, so that no bit is lost.
+  std::optional<double> time_origin_s_;
+};
+
+}  // namespace dn::internal

@@ -1,0 +1,225 @@
+#include "las_writer.h"
+
+#include <dn/geo/little_endian.h>
+#include <dn/geo/text_table.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+namespace dn::internal {
+namespace {
+
+constexpr int kFloat = 9;
+constexpr std::size_t kFloatBytes = 4;
+constexpr std::size_t kCopyBytes = std::size_t{1} << 20;
+constexpr std::size_t kMostWord = std::numeric_limits<std::uint16_t>::max();
+constexpr const char* kSoftware = "dn";
+constexpr std::size_t kSoftwareBytes = 32;
+
+// As PDAL's filters.als_tpu names them; row and column of the covariance.
+struct CovarianceElement {
+  const char* name;
+  int row, column;
+};
+constexpr std::array<CovarianceElement, 6> kElements{{{"VarianceX", 0, 0},
+                                                      {"VarianceY", 1, 1},
+                                                      {"VarianceZ", 2, 2},
+                                                      {"CovarianceXY", 0, 1},
+                                                      {"CovarianceXZ", 0, 2},
+                                                      {"CovarianceYZ", 1, 2}}};
+
+std::string Descriptor(int type, std::size_t options, const std::string& name,
+                       const std::string& description) {
+  constexpr std::size_t kDescriptionAt = 160;
+  std::string bytes(las::kDescriptorBytes, '\0');
+  bytes[2] = static_cast<char>(type);
+  bytes[3] = static_cast<char>(options);
+  name.copy(bytes.data() + 4, 32);
+  description.copy(bytes.data() + kDescriptionAt, 32);
+  return bytes;
+}
+
+/// Descriptors for bytes of a record that nothing describes: behind them there is room for more.
+std::string DescribeRest(std::size_t bytes) {
+  constexpr std::size_t kMostBytes = 255;
+  std::string descriptors;
+  for (; bytes > 0; bytes -= std::min(bytes, kMostBytes)) {
+    descriptors += Descriptor(0, std::min(bytes, kMostBytes), "undocumented", "");
+  }
+  return descriptors;
+}
+
+const Vlr* FindExtraBytes(const LasFile& las) {
+  for (const Vlr& vlr : las.vlrs) {
+    if (vlr.user == "LASF_Spec" && vlr.id == las::kExtraBytesId) return &vlr;
+  }
+  return nullptr;
+}
+
+std::string NewExtraBytesVlr(std::size_t bytes) {
+  std::string header(las::kVlrHeaderBytes, '\0');
+  std::memcpy(header.data() + 2, "LASF_Spec", 9);
+  StoreLittleEndian(las::kExtraBytesId, header.data() + 18);
+  StoreLittleEndian(static_cast<std::uint16_t>(bytes), header.data() + 20);
+  std::memcpy(header.data() + 22, "Extra Bytes", 11);
+  return header;
+}
+
+[[noreturn]] void FailFull(const LasFile& las) {
+  throw InvalidInput("a record has no room for the covariance of its point",
+                     FileLocation{las.path.string()});
+}
+
+/// Adds descriptors to the record of the extra bytes, which is made if there is none.
+void InsertDescriptors(const LasFile& las, const std::string& descriptors, std::string* head) {
+  if (const Vlr* vlr = FindExtraBytes(las)) {
+    const std::size_t bytes = vlr->bytes + descriptors.size();
+    if (bytes > kMostWord) FailFull(las);
+    StoreLittleEndian(static_cast<std::uint16_t>(bytes), head->data() + vlr->at + 20);
+    head->insert(vlr->at + las::kVlrHeaderBytes + vlr->bytes, descriptors);
+    return;
+  }
+  const std::size_t end = las.vlrs.empty()
+                              ? las.header_bytes
+                              : las.vlrs.back().at + las::kVlrHeaderBytes + las.vlrs.back().bytes;
+  head->insert(end, NewExtraBytesVlr(descriptors.size()) + descriptors);
+  StoreLittleEndian(static_cast<std::uint32_t>(las.vlrs.size() + 1),
+                    head->data() + las::kVlrCountAt);
+}
+
+/// Places of the six numbers in a record; adds those that the file does not have yet.
+std::array<std::size_t, 6> PlaceCovariance(const LasFile& las, std::string* head,
+                                           std::size_t* record_bytes) {
+  std::array<std::size_t, 6> at{};
+  std::string descriptors;
+  for (std::size_t k = 0; k < kElements.size(); ++k) {
+    const ExtraDimension* there = las.Find(kElements[k].name);
+    if (there != nullptr && there->type == kFloat && there->scale == 1.0 && there->offset == 0.0) {
+      at[k] = there->at;
+      continue;
+    }
+    if (there != nullptr) {
+      throw InvalidInput(std::string("the extra bytes ") + kElements[k].name +
+                             " are there already, and no float; rename or remove them",
+                         FileLocation{las.path.string()});
+    }
+    if (descriptors.empty()) descriptors = DescribeRest(*record_bytes - las.described_bytes);
+    descriptors += Descriptor(kFloat, 0, kElements[k].name, "of the coordinates, m^2");
+    at[k] = *record_bytes;
+    *record_bytes += kFloatBytes;
+  }
+  if (*record_bytes > kMostWord) FailFull(las);
+  if (!descriptors.empty()) InsertDescriptors(las, descriptors, head);
+  return at;
+}
+
+}  // namespace
+
+LasWriter::LasWriter(const std::filesystem::path& file, LasFile las, bool with_covariance)
+    : las_(std::move(las)), head_(las_.head), record_bytes_(las_.record_bytes), file_(file) {
+  if (with_covariance) covariance_at_ = PlaceCovariance(las_, &head_, &record_bytes_);
+  min_.setConstant(std::numeric_limits<double>::infinity());
+  max_ = -min_;
+  std::fill_n(head_.begin() + las::kSoftwareAt, kSoftwareBytes, '\0');
+  std::memcpy(head_.data() + las::kSoftwareAt, kSoftware, std::strlen(kSoftware));
+  Store(las::kPointsAt, static_cast<std::uint32_t>(head_.size()));
+  Store(las::kRecordBytesAt, static_cast<std::uint16_t>(record_bytes_));
+  file_.Append(head_);
+}
+
+void LasWriter::Append(const StripCloud& points) {
+  buffer_.clear();
+  buffer_.reserve(points.size() * record_bytes_);
+  for (std::size_t i = 0; i < points.size(); ++i) AppendRecord(points, i);
+  file_.Append(buffer_);
+}
+
+void LasWriter::AppendRecord(const StripCloud& points, std::size_t i) {
+  const std::size_t begin = buffer_.size();
+  buffer_.append(points.records, i * points.record_bytes, points.record_bytes);
+  buffer_.resize(begin + record_bytes_);
+  char* record = buffer_.data() + begin;
+  StorePosition(points.p_c[i], record);
+  if (covariance_at_) {
+    for (std::size_t k = 0; k < kElements.size(); ++k) {
+      const Eigen::Matrix3d& C = points.covariance_c_m2[i];
+      StoreLittleEndian(static_cast<float>(C(kElements[k].row, kElements[k].column)),
+                        record + (*covariance_at_)[k]);
+    }
+  }
+  const int mask = las_.format >= 6 ? 15 : 7;
+  const auto number = static_cast<std::size_t>(record[las::kReturnAt] & mask);
+  if (number > 0) ++returns_[number - 1];
+  ++written_;
+}
+
+void LasWriter::StorePosition(const Eigen::Vector3d& p_c, char* record) {
+  for (int i = 0; i < 3; ++i) {
+    const double steps = std::round((p_c[i] - las_.offset[i]) / las_.scale[i]);
+    if (!(std::abs(steps) <= std::numeric_limits<std::int32_t>::max())) {
+      throw InvalidInput("coordinate " + FormatDouble(p_c[i]) + " m of a new point lies outside " +
+                             "what the scale factor " + FormatDouble(las_.scale[i]) +
+                             " and the offset " + FormatDouble(las_.offset[i]) +
+                             " of the file can hold; give the file a larger scale factor",
+                         FileLocation{las_.path.string()});
+    }
+    StoreLittleEndian(static_cast<std::int32_t>(steps), record + 4 * i);
+    const double stored = steps * las_.scale[i] + las_.offset[i];
+    min_[i] = std::min(min_[i], stored);
+    max_[i] = std::max(max_[i], stored);
+  }
+}
+
+void LasWriter::CopyTail() {
+  std::ifstream in(las_.path, std::ios::binary);
+  in.seekg(static_cast<std::streamoff>(las_.points_end()));
+  std::string bytes;
+  for (std::uint64_t left = las_.file_bytes - las_.points_end(); left > 0; left -= bytes.size()) {
+    bytes.resize(std::min<std::uint64_t>(left, kCopyBytes));
+    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (static_cast<std::size_t>(in.gcount()) != bytes.size()) {
+      throw InvalidInput("file cannot be read behind its points", FileLocation{las_.path.string()});
+    }
+    file_.Append(bytes);
+  }
+}
+
+void LasWriter::StoreCounts() {
+  const bool legacy = las_.format < 6 && written_ <= std::numeric_limits<std::uint32_t>::max();
+  Store(las::kLegacyCountAt, static_cast<std::uint32_t>(legacy ? written_ : 0));
+  for (std::size_t k = 0; k < las::kLegacyReturns; ++k) {
+    Store(las::kLegacyReturnsAt + 4 * k, static_cast<std::uint32_t>(legacy ? returns_[k] : 0));
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    Store(las::kBoundsAt + 16 * i, written_ > 0 ? max_[axis] : 0.0);
+    Store(las::kBoundsAt + 16 * i + 8, written_ > 0 ? min_[axis] : 0.0);
+  }
+  if (las_.minor < 4) return;
+  Store(las::kCountAt, written_);
+  for (std::size_t k = 0; k < las::kReturns; ++k) Store(las::kReturnsAt + 8 * k, returns_[k]);
+}
+
+/// Where the waveforms and the extended records begin now.
+void LasWriter::MoveTail() {
+  const std::uint64_t end = head_.size() + written_ * record_bytes_;
+  const auto move = [&](std::size_t at) {
+    const auto begin = LoadLittleEndian<std::uint64_t>(head_.data() + at);
+    if (begin >= las_.points_end()) Store(at, begin - las_.points_end() + end);
+  };
+  if (las_.minor >= 3) move(las::kWaveformAt);
+  if (las_.minor >= 4) move(las::kEvlrAt);
+}
+
+void LasWriter::Finish() {
+  CopyTail();
+  StoreCounts();
+  MoveTail();
+  file_.Overwrite(0, head_);
+  file_.Publish();
+}
+
+}  // namespace dn::internal

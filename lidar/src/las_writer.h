@@ -1,0 +1,47 @@
+#pragma once
+
+#include <dn/geo/file_writer.h>
+#include <dn/geo/little_endian.h>
+#include <dn/lidar/strip_io.h>
+
+#include <array>
+
+#include "las_file.h"
+
+namespace dn::internal {
+
+/// Writes points into a copy of a LAS file: header, records and what follows the points are kept,
+/// except for what the points themselves change. Coordinates are rounded to the grid of the file.
+class LasWriter final : public StripWriter {
+ public:
+  /// with_covariance: six floats more per point, the extra bytes VarianceX, VarianceY, VarianceZ,
+  /// CovarianceXY, CovarianceXZ, CovarianceYZ (m^2).
+  LasWriter(const std::filesystem::path& file, LasFile las, bool with_covariance);
+
+  void Append(const StripCloud& points) override;
+  void Finish() override;
+
+ private:
+  void AppendRecord(const StripCloud& points, std::size_t i);
+  void StorePosition(const Eigen::Vector3d& p_c, char* record);
+  void CopyTail();
+  void StoreCounts();
+  void MoveTail();
+
+  template <class T>
+  void Store(std::size_t at, T value) {
+    StoreLittleEndian(value, head_.data() + at);
+  }
+
+  LasFile las_;
+  std::string head_;  ///< of the new file
+  std::size_t record_bytes_ = 0;
+  std::optional<std::array<std::size_t, 6>> covariance_at_;
+  FileWriter file_;
+  std::string buffer_;
+  std::uint64_t written_ = 0;
+  std::array<std::uint64_t, las::kReturns> returns_{};
+  Eigen::Vector3d min_, max_;
+};
+
+}  // namespace dn::internal

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+namespace dn::internal {
+
+/// Appends numbers to a row of a text file, separated by ", ".
+void AppendNumbers(const double* values, Eigen::Index count, std::string& line);
+
+/// Symmetric matrix from its upper triangle xx, xy, xz, yy, yz, zz, and back to a row.
+Eigen::Matrix3d FromUpperTriangle(const double* c);
+void AppendUpperTriangle(const Eigen::Matrix3d& M, std::string& line);
+
+}  // namespace dn::internal

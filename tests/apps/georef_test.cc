@@ -1,0 +1,169 @@
+#include <dn/flight/flight.h>
+#include <dn/geo/text_table.h>
+#include <dn/lidar/strip_io.h>
+#include <dn/report/json.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "damaged_flight.h"
+#include "testing/las_bytes.h"
+
+namespace dn::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr int kPoints = 50;
+constexpr double kGridM = 1e-4;
+
+/// The short flight with point clouds of its first line as the true boresight makes them.
+class FlightWithStrips : public DamagedFlight {
+ public:
+  FlightWithStrips() {
+    fs::rename(path() / "reference.out", path() / "trajectory.out");
+    FlightConfig config = ReadFlightConfig(path());
+    truth_ = config.lidar->mounting;
+    truth_.boresight_rad = Eigen::Vector3d(0.2, 0.03, 0.35) * kRadPerDeg;
+    const Flight flight = ReadFlight(config, {.trajectory = true});
+    poses_ = flight.trajectory->InMap(flight.frame);
+    Write("strips/1.txt", Text());
+    Write("strips/2.las", Las(config.lidar->mounting));
+  }
+
+  static double Epoch(int i) { return 381250.0 + 0.3 * i; }
+  static Eigen::Vector3d Beam(int i) { return {200.0, 0.5, 90.0 * std::sin(i)}; }
+  Eigen::Vector3d Truth(int i) const {
+    return Georeference(InterpolatePose(poses_, Epoch(i)), truth_, Beam(i));
+  }
+
+ private:
+  std::string Text() const {
+    std::string text;
+    for (int i = 0; i < kPoints; ++i) {
+      const Eigen::Vector3d u_s = Beam(i);
+      text += FormatDouble(Epoch(i)) + ", 0, 0, 0, " + FormatDouble(u_s.x()) + ", " +
+              FormatDouble(u_s.y()) + ", " + FormatDouble(u_s.z()) + "\n";
+    }
+    return text;
+  }
+
+  /// As they were made without knowing the boresight.
+  std::string Las(const Mounting& assumed) const {
+    LasBytes las;
+    las.scale = kGridM;
+    for (int i = 0; i < kPoints; ++i) {
+      const Eigen::Vector3d p_m =
+          Georeference(InterpolatePose(poses_, Epoch(i)), assumed, Beam(i)) / kGridM;
+      las.points.push_back({static_cast<std::int32_t>(std::lround(p_m.x())),
+                            static_cast<std::int32_t>(std::lround(p_m.y())),
+                            static_cast<std::int32_t>(std::lround(p_m.z())), Epoch(i), 5, 1, 1,
+                            ""});
+    }
+    return las.Build();
+  }
+
+  Mounting truth_;
+  std::vector<MapPose> poses_;
+};
+
+StripCloud ReadAll(const fs::path& file) {
+  StripCloud points;
+  EXPECT_TRUE(OpenStrip(file)->Next(&points));
+  return points;
+}
+
+TEST(CliGeoref, TheBoresightPutsThePointsWhereTheyAre) {
+  const FlightWithStrips flight;
+  const ProgramRun run = flight.Run("georef", {"--boresight", "0.2,0.03,0.35"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* name : {"1.txt", "2.las"}) {
+    const StripCloud points = ReadAll(flight.out() / "strips" / name);
+    ASSERT_EQ(points.size(), static_cast<std::size_t>(kPoints)) << name;
+    for (int i = 0; i < kPoints; ++i) {
+      EXPECT_LT((points.p_c[static_cast<std::size_t>(i)] - flight.Truth(i)).norm(), 3 * kGridM);
+    }
+  }
+  EXPECT_THAT(NamesIn(flight.out()),
+              ElementsAre("config.resolved.yaml", "georef.json", "report.json", "strips"));
+  const Json json = Json::parse(ContentOf(flight.out() / "georef.json"));
+  EXPECT_EQ(json["schema"], "dn.georef/1");
+  EXPECT_NEAR(json["boresight_deg"][2], 0.35, 1e-12);
+  EXPECT_EQ(json["boresight_before_deg"][2], 0.0);
+  EXPECT_EQ(json["strips"][0]["laser_vectors"], "file");
+  EXPECT_EQ(json["strips"][1]["laser_vectors"], "trajectory");
+  EXPECT_EQ(json["strips"][1]["kept"], kPoints);
+  EXPECT_GT(json["strips"][1]["shift_rms_m"], 0.5);
+  const Json report = Json::parse(ContentOf(flight.out() / "report.json"));
+  EXPECT_EQ(report["counts"]["points kept"], 2 * kPoints);
+  EXPECT_THAT(run.err, HasSubstr("dn georef: strip 2.las\n"));
+}
+
+TEST(CliGeoref, AResultBringsItsBoresightAndItsCovariance) {
+  const FlightWithStrips flight;
+  const std::string result = (CalibrateResult() / "result.json").string();
+  const ProgramRun run = flight.Run("georef", {"--result", result, "--covariance"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(ContentOf(flight.out() / "georef.json"));
+  EXPECT_NEAR(json["boresight_deg"][0], 0.2, 0.05);
+  EXPECT_EQ(json["covariance"]["boresight"], result);
+  const StripCloud points = ReadAll(flight.out() / "strips/1.txt");
+  ASSERT_FALSE(points.covariance_c_m2.empty());
+  // The range alone has 0.02 m along the beam, all together no metre.
+  EXPECT_GT(points.covariance_c_m2[0].trace(), 0.02 * 0.02);
+  EXPECT_LT(points.covariance_c_m2[0].trace(), 1.0);
+  EXPECT_EQ(ReadAll(flight.out() / "strips/2.las").record_bytes, 28u + 24u);
+}
+
+TEST(CliGeoref, AnotherTrajectoryMovesThePoints) {
+  const FlightWithStrips flight;
+  const std::string smoothed = (SmoothResult() / "trajectory.out").string();
+  const ProgramRun run = flight.Run("georef", {"--trajectory", smoothed});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json json = Json::parse(ContentOf(flight.out() / "georef.json"));
+  EXPECT_EQ(json["trajectory"], smoothed);
+  EXPECT_GT(json["strips"][1]["shift_rms_m"], 1e-4);
+  EXPECT_LT(json["strips"][1]["shift_rms_m"], 0.3);
+}
+
+void ExpectFailure(const ProgramRun& run, int exit_code, const std::string& what) {
+  EXPECT_EQ(run.exit_code, exit_code) << run.err;
+  EXPECT_THAT(run.err, HasSubstr(what));
+}
+
+TEST(CliGeoref, WhatIsMissingIsNamed) {
+  const FlightWithStrips flight;
+  for (const char* angles : {"1,2", "1,2,3,4", "a,b,c", "nan,0,0", "0,0,181"}) {
+    ExpectFailure(flight.Run("georef", {"--boresight", angles}), 2, "must be roll,pitch,yaw");
+  }
+  flight.Write("no.json", "{}");
+  ExpectFailure(flight.Run("georef", {"--result", (flight.path() / "no.json").string()}), 1,
+                "no result of `dn calibrate`");
+  fs::rename(flight.path() / "strips", flight.path() / "clouds");
+  ExpectFailure(flight.Run("georef"), 1, "the flight has no strips");
+  fs::rename(flight.path() / "clouds", flight.path() / "strips");
+  fs::remove(flight.path() / "trajectory.out");
+  ExpectFailure(flight.Run("georef"), 1, "the flight has no trajectory; make one with `dn smooth");
+  EXPECT_EQ(NamesIn(flight.out()), std::vector<std::string>{"report.json"});
+}
+
+TEST(CliGeoref, OneBadStripLeavesNoResult) {
+  const FlightWithStrips flight;
+  std::string laz = flight.Read("strips/2.las");
+  laz[104] = static_cast<char>(0x81);
+  flight.Write("strips/3.laz", laz);
+  ExpectFailure(flight.Run("georef"), 1, "compressed (LAZ)");
+  EXPECT_EQ(NamesIn(flight.out()), std::vector<std::string>{"report.json"});
+}
+
+TEST(CliGeoref, StripsWithoutASystemAreNotForIt) {
+  const FlightWithStrips flight;
+  flight.Write("flight.yaml", flight.Read("flight.yaml") + "strips_crs: none\n");
+  ExpectFailure(flight.Run("georef"), 2, "strips_crs is none");
+}
+
+}  // namespace
+}  // namespace dn::testing

@@ -1,0 +1,335 @@
+#include <dn/geo/read_file.h>
+#include <dn/lidar/strip_io.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "testing/expect_invalid.h"
+#include "testing/las_bytes.h"
+#include "testing/temp_file.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using testing::ExpectInvalidIn;
+using testing::ExtraBytesRecord;
+using testing::LasBytes;
+using testing::LasPoint;
+using testing::LasRecord;
+using testing::TempFile;
+namespace fs = std::filesystem;
+
+LasBytes ThreePoints() {
+  LasBytes las;
+  las.offset[0] = 400000.0;
+  las.offset[1] = 5e6;
+  las.points = {{1000, -2000, 3000, 381000.125, 7, 41, 1, ""},
+                {1001, -2001, 3001, 381000.250, 8, 41, 2, ""},
+                {1002, -2002, 3002, 381000.375, 9, 42, 5, ""}};
+  return las;
+}
+
+StripCloud ReadAll(const fs::path& file) {
+  const auto reader = OpenStrip(file);
+  StripCloud points;
+  EXPECT_TRUE(reader->Next(&points));
+  StripCloud more;
+  EXPECT_FALSE(reader->Next(&more));
+  return points;
+}
+
+/// Writes what a file holds to another; returns the bytes.
+std::string WrittenAgain(const TempFile& file, bool with_covariance = false,
+                         const std::vector<bool>& drop = {}) {
+  const fs::path copy = file.path().parent_path() / "copy.las";
+  const auto reader = OpenStrip(file.path());
+  const auto writer = reader->MakeWriter(copy, with_covariance);
+  for (StripCloud points; reader->Next(&points);) {
+    if (!drop.empty()) points.Drop(drop);
+    if (with_covariance) {
+      points.covariance_c_m2.assign(points.size(), Vector3d(1.0, 4.0, 9.0).asDiagonal());
+      for (Matrix3d& C : points.covariance_c_m2) C(0, 1) = C(1, 0) = 0.5;
+    }
+    writer->Append(points);
+  }
+  writer->Finish();
+  return ReadWholeFile(copy);
+}
+
+struct VersionAndFormat {
+  int minor, format;
+};
+
+class EveryLasFormat : public ::testing::TestWithParam<VersionAndFormat> {};
+
+TEST_P(EveryLasFormat, IsReadAndWrittenAgainByteByByte) {
+  LasBytes las = ThreePoints();
+  las.minor = GetParam().minor;
+  las.format = GetParam().format;
+  las.vlrs = {{"somebody", 7, "what nobody knows"}};
+  const TempFile file("strip.las", las.Build());
+  const StripCloud points = ReadAll(file.path());
+  ASSERT_EQ(points.size(), 3u);
+  EXPECT_LT((points.p_c[1] - Vector3d(400001.001, 4999997.999, 3.001)).norm(), 1e-9);
+  EXPECT_EQ(points.intensity, (std::vector<std::uint16_t>{7, 8, 9}));
+  EXPECT_EQ(points.source, (std::vector<std::uint16_t>{41, 41, 42}));
+  if (las.format == 0 || las.format == 2) {
+    EXPECT_TRUE(points.t_s.empty());
+  } else {
+    EXPECT_EQ(points.t_s, (std::vector<double>{381000.125, 381000.250, 381000.375}));
+  }
+  EXPECT_EQ(WrittenAgain(file), las.Build());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Las, EveryLasFormat,
+    ::testing::Values(VersionAndFormat{2, 0}, VersionAndFormat{2, 1}, VersionAndFormat{2, 2},
+                      VersionAndFormat{2, 3}, VersionAndFormat{3, 4}, VersionAndFormat{3, 5},
+                      VersionAndFormat{4, 1}, VersionAndFormat{4, 6}, VersionAndFormat{4, 7},
+                      VersionAndFormat{4, 8}, VersionAndFormat{4, 9}, VersionAndFormat{4, 10}),
+    [](const auto& test) {
+      return "v1" + std::to_string(test.param.minor) + "format" + std::to_string(test.param.format);
+    });
+
+TEST(Las, AdjustedTimeBecomesSecondsOfWeekWithoutLosingABit) {
+  LasBytes las = ThreePoints();
+  las.encoding = 1;
+  // Week 2234: 2234 x 604800 s less 1e9 s. The second point lies in the next week.
+  const double week_s = 2234.0 * 604800.0 - 1e9;
+  las.points[0].time_s = week_s + 604799.123456;
+  las.points[1].time_s = week_s + 604800.5;
+  las.points[2].time_s = week_s + 604799.0;
+  const TempFile file("strip.las", las.Build());
+  const StripCloud points = ReadAll(file.path());
+  EXPECT_EQ(points.t_s[0], las.points[0].time_s - week_s);
+  EXPECT_EQ(points.t_s[1], 604800.5);
+  EXPECT_EQ(points.t_s[2], 604799.0);
+  EXPECT_EQ(WrittenAgain(file), las.Build());
+}
+
+TEST(Las, ChunksHaveABound) {
+  LasBytes las;
+  las.points.resize(70000);
+  for (std::size_t i = 0; i < las.points.size(); ++i) {
+    las.points[i].x = static_cast<std::int32_t>(i);
+  }
+  const TempFile file("strip.las", las.Build());
+  const auto reader = OpenStrip(file.path());
+  EXPECT_EQ(reader->points(), 70000u);
+  StripCloud points;
+  ASSERT_TRUE(reader->Next(&points));
+  EXPECT_EQ(points.size(), 65536u);
+  ASSERT_TRUE(reader->Next(&points));
+  EXPECT_EQ(points.size(), 70000u - 65536u);
+  EXPECT_NEAR(points.p_c[0].x(), 65.536, 1e-12);
+  EXPECT_FALSE(reader->Next(&points));
+}
+
+TEST(Las, DroppedPointsLeaveCountsAndBounds) {
+  LasBytes las = ThreePoints();
+  las.minor = 4;
+  las.format = 6;
+  const TempFile file("strip.las", las.Build());
+  LasBytes expected = las;
+  expected.points.erase(expected.points.begin() + 1);
+  EXPECT_EQ(WrittenAgain(file, false, {false, true, false}), expected.Build());
+}
+
+TEST(Las, LaserVectorsAreExtraBytes) {
+  LasBytes las = ThreePoints();
+  las.vlrs = {ExtraBytesRecord({"ux", "uy", "uz"}, 10)};
+  las.extra_bytes = 24;
+  for (LasPoint& point : las.points) {
+    const double u_m[3] = {1.5, -2.5, 700.25};
+    point.extra.assign(reinterpret_cast<const char*>(u_m), sizeof u_m);
+  }
+  const TempFile file("strip.las", las.Build());
+  const auto reader = OpenStrip(file.path());
+  EXPECT_TRUE(reader->has_vectors());
+  EXPECT_EQ(ReadAll(file.path()).u_s[2], Vector3d(1.5, -2.5, 700.25));
+  las.points[1].extra = std::string(24, '\0');
+  const TempFile zero("strip.las", las.Build());
+  ExpectInvalidIn([&] { ReadAll(zero.path()); }, "point 2: laser vector of zero length",
+                  "strip.las");
+  const double nan = std::nan("");
+  std::memcpy(las.points[1].extra.data() + 8, &nan, sizeof nan);
+  const TempFile not_finite("strip.las", las.Build());
+  ExpectInvalidIn([&] { ReadAll(not_finite.path()); },
+                  "point 2: laser vector that is no finite number", "strip.las");
+}
+
+TEST(Las, CovarianceIsAddedBehindWhatIsThere) {
+  LasBytes las = ThreePoints();
+  las.vlrs = {{"somebody", 7, "what nobody knows"}, ExtraBytesRecord({"Reflectance"}, 9)};
+  las.extra_bytes = 6;  // two of them without a description
+  for (LasPoint& point : las.points) point.extra = "abcdef";
+  const TempFile file("strip.las", las.Build());
+  LasBytes expected = las;
+  expected.extra_bytes = 6 + 24;
+  std::string undocumented(192, '\0');
+  undocumented[3] = 2;
+  std::memcpy(undocumented.data() + 4, "undocumented", 12);
+  LasRecord described = ExtraBytesRecord(
+      {"VarianceX", "VarianceY", "VarianceZ", "CovarianceXY", "CovarianceXZ", "CovarianceYZ"}, 9);
+  for (std::size_t at = 160; at < described.content.size(); at += 192) {
+    std::memcpy(described.content.data() + at, "of the coordinates, m^2", 23);
+  }
+  expected.vlrs[1].content += undocumented + described.content;
+  const float values[6] = {1.0f, 4.0f, 9.0f, 0.5f, 0.0f, 0.0f};
+  for (LasPoint& point : expected.points) {
+    point.extra.append(reinterpret_cast<const char*>(values), sizeof values);
+  }
+  const std::string written = WrittenAgain(file, true);
+  EXPECT_EQ(written, expected.Build());
+  EXPECT_EQ(WrittenAgain(TempFile("strip.las", written), true), written);
+}
+
+TEST(Las, CovarianceMakesTheRecordOfExtraBytes) {
+  const TempFile file("strip.las", ThreePoints().Build());
+  const TempFile written("strip.las", WrittenAgain(file, true));
+  EXPECT_EQ(ReadAll(written.path()).record_bytes, 28u + 24u);
+  LasBytes other = ThreePoints();
+  other.vlrs = {ExtraBytesRecord({"VarianceY"}, 10)};
+  other.extra_bytes = 8;
+  const TempFile taken("strip.las", other.Build());
+  ExpectInvalidIn([&] { WrittenAgain(taken, true); }, "VarianceY are there already", "strip.las");
+}
+
+TEST(Las, WhatFollowsThePointsMovesWithTheirEnd) {
+  LasBytes las = ThreePoints();
+  las.minor = 4;
+  las.format = 6;
+  las.evlrs = {{"somebody", 1, "first"}, {"somebody", 2, "second"}};
+  const TempFile file("strip.las", las.Build());
+  LasBytes expected = las;
+  expected.points.pop_back();
+  EXPECT_EQ(WrittenAgain(file, false, {false, false, true}), expected.Build());
+}
+
+TEST(Las, WaveformsMoveWithTheEndOfThePoints) {
+  LasBytes las = ThreePoints();
+  las.minor = 3;
+  las.format = 4;
+  const auto with_waveforms = [](const LasBytes& points) {
+    std::string bytes = points.Build();
+    LasBytes::Put(static_cast<std::uint64_t>(bytes.size()), 227, &bytes);
+    return bytes + "waveforms";
+  };
+  const TempFile file("strip.las", with_waveforms(las));
+  LasBytes expected = las;
+  expected.points.pop_back();
+  EXPECT_EQ(WrittenAgain(file, false, {false, false, true}), with_waveforms(expected));
+}
+
+TEST(Las, ANewPointMustFitTheGridOfTheFile) {
+  const TempFile file("strip.las", ThreePoints().Build());
+  const auto reader = OpenStrip(file.path());
+  const auto writer = reader->MakeWriter(file.path().parent_path() / "copy.las", false);
+  StripCloud points;
+  reader->Next(&points);
+  points.p_c[0].y() += 3e6;
+  ExpectInvalidIn([&] { writer->Append(points); }, "give the file a larger scale factor",
+                  "strip.las");
+}
+
+void ExpectRefused(const std::string& bytes, const std::string& what,
+                   const std::string& name = "strip.las") {
+  const TempFile file(name, bytes);
+  ExpectInvalidIn(
+      [&] {
+        const auto reader = OpenStrip(file.path());
+        for (StripCloud points; reader->Next(&points);) {
+        }
+      },
+      what, name);
+}
+
+template <class T>
+void ExpectRefusedWith(const LasBytes& las, std::size_t at, T value, const std::string& what) {
+  std::string bytes = las.Build();
+  LasBytes::Put(value, at, &bytes);
+  ExpectRefused(bytes, what);
+}
+
+TEST(LasHeader, LiesAreNamed) {
+  LasBytes las = ThreePoints();
+  las.vlrs = {{"somebody", 7, "what nobody knows"}, ExtraBytesRecord({"Reflectance"}, 9)};
+  las.extra_bytes = 4;
+  const auto with = [&](std::size_t at, auto value, const std::string& what) {
+    SCOPED_TRACE("byte " + std::to_string(at));
+    ExpectRefusedWith(las, at, value, what);
+  };
+  ExpectRefused("", "0 bytes, a LAS header at least 227");
+  ExpectRefused(std::string(300, 'x'), "does not begin with LASF");
+  with(25, std::uint8_t{1}, "version 1.1 (byte 24) is not read");
+  with(24, std::uint8_t{2}, "version 2.2 (byte 24) is not read");
+  with(94, std::uint16_t{100}, "its size (byte 94) is 100");
+  with(94, std::uint16_t{60000}, "the points begin (byte 96)");
+  with(96, std::uint32_t{0}, "the points begin (byte 96) at byte 0");
+  with(96, std::uint32_t{4000000000u}, "the points begin (byte 96) at byte 4000000000");
+  with(100, std::uint32_t{3}, "variable length record 3 of 3 (byte 100)");
+  with(227 + 20, std::uint16_t{65535}, "variable length record 1 of 2");
+  with(104, std::uint8_t{6}, "point format 6 (byte 104) is none of 0 to 3");
+  with(104, std::uint8_t{129}, "compressed (LAZ)");
+  with(105, std::uint16_t{27}, "a record has 27 bytes (byte 105)");
+  with(105, std::uint16_t{30}, "the extra bytes that are described 32");
+  with(107, std::uint32_t{4}, "4 points of 32 bytes are promised");
+  with(107, std::uint32_t{4000000000u}, "4000000000 points");
+  with(107, std::uint32_t{1}, "64 bytes follow the 1 points");
+  with(131, 0.0, "scale factor 0 (byte 131)");
+  with(139, std::nan(""), "scale factor (byte 139) is no finite number");
+  with(147, -0.001, "scale factor -0.001 (byte 147)");
+  with(155, std::nan(""), "offset (byte 155) is no finite number");
+  with(163, 1e300, "offset 1e+300 (byte 163)");
+  const std::size_t descriptor = 227 + 54 + 17 + 54;
+  with(descriptor + 2, std::uint8_t{31}, "unknown type 31");
+  const std::size_t first = las.Build().size() - 3 * las.RecordBytes();
+  with(first + 20, std::nan(""), "GPS time of point 1 is no finite number");
+  with(first + 20, 3.5e8, "if it is adjusted standard time, set the bit");
+}
+
+TEST(LasHeader, LiesOfVersionFourAreNamed) {
+  LasBytes las = ThreePoints();
+  las.minor = 4;
+  las.format = 6;
+  las.encoding = 1;
+  for (LasPoint& point : las.points) point.time_s += 3.5e8;
+  las.evlrs = {{"somebody", 1, "first"}};
+  const std::size_t end = las.Build().size() - 60 - 5;
+  const auto with = [&](std::size_t at, auto value, const std::string& what) {
+    SCOPED_TRACE("byte " + std::to_string(at));
+    ExpectRefusedWith(las, at, value, what);
+  };
+  with(107, std::uint32_t{2}, "two numbers of points");
+  with(235, std::uint64_t{375}, "the extended records begin (byte 235) at byte 375");
+  with(235, ~std::uint64_t{0}, "extended record 1 of 1");
+  with(243, std::uint32_t{2}, "extended record 2 of 2");
+  with(end + 20, ~std::uint64_t{0}, "extended record 1 of 1");
+  with(247, ~std::uint64_t{0}, "points of 30 bytes are promised");
+  with(375 + 22, 1e10, "GPS time 1e+10 of point 1");
+  with(375 + 30 + 22, 1e9, "more than a week from that of the first point");
+  LasBytes waveforms = ThreePoints();
+  waveforms.minor = 3;
+  waveforms.format = 4;
+  ExpectRefusedWith(waveforms, 227, std::uint64_t{300}, "the waveforms begin (byte 227)");
+}
+
+TEST(LasHeader, LazIsRecognisedByItsRecord) {
+  LasBytes las = ThreePoints();
+  las.vlrs = {{"laszip encoded", 22204, "x"}};
+  ExpectRefused(las.Build(), "`laszip -i strip.laz -o strip.las`");
+  std::string laz = ThreePoints().Build();
+  laz[104] = static_cast<char>(0x81);
+  ExpectRefused(laz, "compressed (LAZ)", "strip.laz");
+}
+
+TEST(LasHeader, OtherFilesAreNoStrips) {
+  ExpectRefused("x", "strips are .las or .txt files, this ends in '.ply'", "strip.ply");
+}
+
+}  // namespace
+}  // namespace dn
