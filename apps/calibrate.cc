@@ -140,7 +140,7 @@ struct Methods {
 
 /// The configuration with the trajectory of the command line, if any.
 FlightConfig ReadConfig(const CalibrateOptions& options) {
-  FlightConfig config = ReadFlightConfig(options.flight);
+  FlightConfig config = ReadFlightConfig(options.flight, options.common.changes);
   if (!options.trajectory.empty()) {
     if (!config.trajectory) config.trajectory = TrajectoryConfig();
     config.trajectory->file = std::filesystem::absolute(options.trajectory).string();
@@ -258,8 +258,8 @@ void AddNetworkFiles(const NetworkRun& network, const std::string& result_name, 
   FillReport(flight_run, run);
 }
 
-void RunNetwork(const CalibrateOptions& options, Run& run) {
-  const NetworkRun network = CalibrateByNetwork(AdjustFlight(options.flight, true, &run));
+void RunNetwork(const FlightConfig& config, Run& run) {
+  const NetworkRun network = CalibrateByNetwork(AdjustFlight(config, true, &run));
   AddNetworkFiles(network, "result.json", &run);
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   FailUnlessReliable({&network.boresight});
@@ -328,7 +328,7 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
   } else if (methods.gh) {
     RunGaussHelmert(config, run);
   } else {
-    RunNetwork(options, run);
+    RunNetwork(config, run);
   }
 }
 
@@ -340,8 +340,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
                                           "Boresight (and what `estimate` names) from raw "
                                           "inertial, GNSS and lidar data (dn), or from a "
                                           "smoothed trajectory and lidar data (gh)");
-  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
-      ->required();
+  AddFlightOptions(app, &options->flight, &options->common);
   app->add_option(
          "--method", options->method,
          "dn: dynamic network; gh: Gauss-Helmert adjustment on a trajectory; all: both and "
@@ -354,7 +353,8 @@ void AddCalibrate(CLI::App* program, Action* action) {
       "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");
   app->callback([options, action] {
     *action = [options] {
-      options->common.inputs = FlightInputs(options->flight, options->trajectory);
+      options->common.inputs =
+          FlightInputs(options->flight, options->common.changes, options->trajectory);
       return Execute("calibrate", options->common, [&](Run& run) { Calibrate(*options, run); });
     };
   });

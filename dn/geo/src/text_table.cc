@@ -148,12 +148,13 @@ double ParseNumber(std::string_view text, const FileLocation& where) {
 }
 
 TextTable ReadTextTable(const std::filesystem::path& file,
-                        const std::vector<std::size_t>& allowed_columns, char comment) {
+                        const std::vector<std::size_t>& allowed_columns, char comment,
+                        std::size_t most_rows) {
   TextTable table;
   table.file = file;
   TableParser parser(table, allowed_columns, comment);
   LineReader lines(file);
-  for (std::string_view line; lines.Next(&line);) {
+  for (std::string_view line; table.rows() < most_rows && lines.Next(&line);) {
     if (lines.line() == 1 && line.starts_with(kByteOrderMark)) {
       line.remove_prefix(kByteOrderMark.size());
     }
@@ -163,7 +164,7 @@ TextTable ReadTextTable(const std::filesystem::path& file,
   return table;
 }
 
-long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep) {
+long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep, double time_offset_s) {
   using Verdict = internal::TimeContinuation::Verdict;
   internal::TimeContinuation times;
   long dropped = 0;
@@ -171,6 +172,7 @@ long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep) {
   keep.reserve(table.rows());
   for (std::size_t i = 0; i < table.rows(); ++i) {
     double* row = table.values.data() + i * table.columns;
+    row[0] -= time_offset_s;
     if (!IsSecondsOfWeek(row[0]))
       CheckSecondsOfWeek(row[0], {table.file.string(), table.lines[i], 1});
     switch (times.Next(row, table.columns)) {
