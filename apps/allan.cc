@@ -80,9 +80,10 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
     axis.curve = AllanVariance(values, imu.nominal_dt_s);
     axis.fit = FitNoise(axis.curve);
     if (!AtRest(values, imu.nominal_dt_s, gyro ? kRestGyroRadps : kRestAccelMps2)) {
-      warnings->push_back(
-          fmt::format("{} {}: the sensor was not at rest; the terms hold motion as well as noise",
-                      units.name, kAxes[i]));
+      throw InvalidInput(fmt::format(
+          "{} {}: the sensor was not at rest, and the terms would hold its motion as well as its "
+          "noise; cut out a part at rest",
+          units.name, kAxes[i]));
     }
     const double drift = DriftInSigmas(values, imu.nominal_dt_s, axis.fit);
     if (std::abs(drift) > kDriftSigmas) {
@@ -185,6 +186,11 @@ void PrintTable(const std::vector<Sensor>& sensors) {
   }
 }
 
+/// Whether a term is known to a half of itself.
+bool Determined(const std::optional<NoiseTerm>& term) {
+  return term && term->sigma <= 0.5 * term->value;
+}
+
 std::string SensorYaml(const Sensor& sensor) {
   const SensorUnits& u = sensor.units;
   const SensorNoise noise = sensor.fit.ToSensorNoise();
@@ -212,16 +218,21 @@ std::string SensorYaml(const Sensor& sensor) {
   text += comment("Gauss-Markov sigma", &NoiseFit::gauss_markov, u.rate_per_si);
   text += comment("Gauss-Markov tau", &NoiseFit::gauss_markov_tau_s, 1.0);
   text += comment("random walk", &NoiseFit::random_walk, u.rate_per_si * kSqrtSecondsPerHour);
-  text += noise.processes.empty() ? "    processes: []\n" : "    processes:\n";
+  std::string certain, uncertain;
   for (const BiasProcess& process : noise.processes) {
-    if (process.type == BiasProcess::Type::kGaussMarkov) {
-      text += fmt::format("      - {{type: gauss_markov, {}: {:.4g}, tau_s: {:.4g}}}\n",
-                          u.sigma_key, u.rate_per_si * process.sigma, process.tau_s);
-    } else {
-      text += fmt::format("      - {{type: random_walk, {}: {:.4g}}}\n", u.walk_key,
-                          u.rate_per_si * kSqrtSecondsPerHour * process.sigma);
-    }
+    const bool markov = process.type == BiasProcess::Type::kGaussMarkov;
+    const bool determined =
+        markov ? Determined(sensor.fit.gauss_markov) && Determined(sensor.fit.gauss_markov_tau_s)
+               : Determined(sensor.fit.random_walk);
+    const std::string line =
+        markov ? fmt::format("{{type: gauss_markov, {}: {:.4g}, tau_s: {:.4g}}}\n", u.sigma_key,
+                             u.rate_per_si * process.sigma, process.tau_s)
+               : fmt::format("{{type: random_walk, {}: {:.4g}}}\n", u.walk_key,
+                             u.rate_per_si * kSqrtSecondsPerHour * process.sigma);
+    (determined ? certain : uncertain) += (determined ? "      - " : "      # - ") + line;
   }
+  text += certain.empty() ? "    processes: []\n" : "    processes:\n" + certain;
+  if (!uncertain.empty()) text += "      # not determined by this record:\n" + uncertain;
   return text;
 }
 
@@ -276,6 +287,10 @@ std::vector<ImuGap> Holes(const ImuData& imu) {
 }
 
 void CheckRecord(const Options& options, const ImuData& imu) {
+  if (imu.uneven) {
+    throw InvalidInput("the rows are not evenly spaced; the Allan variance needs an even record",
+                       {options.file.string()});
+  }
   const double found_hz = 1.0 / imu.nominal_dt_s;
   if (std::abs(found_hz / options.rate_hz - 1.0) > kRateTolerance) {
     throw InvalidConfig(fmt::format(
@@ -296,7 +311,7 @@ void Allan(const Options& options, Run& run) {
   run.progress.Stage("reading " + options.file.string());
   ImuReadOptions read;
   read.format = options.format == "odyn" ? ImuFormat::kOdyn : ImuFormat::kIncrements;
-  read.body_is_flu = options.body == "FLU";
+  if (options.body == "FLU") read.R_imu_to_body.diagonal() << 1.0, -1.0, -1.0;
   const ImuData imu = ReadImu(options.file, read);
   CheckRecord(options, imu);
   std::vector<std::string> warnings;

@@ -243,8 +243,8 @@ void AddNetworkFiles(const NetworkRun& network, const std::string& suffix, Run* 
   FillReport(flight_run, run);
 }
 
-void RunNetwork(const CalibrateOptions& options, Run& run) {
-  const NetworkRun network = CalibrateByNetwork(AdjustFlight(options.flight, true, &run));
+void RunNetwork(const FlightConfig& config, Run& run) {
+  const NetworkRun network = CalibrateByNetwork(AdjustFlight(config, true, &run));
   AddNetworkFiles(network, "", &run);
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   FailUnlessReliable({&network.boresight});
@@ -312,7 +312,8 @@ void RunAll(const FlightConfig& config, Run& run) {
 }
 
 void Calibrate(const CalibrateOptions& options, Run& run) {
-  const FlightConfig config = WithTrajectory(ReadFlightConfig(options.flight), options.trajectory);
+  const FlightConfig config =
+      WithTrajectory(ReadFlightConfig(options.flight, options.common.changes), options.trajectory);
   const Methods methods = ChooseMethods(options, config);
   if (methods.gh) ExpectTrajectory(options, config);
   if (methods.dn && methods.gh) {
@@ -320,7 +321,7 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
   } else if (methods.gh) {
     RunGaussHelmert(config, run);
   } else {
-    RunNetwork(options, run);
+    RunNetwork(config, run);
   }
 }
 
@@ -332,8 +333,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
                                           "Boresight (and what `estimate` names) from raw "
                                           "inertial, GNSS and lidar data (dn), or from a "
                                           "smoothed trajectory and lidar data (gh)");
-  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
-      ->required();
+  AddFlightOptions(app, &options->flight, &options->common);
   app->add_option(
          "--method", options->method,
          "dn: dynamic network; gh: Gauss-Helmert adjustment on a trajectory; all: both and "
@@ -346,7 +346,8 @@ void AddCalibrate(CLI::App* program, Action* action) {
       "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");
   app->callback([options, action] {
     *action = [options] {
-      options->common.inputs = FlightInputs(options->flight, options->trajectory);
+      options->common.inputs =
+          FlightInputs(options->flight, options->common.changes, options->trajectory);
       return Execute("calibrate", options->common, [&](Run& run) { Calibrate(*options, run); });
     };
   });

@@ -1,25 +1,224 @@
 #include <dn/builder/flight_network.h>
+#include <dn/builder/flight_nodes.h>
+#include <dn/error.h>
 #include <dn/flight/flight.h>
 #include <dn/flight/strip_files.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <optional>
 
 #include "command.h"
+#include "data_hints.h"
+#include "shown_text.h"
+#include "strip_lines.h"
 
 namespace dn::apps {
 namespace {
+
+namespace fs = std::filesystem;
+
+// A logger that repeats fewer rows than this does so by chance, as a coarse sensor at rest does.
+constexpr double kRepeatedShare = 0.05;
+constexpr FlightNeeds kEverything{
+    .imu = true, .gnss = true, .pairs = true, .trajectory = true, .optional = true};
 
 struct Options {
   CommonOptions common;
   std::string flight;
 };
 
+/// What was read of a folder, and what could not be.
+struct Contents {
+  Flight flight;
+  std::vector<std::string> problems;
+  std::exception_ptr first_problem;
+};
+
+/// A flight with the parts that can be read, one after the other.
+class PartReader {
+ public:
+  explicit PartReader(const FlightConfig& config) : config_(config) {}
+
+  /// Adds a part where it can be read alone, and with the parts before it.
+  void Try(bool FlightNeeds::*part) {
+    FlightNeeds alone{.optional = true};
+    alone.*part = true;
+    FlightNeeds together = needs_;
+    together.*part = true;
+    if (Reads(alone) && Reads(together)) needs_ = together;
+  }
+
+  Contents Take() {
+    contents_.flight = ReadFlight(config_, needs_);
+    return std::move(contents_);
+  }
+
+ private:
+  bool Reads(const FlightNeeds& needs) {
+    try {
+      ReadFlight(config_, needs);
+      return true;
+    } catch (const InvalidInput& error) {
+      AddProblem(error);
+      return false;
+    }
+  }
+
+  void AddProblem(const InvalidInput& error) {
+    const std::string text = WithLocation(error);
+    if (std::find(contents_.problems.begin(), contents_.problems.end(), text) !=
+        contents_.problems.end()) {
+      return;
+    }
+    contents_.problems.push_back(text);
+    if (!contents_.first_problem) contents_.first_problem = std::current_exception();
+  }
+
+  const FlightConfig& config_;
+  FlightNeeds needs_{.optional = true};
+  Contents contents_;
+};
+
+Contents ReadContents(const FlightConfig& config) {
+  try {
+    return {ReadFlight(config, kEverything), {}, nullptr};
+  } catch (const InvalidInput&) {
+    PartReader reader(config);
+    for (const auto part :
+         {&FlightNeeds::imu, &FlightNeeds::gnss, &FlightNeeds::trajectory, &FlightNeeds::pairs}) {
+      reader.Try(part);
+    }
+    return reader.Take();
+  }
+}
+
+std::string Count(std::size_t n, const std::string& noun) {
+  return fmt::format("{} {}{}", n, noun, n == 1 ? "" : "s");
+}
+
+std::string GapsText(const ImuData& imu) {
+  std::string text = imu.gaps.empty() ? "no gap" : Count(imu.gaps.size(), "gap");
+  if (!imu.bridges.empty()) text += ", " + Count(imu.bridges.size(), "hole") + " bridged";
+  return text;
+}
+
+void SummariseImu(const Flight& flight, Json* json) {
+  const ImuData& imu = *flight.imu;
+  fmt::print("inertial data   {} epochs, {:.3f} .. {:.3f} s, {:.2f} Hz, {} {:.1f} ms, {}\n",
+             imu.samples.size(), imu.t_begin_s(), imu.t_end_s(), 1.0 / imu.nominal_dt_s,
+             imu.uneven ? "uneven, jitter up to" : "jitter up to", 1e3 * imu.max_jitter_s,
+             GapsText(imu));
+  const double repeated =
+      static_cast<double>(imu.repeated_values) / static_cast<double>(imu.samples.size());
+  if (repeated > kRepeatedShare) {
+    fmt::print(
+        "                {} rows ({:.0f} %) repeat the values of the row before: the sensor is "
+        "slower than its log, about {:.1f} Hz\n",
+        imu.repeated_values, 100.0 * repeated, (1.0 - repeated) / imu.nominal_dt_s);
+  }
+  (*json)["imu"] = {
+      {"epochs", imu.samples.size()}, {"t_begin_s", imu.t_begin_s()},
+      {"t_end_s", imu.t_end_s()},     {"rate_hz", 1.0 / imu.nominal_dt_s},
+      {"uneven", imu.uneven},         {"max_jitter_s", imu.max_jitter_s},
+      {"gaps", imu.gaps.size()},      {"rows_that_repeat_values", imu.repeated_values}};
+}
+
+/// Attitude of the axes against gravity and course, as data show them.
+void SummariseAxes(const BodyDirections& directions, Json* json) {
+  const Eigen::Vector3d& down = directions.down_b;
+  const double roll_deg = std::atan2(down.y(), down.z()) * kDegPerRad;
+  const double pitch_deg = -std::asin(std::clamp(down.x(), -1.0, 1.0)) * kDegPerRad;
+  std::string text =
+      fmt::format("mean roll {:.1f}, pitch {:.1f} deg by gravity", roll_deg, pitch_deg);
+  Json& axes = (*json)["imu"]["axes"] = {{"roll_deg", roll_deg}, {"pitch_deg", pitch_deg}};
+  if (directions.course_b) {
+    const Eigen::Vector3d& course = *directions.course_b;
+    const double heading_deg = std::atan2(-course.y(), course.x()) * kDegPerRad;
+    text += fmt::format("; heading {:.0f} deg from the course", heading_deg);
+    axes["heading_from_course_deg"] = heading_deg;
+  } else {
+    text += "; heading against course not shown";
+  }
+  fmt::print("                {}\n", text);
+}
+
+void SummariseGnss(const Flight& flight, Json* json) {
+  const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
+  double longest_s = 0.0;
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < epochs.size(); ++i) {
+    steps_s.push_back(epochs[i].t_s - epochs[i - 1].t_s);
+    longest_s = std::max(longest_s, steps_s.back());
+  }
+  const bool velocity = std::any_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
+    return UsesVelocity(epoch, *flight.config.gnss);
+  });
+  const double span_s = epochs.back().t_s - epochs.front().t_s;
+  const double rate_hz = span_s > 0.0 ? static_cast<double>(steps_s.size()) / span_s : 0.0;
+  fmt::print(
+      "GNSS data       {} epochs, {:.3f} .. {:.3f} s, {:.2f} Hz, longest hole {:.1f} s, velocity "
+      "{}\n",
+      epochs.size(), epochs.front().t_s, epochs.back().t_s, rate_hz, longest_s,
+      velocity ? "used" : "not used");
+  (*json)["gnss"] = {{"epochs", epochs.size()},
+                     {"t_begin_s", epochs.front().t_s},
+                     {"t_end_s", epochs.back().t_s},
+                     {"longest_hole_s", longest_s},
+                     {"velocity", velocity}};
+}
+
+void PrintLine(const StripLine& line) {
+  fmt::print("                strip {}: {:.1f} .. {:.1f} s", line.strip.name, line.strip.t0_s,
+             line.strip.t1_s);
+  if (line.known) {
+    fmt::print(", {:.0f} m, course {:.0f} deg, height {:.0f} m", line.length_m,
+               line.course_rad * kDegPerRad, line.height_m);
+  }
+  fmt::print("\n");
+}
+
+Json LineJson(const StripLine& line) {
+  Json json{{"name", line.strip.name}, {"t0_s", line.strip.t0_s}, {"t1_s", line.strip.t1_s}};
+  if (line.known) {
+    json["length_m"] = line.length_m;
+    json["course_deg"] = line.course_rad * kDegPerRad;
+    json["height_m"] = line.height_m;
+  }
+  return json;
+}
+
+void SummarisePairs(const Flight& flight, Json* json) {
+  const std::vector<StripInterval> strips = FindStrips(flight);
+  const std::vector<StripLine> lines = StripLines(flight, strips);
+  fmt::print("pairs           {} in {} files, {} strips\n", flight.pairs->pairs.size(),
+             flight.pairs->files.size(), strips.size());
+  Json list = Json::array(), between = Json::object();
+  for (const StripLine& line : lines) {
+    PrintLine(line);
+    list.push_back(LineJson(line));
+  }
+  for (const auto& [name, pairs] : PairsOfStrips(flight, strips)) {
+    fmt::print("                strips {}: {} pairs, in {} of 20 tenths of the two\n", name,
+               pairs.count, pairs.tenths);
+    between[name] = {{"count", pairs.count}, {"tenths", pairs.tenths}};
+  }
+  const std::string geometry = GeometryInWords(lines, MeanRange(flight.pairs->pairs));
+  if (!geometry.empty()) fmt::print("                {}\n", geometry);
+  (*json)["pairs"] = {{"count", flight.pairs->pairs.size()},
+                      {"files", flight.pairs->files.size()},
+                      {"strips", list},
+                      {"between", between},
+                      {"geometry", geometry}};
+}
+
 struct CommandVerdict {
   std::string command;
   bool possible = false;
-  std::string why;
+  std::string why;  ///< what it would do, or what is missing
 };
 
 std::string Missing(const std::vector<std::pair<std::string, bool>>& needs) {
@@ -30,77 +229,66 @@ std::string Missing(const std::vector<std::pair<std::string, bool>>& needs) {
   return missing;
 }
 
+std::string WhatSmoothDoes(const Flight& flight) {
+  return fmt::format("{} inertial and {} GNSS epochs into a trajectory with its sigmas",
+                     flight.imu->samples.size(), flight.gnss->epochs.size());
+}
+
+std::string WhatCalibrateDoes(const Flight& flight) {
+  std::vector<std::string> unknowns;
+  for (const EstimateEntry& entry : flight.config.estimate) unknowns.push_back(entry.unknown);
+  return fmt::format("{} from {} pairs, nodes at {:g} Hz in the strips", fmt::join(unknowns, ", "),
+                     flight.pairs->pairs.size(), NodeRateHz(flight, true));
+}
+
 std::vector<CommandVerdict> Verdicts(const Flight& flight, bool strips) {
   const bool imu = flight.imu.has_value();
   const bool gnss = flight.gnss.has_value();
   const bool pairs = flight.pairs && !flight.pairs->pairs.empty();
   std::vector<CommandVerdict> verdicts;
   const auto add = [&](const std::string& command,
-                       const std::vector<std::pair<std::string, bool>>& needs) {
+                       const std::vector<std::pair<std::string, bool>>& needs, const auto& does) {
     const std::string missing = Missing(needs);
-    verdicts.push_back({command, missing.empty(), missing});
+    verdicts.push_back({command, missing.empty(), missing.empty() ? does() : missing});
   };
-  add("smooth", {{"inertial data", imu}, {"GNSS data", gnss}});
-  add("calibrate --method dn", {{"inertial data", imu}, {"GNSS data", gnss}, {"pairs", pairs}});
+  add("smooth", {{"inertial data", imu}, {"GNSS data", gnss}},
+      [&] { return WhatSmoothDoes(flight); });
+  add("calibrate --method dn", {{"inertial data", imu}, {"GNSS data", gnss}, {"pairs", pairs}},
+      [&] { return WhatCalibrateDoes(flight); });
   add("calibrate --method gh",
       {{"a trajectory", flight.trajectory.has_value()},
        {"pairs", pairs},
-       {"pairs inside the trajectory", !flight.counts.contains("pairs outside the trajectory")}});
-  add("georef", {{"a trajectory", flight.trajectory.has_value()},
-                 {"the section 'lidar'", flight.config.lidar.has_value()},
-                 {"strips", strips},
-                 {"their system (strips_crs)", flight.config.strips_crs != "none"}});
+       {"pairs inside the trajectory", !flight.counts.contains("pairs outside the trajectory")}},
+      [&] {
+        return fmt::format("boresight from {} pairs on {}", flight.pairs->pairs.size(),
+                           flight.config.trajectory->file);
+      });
+  add("georef",
+      {{"a trajectory", flight.trajectory.has_value()},
+       {"the section 'lidar'", flight.config.lidar.has_value()},
+       {"strips", strips},
+       {"their system (strips_crs)", flight.config.strips_crs != "none"}},
+      [] { return std::string("the points of the strips by trajectory and boresight"); });
   return verdicts;
 }
 
-void SummariseImu(const Flight& flight, Json* json) {
-  const ImuData& imu = *flight.imu;
-  Eigen::Vector3d f = Eigen::Vector3d::Zero();
-  for (const ImuSample& sample : imu.samples) f += sample.f_b_mps2;
-  f /= static_cast<double>(imu.samples.size());
-  fmt::print(
-      "inertial data   {} epochs, {:.3f} .. {:.3f} s, {:.2f} Hz, jitter {:.1f} ms, {} gaps\n",
-      imu.samples.size(), imu.t_begin_s(), imu.t_end_s(), 1.0 / imu.nominal_dt_s,
-      1e3 * imu.max_jitter_s, imu.gaps.size());
-  fmt::print("                mean specific force ({:.2f}, {:.2f}, {:.2f}) m/s^2\n", f.x(), f.y(),
-             f.z());
-  (*json)["imu"] = {{"epochs", imu.samples.size()},     {"t_begin_s", imu.t_begin_s()},
-                    {"t_end_s", imu.t_end_s()},         {"rate_hz", 1.0 / imu.nominal_dt_s},
-                    {"max_jitter_s", imu.max_jitter_s}, {"gaps", imu.gaps.size()}};
+void PrintVerdicts(const Flight& flight, bool strips, Json* json) {
+  (*json)["commands"] = Json::object();
+  for (const CommandVerdict& verdict : Verdicts(flight, strips)) {
+    fmt::print("dn {:<22} {}{}\n", verdict.command, verdict.possible ? "possible: " : "",
+               verdict.why);
+    (*json)["commands"][verdict.command] = {{"possible", verdict.possible},
+                                            {"why", verdict.possible ? "" : verdict.why},
+                                            {"does", verdict.possible ? verdict.why : ""}};
+  }
 }
 
-void SummariseGnss(const Flight& flight, Json* json) {
-  const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
-  double longest_s = 0.0;
-  for (std::size_t i = 1; i < epochs.size(); ++i) {
-    longest_s = std::max(longest_s, epochs[i].t_s - epochs[i - 1].t_s);
+void PrintHints(const Flight& flight, const DataAgreement& agreement, Json* json) {
+  (*json)["hints"] = Json::array();
+  for (const DataHint& hint : DataHints(flight, agreement)) {
+    fmt::print("look at         {}\n", TextOf(hint));
+    (*json)["hints"].push_back({{"text", hint.text}, {"key", hint.key}, {"value", hint.value}});
   }
-  const bool velocity = std::any_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
-    return UsesVelocity(epoch, *flight.config.gnss);
-  });
-  fmt::print("GNSS data       {} epochs, {:.3f} .. {:.3f} s, longest hole {:.1f} s, velocity {}\n",
-             epochs.size(), epochs.front().t_s, epochs.back().t_s, longest_s,
-             velocity ? "used" : "not used");
-  (*json)["gnss"] = {{"epochs", epochs.size()},
-                     {"t_begin_s", epochs.front().t_s},
-                     {"t_end_s", epochs.back().t_s},
-                     {"longest_hole_s", longest_s},
-                     {"velocity", velocity}};
-}
-
-void SummarisePairs(const Flight& flight, Json* json) {
-  const std::vector<StripInterval> strips = FindStrips(flight);
-  fmt::print("pairs           {} in {} files, {} strips\n", flight.pairs->pairs.size(),
-             flight.pairs->files.size(), strips.size());
-  Json list = Json::array();
-  for (const StripInterval& strip : strips) {
-    fmt::print("                strip {}: {:.1f} .. {:.1f} s\n", strip.name, strip.t0_s,
-               strip.t1_s);
-    list.push_back({{"name", strip.name}, {"t0_s", strip.t0_s}, {"t1_s", strip.t1_s}});
-  }
-  (*json)["pairs"] = {{"count", flight.pairs->pairs.size()},
-                      {"files", flight.pairs->files.size()},
-                      {"strips", list}};
 }
 
 void SummariseStrips(const std::vector<std::filesystem::path>& files, const std::string& crs,
@@ -124,37 +312,43 @@ void SummariseStrips(const std::vector<std::filesystem::path>& files, const std:
   (*json)["strips"] = {{"crs", crs}, {"files", list}};
 }
 
-void Check(const Options& options, Run& run) {
-  FlightNeeds needs;
-  needs.imu = needs.gnss = needs.pairs = needs.trajectory = true;
-  needs.optional = true;
-  const Flight flight = ReadFlight(options.flight, needs);
+void Summarise(const Flight& flight, Json* json) {
   const Geodetic& origin = flight.frame.origin();
   fmt::print("flight          {}\norigin          {:.8f} deg, {:.8f} deg, {:.3f} m\n",
              flight.config.name, origin.lat_rad * kDegPerRad, origin.lon_rad * kDegPerRad,
              origin.h_m);
-  Json& report = run.report;
-  report["flight"] = flight.config.name;
-  if (flight.imu) SummariseImu(flight, &report);
-  if (flight.gnss && !flight.gnss->epochs.empty()) SummariseGnss(flight, &report);
-  if (flight.pairs && !flight.pairs->pairs.empty()) SummarisePairs(flight, &report);
+  const DataAgreement agreement = FindDataAgreement(flight);
+  if (flight.imu) SummariseImu(flight, json);
+  if (agreement.directions) SummariseAxes(*agreement.directions, json);
+  if (flight.gnss && !flight.gnss->epochs.empty()) SummariseGnss(flight, json);
+  if (flight.pairs && !flight.pairs->pairs.empty()) SummarisePairs(flight, json);
   if (flight.trajectory) {
     fmt::print("trajectory      {} points, {:.3f} .. {:.3f} s\n",
                flight.trajectory->points().size(), flight.trajectory->t_begin_s(),
                flight.trajectory->t_end_s());
   }
-  const std::vector<std::filesystem::path> strips = FindStripFiles(flight.config.folder);
-  if (!strips.empty()) SummariseStrips(strips, flight.config.strips_crs, &report);
+  const std::vector<fs::path> strips = FindStripFiles(flight.config.folder);
+  if (!strips.empty()) SummariseStrips(strips, flight.config.strips_crs, json);
+  PrintHints(flight, agreement, json);
   for (const auto& [reason, count] : flight.counts) {
     if (count > 0) fmt::print("note            {}: {}\n", reason, count);
   }
-  report["counts"] = flight.counts;
-  report["commands"] = Json::object();
-  for (const CommandVerdict& verdict : Verdicts(flight, !strips.empty())) {
-    fmt::print("dn {:<22} {}\n", verdict.command, verdict.possible ? "possible" : verdict.why);
-    report["commands"][verdict.command] = {{"possible", verdict.possible}, {"why", verdict.why}};
+  PrintVerdicts(flight, !strips.empty(), json);
+}
+
+void Check(const Options& options, Run& run) {
+  const FlightConfig config = ReadFlightConfig(options.flight, options.common.changes);
+  const Contents contents = ReadContents(config);
+  Json& report = run.report;
+  report["flight"] = config.name;
+  report["counts"] = contents.flight.counts;
+  report["problems"] = contents.problems;
+  Summarise(contents.flight, &report);
+  for (const std::string& problem : contents.problems) {
+    fmt::print("problem         {}\n", Printable(problem));
   }
-  run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
+  if (contents.first_problem) std::rethrow_exception(contents.first_problem);
+  run.AddFile("config.resolved.yaml", FormatFlightConfig(contents.flight.config));
 }
 
 }  // namespace
@@ -163,13 +357,12 @@ void AddCheck(CLI::App* program, Action* action) {
   auto options = std::make_shared<Options>();
   CLI::App* app = program->add_subcommand(
       "check", "Validates a flight folder, summarises it, says what each command could do with it");
-  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
-      ->required();
+  AddFlightOptions(app, &options->flight, &options->common);
   AddCommonOptions(app, &options->common, false);
   app->footer("Example: dn check flight");
   app->callback([options, action] {
     *action = [options] {
-      options->common.inputs = FlightInputs(options->flight);
+      options->common.inputs = FlightInputs(options->flight, options->common.changes);
       return Execute("check", options->common, [&](Run& run) { Check(*options, run); });
     };
   });

@@ -45,12 +45,6 @@ bool Names(const std::string& message, const std::string& where) {
   return where.find('/') != std::string::npos && message.find(where) != std::string::npos;
 }
 
-std::string WithLocation(const InvalidInput& error) {
-  const std::string where = error.where().ToString();
-  const std::string what = error.what();
-  return where.empty() || Names(what, where) ? what : what + " (" + where + ")";
-}
-
 std::string OutputText(const std::filesystem::filesystem_error& error) {
   const std::string_view what = error.what();
   const std::size_t cannot = what.find("cannot ");
@@ -106,6 +100,12 @@ Json Versions() {
 }
 
 }  // namespace
+
+std::string WithLocation(const InvalidInput& error) {
+  const std::string where = error.where().ToString();
+  const std::string what = error.what();
+  return where.empty() || Names(what, where) ? what : what + " (" + where + ")";
+}
 
 void RememberCommandLine(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) CommandLine().push_back(argv[i]);
@@ -182,8 +182,7 @@ Json Run::EmptyReport() const {
           {"error", nullptr},        {"files", Json::array()}};
 }
 
-Json Run::FailureReport(const std::string& kind, const std::string& message) const {
-  Json failed = EmptyReport();
+Json Run::FailureReport(Json failed, const std::string& kind, const std::string& message) const {
   failed["error"] = {{"kind", kind}, {"message", message}};
   failed["files"] = {kReportName};
   failed["timings_s"]["total"] = Since(start_);
@@ -202,7 +201,7 @@ void Run::TakeOutput() {
   files_ = std::make_unique<OutputDirectory>(options_.out);
   files_->Protect(options_.inputs.files);
   PrepareForcedEnd(command_, options_.out, files_->staging(),
-                   FormatJson(FailureReport("interrupted", kInterruptedText)));
+                   FormatJson(FailureReport(EmptyReport(), "interrupted", kInterruptedText)));
   files_->Remove(EarlierResults(options_.out));
 }
 
@@ -235,7 +234,8 @@ void Run::PublishFailure(const std::string& kind, const std::string& message) {
   BeginReporting();
   if (!files_) return;
   files_->Discard();
-  files_->Add(kReportName, FormatJson(FailureReport(kind, message)));
+  report = FailureReport(std::move(report), kind, message);
+  files_->Add(kReportName, FormatJson(report));
   files_->Commit();
 }
 
@@ -279,6 +279,15 @@ int Execute(const std::string& command, const CommonOptions& options,
     failure = Classify(error);
   }
   return EndFailed(run, failure);
+}
+
+void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options) {
+  app->add_option("FLIGHT", *flight, "Flight folder, or the YAML file of a flight")->required();
+  app->add_option("--set", options->changes,
+                  "key=value: another value of a key of flight.yaml for this run, as "
+                  "gnss.sigma_scale=2; may be given again")
+      ->take_all()
+      ->expected(1);
 }
 
 void AddThreads(CLI::App* app, CommonOptions* options) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/error.h>
 #include <dn/flight/atomic_file.h>
 #include <dn/report/json.h>
 
@@ -22,8 +23,9 @@ namespace dn::apps {
 struct CommonOptions {
   int threads = 1;
   std::filesystem::path out;
-  Inputs inputs;              ///< what the command reads; filled in before it runs
-  bool makes_flight = false;  ///< its result is a flight folder
+  std::vector<std::string> changes;  ///< --set, of a command that reads a flight
+  Inputs inputs;                     ///< what the command reads; filled in before it runs
+  bool makes_flight = false;         ///< its result is a flight folder
 };
 
 /// Progress on stderr: a live line on a terminal, else a line per stage.
@@ -59,6 +61,9 @@ class FailedWithResults : public std::runtime_error {
   std::string kind_;
 };
 
+/// What an error says, with the place that it names.
+std::string WithLocation(const InvalidInput& error);
+
 /// A line on stderr, where it can be written.
 void Say(const std::string& line);
 
@@ -84,7 +89,7 @@ class Run {
   /// before.
   void Publish();
 
-  /// Publishes nothing but a report.json with the error, if --out was taken.
+  /// Publishes nothing but report.json, if --out was taken: what it holds so far, and the error.
   void PublishFailure(const std::string& kind, const std::string& message);
 
   Json report;
@@ -94,7 +99,7 @@ class Run {
 
  private:
   Json EmptyReport() const;
-  Json FailureReport(const std::string& kind, const std::string& message) const;
+  Json FailureReport(Json so_far, const std::string& kind, const std::string& message) const;
   void AddPage();
 
   std::string command_;
@@ -114,9 +119,13 @@ void AddThreads(CLI::App* app, CommonOptions* options);
 /// Adds --threads and --out to a subcommand. out_required: as for commands whose result is files.
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required);
 
+/// Adds the argument FLIGHT and --set.
+void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options);
+
 /// Subcommands: each adds itself to the program and puts its action where main calls it.
 using Action = std::function<int()>;
 void AddAllan(CLI::App* program, Action* action);
+void AddInit(CLI::App* program, Action* action);
 void AddCheck(CLI::App* program, Action* action);
 void AddSimulate(CLI::App* program, Action* action);
 void AddSmooth(CLI::App* program, Action* action);

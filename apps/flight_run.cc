@@ -1,11 +1,15 @@
 #include "flight_run.h"
 
 #include <dn/calibration/gnss_errors.h>
+#include <dn/calibration/left_out_gnss.h>
 #include <dn/calibration/words.h>
 #include <dn/report/plot.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+
+#include "data_hints.h"
 
 namespace dn::apps {
 namespace {
@@ -64,23 +68,53 @@ void AddPlots(const FlightRun& flight_run, Run* run) {
   add("biases.svg", name + ": inertial biases", bias_panels);
 }
 
+/// "3 GNSS positions and 1 GNSS velocity".
+std::string LeftOutText(const LeftOutGnss& out) {
+  const auto count = [](long n, const char* one, const char* many) {
+    return fmt::format("{} GNSS {}", n, n == 1 ? one : many);
+  };
+  const std::string velocities = count(out.velocities, "velocity", "velocities");
+  if (out.positions == 0) return velocities;
+  const std::string positions = count(out.positions, "position", "positions");
+  return out.velocities == 0 ? positions : positions + " and " + velocities;
+}
+
 std::vector<std::string> Warnings(const FlightRun& flight_run) {
+  std::vector<std::string> warnings = flight_run.hints;
   std::vector<Finding> findings = flight_run.adjustment().warnings;
   const auto& statistics = flight_run.solution->trajectory().warnings;
   findings.insert(findings.end(), statistics.begin(), statistics.end());
   if (const auto warning = WarningOfGnssErrors(flight_run.adjustment())) {
     findings.push_back(*warning);
   }
-  std::vector<std::string> warnings = Words(findings);
+  for (const std::string& text : Words(findings)) warnings.push_back(text);
   const std::vector<std::size_t>& rejected = flight_run.adjustment().gnss_rejected;
   if (!rejected.empty()) {
     const MapGnssEpoch& first = flight_run.flight.gnss->epochs[rejected.front()];
     warnings.push_back(fmt::format(
-        "{} GNSS epochs contradict all other data and were left out, the first at t = {} s "
-        "({}:{}); report.json lists them",
-        rejected.size(), first.t_s, flight_run.flight.config.gnss->file, first.line));
+        "{} contradict all other data and were left out, the first at t = {} s ({}:{}); "
+        "report.json lists their {} epochs",
+        LeftOutText(CountLeftOutGnss(*flight_run.adjustment().network)), first.t_s,
+        flight_run.flight.config.gnss->file, first.line, rejected.size()));
   }
   return warnings;
+}
+
+/// What is known before the adjustment, kept where that fails.
+void ReportReading(const FlightRun& flight_run, Run* run) {
+  run->report["flight"] = flight_run.flight.config.name;
+  run->report["counts"] = flight_run.flight.counts;
+  run->report["warnings"] = flight_run.hints;
+  run->report["timings_s"]["read"] = flight_run.timings.read_s;
+  for (const std::string& hint : flight_run.hints) run->progress.Warn(hint);
+}
+
+std::vector<std::string> HintsOf(const Flight& flight) {
+  std::vector<std::string> texts;
+  for (const DataHint& hint : DataHints(flight, FindDataAgreement(flight))) {
+    texts.push_back(TextOf(hint));
+  }
+  return texts;
 }
 
 Json RejectedGnssJson(const FlightRun& flight_run) {
@@ -94,15 +128,14 @@ Json RejectedGnssJson(const FlightRun& flight_run) {
 
 }  // namespace
 
-std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, bool with_pairs,
-                                        Run* run) {
+std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pairs, Run* run) {
   const auto start = Clock::now();
-  run->progress.Stage("reading " + folder.string());
+  run->progress.Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.imu = true;
   needs.gnss = true;
   needs.pairs = with_pairs;
-  Flight flight = ReadFlight(folder, needs);
+  Flight flight = ReadFlight(config, needs);
   return AdjustFlight(std::move(flight), Since(start), with_pairs, run);
 }
 
@@ -110,6 +143,8 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   auto result = std::make_unique<FlightRun>();
   result->flight = std::move(flight);
   result->timings.read_s = read_s;
+  result->hints = HintsOf(result->flight);
+  ReportReading(*result, run);
 
   const auto solve_start = Clock::now();
   AdjustOptions options;
@@ -130,7 +165,9 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   solution.model_check();
   result->trajectory = DenseTrajectory(solution.network(), kTrajectorySpacingS);
   result->timings.covariance_s = Since(covariance_start);
-  for (const std::string& warning : Warnings(*result)) run->progress.Warn(warning);
+  const std::vector<std::string> warnings = Warnings(*result);
+  std::for_each(warnings.begin() + static_cast<std::ptrdiff_t>(result->hints.size()),
+                warnings.end(), [run](const std::string& warning) { run->progress.Warn(warning); });
   result->timings.total_s = read_s + Since(solve_start);
   return result;
 }
@@ -164,6 +201,9 @@ void FillReport(const FlightRun& flight_run, Run* run) {
   report["counts"]["pairs in IMU gaps"] =
       flight_run.adjustment().network->pairs_in_imu_gaps +
       (read_in_gaps == flight_run.flight.counts.end() ? 0 : read_in_gaps->second);
+  const LeftOutGnss out = CountLeftOutGnss(*flight_run.adjustment().network);
+  report["counts"]["gnss positions rejected"] = out.positions;
+  report["counts"]["gnss velocities rejected"] = out.velocities;
   report["counts"]["gnss epochs rejected"] = flight_run.adjustment().gnss_rejected.size();
   report["gnss_rejected"] = RejectedGnssJson(flight_run);
   report["warnings"] = Warnings(flight_run);

@@ -13,6 +13,7 @@ namespace dn::apps {
 /// A flight adjusted for `dn smooth` or `dn calibrate`.
 struct FlightRun {
   Flight flight;
+  std::vector<std::string> hints;    ///< what its data show before the adjustment
   std::optional<Solution> solution;  ///< of `flight`
   std::vector<NavPoint> trajectory;  ///< of the solution, at 100 Hz
   RunTimings timings;
@@ -21,8 +22,7 @@ struct FlightRun {
 };
 
 /// Reads, adjusts and factors a flight, with progress and the parts of report.json that are common.
-std::unique_ptr<FlightRun> AdjustFlight(const std::filesystem::path& folder, bool with_pairs,
-                                        Run* run);
+std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pairs, Run* run);
 
 /// The same for a flight that was read already, with imu and gnss (and pairs), in read_s seconds.
 std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_pairs, Run* run);

@@ -56,7 +56,7 @@ GapOptions DiagnosisOptions(const Options& options, Run* run) {
 
 Flight Read(const Options& options, Run* run) {
   run->progress.Stage("reading " + options.flight);
-  const FlightConfig config = ReadFlightConfig(options.flight);
+  const FlightConfig config = ReadFlightConfig(options.flight, options.common.changes);
   FlightNeeds needs;
   needs.imu = needs.gnss = config.imu.has_value() && config.gnss.has_value();
   needs.trajectory = !needs.imu || options.limits;
@@ -133,8 +133,7 @@ void AddDepth(CLI::App* app, Options* options) {
 }
 
 void AddOptions(CLI::App* app, Options* options) {
-  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
-      ->required();
+  AddFlightOptions(app, &options->flight, &options->common);
   AddDepth(app, options);
   app->add_option("--seed", options->seed, "Seed of the twins")
       ->check(WholeNumber(0))
@@ -163,7 +162,7 @@ void AddGap(CLI::App* program, Action* action) {
       "Example: dn gap flight --out gap && dn calibrate gap/flight.adapted.yaml --out result");
   app->callback([options, action] {
     *action = [options] {
-      options->common.inputs = FlightInputs(options->flight);
+      options->common.inputs = FlightInputs(options->flight, options->common.changes);
       return Execute("gap", options->common, [&](Run& run) { RunGap(*options, run); });
     };
   });

@@ -301,7 +301,7 @@ void AddOptions(CLI::App* app, GeorefOptions* options) {
 }
 
 Inputs InputsOf(const GeorefOptions& options) {
-  Inputs inputs = FlightInputs(options.flight, options.trajectory);
+  Inputs inputs = FlightInputs(options.flight, {}, options.trajectory);
   if (!options.result.empty()) inputs.files.emplace_back(options.result);
   return inputs;
 }

@@ -36,6 +36,7 @@ int ParseAndRun(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer("Example: dn simulate lar3 --out flight && dn calibrate flight --out result");
   dn::apps::Action action;
+  dn::apps::AddInit(&program, &action);
   dn::apps::AddCheck(&program, &action);
   dn::apps::AddCalibrate(&program, &action);
   dn::apps::AddSmooth(&program, &action);

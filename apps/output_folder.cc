@@ -35,9 +35,10 @@ void AddFolder(const fs::path& folder, Inputs* inputs) {
   }
 }
 
-void AddDataFiles(const fs::path& folder_or_file, Inputs* inputs) {
+void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>& changes,
+                  Inputs* inputs) {
   try {
-    const FlightConfig config = ReadFlightConfig(folder_or_file);
+    const FlightConfig config = ReadFlightConfig(folder_or_file, changes);
     const fs::path& folder = config.folder;
     AddFolder(folder, inputs);
     inputs->files.push_back(config.file);
@@ -54,10 +55,11 @@ void AddDataFiles(const fs::path& folder_or_file, Inputs* inputs) {
 
 }  // namespace
 
-Inputs FlightInputs(const fs::path& folder_or_file, const std::string& trajectory) {
+Inputs FlightInputs(const fs::path& folder_or_file, const std::vector<std::string>& changes,
+                    const std::string& trajectory) {
   Inputs inputs;
   AddFolder(folder_or_file, &inputs);
-  AddDataFiles(folder_or_file, &inputs);
+  AddDataFiles(folder_or_file, changes, &inputs);
   if (!trajectory.empty()) inputs.files.emplace_back(trajectory);
   return inputs;
 }

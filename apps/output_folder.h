@@ -12,10 +12,10 @@ struct Inputs {
   std::vector<std::filesystem::path> files;
 };
 
-/// The flight's YAML file, its folder of data, and the files that are named as far as they can be
+/// The flight's YAML file with `changes` of it (ReadFlightConfig), its folder of data, and the files that are named as far as they can be
 /// read. Faults of the YAML file are for the command to report.
 Inputs FlightInputs(const std::filesystem::path& folder_or_file,
-                    const std::string& trajectory = "");
+                    const std::vector<std::string>& changes, const std::string& trajectory = "");
 
 /// The scenario's file, if it is no shipped scenario, and the trajectory that it replays.
 Inputs ScenarioInputs(const std::string& name_or_path);

@@ -32,7 +32,8 @@ void AddCovarianceFile(const FlightRun& flight_run, Run* run) {
 }
 
 void Smooth(const SmoothOptions& options, Run& run) {
-  const std::unique_ptr<FlightRun> flight_run = AdjustFlight(options.flight, false, &run);
+  const std::unique_ptr<FlightRun> flight_run =
+      AdjustFlight(ReadFlightConfig(options.flight, options.common.changes), false, &run);
   const TrajectoryResult& trajectory = flight_run->solution->trajectory();
   const ModelCheck& check = flight_run->solution->model_check();
   AddTrajectoryFiles(*flight_run, &run);
@@ -63,13 +64,12 @@ void AddSmooth(CLI::App* program, Action* action) {
   auto options = std::make_shared<SmoothOptions>();
   CLI::App* app =
       program->add_subcommand("smooth", "INS/GNSS only: the optimally smoothed trajectory");
-  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
-      ->required();
+  AddFlightOptions(app, &options->flight, &options->common);
   AddCommonOptions(app, &options->common, true);
   app->footer("Example: dn smooth flight --out result");
   app->callback([options, action] {
     *action = [options] {
-      options->common.inputs = FlightInputs(options->flight);
+      options->common.inputs = FlightInputs(options->flight, options->common.changes);
       return Execute("smooth", options->common, [&](Run& run) { Smooth(*options, run); });
     };
   });

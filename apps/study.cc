@@ -148,7 +148,7 @@ void AddOptions(CLI::App* app, Options* options) {
 
 Inputs InputsOf(const Options& options) {
   if (!options.what.empty()) {
-    return std::filesystem::is_directory(options.what) ? FlightInputs(options.what)
+    return std::filesystem::is_directory(options.what) ? FlightInputs(options.what, {})
                                                        : ScenarioInputs(options.what);
   }
   Inputs inputs;

@@ -1,3 +1,4 @@
+#include <dn/calibration/left_out_gnss.h>
 #include <dn/calibration/stages.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/gnss_correlation.h>
@@ -36,6 +37,12 @@ constexpr const char* kOffset = "gnss_time_offset";
 constexpr const char* kDrift = "gnss_time_drift";
 constexpr const char* kScreened = "INS/GNSS, screened";
 
+// Of epochs of which a position or a velocity, or both, are left out.
+std::string LeftOutText(const LeftOutGnss& out) {
+  return std::to_string(out.positions) + " GNSS positions and " + std::to_string(out.velocities) +
+         " velocities";
+}
+
 std::vector<std::size_t> RejectedGnss(const FlightNetwork& network) {
   std::vector<std::size_t> epochs;
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
@@ -59,7 +66,8 @@ void CountRejected(AdjustmentRun& run) {
   const MapGnssEpoch& first = run.flight().gnss->epochs[rejected.front()];
   throw InvalidInput("GNSS and inertial data contradict each other at " +
                          std::to_string(rejected.size()) + " of " + std::to_string(all) +
-                         " GNSS epochs, first at t = " + FormatDouble(first.t_s) +
+                         " GNSS epochs (" + LeftOutText(CountLeftOutGnss(run.network())) +
+                         "), first at t = " + FormatDouble(first.t_s) +
                          " s: a clock that steps, a changed reference, wrong time tags or wrong "
                          "axes; correct the data, or limit time_span_s to the good part",
                      {run.flight().config.gnss->file, first.line});
@@ -153,8 +161,9 @@ class Screener {
         run_.flight().gnss->epochs[run_.network().gnss_edges[misfit.first].epoch];
     throw InvalidInput("a clock steps: from about t = " + FormatDouble(epoch.t_s) +
                            " s on, the GNSS time tags are " +
-                           FormatDouble(std::round(misfit.estimate[0] * 1e4) / 1e4) +
-                           " s late against those of the inertial data; correct the time tags, or "
+                           FormatDouble(std::round(std::abs(misfit.estimate[0]) * 1e4) / 1e4) +
+                           (misfit.estimate[0] < 0.0 ? " s early" : " s late") +
+                           " against those of the inertial data; correct the time tags, or "
                            "limit time_span_s to one part",
                        {run_.flight().config.gnss->file, epoch.line});
   }
@@ -251,6 +260,15 @@ class Screener {
 };
 
 }  // namespace
+
+LeftOutGnss CountLeftOutGnss(const FlightNetwork& network) {
+  LeftOutGnss out;
+  for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
+    if (!network.net.factor(edge.position).active) ++out.positions;
+    if (edge.velocity >= 0 && !network.net.factor(edge.velocity).active) ++out.velocities;
+  }
+  return out;
+}
 
 void SolveInsGnss(AdjustmentRun& run) {
   run.SetGnssLoss(internal::LossOf(run.flight().config.gnss->robust, kUsualLoss));

@@ -1,5 +1,7 @@
 #include "config_names.h"
 
+#include <dn/geo/local_frame.h>
+
 namespace dn::internal {
 
 const Words<RobustKind>& RobustWords() {
@@ -29,10 +31,21 @@ const Words<ImuSampling>& ImuSamplingWords() {
   return words;
 }
 
+const Words<double>& RateUnitWords() {
+  static const Words<double> words{{"rad/s", 1.0}, {"deg/s", kRadPerDeg}};
+  return words;
+}
+
+const Words<double>& ForceUnitWords() {
+  static const Words<double> words{{"m/s^2", 1.0}, {"g", kStandardGravityMps2}};
+  return words;
+}
+
 const Words<GnssFormat>& GnssFormatWords() {
   static const Words<GnssFormat> words{{"odyn", GnssFormat::kOdyn},
                                        {"rtklib", GnssFormat::kRtklib},
-                                       {"ob_gins", GnssFormat::kObGins}};
+                                       {"ob_gins", GnssFormat::kObGins},
+                                       {"nmea", GnssFormat::kNmea}};
   return words;
 }
 

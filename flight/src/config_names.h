@@ -16,6 +16,9 @@ const Words<RobustKind>& RobustWords();
 const Words<PairSelection::Strategy>& StrategyWords();
 const Words<ImuFormat>& ImuFormatWords();
 const Words<ImuSampling>& ImuSamplingWords();
+/// Units of an IMU file in SI: rates (or angles), forces (or velocities).
+const Words<double>& RateUnitWords();
+const Words<double>& ForceUnitWords();
 const Words<GnssFormat>& GnssFormatWords();
 const Words<BiasProcess::Type>& ProcessWords();
 /// The kinds of process that an error of GNSS positions may be.

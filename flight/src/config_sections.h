@@ -12,12 +12,24 @@ namespace dn::internal {
 /// Forward-right-down from forward-left-up, and back: a half turn about x.
 inline Eigen::Vector3d FlipBody(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 
+/// The same of a rotation to body. Without negative zeros, which would be written.
+inline void FlipBody(Eigen::Matrix3d* R_b) {
+  R_b->bottomRows<2>().array() = 0.0 - R_b->bottomRows<2>().array();
+}
+
 /// Sections of flight.yaml. body_is_flu: body quantities of the file are forward-left-up.
-ImuConfig ReadImuSection(const YamlValue& section);
+ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu);
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu);
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);
+
+/// A rotation matrix, made exact. Throws InvalidConfig for what is none.
+Eigen::Matrix3d ReadRotation(const YamlValue& value);
+
+/// `time_offset_s` of a sensor's section, tag = t + value; 0 where it is absent. Throws InvalidConfig
+/// for more than 4e9 s, which no time since 1970 has.
+double ReadTimeOffset(const YamlValue& section);
 
 /// How the bias processes of one sensor triad are spelt.
 struct ProcessKeys {

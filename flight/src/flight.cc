@@ -94,6 +94,7 @@ class FolderReader {
     }
     flight_.counts["imu samples"] = static_cast<long>(flight_.imu->samples.size());
     Count("imu repeated rows", flight_.imu->repeated_rows_dropped);
+    Count("imu rows with the values of the row before", flight_.imu->repeated_values);
     Count("imu rows outside time span", flight_.imu->rows_outside_span);
     Count("imu gaps", static_cast<long>(flight_.imu->gaps.size()));
     Count("imu holes bridged", static_cast<long>(flight_.imu->bridges.size()));
@@ -103,12 +104,13 @@ class FolderReader {
     if (!HasSection(flight_.config.gnss.has_value(), "gnss")) return;
     const fs::path file = InFolder(flight_.config.gnss->file);
     if (!HasFile(file, "gnss.file")) return;
-    GnssData gnss = ReadGnss(file, flight_.config.gnss->format);
+    GnssData gnss = ReadGnss(file, flight_.config.gnss->format, flight_.config.gnss->time_offset_s);
     if (gnss.epochs.empty()) {
       throw InvalidInput("no GNSS epoch in the file", FileLocation{file.string(), 0, 0});
     }
     first_gnss_ = gnss.epochs.front().antenna;
     Count("gnss repeated rows", gnss.repeated_rows_dropped);
+    Count("gnss sentences without a fix", gnss.unusable_sentences);
     KeepGnssInside(file, gnss);
     flight_.counts["gnss epochs"] = static_cast<long>(gnss.epochs.size());
     gnss_ = std::move(gnss);
@@ -210,7 +212,8 @@ class FolderReader {
   void ReadPairsPart() {
     if (!HasSection(flight_.config.lidar.has_value(), "lidar")) return;
     if (!HasPairFiles()) return;
-    flight_.pairs = ReadPairs(flight_.config.folder, flight_.config.lidar->p2p);
+    flight_.pairs = ReadPairs(flight_.config.folder, flight_.config.lidar->p2p,
+                              flight_.config.lidar->time_offset_s);
     Count("repeated pairs", flight_.pairs->repeated_pairs_dropped);
     KeepPairsInsideSpan();
     CheckPairsCovered();
@@ -277,7 +280,8 @@ class FolderReader {
     if (config.origin) return *config.origin;
     if (first_gnss_) return *first_gnss_;
     if (config.gnss && IsFile(InFolder(config.gnss->file))) {
-      const GnssData gnss = ReadGnss(InFolder(config.gnss->file), config.gnss->format);
+      const GnssData gnss =
+          ReadGnss(InFolder(config.gnss->file), config.gnss->format, config.gnss->time_offset_s);
       if (!gnss.epochs.empty()) return gnss.epochs.front().antenna;
     }
     if (flight_.trajectory) return flight_.trajectory->points().front().position;

@@ -94,8 +94,7 @@ NetworkConfig ReadNetwork(const YamlValue& section) {
 
 void ReadSensors(const YamlValue& root, FlightConfig& config) {
   if (const YamlValue section = root["imu"]) {
-    config.imu = internal::ReadImuSection(section);
-    config.imu->read.body_is_flu = config.body_is_flu;
+    config.imu = internal::ReadImuSection(section, config.body_is_flu);
     if (config.time_span_s) {
       config.imu->read.t_begin_s = config.time_span_s->x();
       config.imu->read.t_end_s = config.time_span_s->y();
@@ -170,9 +169,19 @@ FlightConfig ParseFlightConfig(const std::string& text, const fs::path& folder) 
   return ParseFile(text, folder / "flight.yaml");
 }
 
-FlightConfig ReadFlightConfig(const fs::path& folder_or_file) {
+FlightConfig ReadFlightConfig(const fs::path& folder_or_file,
+                              const std::vector<std::string>& changes) {
   const fs::path file = ConfigFile(folder_or_file);
-  return ParseFile(ReadText(file), file);
+  std::string text = ReadText(file);
+  for (const std::string& change : changes) {
+    const std::size_t equals = change.find('=');
+    if (equals == 0 || equals == std::string::npos) {
+      throw InvalidConfig("'" + WithoutControls(change) +
+                          "' is no change of a key; write key=value, as gnss.sigma_scale=2");
+    }
+    text = WithYamlValue(text, change.substr(0, equals), change.substr(equals + 1));
+  }
+  return ParseFile(text, file);
 }
 
 }  // namespace dn

@@ -99,6 +99,10 @@ void WriteImu(const ImuConfig& imu, Writer& out) {
   out.Key(1, "file", QuoteYaml(imu.file));
   out.Key(1, "format", WordOf(imu.read.format, internal::ImuFormatWords()));
   out.Key(1, "sampling", WordOf(imu.read.sampling, internal::ImuSamplingWords()));
+  out.Key(1, "rate_unit", WordOf(imu.read.rate_unit_radps, internal::RateUnitWords()));
+  out.Key(1, "force_unit", WordOf(imu.read.force_unit_mps2, internal::ForceUnitWords()));
+  out.Key(1, "R_imu_to_body", Matrix(imu.read.R_imu_to_body));
+  out.Key(1, "time_offset_s", Number(imu.read.time_offset_s));
   out.Key(1, "max_gap_s", Number(imu.read.max_gap_s));
   out.Key(1, "grade", imu.grade ? QuoteYaml(*imu.grade) : "~");
   WriteSensor("gyro", imu.model.gyro, internal::GyroKeys(), out);
@@ -116,6 +120,7 @@ void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Line(0, "gnss:");
   out.Key(1, "file", QuoteYaml(gnss.file));
   out.Key(1, "format", WordOf(gnss.format, internal::GnssFormatWords()));
+  out.Key(1, "time_offset_s", Number(gnss.time_offset_s));
   out.Key(1, "lever_arm_m", List(gnss.lever_arm_b_m));
   out.Key(1, "sigma_enu_m", List(gnss.sigma_enu_m));
   out.Key(1, "sigma_scale", Number(gnss.sigma_scale));
@@ -136,6 +141,7 @@ void WriteLidar(const LidarConfig& lidar, Writer& out) {
   std::string files;
   for (const std::string& file : lidar.p2p) files += (files.empty() ? "" : ", ") + QuoteYaml(file);
   out.Key(1, "p2p", "[" + files + "]");
+  out.Key(1, "time_offset_s", Number(lidar.time_offset_s));
   out.Key(1, "pairs", Selection(lidar.pairs));
   out.Key(1, "R_sensor_to_body", Matrix(lidar.mounting.R_bs_nominal));
   out.Key(1, "lever_arm_m", List(lidar.mounting.lever_arm_b_m));
@@ -181,7 +187,9 @@ void WriteEstimate(const std::vector<EstimateEntry>& entries, Writer& out) {
 
 void WriteBegin(const FlightConfig& config, Writer& out) {
   if (config.body_is_flu) {
-    out.Line(0, "# Resolved from 'body: FLU': here in FRD; the flight's data files remain FLU.");
+    out.Line(0,
+             "# Resolved from 'body: FLU': here in FRD; the flight's data files remain FLU, text "
+             "trajectories too.");
   }
   out.Key(0, "name", QuoteYaml(config.name));
   out.Key(0, "body", "FRD");
@@ -209,10 +217,11 @@ void WriteHead(const FlightConfig& config, Writer& out) {
 /// Body quantities in forward-left-up.
 FlightConfig WithBodyFlipped(FlightConfig config) {
   using internal::FlipBody;
+  if (config.imu) FlipBody(&config.imu->read.R_imu_to_body);
   if (config.gnss) config.gnss->lever_arm_b_m = FlipBody(config.gnss->lever_arm_b_m);
   if (!config.lidar) return config;
   Mounting& mounting = config.lidar->mounting;
-  mounting.R_bs_nominal.bottomRows<2>() *= -1.0;
+  FlipBody(&mounting.R_bs_nominal);
   mounting.lever_arm_b_m = FlipBody(mounting.lever_arm_b_m);
   mounting.boresight_rad = FlipBody(mounting.boresight_rad);
   return config;

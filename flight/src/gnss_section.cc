@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "config_sections.h"
 
 namespace dn {
@@ -33,12 +35,21 @@ std::vector<GnssProcess> ReadGnssProcesses(const YamlValue& section) {
 
 namespace dn::internal {
 
+double ReadTimeOffset(const YamlValue& section) {
+  constexpr double kMostS = 4e9;
+  const YamlValue value = section["time_offset_s"];
+  const double offset_s = value.NumberOr(0.0);
+  if (std::abs(offset_s) > kMostS) value.Fail("must lie within -4e9 and 4e9 s");
+  return offset_s;
+}
+
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
-  section.ExpectMap({"file", "format", "lever_arm_m", "sigma_enu_m", "sigma_scale", "use_velocity",
-                     "processes", "robust"});
+  section.ExpectMap({"file", "format", "time_offset_s", "lever_arm_m", "sigma_enu_m", "sigma_scale",
+                     "use_velocity", "processes", "robust"});
   GnssConfig gnss;
   if (section["file"]) gnss.file = section["file"].Text();
   if (section["format"]) gnss.format = section["format"].Choice(GnssFormatWords());
+  gnss.time_offset_s = ReadTimeOffset(section);
   if (section["lever_arm_m"]) {
     const Eigen::Vector3d lever_arm_m = section["lever_arm_m"].Vector3();
     gnss.lever_arm_b_m = body_is_flu ? FlipBody(lever_arm_m) : lever_arm_m;

@@ -94,13 +94,22 @@ const ProcessKeys& AccelKeys() {
   return keys;
 }
 
-ImuConfig ReadImuSection(const YamlValue& section) {
-  section.ExpectMap(
-      {"file", "format", "sampling", "max_gap_s", "grade", "gyro", "accel", "vibration"});
+ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu) {
+  section.ExpectMap({"file", "format", "sampling", "rate_unit", "force_unit", "R_imu_to_body",
+                     "time_offset_s", "max_gap_s", "grade", "gyro", "accel", "vibration"});
   ImuConfig imu;
   if (section["file"]) imu.file = section["file"].Text();
   if (section["format"]) imu.read.format = section["format"].Choice(ImuFormatWords());
   if (section["sampling"]) imu.read.sampling = section["sampling"].Choice(ImuSamplingWords());
+  if (section["rate_unit"]) {
+    imu.read.rate_unit_radps = section["rate_unit"].Choice(RateUnitWords());
+  }
+  if (section["force_unit"]) {
+    imu.read.force_unit_mps2 = section["force_unit"].Choice(ForceUnitWords());
+  }
+  if (section["R_imu_to_body"]) imu.read.R_imu_to_body = ReadRotation(section["R_imu_to_body"]);
+  if (body_is_flu) FlipBody(&imu.read.R_imu_to_body);
+  imu.read.time_offset_s = ReadTimeOffset(section);
   if (section["max_gap_s"]) imu.read.max_gap_s = section["max_gap_s"].Positive();
   if (section["grade"]) imu.grade = section["grade"].Name();
   imu.model = ReadImuNoise(section, "grade");

@@ -42,16 +42,6 @@ PairSelection ReadSelection(const YamlValue& section) {
   return selection;
 }
 
-Eigen::Matrix3d ReadMountingMatrix(const YamlValue& value) {
-  try {
-    return CheckedRotation(value.Matrix3());
-  } catch (const InvalidConfig&) {
-    throw;
-  } catch (const InvalidInput& e) {
-    value.Fail(e.what());
-  }
-}
-
 Eigen::Vector3d ReadUnitVector(const YamlValue& value) {
   const Eigen::Vector3d axis = value.Vector3();
   const double length = axis.norm();
@@ -99,10 +89,20 @@ void ReadPairNoise(const YamlValue& section, LidarConfig& lidar) {
 
 }  // namespace
 
+Eigen::Matrix3d ReadRotation(const YamlValue& value) {
+  try {
+    return CheckedRotation(value.Matrix3());
+  } catch (const InvalidConfig&) {
+    throw;
+  } catch (const InvalidInput& e) {
+    value.Fail(e.what());
+  }
+}
+
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
-  section.ExpectMap({"p2p", "pairs", "R_sensor_to_body", "lever_arm_m", "boresight_deg",
-                     "boresight_sigma_deg", "scan_axis", "nadir_axis", "gsd_m", "sigma_p_m",
-                     "robust"});
+  section.ExpectMap({"p2p", "time_offset_s", "pairs", "R_sensor_to_body", "lever_arm_m",
+                     "boresight_deg", "boresight_sigma_deg", "scan_axis", "nadir_axis", "gsd_m",
+                     "sigma_p_m", "robust"});
   const auto to_frd = [&](const Eigen::Vector3d& v) { return body_is_flu ? FlipBody(v) : v; };
   LidarConfig lidar;
   if (section["p2p"]) {
@@ -110,6 +110,7 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
     for (const YamlValue& item : section["p2p"].Items()) lidar.p2p.push_back(item.Text());
     if (lidar.p2p.empty()) section["p2p"].Fail("must name at least one file");
   }
+  lidar.time_offset_s = ReadTimeOffset(section);
   if (section["pairs"]) lidar.pairs = ReadSelection(section["pairs"]);
   const ScannerAxes axes = ReadScannerAxes(section, body_is_flu);
   lidar.mounting.R_bs_nominal = axes.R_bs;
@@ -136,8 +137,8 @@ ScannerAxes ReadScannerAxes(const YamlValue& section, bool body_is_flu) {
   using internal::ReadUnitVector;
   ScannerAxes axes;
   const YamlValue matrix = section["R_sensor_to_body"];
-  if (matrix) axes.R_bs = internal::ReadMountingMatrix(matrix);
-  if (body_is_flu) axes.R_bs.bottomRows<2>() *= -1.0;
+  if (matrix) axes.R_bs = internal::ReadRotation(matrix);
+  if (body_is_flu) internal::FlipBody(&axes.R_bs);
   if (section["scan_axis"]) axes.scan_axis_s = ReadUnitVector(section["scan_axis"]);
   if (section["nadir_axis"]) axes.nadir_axis_s = ReadUnitVector(section["nadir_axis"]);
   internal::CheckAxes(section, axes);

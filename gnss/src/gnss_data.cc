@@ -72,14 +72,16 @@ Eigen::Matrix3d CovarianceOfSignedRoots(const Eigen::Vector3d& sigma,
 
 }  // namespace internal
 
-GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format) {
+GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s) {
   switch (format) {
     case GnssFormat::kOdyn:
-      return internal::ReadOdynGnss(file);
+      return internal::ReadOdynGnss(file, time_offset_s);
     case GnssFormat::kRtklib:
-      return internal::ReadRtklibPos(file);
+      return internal::ReadRtklibPos(file, time_offset_s);
     case GnssFormat::kObGins:
-      return internal::ReadObGinsGnss(file);
+      return internal::ReadObGinsGnss(file, time_offset_s);
+    case GnssFormat::kNmea:
+      return internal::ReadNmea(file, time_offset_s);
   }
   throw InvalidInput("unknown GNSS format", {file.string(), 0, 0});
 }

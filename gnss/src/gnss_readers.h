@@ -10,9 +10,11 @@
 namespace dn::internal {
 
 /// See ReadGnss; one function per format.
-GnssData ReadOdynGnss(const std::filesystem::path& file);
-GnssData ReadRtklibPos(const std::filesystem::path& file);
-GnssData ReadObGinsGnss(const std::filesystem::path& file);
+GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s);
+GnssData ReadRtklibPos(const std::filesystem::path& file, double time_offset_s);
+GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s);
+
+GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s);
 
 /// Throws InvalidInput for a velocity that nothing flies at.
 void CheckVelocity(const Eigen::Vector3d& velocity_mps, const FileLocation& where);

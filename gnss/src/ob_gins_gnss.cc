@@ -14,12 +14,12 @@ Eigen::Matrix3d CovarianceOfSigmasNed(const double* ned, const std::string& what
 
 }  // namespace
 
-GnssData ReadObGinsGnss(const std::filesystem::path& file) {
+GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s) {
   TextTable table = ReadTextTable(file, {7, 13});
   const bool has_velocity = table.columns == 13;
   std::vector<std::size_t> keep;
   GnssData data;
-  data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
+  data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep, time_offset_s);
   data.epochs.reserve(keep.size());
   for (const std::size_t i : keep) {
     const double* row = table.row(i);

@@ -25,12 +25,12 @@ Layout LayoutOf(std::size_t columns) {
 
 }  // namespace
 
-GnssData ReadOdynGnss(const std::filesystem::path& file) {
+GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s) {
   TextTable table = ReadTextTable(file, {4, 7, 10, 13});
   const Layout layout = LayoutOf(table.columns);
   std::vector<std::size_t> keep;
   GnssData data;
-  data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
+  data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep, time_offset_s);
   data.epochs.reserve(keep.size());
   for (const std::size_t i : keep) {
     const double* row = table.row(i);

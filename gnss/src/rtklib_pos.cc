@@ -307,7 +307,7 @@ GnssEpoch EpochOfRow(const Row& row, const FileLocation& where) {
 
 }  // namespace
 
-GnssData ReadRtklibPos(const std::filesystem::path& file) {
+GnssData ReadRtklibPos(const std::filesystem::path& file, double time_offset_s) {
   PosParser parser(file);
   LineReader lines(file);
   for (std::string_view line; lines.Next(&line);) parser.ParseLine(line);
@@ -316,7 +316,7 @@ GnssData ReadRtklibPos(const std::filesystem::path& file) {
 
   std::vector<std::size_t> keep;
   GnssData data;
-  data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
+  data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep, time_offset_s);
   data.epochs.reserve(keep.size());
   for (const std::size_t i : keep) {
     const Row row(parser.header(), table.row(i));

@@ -11,6 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kIntervalsOfAGap = 5.0;
+constexpr double kShortestGap_s = 0.05;
 constexpr double kTagTolerance_s = 1e-6;
 /// Interpolations of known samples on either side that tell the error of a bridge.
 constexpr std::size_t kTrials = 64;
@@ -90,7 +91,8 @@ void Bridge(std::size_t k, ImuData* imu) {
 double LongestImuInterval(double nominal_dt_s) { return 1.5 * nominal_dt_s + kTagTolerance_s; }
 
 double LongestImuBridge(std::optional<double> max_gap_s, double nominal_dt_s) {
-  return max_gap_s.value_or(kIntervalsOfAGap * nominal_dt_s) + kTagTolerance_s;
+  return max_gap_s.value_or(std::max(kIntervalsOfAGap * nominal_dt_s, kShortestGap_s)) +
+         kTagTolerance_s;
 }
 
 void CloseShortHoles(std::optional<double> max_gap_s, ImuData* imu) {
@@ -100,7 +102,9 @@ void CloseShortHoles(std::optional<double> max_gap_s, ImuData* imu) {
                         " s, shorter than the usual interval of the IMU data, " +
                         FormatDouble(imu->nominal_dt_s) + " s: every step would be a gap");
   }
-  const double longest_s = std::min(LongestImuInterval(imu->nominal_dt_s), longest_bridge_s);
+  const double longest_s = imu->uneven
+                               ? longest_bridge_s
+                               : std::min(LongestImuInterval(imu->nominal_dt_s), longest_bridge_s);
   imu->gaps.clear();
   imu->bridges.clear();
   imu->max_jitter_s = 0.0;

@@ -32,8 +32,9 @@ struct Row {
   Vector3d w, f;
 };
 
-Vector3d ToFrd(const Vector3d& v, bool is_flu) {
-  return is_flu ? Vector3d(v.x(), -v.y(), -v.z()) : v;
+Vector3d ToBody(const Vector3d& v, double unit, const ImuReadOptions& options) {
+  return options.R_imu_to_body.isIdentity(0.0) ? Vector3d(unit * v)
+                                               : Vector3d(options.R_imu_to_body * (unit * v));
 }
 
 [[noreturn]] void FailSize(double value, const FileLocation& where) {
@@ -48,7 +49,7 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   if (options.format == ImuFormat::kIncrements) columns.push_back(8);  // odometer, not used
   TextTable table = ReadTextTable(file, columns);
   std::vector<std::size_t> keep;
-  *repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
+  *repeated_rows_dropped = ContinueAndCheckTimes(table, keep, options.time_offset_s);
   std::vector<Row> rows;
   rows.reserve(keep.size());
   for (const std::size_t i : keep) {
@@ -56,8 +57,8 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
     for (int c = 1; c < 7; ++c) {
       if (!(std::abs(x[c]) <= kHighestValue)) FailSize(x[c], {file.string(), table.lines[i]});
     }
-    rows.push_back({x[0], ToFrd({x[1], x[2], x[3]}, options.body_is_flu),
-                    ToFrd({x[4], x[5], x[6]}, options.body_is_flu)});
+    rows.push_back({x[0], ToBody({x[1], x[2], x[3]}, options.rate_unit_radps, options),
+                    ToBody({x[4], x[5], x[6]}, options.force_unit_mps2, options)});
   }
   if (rows.size() < 2) {
     throw InvalidInput("IMU data: " + std::to_string(rows.size()) +
@@ -67,16 +68,33 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   return rows;
 }
 
-/// Mean of the intervals without a lost row, those of up to 1.75 medians: tags rounded to a coarse
-/// clock have a median off the mean.
-double NominalInterval(const std::vector<Row>& rows) {
+/// What the steps between the rows tell of the sensor's intervals.
+struct Intervals {
+  double nominal_s;
+  bool uneven;
+  double longest_s;  ///< between rows that adjoin
+};
+
+/// The usual interval is the mean of those without a lost row, up to 1.75 medians: tags rounded to a
+/// coarse clock have a median off the mean.
+Intervals FindIntervals(const std::vector<Row>& rows, std::optional<double> max_gap_s) {
+  constexpr double kEvenShare = 0.8, kNear = 0.25;
   std::vector<double> dt(rows.size() - 1);
   for (std::size_t i = 0; i < dt.size(); ++i) dt[i] = rows[i + 1].t_s - rows[i].t_s;
   const auto middle = dt.begin() + static_cast<std::ptrdiff_t>(dt.size() / 2);
   std::nth_element(dt.begin(), middle, dt.end());
-  const auto end = std::partition(dt.begin(), dt.end(),
-                                  [longest = 1.75 * *middle](double x) { return x <= longest; });
-  return std::accumulate(dt.begin(), end, 0.0) / static_cast<double>(end - dt.begin());
+  const double median_s = *middle;
+  const auto near = std::count_if(
+      dt.begin(), dt.end(), [&](double x) { return std::abs(x - median_s) <= kNear * median_s; });
+  const bool uneven = static_cast<double>(near) < kEvenShare * static_cast<double>(dt.size());
+  const double longest_s = uneven ? LongestImuBridge(max_gap_s, median_s) : 1.75 * median_s;
+  const auto end =
+      std::partition(dt.begin(), dt.end(), [longest_s](double x) { return x <= longest_s; });
+  const double nominal_s = end == dt.begin() ? median_s
+                                             : std::accumulate(dt.begin(), end, 0.0) /
+                                                   static_cast<double>(end - dt.begin());
+  return {nominal_s, uneven,
+          uneven ? LongestImuBridge(max_gap_s, nominal_s) : LongestImuInterval(nominal_s)};
 }
 
 void CheckInterval(double nominal_dt_s, const FileLocation& where) {
@@ -90,16 +108,17 @@ void CheckInterval(double nominal_dt_s, const FileLocation& where) {
 
 /// The sample that ends at row i, over its own interval: the step from the row before, or after a
 /// hole and at the first row (i = 0) the usual one.
-ImuSample Sample(const std::vector<Row>& rows, std::size_t i, double nominal_dt_s,
+ImuSample Sample(const std::vector<Row>& rows, std::size_t i, const Intervals& intervals,
                  const ImuReadOptions& options) {
   const Row& row = rows[i];
   const double since_last_s = i == 0 ? 0.0 : row.t_s - rows[i - 1].t_s;
-  const bool adjoins = i > 0 && since_last_s <= LongestImuInterval(nominal_dt_s);
-  const double dt_s = adjoins ? since_last_s : nominal_dt_s;
+  const bool adjoins = i > 0 && since_last_s <= intervals.longest_s;
+  const double dt_s = adjoins ? since_last_s : intervals.nominal_s;
   if (options.format == ImuFormat::kIncrements) {
     return {row.t_s, dt_s, row.w / dt_s, row.f / dt_s};
   }
-  const bool joined = i > 0 && since_last_s <= LongestImuBridge(options.max_gap_s, nominal_dt_s);
+  const bool joined =
+      i > 0 && since_last_s <= LongestImuBridge(options.max_gap_s, intervals.nominal_s);
   if (options.sampling == ImuSampling::kInstantaneous && joined) {
     const double back = 0.5 * dt_s / since_last_s;  // the middle of the interval
     return {row.t_s, dt_s, row.w + back * (rows[i - 1].w - row.w),
@@ -131,7 +150,7 @@ void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
         force + "is gravity removed, or are these increments ('format: increments')?", where);
   }
   if (mean_f < kLowestMeanForce) {
-    throw InvalidInput(force + "is it in g? Multiply by 9.80665", where);
+    throw InvalidInput(force + "is it in g? Multiply by 9.80665, or set imu.force_unit: g", where);
   }
   if (mean_f > kHighestMeanForce) {
     throw InvalidInput(
@@ -141,7 +160,7 @@ void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
   if (rms_w > kHighestRmsRate) {
     throw InvalidInput("IMU data: the angular rate is " + Rounded(rms_w) +
                            " rms in the unit that should be rad/s: is it in deg/s? Multiply by "
-                           "0.0174533",
+                           "0.0174533, or set imu.rate_unit: deg/s",
                        where);
   }
 }
@@ -151,7 +170,9 @@ void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
 ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options) {
   ImuData imu;
   const std::vector<Row> rows = ReadRows(file, options, &imu.repeated_rows_dropped);
-  imu.nominal_dt_s = NominalInterval(rows);
+  const Intervals intervals = FindIntervals(rows, options.max_gap_s);
+  imu.nominal_dt_s = intervals.nominal_s;
+  imu.uneven = intervals.uneven;
   CheckInterval(imu.nominal_dt_s, {file.string()});
   // A point sample is the mean of nothing before it: the first row only begins the first interval.
   const bool first_is_a_sample =
@@ -160,7 +181,8 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
     if (rows[i].t_s < options.t_begin_s || rows[i].t_s > options.t_end_s) {
       ++imu.rows_outside_span;
     } else if (i > 0 || first_is_a_sample) {
-      imu.samples.push_back(Sample(rows, i, imu.nominal_dt_s, options));
+      imu.samples.push_back(Sample(rows, i, intervals, options));
+      if (i > 0 && rows[i].w == rows[i - 1].w && rows[i].f == rows[i - 1].f) ++imu.repeated_values;
     }
   }
   if (imu.samples.empty()) {

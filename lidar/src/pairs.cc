@@ -62,14 +62,15 @@ LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLoc
   return pair;
 }
 
-void AppendFile(const std::filesystem::path& path, PairData& data) {
-  const TextTable table = ReadTextTable(path, {kPlainColumns, kColumnsWithCovariance});
+void AppendFile(const std::filesystem::path& path, double time_offset_s, PairData& data) {
+  TextTable table = ReadTextTable(path, {kPlainColumns, kColumnsWithCovariance});
   const int file = static_cast<int>(data.files.size());
   data.files.push_back(path);
   data.pairs.reserve(data.pairs.size() + table.rows());
   FileLocation where{path.string(), 0, 0};
   for (std::size_t i = 0; i < table.rows(); ++i) {
     where.line = table.lines[i];
+    for (std::size_t c = 0; c < 2; ++c) table.values[i * table.columns + c] -= time_offset_s;
     data.pairs.push_back(ToPair(table.row(i), table.columns, file, where));
   }
 }
@@ -122,9 +123,11 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
   return files;
 }
 
-PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns) {
+PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns,
+                   double time_offset_s) {
   PairData data;
-  for (const std::filesystem::path& file : FindPairFiles(folder, patterns)) AppendFile(file, data);
+  for (const std::filesystem::path& file : FindPairFiles(folder, patterns))
+    AppendFile(file, time_offset_s, data);
   if (data.pairs.empty()) {
     throw InvalidInput("no lidar pair in " + folder.string() + ": no pattern is given");
   }

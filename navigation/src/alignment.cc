@@ -2,20 +2,24 @@
 #include <dn/imu/preintegration.h>
 #include <dn/navigation/alignment.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "in_flight_alignment.h"
+
 namespace dn {
 namespace {
+
+using internal::AlignInFlight;
+using internal::Antenna;
+using internal::AntennaTrack;
+using internal::InFlight;
 
 // Window of the in-flight alignment: long enough for a turn, short enough for the drift of the
 // gyros.
 constexpr double kWindowS = 180.0;
 constexpr double kDriftLimitRad = 5.0 * kRadPerDeg;
-// Acceleration noise of the second differences that is aimed at by choosing their spacing.
-constexpr double kSecondDifferenceMps2 = 0.1;
 // Sum of velocity changes after which a heading hypothesis has been put to the test.
 constexpr double kEnoughVelocityChangeMps = 60.0;
 constexpr double kMinDecisionS = 120.0;
@@ -24,29 +28,12 @@ constexpr double kHuberSigmas = 4.0;
 // after it.
 constexpr double kCoarseFloor[] = {0.5, 0.1, 0.02};
 
-PreintegrationNoise NoNoise() { return {}; }
-
 double TypicalBias(const SensorNoise& sensor) {
   double variance = 0.0;
   for (const BiasProcess& process : sensor.processes) {
     if (process.type != BiasProcess::Type::kRandomWalk) variance += process.sigma * process.sigma;
   }
   return std::sqrt(variance);
-}
-
-struct Antenna {
-  double t_s;
-  Eigen::Vector3d p_m;
-};
-
-std::vector<Antenna> AntennaTrack(const Flight& flight, const TimeInterval& span) {
-  std::vector<Antenna> track;
-  for (const MapGnssEpoch& epoch : flight.gnss->epochs) {
-    if (epoch.t_s >= span.t0_s - 1e-6 && epoch.t_s <= span.t1_s + 1e-6) {
-      track.push_back({epoch.t_s, epoch.p_m});
-    }
-  }
-  return track;
 }
 
 struct StillStart {
@@ -110,76 +97,6 @@ Eigen::Quaterniond FromTwoDirections(const Eigen::Vector3d& up_b, const Eigen::V
       Eigen::Matrix3d(triad(up_m, other_m) * triad(up_b, other_b).transpose()));
 }
 
-struct InFlight {
-  Eigen::Quaterniond q_mb = Eigen::Quaterniond::Identity();
-  double sigma_heading_rad = 1e9;
-  bool valid = false;
-};
-
-/// Wahba's problem R_a alpha_k = beta_k in the inertial frame that coincides with m at the first
-/// epoch:
-///   beta = X2 - 2 X1 + X0 - D^2 C G,  X = C(t) (r0 + p)        from the antenna positions
-///   alpha = dR_a0 (D dv01 - dp01) + dR_a1 dp12 + lever terms     from the inertial data
-InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const ImuCorrection& bias) {
-  const std::vector<Antenna> track = AntennaTrack(flight, span);
-  const LocalFrame& frame = flight.frame;
-  const Eigen::Vector3d l_b = flight.config.gnss->lever_arm_b_m;
-  const double sigma_m = TypicalGnssSigma(flight);
-  const double spacing_s =
-      std::max(1.0, std::sqrt(std::sqrt(6.0) * sigma_m / kSecondDifferenceMps2));
-  Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
-  double horizontal2 = 0.0;
-  int used = 0;
-  Eigen::Quaterniond q_a0 = Eigen::Quaterniond::Identity();
-  std::size_t i0 = 0;
-  const auto inertial = [&](const Antenna& a) {
-    const Eigen::Quaterniond C = Exp(Eigen::Vector3d(frame.w_ie_m() * (a.t_s - track.front().t_s)));
-    return Eigen::Vector3d(C * (frame.r0_m() + a.p_m));
-  };
-  const auto later = [&](std::size_t i) {
-    std::size_t j = i + 1;
-    while (j < track.size() && track[j].t_s - track[i].t_s < spacing_s - 1e-3) ++j;
-    return j;
-  };
-  while (i0 < track.size()) {
-    const std::size_t i1 = later(i0);
-    const std::size_t i2 = i1 < track.size() ? later(i1) : track.size();
-    if (i2 >= track.size() || HasGap(*flight.imu, track[i0].t_s, track[i2].t_s)) break;
-    const double D = track[i1].t_s - track[i0].t_s;
-    const double D2 = track[i2].t_s - track[i1].t_s;
-    const Preintegrated a =
-        Preintegrate(*flight.imu, track[i0].t_s, track[i1].t_s, bias, NoNoise());
-    if (std::abs(D2 - D) < 1e-3) {
-      const Preintegrated b =
-          Preintegrate(*flight.imu, track[i1].t_s, track[i2].t_s, bias, NoNoise());
-      const Eigen::Quaterniond q_a1 = q_a0 * a.delta_q;
-      const Eigen::Vector3d alpha = q_a0 * (D * a.delta_v - a.delta_p) + q_a1 * b.delta_p +
-                                    (q_a1 * b.delta_q) * l_b - 2.0 * (q_a1 * l_b) + q_a0 * l_b;
-      const Eigen::Quaterniond C =
-          Exp(Eigen::Vector3d(frame.w_ie_m() * (track[i1].t_s - track.front().t_s)));
-      const Eigen::Vector3d beta = inertial(track[i2]) - 2.0 * inertial(track[i1]) +
-                                   inertial(track[i0]) -
-                                   D * D * (C * frame.Attraction(track[i1].p_m));
-      B += beta * alpha.transpose() / std::pow(D, 4);
-      horizontal2 += beta.head<2>().squaredNorm() / std::pow(D, 4);
-      ++used;
-    }
-    q_a0 = q_a0 * a.delta_q;
-    i0 = i1;
-  }
-  InFlight result;
-  if (used < 3) return result;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(B, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant());
-  result.q_mb = Eigen::Quaterniond(
-      Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()));
-  const double noise_mps2 = std::sqrt(6.0) * sigma_m / (spacing_s * spacing_s);
-  const double excess = horizontal2 - 2.0 * used * noise_mps2 * noise_mps2;
-  if (excess > 0.0) result.sigma_heading_rad = noise_mps2 / std::sqrt(excess);
-  result.valid = true;
-  return result;
-}
-
 struct Candidate {
   Eigen::Quaterniond q_mb;
   double sigma_heading_rad;
@@ -235,9 +152,9 @@ std::vector<Candidate> Candidates(const Flight& flight, const TimeInterval& span
   }
   if (candidates.empty()) {
     throw InvalidInput(
-        "alignment: no attitude can be found at the start of the flight: fewer than three evenly "
-        "spaced GNSS "
-        "epochs without an IMU gap, and not at rest; give initial_guess.txt");
+        "alignment: no attitude can be found at the start of the flight: too few GNSS epochs "
+        "without a gap of theirs or of the IMU data, and not at rest; limit time_span_s to begin "
+        "where both are whole, or give initial_guess.txt");
   }
   return candidates;
 }
@@ -293,7 +210,7 @@ FilterState StartState(const Flight& flight, const TimeInterval& span, const Can
 // The attitude at the start that the filter's last attitude implies, through the gyros alone.
 Eigen::Quaterniond BackToStart(const Flight& flight, const FilterState& last, double t0_s) {
   const ImuCorrection bias{last.TotalGyroBias(), last.TotalAccelBias()};
-  const Preintegrated whole = Preintegrate(*flight.imu, t0_s, last.pose.t_s, bias, NoNoise());
+  const Preintegrated whole = Preintegrate(*flight.imu, t0_s, last.pose.t_s, bias, {});
   const Eigen::Quaterniond C = Exp(Eigen::Vector3d(flight.frame.w_ie_m() * (last.pose.t_s - t0_s)));
   return (C * last.pose.q_mb) * whole.delta_q.conjugate();
 }

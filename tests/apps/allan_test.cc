@@ -97,11 +97,11 @@ TEST(CliAllan, BadRecordsAreRefused) {
   EXPECT_EQ(NamesIn(folder.path() / "out"), std::vector<std::string>{"report.json"});
 }
 
-TEST(CliAllan, MotionIsNamed) {
+TEST(CliAllan, MotionIsRefused) {
   const TempFolder folder;
   folder.Write("IMU.txt", Record(600, -1, 0.1));
   const ProgramRun run = Allan(folder);
-  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("gyro z: the sensor was not at rest"));
 }
 

@@ -194,6 +194,13 @@ bool Parses(const std::string& text) {
   }
 }
 
+TEST(FlightConfigErrors, AxesAndOffsetsThatCannotBe) {
+  ExpectBad("imu:\n  grade: airins\n  R_imu_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n",
+            "imu.R_imu_to_body", 3);
+  ExpectBad("gnss:\n  time_offset_s: 5e9\n", "gnss.time_offset_s: must lie within", 2);
+  ExpectBad("imu:\n  grade: airins\n  rate_unit: grad/s\n", "imu.rate_unit", 3);
+}
+
 TEST(FlightConfigErrors, DeepNestingIsRefused) {
   EXPECT_FALSE(Parses(std::string(100000, '[')));
   EXPECT_FALSE(Parses("name: " + std::string(100000, '{')));

@@ -28,6 +28,10 @@ imu:
   file: imu.dat
   format: increments
   sampling: instantaneous
+  rate_unit: deg/s
+  force_unit: g
+  R_imu_to_body: [[0, 1, 0], [1, 0, 0], [0, 0, -1]]
+  time_offset_s: 0.013
   grade: apx15
   gyro:
     white_deg_sqrt_h: 0.17
@@ -46,6 +50,7 @@ imu:
 gnss:
   file: rover.pos
   format: rtklib
+  time_offset_s: -18
   lever_arm_m: [0.4, -0.1, -1.1]
   sigma_enu_m: [0.01, 0.02, 0.03]
   sigma_scale: 1.7
@@ -56,6 +61,7 @@ gnss:
   robust: huber
 lidar:
   p2p: [a.txt, "lidar/*.txt"]
+  time_offset_s: 0.1
   pairs: {strategy: max, count: 300, freq_hz: 0.7, window_s: 3.3, seed: 7}
   R_sensor_to_body: [[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]]
   lever_arm_m: [0.14, -0.02, 0.21]
@@ -90,6 +96,10 @@ void ExpectSameSensors(const FlightConfig& a, const FlightConfig& b) {
     EXPECT_EQ(a.imu->file, b.imu->file);
     EXPECT_EQ(a.imu->read.format, b.imu->read.format);
     EXPECT_EQ(a.imu->read.sampling, b.imu->read.sampling);
+    EXPECT_EQ(a.imu->read.rate_unit_radps, b.imu->read.rate_unit_radps);
+    EXPECT_EQ(a.imu->read.force_unit_mps2, b.imu->read.force_unit_mps2);
+    EXPECT_EQ(a.imu->read.R_imu_to_body, b.imu->read.R_imu_to_body);
+    EXPECT_EQ(a.imu->read.time_offset_s, b.imu->read.time_offset_s);
     EXPECT_EQ(a.imu->read.t_begin_s, b.imu->read.t_begin_s);
     EXPECT_EQ(a.imu->read.t_end_s, b.imu->read.t_end_s);
     EXPECT_EQ(a.imu->grade, b.imu->grade);
@@ -103,6 +113,7 @@ void ExpectSameSensors(const FlightConfig& a, const FlightConfig& b) {
   if (a.gnss) {
     EXPECT_EQ(a.gnss->file, b.gnss->file);
     EXPECT_EQ(a.gnss->format, b.gnss->format);
+    EXPECT_EQ(a.gnss->time_offset_s, b.gnss->time_offset_s);
     EXPECT_EQ(a.gnss->lever_arm_b_m, b.gnss->lever_arm_b_m);
     EXPECT_EQ(a.gnss->sigma_enu_m, b.gnss->sigma_enu_m);
     EXPECT_EQ(a.gnss->sigma_scale, b.gnss->sigma_scale);
@@ -114,6 +125,7 @@ void ExpectSameSensors(const FlightConfig& a, const FlightConfig& b) {
 
 void ExpectSameLidar(const LidarConfig& a, const LidarConfig& b) {
   EXPECT_EQ(a.p2p, b.p2p);
+  EXPECT_EQ(a.time_offset_s, b.time_offset_s);
   EXPECT_EQ(a.pairs.strategy, b.pairs.strategy);
   EXPECT_EQ(a.pairs.count, b.pairs.count);
   EXPECT_EQ(a.pairs.freq_hz, b.pairs.freq_hz);
@@ -306,7 +318,7 @@ lidar:
 
 TEST(FlightConfig, ConvertsBodyQuantitiesFromForwardLeftUp) {
   const FlightConfig c = Parse(kForwardLeftUp);
-  EXPECT_TRUE(c.imu->read.body_is_flu);
+  EXPECT_EQ(c.imu->read.R_imu_to_body.diagonal(), Eigen::Vector3d(1, -1, -1));
   EXPECT_EQ(c.gnss->lever_arm_b_m, Eigen::Vector3d(0.4, -0.1, -1.1));
   EXPECT_EQ(c.lidar->mounting.R_bs_nominal, Eigen::Matrix3d::Identity());
   EXPECT_EQ(c.lidar->mounting.lever_arm_b_m, Eigen::Vector3d(1, -2, -3));
@@ -358,7 +370,7 @@ TEST(FlightConfig, AFileForElsewhereNamesTheDataAndKeepsTheirAxes) {
   EXPECT_THAT(text, HasSubstr("body: FLU"));
   const FlightConfig again = ParseFlightConfig(text, other.path());
   EXPECT_EQ(again.folder, data.path());
-  EXPECT_TRUE(again.imu->read.body_is_flu);
+  EXPECT_EQ(again.imu->read.R_imu_to_body, config.imu->read.R_imu_to_body);
   ExpectSameSensors(config, again);
   ExpectSameLidar(*config.lidar, *again.lidar);
   ExpectSameRest(config, again);

@@ -103,6 +103,27 @@ TEST(ReadFlight, ReadsInitialGuessAndReferenceWhereTheyAre) {
   EXPECT_EQ(flight.initial_guess->points().size(), 81u);
 }
 
+TEST(ReadFlight, RemovesKnownOffsetsOfTheTags) {
+  const TempFolder folder;
+  WriteFlight(folder,
+              "imu: {grade: airins, time_offset_s: 0.5}\ngnss: {time_offset_s: -18}\n"
+              "lidar: {gsd_m: 0.2, time_offset_s: 2}\n");
+  const Flight flight = ReadFlight(folder.path(), kDn);
+  EXPECT_NEAR(flight.imu->t_end_s(), 139.5, 1e-9);
+  EXPECT_EQ(flight.gnss->epochs.front().t_s, 113.0);  // of the first tag, 95
+  EXPECT_EQ(flight.pairs->pairs[0].t_i_s, 103.0);
+  EXPECT_EQ(flight.pairs->pairs[0].t_j_s, 123.0);
+}
+
+TEST(ReadFlight, TimeSince1980IsBroughtToSecondsOfWeekByItsOffset) {
+  const TempFolder folder;
+  WriteFlight(folder, "imu: {grade: airins}\ngnss: {time_offset_s: 1419465600}\n");
+  folder.Write("GPS.txt", StillGnss(1419465700.0, 1419465730.0));
+  const Flight flight = ReadFlight(folder.path(), {.imu = true, .gnss = true});
+  EXPECT_EQ(flight.gnss->epochs.front().t_s, 100.0);
+  EXPECT_EQ(flight.gnss->epochs.size(), 31u);
+}
+
 TEST(ReadFlight, DropsAndCountsGnssOutsideTheImuData) {
   const TempFolder folder;
   WriteFlight(folder);

@@ -68,6 +68,8 @@ imu:
   file: IMU.txt
   format: odyn
   sampling: mean
+  rate_unit: rad/s
+  force_unit: m/s^2
   R_imu_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
   time_offset_s: 0
   max_gap_s: 0.3

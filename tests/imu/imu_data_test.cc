@@ -50,9 +50,33 @@ TEST(ReadImu, PointSamplesBecomeMeansOfTheirEnds) {
 }
 
 TEST(ReadImu, FluBecomesFrd) {
-  const ImuData imu = Read(kFour, {.body_is_flu = true});
+  const ImuData imu = Read(kFour, {.R_imu_to_body = Vector3d(1, -1, -1).asDiagonal()});
   EXPECT_EQ(imu.samples[0].w_ib_b_radps, Vector3d(0.1, -0.2, -0.3));
   EXPECT_EQ(imu.samples[0].f_b_mps2, Vector3d(1, -2, 9.0));
+}
+
+// In the units, axes and clock of somebody else.
+TEST(ReadImu, UnitsAxesAndClockOfTheFile) {
+  Eigen::Matrix3d R_frd_from_rfu;
+  R_frd_from_rfu << 0, 1, 0, 1, 0, 0, 0, 0, -1;
+  const ImuData imu = Read(
+      "1419000000.00, 180, 90, 0, 0.5, 2, 1\n1419000000.01, 180, 90, 0, 0.5, 2, 1\n"
+      "1419000000.02, 180, 90, 0, 0.5, 2, 1\n",
+      {.rate_unit_radps = 3.14159265358979 / 180.0,
+       .force_unit_mps2 = 2.0,
+       .R_imu_to_body = R_frd_from_rfu,
+       .time_offset_s = 1419000000.0});
+  EXPECT_EQ(imu.t_end_s(), 1419000000.02 - 1419000000.0);
+  EXPECT_LT((imu.samples[0].w_ib_b_radps - Vector3d(0.5, 1, 0) * 3.14159265358979).norm(), 1e-12);
+  EXPECT_EQ(imu.samples[0].f_b_mps2, Vector3d(4, 1, -2));
+}
+
+TEST(ReadImu, RowsThatRepeatTheValuesBeforeAreCounted) {
+  const ImuData imu = Read(
+      "0.00,0.1,0,0,0,0,-9.8\n0.01,0.1,0,0,0,0,-9.8\n0.02,0.2,0,0,0,0,-9.8\n"
+      "0.03,0.2,0,0,0,0,-9.8\n0.04,0.1,0,0,0,0,-9.8\n");
+  EXPECT_EQ(imu.repeated_values, 2);
+  EXPECT_EQ(imu.samples.size(), 5u);
 }
 
 // Rates are increments over the interval of each row; an odometer column is ignored.
@@ -181,6 +205,45 @@ TEST(ReadImu, JitterIsNoGap) {
   EXPECT_NEAR(imu.nominal_dt_s, 0.0273 / 4.0, 1e-9);
   EXPECT_NEAR(imu.samples[3].dt_s, 0.0093, 1e-9);
   EXPECT_NEAR(imu.max_jitter_s, 0.0093 - 0.0273 / 4.0, 1e-9);
+}
+
+/// 1000 Hz rows of a constant turn about z; every fifth step is `long_s` instead of a millisecond.
+std::string Bursts(double long_s) {
+  std::string text;
+  double t_s = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    t_s += i % 5 == 0 ? long_s : 0.001;
+    text += FormatDouble(t_s) + ", 0, 0, 0.5, 0, 0, -9.8\n";
+  }
+  return text;
+}
+
+// A logger that writes in bursts: the long steps are as good as the others.
+TEST(ReadImu, UnevenStepsAreData) {
+  std::string text;
+  double t_s = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    t_s += 0.002 + 0.007 * (i % 3);
+    text += FormatDouble(t_s) + ", 0, 0, 0.5, 0, 0, -9.8\n";
+  }
+  for (const ImuSampling sampling : {ImuSampling::kMean, ImuSampling::kInstantaneous}) {
+    const ImuData imu = Read(text, {.sampling = sampling});
+    EXPECT_TRUE(imu.uneven);
+    EXPECT_TRUE(imu.gaps.empty());
+    EXPECT_TRUE(imu.bridges.empty());
+    EXPECT_NEAR(imu.nominal_dt_s, 0.009, 2e-4);
+    EXPECT_NEAR(imu.max_jitter_s, 0.007, 2e-4);
+    const ImuSample& sample = imu.samples[100];
+    EXPECT_NEAR(sample.dt_s, sample.t_s - imu.samples[99].t_s, 1e-12);
+  }
+}
+
+TEST(ReadImu, StepsOfMillisecondsAreNoGapsAtAnyRate) {
+  const ImuData imu = Read(Bursts(0.04));
+  EXPECT_FALSE(imu.uneven);
+  EXPECT_TRUE(imu.gaps.empty());
+  EXPECT_EQ(imu.bridges.size(), 39u);
+  EXPECT_EQ(Read(Bursts(0.06)).gaps.size(), 39u);
 }
 
 TEST(ReadImu, RolloverIsContinuedAndRepeatedRowsAreDropped) {

@@ -50,7 +50,9 @@ void CheckGeodetic(const Geodetic& point, const FileLocation& where) {
   constexpr double kMostHeightM = 1e6;
   if (!(std::abs(point.lat_rad) <= kPi / 2 + kRounding)) {
     throw InvalidInput("latitude is " + FormatDouble(point.lat_rad * kDegPerRad) +
-                           " deg, must be within -90 and 90 deg",
+                           " deg, must be within -90 and 90 deg: are latitude and longitude "
+                           "exchanged, or is this in "
+                           "metres?",
                        where);
   }
   if (!(point.lon_rad >= -kPi - kRounding && point.lon_rad <= 2 * kPi + kRounding)) {

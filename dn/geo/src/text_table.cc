@@ -172,13 +172,14 @@ bool TextTableReader::Next(std::size_t most_rows) {
 }
 
 TextTable ReadTextTable(const std::filesystem::path& file,
-                        const std::vector<std::size_t>& allowed_columns, char comment) {
+                        const std::vector<std::size_t>& allowed_columns, char comment,
+                        std::size_t most_rows) {
   TextTableReader reader(file, allowed_columns, comment);
-  reader.Next(std::numeric_limits<std::size_t>::max());
+  reader.Next(most_rows);
   return std::move(reader).table();
 }
 
-long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep) {
+long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep, double time_offset_s) {
   using Verdict = internal::TimeContinuation::Verdict;
   internal::TimeContinuation times;
   long dropped = 0;
@@ -186,6 +187,7 @@ long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep) {
   keep.reserve(table.rows());
   for (std::size_t i = 0; i < table.rows(); ++i) {
     double* row = table.values.data() + i * table.columns;
+    row[0] -= time_offset_s;
     if (!IsSecondsOfWeek(row[0]))
       CheckSecondsOfWeek(row[0], {table.file.string(), table.lines[i], 1});
     switch (times.Next(row, table.columns)) {

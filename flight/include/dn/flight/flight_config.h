@@ -23,7 +23,7 @@ enum class RobustKind { kNone, kHuber, kCauchy };
 /// Section `imu`.
 struct ImuConfig {
   std::string file = "IMU.txt";
-  ImuReadOptions read;  ///< format, sampling; body and span are filled in from the top level
+  ImuReadOptions read;               ///< the axes and the span with those of the top level
   std::optional<std::string> grade;  ///< preset named in the file
   ImuModel model;                    ///< resolved: preset overridden by explicit noise
 };
@@ -32,6 +32,7 @@ struct ImuConfig {
 struct GnssConfig {
   std::string file = "GPS.txt";
   GnssFormat format = GnssFormat::kOdyn;
+  double time_offset_s = 0.0;  ///< of the file's tags, tag = t + value; removed on reading
   Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();          ///< antenna in body, FRD
   Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);  ///< where the file has none
   double sigma_scale = 1.0;
@@ -53,6 +54,7 @@ struct PairSelection {
 /// Section `lidar`.
 struct LidarConfig {
   std::vector<std::string> p2p{"LiDAR_p2p.txt"};
+  double time_offset_s = 0.0;  ///< of the pairs' epochs, tag = t + value; removed on reading
   PairSelection pairs;
   Mounting mounting;                                   ///< FRD; boresight: initial value
   std::optional<Eigen::Vector3d> boresight_sigma_rad;  ///< prior; absent: free
@@ -117,7 +119,10 @@ struct FlightConfig {
 /// file, bad YAML, an unknown key (naming the nearest known one), a value of the wrong type, shape
 /// or range, an unknown preset, what is no fixed effect under `estimate`. A missing section is not
 /// an error here: the command that needs it says so.
-FlightConfig ReadFlightConfig(const std::filesystem::path& folder_or_file);
+/// `changes` are "key.of.keys=value" with a YAML value each, made before it is read. Throws
+/// InvalidConfig for one without "=".
+FlightConfig ReadFlightConfig(const std::filesystem::path& folder_or_file,
+                              const std::vector<std::string>& changes = {});
 
 /// The same for a text: that of `folder`/flight.yaml, which need not exist.
 FlightConfig ParseFlightConfig(const std::string& text, const std::filesystem::path& folder);

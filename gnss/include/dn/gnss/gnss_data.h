@@ -23,12 +23,13 @@ struct GnssEpoch {
 };
 
 /// Formats of GNSS files; see ReadGnss.
-enum class GnssFormat { kOdyn, kRtklib, kObGins };
+enum class GnssFormat { kOdyn, kRtklib, kObGins, kNmea };
 
 /// GNSS solutions of one receiver, sorted by time.
 struct GnssData {
   std::vector<GnssEpoch> epochs;
   long repeated_rows_dropped = 0;
+  long unusable_sentences = 0;  ///< kNmea: GGA without a fix, or with a wrong checksum
 };
 
 /// Reads a file of GNSS solutions, sorted by time; identical repeated rows are dropped and counted,
@@ -43,8 +44,15 @@ struct GnssData {
 ///   kObGins  t, lat, lon [deg], h, sigma N E D; 13 columns: t, lat, lon, h, v N E D, sigma N E D,
 ///            sigma v N E D
 ///
+///   kNmea    sentences GGA (position; height above the geoid plus geoid separation) and RMC or ZDA
+///            (date) of any talker; UTC becomes GPS time by the leap seconds of the date; no sigmas.
+///            Other sentences, those without a fix and those whose checksum is wrong are left out
+///
+/// time_offset_s: known error of the tags, tag = t + value, removed first; seconds since 1980 are so
+/// brought to seconds of week, too.
+///
 /// Throws InvalidInput naming file:line: sigmas that are not positive, coordinates out of range,
 /// values that are not finite, wrong numbers of columns, times that do not increase.
-GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format);
+GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s = 0.0);
 
 }  // namespace dn

@@ -31,10 +31,15 @@ enum class ImuSampling {
 struct ImuReadOptions {
   ImuFormat format = ImuFormat::kOdyn;
   ImuSampling sampling = ImuSampling::kMean;
-  bool body_is_flu = false;
-  double t_begin_s = -1e300;  ///< rows outside [t_begin, t_end] are left out
+  double rate_unit_radps =
+      1.0;  ///< one unit of the file's rates (or angle increments), rad/s (rad)
+  double force_unit_mps2 = 1.0;  ///< one unit of its forces (or velocity increments), m/s^2 (m/s)
+  /// Axes of the file's data -> body (forward-right-down).
+  Eigen::Matrix3d R_imu_to_body = Eigen::Matrix3d::Identity();
+  double time_offset_s = 0.0;  ///< of the file's tags, tag = t + value; removed on reading
+  double t_begin_s = -1e300;   ///< rows outside [t_begin, t_end] are left out
   double t_end_s = 1e300;
-  /// A longer step between samples is a gap, a shorter hole is bridged; absent: 5 usual intervals.
+  /// A longer step between samples is a gap, a shorter hole is bridged; absent: LongestImuBridge's.
   std::optional<double> max_gap_s = std::nullopt;
 };
 
@@ -58,12 +63,18 @@ struct ImuBridge {
 /// Inertial data of one sensor, sorted by time.
 struct ImuData {
   std::vector<ImuSample> samples;
-  double nominal_dt_s = 0.0;       ///< mean interval, without those above 1.75 medians
+  /// Mean interval, without those above 1.75 medians; of uneven data without gaps.
+  double nominal_dt_s = 0.0;
+  /// Fewer than four steps of five lie within a quarter of the median one: none is a sign of a lost
+  /// row, and every one up to max_gap_s is the interval of its row.
+  bool uneven = false;
   double max_jitter_s = 0.0;       ///< largest |dt - nominal| outside gaps and bridges
   std::vector<ImuGap> gaps;        ///< steps longer than max_gap_s; the sample after a gap keeps
                                    ///< dt_s = nominal_dt_s, so the hole stays visible
   std::vector<ImuBridge> bridges;  ///< shorter holes, sorted
   long repeated_rows_dropped = 0;
+  long repeated_values = 0;  ///< rows with all six values of the row before: a logger faster than
+                             ///< its sensor
   long rows_outside_span = 0;
 
   double t_begin_s() const { return samples.front().t_s - samples.front().dt_s; }
@@ -76,8 +87,8 @@ struct ImuData {
 /// s: milliseconds).
 ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options);
 
-/// Finds the steps between samples that are longer than 1.5 nominal_dt_s: one of up to max_gap_s
-/// (absent: 5 nominal_dt_s) becomes a bridge, a longer one a gap. On entry every sample covers its
+/// Finds the steps between samples that are longer than 1.5 nominal_dt_s: one of up to
+/// LongestImuBridge becomes a bridge (of uneven data it stays an interval), a longer one a gap. On entry every sample covers its
 /// own interval alone, that after a hole nominal_dt_s. Fills gaps, bridges and max_jitter_s. Throws
 /// InvalidConfig when max_gap_s is shorter than nominal_dt_s.
 void CloseShortHoles(std::optional<double> max_gap_s, ImuData* imu);
@@ -86,7 +97,9 @@ void CloseShortHoles(std::optional<double> max_gap_s, ImuData* imu);
 /// rounded by 1e-10 s and more.
 double LongestImuInterval(double nominal_dt_s);
 
-/// Longest step between samples that is no gap.
+/// Longest step between samples that is no gap: max_gap_s; absent: 5 nominal_dt_s, and at least
+/// 50 ms. In less no surveying platform does what its neighbouring rows do not show, and how much it
+/// does is measured (ImuBridge).
 double LongestImuBridge(std::optional<double> max_gap_s, double nominal_dt_s);
 
 /// Indices [first, last) of the samples whose intervals overlap (t0_s, t1_s].

@@ -38,8 +38,9 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 /// exchanged or in another file, is dropped and counted: it is no second measurement. Throws
 /// InvalidInput naming file:line; also when a pattern matches no file, a time is no second of week,
 /// a vector is shorter than 1 mm or longer than 50 km, a covariance is not positive definite, or
-/// there is no pair.
-PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns);
+/// there is no pair. time_offset_s: known error of the epochs, tag = t + value, removed first.
+PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::string>& patterns,
+                   double time_offset_s = 0.0);
 
 /// Mean length of the laser vectors, m; 0 without pairs.
 double MeanRange(const std::vector<LidarPair>& pairs);

@@ -5,6 +5,7 @@
 #include <dn/geo/week_seconds.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -29,9 +30,10 @@ struct TextTable {
 /// columns, one of `allowed_columns` (empty: any). Throws InvalidInput naming file:line:column for
 /// a missing file, one that is no regular file, an empty file, a value that is no number, NaN or
 /// infinity, semicolons, decimal commas, and a wrong number of columns (saying which numbers are
-/// right).
+/// right). The rows after the first most_rows are left unread.
 TextTable ReadTextTable(const std::filesystem::path& file,
-                        const std::vector<std::size_t>& allowed_columns, char comment = '#');
+                        const std::vector<std::size_t>& allowed_columns, char comment = '#',
+                        std::size_t most_rows = SIZE_MAX);
 
 /// Reads what ReadTextTable reads, in parts: of a file of any length only one part is held.
 class TextTableReader {
@@ -58,8 +60,10 @@ class TextTableReader {
 ///
 /// `keep` receives the rows to keep: rows identical to the row before are dropped. Any other repeat
 /// or step back throws InvalidInput naming the line, as does a time that is no seconds of week
-/// (CheckSecondsOfWeek). Returns the number of dropped rows. Column 0 holds the time.
-long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep);
+/// (CheckSecondsOfWeek). Returns the number of dropped rows. Column 0 holds the time, from which
+/// time_offset_s is taken before all else.
+long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep,
+                           double time_offset_s = 0.0);
 
 /// A finite number that takes up all of `text` (a leading '+' is accepted). Throws InvalidInput at
 /// `where`.

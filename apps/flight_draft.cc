@@ -1,0 +1,308 @@
+#include "flight_draft.h"
+
+#include <dn/flight/flight.h>
+#include <dn/flight/yaml_sections.h>
+#include <dn/geo/text_table.h>
+#include <dn/imu/white_rows.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "data_hints.h"
+
+namespace dn::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSqrtHourPerSqrtS = 1.0 / 60.0;
+// Noise is stated a little larger than the rows show it in half of the seconds.
+constexpr double kWhiteMargin = 1.5;
+constexpr const char* kDefaultImu = "IMU.txt";
+constexpr const char* kDefaultGnss = "GPS.txt";
+
+/// Assumed biases of a class of sensors, told by its white noise: chosen, and wide.
+struct BiasClass {
+  double most_white_deg_sqrt_h;
+  const char* name;
+  const char* gyro;
+  const char* accel;
+};
+
+constexpr BiasClass kClasses[] = {
+    {0.02, "navigation or high tactical grade",
+     "{type: random_constant, sigma_deg_h: 3}, {type: gauss_markov, sigma_deg_h: 0.3, tau_s: 300}",
+     "{type: random_constant, sigma_mg: 2}, {type: gauss_markov, sigma_mg: 0.1, tau_s: 300}"},
+    {0.15, "tactical grade",
+     "{type: random_constant, sigma_deg_h: 60}, {type: gauss_markov, sigma_deg_h: 6, tau_s: 300}",
+     "{type: random_constant, sigma_mg: 10}, {type: gauss_markov, sigma_mg: 0.5, tau_s: 300}"},
+    {1e9, "MEMS grade",
+     "{type: random_constant, sigma_deg_h: 1000}, {type: gauss_markov, sigma_deg_h: 100, tau_s: "
+     "100}",
+     "{type: random_constant, sigma_mg: 50}, {type: gauss_markov, sigma_mg: 3, tau_s: 100}"}};
+
+const BiasClass& ClassOf(double white_deg_sqrt_h) {
+  return *std::find_if(std::begin(kClasses), std::end(kClasses), [&](const BiasClass& c) {
+    return white_deg_sqrt_h <= c.most_white_deg_sqrt_h;
+  });
+}
+
+const char* WordOfGnssFormat(GnssFormat format) {
+  switch (format) {
+    case GnssFormat::kOdyn:
+      break;
+    case GnssFormat::kRtklib:
+      return "rtklib";
+    case GnssFormat::kObGins:
+      return "ob_gins";
+    case GnssFormat::kNmea:
+      return "nmea";
+  }
+  return "odyn";
+}
+
+/// Two digits.
+std::string Short(double value) { return fmt::format("{:.2g}", value); }
+
+std::string ImuSummary(const ImuData& imu) {
+  return fmt::format("{:.3f} .. {:.3f} s, {:.2f} Hz, {}, jitter up to {:.1f} ms, {} gaps",
+                     imu.t_begin_s(), imu.t_end_s(), 1.0 / imu.nominal_dt_s,
+                     imu.uneven ? "uneven" : "even", 1e3 * imu.max_jitter_s, imu.gaps.size());
+}
+
+std::string GnssSummary(const GnssData& gnss) {
+  const double begin_s = gnss.epochs.front().t_s, end_s = gnss.epochs.back().t_s;
+  const double rate_hz =
+      static_cast<double>(gnss.epochs.size() - 1) / std::max(end_s - begin_s, 1e-3);
+  return fmt::format("{:.3f} .. {:.3f} s, {} epochs, {:.2f} Hz", begin_s, end_s, gnss.epochs.size(),
+                     rate_hz);
+}
+
+std::string OffsetText(double offset_s) {
+  std::string text = fmt::format("  time_offset_s: {}", FormatDouble(offset_s));
+  if (std::abs(offset_s) > 1e6) text += "   # the tags are seconds since 1980 or 1970; removed";
+  return text + "\n";
+}
+
+Eigen::Vector3d MainAxis(const Eigen::Vector3d& v) {
+  Eigen::Index axis = 0;
+  v.cwiseAbs().maxCoeff(&axis);
+  return (v[axis] < 0.0 ? -1.0 : 1.0) * Eigen::Vector3d::Unit(axis);
+}
+
+std::string ListText(const Eigen::Vector3d& v) {
+  return fmt::format("[{}, {}, {}]", FormatDouble(v[0]), FormatDouble(v[1]), FormatDouble(v[2]));
+}
+
+}  // namespace
+
+FlightDraft::FlightDraft(fs::path folder, const std::vector<FileContent>& contents)
+    : folder_(std::move(folder)) {
+  for (const FileContent& content : contents) Take(content);
+}
+
+std::string FlightDraft::Named(const fs::path& file) const {
+  return file.lexically_relative(folder_).generic_string();
+}
+
+void FlightDraft::Take(const FileContent& content) {
+  const std::string name = Named(content.file);
+  const auto take_one = [&](std::optional<FileContent>* place, const char* usual,
+                            const char* what) {
+    const bool better = *place && name == usual;
+    if (*place && !better) {
+      notes_.push_back(
+          fmt::format("{} holds {} as well; {} is taken", name, what, Named((*place)->file)));
+      return;
+    }
+    if (better) {
+      notes_.push_back(
+          fmt::format("{} holds {} as well; {} is taken", Named((*place)->file), what, name));
+    }
+    *place = content;
+  };
+  switch (content.kind) {
+    case FileKind::kImu:
+      take_one(&imu_, kDefaultImu, "inertial data");
+      break;
+    case FileKind::kGnss:
+      take_one(&gnss_, kDefaultGnss, "GNSS data");
+      break;
+    case FileKind::kTrajectory:
+      take_one(&trajectory_, "trajectory.out", "a trajectory");
+      break;
+    case FileKind::kSmrmsg:
+      take_one(&smrmsg_, "", "standard deviations");
+      break;
+    case FileKind::kPairs:
+      pairs_.push_back(content);
+      break;
+    case FileKind::kUnknown:
+      notes_.push_back(name + " is left out: " + content.why);
+      break;
+  }
+}
+
+void FlightDraft::Settle() {
+  if (imu_) imu_offset_s_ = imu_->time_offset_s;
+  if (gnss_) gnss_offset_s_ = gnss_->time_offset_s;
+  const auto read = [&] {
+    FlightNeeds needs{.imu = imu_.has_value(), .gnss = gnss_.has_value()};
+    return ReadFlight(ParseFlightConfig(Text(), folder_), needs);
+  };
+  // Clocks first: axes are told by course and gyros together.
+  for (int pass = 0; pass < 3; ++pass) {
+    const Flight flight = read();
+    const DataAgreement agreement = FindDataAgreement(flight);
+    bool changed = false;
+    axes_notes_.clear();
+    for (const DataHint& hint : DataHints(flight, agreement)) {
+      if (hint.key == "imu.time_offset_s") imu_offset_s_ = std::stod(hint.value);
+      if (hint.key == "gnss.time_offset_s") gnss_offset_s_ = std::stod(hint.value);
+      if (hint.key == "imu.R_imu_to_body") {
+        R_imu_to_body_ = FitAxes(*agreement.directions).R_turn * R_imu_to_body_;
+      }
+      const bool settled = hint.key == "imu.time_offset_s" || hint.key == "gnss.time_offset_s" ||
+                           hint.key == "imu.R_imu_to_body";
+      changed = changed || settled;
+      if (settled) found_.push_back(hint.text);
+      if (!settled) axes_notes_.push_back(TextOf(hint));
+      if (settled && hint.key != "imu.R_imu_to_body") break;
+    }
+    axes_known_ = agreement.directions && agreement.directions->course_b.has_value();
+    if (flight.imu) {
+      imu_summary_ = ImuSummary(*flight.imu);
+      const WhiteRows white = WhiteNoiseOfRows(*flight.imu);
+      white_gyro_ = kWhiteMargin * white.gyro_rad_per_sqrt_s;
+      white_accel_ = kWhiteMargin * white.accel_mps_per_sqrt_s;
+    }
+    if (flight.gnss) gnss_summary_ = GnssSummary(*flight.gnss);
+    if (!changed) break;
+  }
+  SettleScanner();
+}
+
+void FlightDraft::SettleScanner() {
+  if (pairs_.empty()) return;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero(), squares = Eigen::Vector3d::Zero();
+  for (const FileContent& file : pairs_) {
+    const TextTable table = ReadTextTable(file.file, {}, '#', 4000);
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+      const Eigen::Map<const Eigen::Vector3d> u(table.row(i) + 2);
+      sum += u;
+      squares += u.cwiseAbs2();
+    }
+  }
+  nadir_s_ = MainAxis(sum);
+  squares += 1e12 * nadir_s_.cwiseAbs();
+  Eigen::Index least = 0;
+  squares.minCoeff(&least);
+  scan_axis_s_ = Eigen::Vector3d::Unit(least);
+}
+
+std::string FlightDraft::ImuText() const {
+  if (!imu_) return {};
+  const double gyro_deg_sqrt_h = std::max(white_gyro_ * kDegPerRad / kSqrtHourPerSqrtS, 1e-4);
+  const double accel_m_s_sqrt_h = std::max(white_accel_ / kSqrtHourPerSqrtS, 1e-4);
+  const BiasClass& biases = ClassOf(gyro_deg_sqrt_h);
+  std::string text = fmt::format("\n# {}\nimu:\n  file: {}\n  format: {}\n", imu_summary_,
+                                 QuoteYaml(Named(imu_->file)),
+                                 imu_->imu_format == ImuFormat::kOdyn ? "odyn" : "increments");
+  text +=
+      "  sampling: mean                # assumed: rows are means; instantaneous: values at the "
+      "tag\n";
+  if (imu_->rates_in_deg) text += "  rate_unit: deg/s              # by the size of the rates\n";
+  if (imu_->forces_in_g) text += "  force_unit: g                 # by the size of gravity\n";
+  text += fmt::format("  R_imu_to_body: {}   # data in axes {}: {}\n", MatrixText(R_imu_to_body_),
+                      AxesName(R_imu_to_body_),
+                      axes_known_ ? "by gravity and course" : "by gravity; forward is a guess");
+  text += OffsetText(imu_offset_s_);
+  text += fmt::format(
+      "  # White noise as the rows show it in half of the seconds, times {:g}. Biases assumed, of\n"
+      "  # {}: put the data sheet's in, or a preset (grade).\n"
+      "  gyro: {{white_deg_sqrt_h: {}, processes: [{}]}}\n"
+      "  accel: {{white_m_s_sqrt_h: {}, processes: [{}]}}\n",
+      kWhiteMargin, biases.name, Short(gyro_deg_sqrt_h), biases.gyro, Short(accel_m_s_sqrt_h),
+      biases.accel);
+  return text;
+}
+
+std::string FlightDraft::GnssText() const {
+  if (!gnss_) return {};
+  const std::string format = WordOfGnssFormat(gnss_->gnss_format);
+  std::string text = fmt::format("\n# {}\ngnss:\n  file: {}\n  format: {}\n", gnss_summary_,
+                                 QuoteYaml(Named(gnss_->file)), format);
+  text += OffsetText(gnss_offset_s_);
+  text += "  lever_arm_m: [0, 0, 0]        # MISSING: antenna in body, forward right down, m\n";
+  if (gnss_->has_sigma) {
+    text += "  # The file states the sigmas of its positions.\n";
+  } else if (gnss_->has_velocity || gnss_->gnss_format == GnssFormat::kNmea) {
+    text += "  sigma_enu_m: [2, 2, 3]        # assumed, a single receiver: the file states none\n";
+  } else {
+    text +=
+        "  sigma_enu_m: [0.03, 0.03, 0.05]   # assumed, a differential solution: the file states "
+        "none\n";
+  }
+  return text;
+}
+
+std::string FlightDraft::LidarText() const {
+  if (pairs_.empty()) return {};
+  std::string files;
+  for (const FileContent& file : pairs_) {
+    files += (files.empty() ? "" : ", ") + QuoteYaml(Named(file.file));
+  }
+  Eigen::Matrix3d R_bs;
+  R_bs << scan_axis_s_.transpose(), nadir_s_.cross(scan_axis_s_).transpose(), nadir_s_.transpose();
+  return fmt::format(
+      "\nlidar:\n  p2p: [{}]\n"
+      "  # By the laser vectors: nadir is the axis along which they point, the mirror turns about "
+      "that\n"
+      "  # along which they hardly do. That it points forward is a GUESS: turn it if it points "
+      "back.\n"
+      "  R_sensor_to_body: {}\n  scan_axis: {}\n  nadir_axis: {}\n"
+      "  lever_arm_m: [0, 0, 0]        # MISSING: scanner in body, forward right down, m\n"
+      "  sigma_p_m: 0.1                # assumed: per coordinate of a pair; or gsd_m\n",
+      files, MatrixText(R_bs), ListText(scan_axis_s_), ListText(nadir_s_));
+}
+
+std::string FlightDraft::TrajectoryText() const {
+  if (!trajectory_) return {};
+  std::string text =
+      fmt::format("\ntrajectory:\n  file: {}\n", QuoteYaml(Named(trajectory_->file)));
+  if (smrmsg_) return text + fmt::format("  sigma_file: {}\n", QuoteYaml(Named(smrmsg_->file)));
+  return text +
+         "  sigma_xy_m: 0.03              # assumed, as the other three\n  sigma_z_m: 0.05\n"
+         "  sigma_rp_deg: 0.003\n  sigma_y_deg: 0.005\n";
+}
+
+std::string FlightDraft::Text() const {
+  std::string text =
+      "# Written by dn init from what the files of this folder hold; every key: docs/flight.yaml.\n"
+      "# What the data do not tell is marked MISSING, assumed or GUESS.\n"
+      "body: FRD                       # of lever arms and mounting: forward, right, down\n";
+  return text + ImuText() + GnssText() + LidarText() + TrajectoryText();
+}
+
+std::vector<std::string> FlightDraft::Missing() const {
+  std::vector<std::string> missing = notes_;
+  missing.insert(missing.end(), axes_notes_.begin(), axes_notes_.end());
+  if (!imu_) missing.emplace_back("no inertial data: smooth and calibrate --method dn need them");
+  if (!gnss_) missing.emplace_back("no GNSS positions: smooth and calibrate --method dn need them");
+  if (gnss_) missing.emplace_back("gnss.lever_arm_m: the antenna in body; 0 is assumed");
+  if (gnss_ && !gnss_->has_sigma) {
+    missing.emplace_back("gnss.sigma_enu_m: the file states no sigmas of its positions");
+  }
+  if (imu_) missing.emplace_back("imu.gyro and imu.accel: biases of the data sheet");
+  if (imu_ && !axes_known_) {
+    missing.emplace_back("imu.R_imu_to_body: no course that tells which axis points forward");
+  }
+  if (pairs_.empty()) missing.emplace_back("no pairs: calibrate needs them");
+  if (!pairs_.empty()) {
+    missing.emplace_back("lidar.lever_arm_m, lidar.R_sensor_to_body, lidar.sigma_p_m");
+  }
+  return missing;
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <dn/flight/file_content.h>
+#include <dn/flight/flight_config.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dn::apps {
+
+/// A flight.yaml for files whose content is known, with what the data show as comments.
+class FlightDraft {
+ public:
+  /// Takes one file of each kind; the others are notes.
+  FlightDraft(std::filesystem::path folder, const std::vector<FileContent>& contents);
+
+  /// Reads the files and settles what only the data tell: axes, noise, clocks. Throws InvalidInput
+  /// where a file cannot be read after all.
+  void Settle();
+
+  /// flight.yaml.
+  std::string Text() const;
+
+  bool empty() const { return !imu_ && !gnss_ && !trajectory_ && pairs_.empty(); }
+
+  /// What was found, a line each.
+  const std::vector<std::string>& found() const { return found_; }
+  /// What the data do not tell, or what is not there.
+  std::vector<std::string> Missing() const;
+
+ private:
+  void Take(const FileContent& content);
+  void SettleScanner();
+  std::string ImuText() const;
+  std::string GnssText() const;
+  std::string LidarText() const;
+  std::string TrajectoryText() const;
+  std::string Named(const std::filesystem::path& file) const;
+
+  std::filesystem::path folder_;
+  std::optional<FileContent> imu_, gnss_, trajectory_, smrmsg_;
+  std::vector<FileContent> pairs_;
+  std::vector<std::string> found_, notes_, axes_notes_;
+  Eigen::Matrix3d R_imu_to_body_ = Eigen::Matrix3d::Identity();
+  bool axes_known_ = false;
+  double imu_offset_s_ = 0.0, gnss_offset_s_ = 0.0;
+  std::string imu_summary_, gnss_summary_;
+  double white_gyro_ = 0.0, white_accel_ = 0.0;  ///< rad/sqrt(s), m/s/sqrt(s)
+  Eigen::Vector3d nadir_s_ = Eigen::Vector3d::UnitZ(), scan_axis_s_ = Eigen::Vector3d::UnitX();
+};
+
+}  // namespace dn::apps

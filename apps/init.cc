@@ -1,0 +1,102 @@
+#include <dn/error.h>
+#include <dn/flight/atomic_file.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "command.h"
+#include "flight_draft.h"
+#include "shown_text.h"
+
+namespace dn::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  CommonOptions common;
+  std::string folder;
+};
+
+const char* KindName(FileKind kind) {
+  switch (kind) {
+    case FileKind::kImu:
+      return "inertial data";
+    case FileKind::kGnss:
+      return "GNSS data";
+    case FileKind::kPairs:
+      return "pairs";
+    case FileKind::kTrajectory:
+      return "a trajectory";
+    case FileKind::kSmrmsg:
+      return "standard deviations of a trajectory";
+    case FileKind::kUnknown:
+      break;
+  }
+  return "not known";
+}
+
+std::vector<FileContent> ContentsOf(const fs::path& folder) {
+  std::vector<FileContent> contents = LookAtFolder(folder);
+  if (!fs::is_directory(folder / "lidar")) return contents;
+  for (FileContent& content : LookAtFolder(folder / "lidar")) {
+    if (content.kind == FileKind::kPairs) contents.push_back(std::move(content));
+  }
+  return contents;
+}
+
+void ExpectFolder(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    throw InvalidConfig("there is no folder '" + folder.string() + "'");
+  }
+  const fs::path file = folder / "flight.yaml";
+  if (!fs::exists(fs::symlink_status(file))) return;
+  throw InvalidConfig("the folder has a flight.yaml, which is left as it is; remove or rename it",
+                      FileLocation{file.string(), 0, 0});
+}
+
+void Init(const Options& options, Run& run) {
+  const fs::path folder = options.folder;
+  ExpectFolder(folder);
+  run.progress.Stage("looking at " + folder.string());
+  const std::vector<FileContent> contents = ContentsOf(folder);
+  FlightDraft draft(folder, contents);
+  if (draft.empty()) {
+    throw InvalidInput("no file in " + folder.string() +
+                       " holds inertial data, GNSS positions, pairs or a trajectory; "
+                       "docs/formats.md has the forms");
+  }
+  draft.Settle();
+  WriteFileAtomically(folder / "flight.yaml", draft.Text());
+  for (const FileContent& content : contents) {
+    if (content.kind == FileKind::kUnknown) continue;
+    fmt::print("found    {:<22} {}\n", Printable(content.file.lexically_relative(folder).string()),
+               KindName(content.kind));
+  }
+  for (const std::string& text : draft.found()) fmt::print("settled  {}\n", Printable(text));
+  for (const std::string& text : draft.Missing()) fmt::print("missing  {}\n", Printable(text));
+  fmt::print("wrote    {}\nnext     dn check {}\n", (folder / "flight.yaml").string(),
+             folder.string());
+  run.report["missing"] = draft.Missing();
+}
+
+}  // namespace
+
+void AddInit(CLI::App* program, Action* action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = program->add_subcommand(
+      "init", "A commented flight.yaml for the files that lie in a folder, with what they show");
+  app->add_option("FOLDER", options->folder, "Folder with the data; its flight.yaml is written")
+      ->required();
+  AddCommonOptions(app, &options->common, false);
+  app->footer("Example: dn init flight && dn check flight && dn smooth flight --out result");
+  app->callback([options, action] {
+    *action = [options] {
+      options->common.inputs = FlightInputs(options->folder, {});
+      return Execute("init", options->common, [&](Run& run) { Init(*options, run); });
+    };
+  });
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,200 @@
+#include <dn/error.h>
+#include <dn/geo/text_table.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gnss_readers.h"
+#include "gps_time.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr double kDayS = 86400.0;
+
+/// The fields of "$GPGGA,...*hh" without the '$' and the checksum; none where that is wrong.
+std::vector<std::string_view> Fields(std::string_view line) {
+  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+  if (line.empty() || line.front() != '$') return {};
+  line.remove_prefix(1);
+  const std::size_t star = line.find('*');
+  if (star != std::string_view::npos) {
+    unsigned sum = 0, stated = 256;
+    for (const char c : line.substr(0, star)) sum ^= static_cast<unsigned char>(c);
+    std::from_chars(line.data() + star + 1, line.data() + line.size(), stated, 16);
+    if (sum != stated) return {};
+    line = line.substr(0, star);
+  }
+  std::vector<std::string_view> fields;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    fields.push_back(line.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return fields;
+}
+
+bool IsSentence(const std::vector<std::string_view>& fields, std::string_view type,
+                std::size_t least) {
+  return fields.size() >= least && fields[0].size() == 5 && fields[0].substr(2) == type;
+}
+
+/// Two digits of a field from a place on; -1 where there are none.
+int TwoDigits(std::string_view field, std::size_t at) {
+  int value = -1;
+  if (field.size() < at + 2) return -1;
+  const char* end = field.data() + at + 2;
+  const auto [parsed, error] = std::from_chars(field.data() + at, end, value);
+  return error == std::errc() && parsed == end ? value : -1;
+}
+
+/// Seconds of the day of "hhmmss.ss".
+double TimeOfDay(std::string_view field, const FileLocation& where) {
+  const int hour = TwoDigits(field, 0), minute = TwoDigits(field, 2);
+  if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || field.size() < 6) {
+    throw InvalidInput("the time of an NMEA sentence is not hhmmss", where);
+  }
+  const double second = ParseNumber(field.substr(4), where);
+  if (!(second >= 0.0 && second < 61.0)) {
+    throw InvalidInput("the time of an NMEA sentence is not hhmmss", where);
+  }
+  return 3600.0 * hour + 60.0 * minute + second;
+}
+
+/// Degrees of "dddmm.mmmm" and its hemisphere.
+double Degrees(std::string_view field, std::string_view hemisphere, const FileLocation& where) {
+  const double value = ParseNumber(field, where);
+  const double degrees = std::floor(value / 100.0);
+  const double angle = degrees + (value - 100.0 * degrees) / 60.0;
+  return hemisphere == "S" || hemisphere == "W" ? -angle : angle;
+}
+
+/// The beginning of a day, UTC as if it were GPS time.
+struct Day {
+  double t_s;  ///< since the GPS epoch
+};
+
+Day DayOf(int year, int month, int day, const FileLocation& where) {
+  try {
+    const GpsTime time = GpsTimeOfCalendar(year, month, day, 0, 0, 0.0);
+    return {kWeekS * static_cast<double>(time.week) + time.tow_s};
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(error.what(), where);
+  }
+}
+
+/// The date and time of day that a sentence states, if it does.
+struct Stamp {
+  Day day;
+  double time_of_day_s;
+};
+
+std::optional<Stamp> StampOf(const std::vector<std::string_view>& fields,
+                             const FileLocation& where) {
+  if (IsSentence(fields, "RMC", 10) && fields[9].size() == 6) {
+    const int year = 2000 + TwoDigits(fields[9], 4);
+    return Stamp{DayOf(year, TwoDigits(fields[9], 2), TwoDigits(fields[9], 0), where),
+                 TimeOfDay(fields[1], where)};
+  }
+  if (IsSentence(fields, "ZDA", 5) && !fields[4].empty()) {
+    const auto number = [&](std::size_t i) {
+      return static_cast<int>(ParseNumber(fields[i], where));
+    };
+    return Stamp{DayOf(number(4), number(3), number(2), where), TimeOfDay(fields[1], where)};
+  }
+  return std::nullopt;
+}
+
+struct Fix {
+  double time_of_day_s;
+  Geodetic antenna;
+  long line;
+};
+
+/// Whether a GGA sentence has a position at all.
+bool HasFix(const std::vector<std::string_view>& gga) {
+  return !gga[2].empty() && !gga[4].empty() && !gga[6].empty() && gga[6] != "0" && !gga[9].empty();
+}
+
+Fix FixOf(const std::vector<std::string_view>& gga, const FileLocation& where) {
+  Fix fix{};
+  fix.time_of_day_s = TimeOfDay(gga[1], where);
+  const double separation_m = gga[11].empty() ? 0.0 : ParseNumber(gga[11], where);
+  fix.antenna = {Degrees(gga[2], gga[3], where) * kRadPerDeg,
+                 Degrees(gga[4], gga[5], where) * kRadPerDeg,
+                 ParseNumber(gga[9], where) + separation_m};
+  CheckGeodetic(fix.antenna, where);
+  fix.line = where.line;
+  return fix;
+}
+
+/// The beginning of the day that brings a time of day nearest to a known time: a file may cross
+/// midnight.
+double NearestDay(double day_s, double known_s, double time_of_day_s) {
+  return day_s + kDayS * std::round((known_s - day_s - time_of_day_s) / kDayS);
+}
+
+GnssData DataOf(const std::vector<Fix>& fixes, const Stamp& stamp, double time_offset_s,
+                const std::filesystem::path& file) {
+  TextTable table;
+  table.file = file;
+  table.columns = 4;
+  double utc_s = stamp.day.t_s + stamp.time_of_day_s, week_s = -1.0;
+  for (const Fix& fix : fixes) {
+    utc_s = NearestDay(stamp.day.t_s, utc_s, fix.time_of_day_s) + fix.time_of_day_s;
+    const double week = std::floor(utc_s / kWeekS);
+    const GpsTime utc{static_cast<long>(week), utc_s - kWeekS * week};
+    const double t_s = utc_s + GpsMinusUtcS(utc);
+    if (week_s < 0.0) week_s = kWeekS * std::floor(t_s / kWeekS);
+    table.values.insert(table.values.end(),
+                        {t_s - week_s, fix.antenna.lat_rad, fix.antenna.lon_rad, fix.antenna.h_m});
+    table.lines.push_back(fix.line);
+  }
+  GnssData data;
+  std::vector<std::size_t> keep;
+  data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep, time_offset_s);
+  for (const std::size_t i : keep) {
+    GnssEpoch epoch;
+    epoch.t_s = table.row(i)[0];
+    epoch.antenna = fixes[i].antenna;
+    epoch.line = fixes[i].line;
+    data.epochs.push_back(epoch);
+  }
+  return data;
+}
+
+}  // namespace
+
+GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
+  std::vector<Fix> fixes;
+  std::optional<Stamp> stamp;
+  long unusable = 0;
+  LineReader lines(file);
+  for (std::string_view line; lines.Next(&line);) {
+    const FileLocation where{file.string(), lines.line(), 0};
+    const std::vector<std::string_view> fields = Fields(line);
+    if (!stamp) stamp = StampOf(fields, where);
+    if (fields.empty() && line.find("GGA") != std::string_view::npos) ++unusable;
+    if (!IsSentence(fields, "GGA", 12)) continue;
+    if (HasFix(fields)) {
+      fixes.push_back(FixOf(fields, where));
+    } else {
+      ++unusable;
+    }
+  }
+  if (fixes.empty()) throw InvalidInput("no GGA sentence with a position", {file.string(), 0, 0});
+  if (!stamp) {
+    throw InvalidInput("no RMC or ZDA sentence tells the date of the GGA sentences",
+                       {file.string(), 0, 0});
+  }
+  GnssData data = DataOf(fixes, *stamp, time_offset_s, file);
+  data.unusable_sentences = unusable;
+  return data;
+}
+
+}  // namespace dn::internal

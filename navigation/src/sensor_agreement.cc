@@ -1,0 +1,232 @@
+#include <dn/builder/edge_factors.h>
+#include <dn/median.h>
+#include <dn/navigation/sensor_agreement.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "in_flight_alignment.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Vector3d;
+using internal::Antenna;
+
+constexpr double kWindowS = 30.0;
+constexpr double kMostSigmaHeadingRad = 15.0 * kRadPerDeg;
+// A slower body has no course of its own: it may be carried sideways.
+constexpr double kLeastSpeedMps = 2.0;
+// A course that the noise turns by more is none.
+constexpr double kMostCourseNoiseRad = 0.1;
+constexpr double kLeastTurnS = 2.0;
+constexpr double kMostLagS = 40.0;
+constexpr double kLagStepS = 0.25;
+
+/// Velocity of the antenna in m over the step that begins at an element of the track.
+struct Leg {
+  double t_begin_s;
+  double t_end_s;
+  Vector3d v_m;
+};
+
+std::vector<Leg> LegsOf(const std::vector<Antenna>& track, double length_s) {
+  std::vector<Leg> legs;
+  for (std::size_t i = 0, j = 0; i < track.size(); i = j) {
+    while (j < track.size() && track[j].t_s - track[i].t_s < length_s - 1e-3) ++j;
+    if (j == track.size()) break;
+    legs.push_back({track[i].t_s, track[j].t_s,
+                    (track[j].p_m - track[i].p_m) / (track[j].t_s - track[i].t_s)});
+  }
+  return legs;
+}
+
+/// Median of the speeds of those that move, m/s; kLeastSpeedMps where none does.
+double UsualSpeed(const std::vector<Leg>& legs) {
+  std::vector<double> speeds;
+  for (const Leg& leg : legs) {
+    const double speed = leg.v_m.head<2>().norm();
+    if (speed > kLeastSpeedMps) speeds.push_back(speed);
+  }
+  return speeds.empty() ? kLeastSpeedMps : Median(speeds);
+}
+
+/// Legs so long that the noise of the positions turns the course by kMostCourseNoiseRad at most.
+std::vector<Leg> Legs(const Flight& flight, const std::vector<Antenna>& track, double shortest_s) {
+  const double noise_s_mps = std::numbers::sqrt2 * TypicalGnssSigma(flight) / kMostCourseNoiseRad;
+  const double usual_mps =
+      UsualSpeed(LegsOf(track, std::max(shortest_s, noise_s_mps / kLeastSpeedMps)));
+  return LegsOf(track, std::max(shortest_s, noise_s_mps / usual_mps));
+}
+
+std::vector<Antenna> WholeTrack(const Flight& flight) {
+  return internal::AntennaTrack(flight, {flight.imu->t_begin_s(), flight.imu->t_end_s()});
+}
+
+/// Sums the courses in body at the beginning of every window that tells its attitude.
+Vector3d SumOfCourses(const Flight& flight, double* count) {
+  const std::vector<Antenna> track = WholeTrack(flight);
+  const double window_s = std::max(kWindowS, 8.0 * internal::AlignmentSpacing(flight));
+  Vector3d sum = Vector3d::Zero();
+  double begin_s = -1e300;
+  for (const Leg& leg : Legs(flight, track, 1.0)) {
+    if (leg.t_begin_s < begin_s || leg.v_m.head<2>().norm() < kLeastSpeedMps) continue;
+    begin_s = leg.t_begin_s + 0.5 * window_s;
+    const internal::InFlight start =
+        internal::AlignInFlight(flight, {leg.t_begin_s, leg.t_begin_s + window_s}, {});
+    if (!start.valid || start.sigma_heading_rad > kMostSigmaHeadingRad) continue;
+    Vector3d course_m = leg.v_m;
+    course_m.z() = 0.0;
+    sum += start.q_mb.conjugate() * course_m.normalized();
+    *count += 1.0;
+  }
+  return sum;
+}
+
+BodyDirections DownOf(const ImuData& imu) {
+  BodyDirections result;
+  Vector3d sum = Vector3d::Zero();
+  double lengths = 0.0;
+  for (const ImuSample& sample : imu.samples) {
+    sum += sample.f_b_mps2;
+    lengths += sample.f_b_mps2.norm();
+  }
+  if (!(sum.norm() > 0.0)) return result;
+  result.down_b = -sum.normalized();
+  result.down_agreement = sum.norm() / lengths;
+  return result;
+}
+
+/// Angle turned about an axis since the first sample, at the end of every sample.
+struct TurnedAngle {
+  std::vector<double> t_s, angle_rad;
+
+  TurnedAngle(const ImuData& imu, const Vector3d& axis_b) {
+    double angle = 0.0;
+    for (const ImuSample& sample : imu.samples) {
+      angle += sample.dt_s * axis_b.dot(sample.w_ib_b_radps);
+      t_s.push_back(sample.t_s);
+      angle_rad.push_back(angle);
+    }
+  }
+
+  bool Covers(double t) const { return t >= t_s.front() && t <= t_s.back(); }
+
+  double At(double t) const {
+    const auto after = std::lower_bound(t_s.begin(), t_s.end(), t);
+    const auto k = static_cast<std::size_t>(after - t_s.begin());
+    if (k == 0) return angle_rad.front();
+    const double share = (t - t_s[k - 1]) / (t_s[k] - t_s[k - 1]);
+    return angle_rad[k - 1] + share * (angle_rad[k] - angle_rad[k - 1]);
+  }
+};
+
+/// A change of the course between the middles of two legs.
+struct Turn {
+  double t_begin_s;
+  double t_end_s;
+  double angle_rad;  ///< clockwise from above
+};
+
+std::vector<Turn> TurnsOfCourse(const Flight& flight) {
+  const std::vector<Leg> legs = Legs(flight, WholeTrack(flight), kLeastTurnS);
+  std::vector<Turn> turns;
+  for (std::size_t i = 1; i < legs.size(); ++i) {
+    const Eigen::Vector2d u = legs[i - 1].v_m.head<2>(), v = legs[i].v_m.head<2>();
+    if (u.norm() < kLeastSpeedMps || v.norm() < kLeastSpeedMps) continue;
+    turns.push_back({0.5 * (legs[i - 1].t_begin_s + legs[i - 1].t_end_s),
+                     0.5 * (legs[i].t_begin_s + legs[i].t_end_s),
+                     std::atan2(u.y() * v.x() - u.x() * v.y(), u.dot(v))});
+  }
+  return turns;
+}
+
+/// Correlation of the turns with those of the gyros, lag_s earlier. A bias of the gyros leaves it as
+/// it is.
+double Correlation(const std::vector<Turn>& turns, const TurnedAngle& gyro, double lag_s) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, syy = 0, sxy = 0;
+  for (const Turn& turn : turns) {
+    const double t0_s = turn.t_begin_s - lag_s, t1_s = turn.t_end_s - lag_s;
+    if (!gyro.Covers(t0_s) || !gyro.Covers(t1_s)) continue;
+    const double length_s = t1_s - t0_s;
+    const double x = turn.angle_rad / length_s, y = (gyro.At(t1_s) - gyro.At(t0_s)) / length_s;
+    n += 1;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    syy += y * y;
+    sxy += x * y;
+  }
+  const double vx = sxx - sx * sx / n, vy = syy - sy * sy / n;
+  return n >= 3 && vx > 0 && vy > 0 ? (sxy - sx * sy / n) / std::sqrt(vx * vy) : 0.0;
+}
+
+double TiltTo(const Eigen::Matrix3d& R, const BodyDirections& directions) {
+  const double down = std::acos(std::clamp((R * directions.down_b).z(), -1.0, 1.0));
+  if (!directions.course_b) return down;
+  return std::max(down, std::acos(std::clamp((R * *directions.course_b).x(), -1.0, 1.0)));
+}
+
+/// The 24 rotations that take axes to axes, the identity first.
+std::vector<Eigen::Matrix3d> AxisRotations() {
+  std::vector<Eigen::Matrix3d> rotations{Eigen::Matrix3d::Identity()};
+  for (int x = 0; x < 6; ++x) {
+    for (int y = 0; y < 6; ++y) {
+      if (x % 3 == y % 3) continue;
+      Eigen::Matrix3d R;
+      R.row(0) = (x < 3 ? 1.0 : -1.0) * Vector3d::Unit(x % 3);
+      R.row(1) = (y < 3 ? 1.0 : -1.0) * Vector3d::Unit(y % 3);
+      R.row(2) = Vector3d(R.row(0)).cross(Vector3d(R.row(1)));
+      rotations.push_back(R);
+    }
+  }
+  return rotations;
+}
+
+}  // namespace
+
+BodyDirections FindBodyDirections(const Flight& flight) {
+  BodyDirections result = DownOf(*flight.imu);
+  if (!flight.gnss || result.down_agreement == 0.0) return result;
+  double count = 0.0;
+  const Vector3d courses = SumOfCourses(flight, &count);
+  const Vector3d level = courses - result.down_b * result.down_b.dot(courses);
+  if (count < 3.0 || !(level.norm() > 0.0)) return result;
+  result.course_b = level.normalized();
+  result.course_agreement = courses.norm() / count;
+  return result;
+}
+
+AxesFit FitAxes(const BodyDirections& directions) {
+  AxesFit best{{}, 1e9};
+  for (const Eigen::Matrix3d& R : AxisRotations()) {
+    const double distance = TiltTo(R, directions);
+    const bool nearer = distance < best.distance_rad - 1e-9;
+    // Without a course many do: the smallest turn, and of those that which keeps x.
+    const bool as_near = std::abs(distance - best.distance_rad) <= 1e-9;
+    const auto kept = [](const Eigen::Matrix3d& M) { return M.trace() + 1e-3 * M(0, 0); };
+    if (nearer || (as_near && kept(R) > kept(best.R_turn))) best = {R, distance};
+  }
+  return best;
+}
+
+std::optional<TurnComparison> CompareTurns(const Flight& flight) {
+  const std::vector<Turn> turns = TurnsOfCourse(flight);
+  TurnComparison result;
+  for (const Turn& turn : turns) result.turned_rad += std::abs(turn.angle_rad);
+  if (turns.size() < 5 || result.turned_rad < std::numbers::pi) return std::nullopt;
+  const TurnedAngle gyro(*flight.imu, DownOf(*flight.imu).down_b);
+  result.correlation = result.best_correlation = Correlation(turns, gyro, 0.0);
+  for (double lag_s = -kMostLagS; lag_s <= kMostLagS; lag_s += kLagStepS) {
+    const double correlation = Correlation(turns, gyro, lag_s);
+    if (std::abs(correlation) <= std::abs(result.best_correlation)) continue;
+    result.best_correlation = correlation;
+    result.best_lag_s = lag_s;
+  }
+  return result;
+}
+
+}  // namespace dn

@@ -1,0 +1,219 @@
+// Data of somebody else: what is unusual about them is named, with what mends it.
+#include <dn/geo/text_table.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <sstream>
+
+#include "damaged_flight.h"
+
+namespace dn::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+namespace fs = std::filesystem;
+
+using Row = std::vector<double>;
+
+/// Rewrites every row of a file of numbers; an empty row is left out.
+void EachRow(const DamagedFlight& flight, const std::string& name,
+             const std::function<void(std::size_t, Row*)>& change) {
+  const TextTable table = ReadTextTable(flight.path() / name, {});
+  std::string text;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    Row row(table.row(i), table.row(i) + table.columns);
+    change(i, &row);
+    for (std::size_t c = 0; c < row.size(); ++c) text += (c > 0 ? ", " : "") + FormatDouble(row[c]);
+    if (!row.empty()) text += "\n";
+  }
+  flight.Write(name, text);
+}
+
+void Turn(const DamagedFlight& flight, const std::function<Row(const double*)>& axes) {
+  EachRow(flight, "IMU.txt", [&](std::size_t, Row* row) {
+    const Row w = axes(row->data() + 1), f = axes(row->data() + 4);
+    *row = {(*row)[0], w[0], w[1], w[2], f[0], f[1], f[2]};
+  });
+}
+
+Row Flu(const double* v) { return {v[0], -v[1], -v[2]}; }
+Row Rfu(const double* v) { return {v[1], v[0], -v[2]}; }
+
+std::string Checked(const DamagedFlight& flight) {
+  return RunProgram({"check", flight.path().string()}).out;
+}
+
+TEST(OwnData, WellFormedDataGiveNoHint) {
+  const DamagedFlight flight;
+  EXPECT_THAT(Checked(flight), Not(HasSubstr("look at")));
+  EXPECT_THAT(ContentOf(SmoothResult() / "report.json"), Not(HasSubstr("R_imu_to_body")));
+}
+
+TEST(OwnData, ForwardLeftUpIsNamed) {
+  const DamagedFlight flight;
+  Turn(flight, Flu);
+  EXPECT_THAT(Checked(flight),
+              AllOf(HasSubstr("axes FLU"),
+                    HasSubstr("imu.R_imu_to_body: [[1, 0, 0], [0, -1, 0], [0, 0, -1]]")));
+}
+
+TEST(OwnData, RightForwardUpIsNamedAndMended) {
+  const DamagedFlight flight;
+  Turn(flight, Rfu);
+  const std::string matrix = "R_imu_to_body: [[0, 1, 0], [1, 0, 0], [0, 0, -1]]";
+  EXPECT_THAT(Checked(flight), AllOf(HasSubstr("axes RFU"), HasSubstr("imu." + matrix)));
+  flight.Replace("flight.yaml", "R_imu_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]", matrix);
+  EXPECT_THAT(Checked(flight), Not(HasSubstr("look at")));
+}
+
+TEST(OwnData, AnUpsideDownSensorIsNamedBySmooth) {
+  const DamagedFlight flight;
+  Turn(flight, Flu);
+  const ProgramRun run = flight.Run("smooth");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("imu.R_imu_to_body: [[1, 0, 0], [0, -1, 0], [0, 0, -1]]"));
+}
+
+TEST(OwnData, LatitudeAndLongitudeExchanged) {
+  const DamagedFlight flight;
+  EachRow(flight, "GPS.txt", [](std::size_t, Row* row) { std::swap((*row)[1], (*row)[2]); });
+  EXPECT_THAT(Checked(flight), HasSubstr("latitude and longitude may be exchanged"));
+}
+
+TEST(OwnData, CoordinatesInRadians) {
+  const DamagedFlight flight;
+  EachRow(flight, "GPS.txt", [](std::size_t, Row* row) {
+    for (const int c : {1, 2}) (*row)[c] *= std::acos(-1.0) / 180.0;
+  });
+  EXPECT_THAT(Checked(flight), HasSubstr("look like radians"));
+}
+
+TEST(OwnData, UtcForGpsTimeIsNamedAndMended) {
+  const DamagedFlight flight;
+  EachRow(flight, "GPS.txt", [](std::size_t, Row* row) { (*row)[0] -= 18.0; });
+  EXPECT_THAT(Checked(flight), AllOf(HasSubstr("in UTC"), HasSubstr("gnss.time_offset_s: -18")));
+  flight.Replace("flight.yaml", "format: odyn\n  time_offset_s: 0",
+                 "format: odyn\n  time_offset_s: -18");
+  EXPECT_THAT(Checked(flight), Not(HasSubstr("look at")));
+}
+
+TEST(OwnData, FullGpsSecondsAreNamed) {
+  const DamagedFlight flight;
+  EachRow(flight, "GPS.txt", [](std::size_t, Row* row) { (*row)[0] += 1419465600.0; });
+  const ProgramRun run = RunProgram({"check", flight.path().string()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("GPS time since 1980"));
+}
+
+TEST(OwnData, AnOriginFarAway) {
+  const DamagedFlight flight;
+  flight.Write("flight.yaml", flight.Read("flight.yaml") + "\n");
+  const std::string yaml = flight.Read("flight.yaml");
+  const std::size_t at = yaml.find("origin_deg_m: ");
+  ASSERT_NE(at, std::string::npos);
+  std::string other = yaml;
+  other.replace(at, yaml.find_first_of("]~", at) + 1 - at, "origin_deg_m: [6.52, 46.57, 0]");
+  flight.Write("flight.yaml", other);
+  EXPECT_THAT(Checked(flight), HasSubstr("frame.origin_deg_m lies"));
+}
+
+TEST(OwnData, RowsThatRepeatTheValuesBeforeAreCounted) {
+  const DamagedFlight flight;
+  Row before;
+  EachRow(flight, "IMU.txt", [&](std::size_t i, Row* row) {
+    if (i % 3 == 2) std::copy(before.begin() + 1, before.end(), row->begin() + 1);
+    before = *row;
+  });
+  EXPECT_THAT(Checked(flight), HasSubstr("(33 %) repeat the values of the row before"));
+}
+
+TEST(OwnData, EveryProblemIsTold) {
+  const DamagedFlight flight;
+  flight.ReplaceLine("IMU.txt", 7, "381000.14, 0, 0, 0, 0, 0");
+  flight.ReplaceLine("GPS.txt", 3, "381002, 46.5");
+  const ProgramRun run = flight.Run("check");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.out, AllOf(HasSubstr("IMU.txt:7"), HasSubstr("GPS.txt:3"), HasSubstr("pairs")));
+  EXPECT_THAT(ContentOf(flight.out() / "report.json"),
+              AllOf(HasSubstr("GPS.txt:3"), HasSubstr("\"counts\"")));
+}
+
+TEST(OwnData, AFailedRunKeepsItsCounts) {
+  const DamagedFlight flight;
+  EachRow(flight, "GPS.txt", [](std::size_t i, Row* row) {
+    if (i % 2 == 0) (*row)[3] += 500.0;
+  });
+  const ProgramRun run = flight.Run("smooth");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(ContentOf(flight.out() / "report.json"),
+              AllOf(HasSubstr("\"gnss epochs\""), HasSubstr("\"read\"")));
+}
+
+/// A folder with the raw logs of the short flight alone, changed by `change`.
+class RawFolder {
+ public:
+  explicit RawFolder(const std::function<void(const DamagedFlight&)>& change = {}) {
+    if (change) change(flight_);
+    for (const char* name : {"IMU.txt", "GPS.txt"}) {
+      folder_.Write(std::string("raw/") + name, flight_.Read(name));
+    }
+  }
+  std::string path() const { return (folder_.path() / "raw").string(); }
+  std::string out() const { return (folder_.path() / "out").string(); }
+  std::string Yaml() const { return ContentOf(folder_.path() / "raw/flight.yaml"); }
+
+ private:
+  DamagedFlight flight_;
+  TempFolder folder_;
+};
+
+TEST(CliInit, FromLogsToATrajectoryInThreeCommands) {
+  const RawFolder raw;
+  const ProgramRun init = RunProgram({"init", raw.path()});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(init.out, AllOf(HasSubstr("inertial data"), HasSubstr("missing  gnss.lever_arm_m")));
+  EXPECT_THAT(raw.Yaml(), HasSubstr("50.00 Hz"));
+  EXPECT_EQ(RunProgram({"check", raw.path()}).exit_code, 0);
+  RunProgram({"smooth", raw.path(), "--out", raw.out()});
+  EXPECT_TRUE(fs::exists(fs::path(raw.out()) / "trajectory.out"));
+}
+
+TEST(CliInit, SettlesAxesUnitsAndClocks) {
+  const RawFolder raw([](const DamagedFlight& flight) {
+    Turn(flight, Rfu);
+    EachRow(flight, "IMU.txt", [](std::size_t, Row* row) {
+      for (const int c : {4, 5, 6}) (*row)[c] /= 9.80665;
+    });
+    EachRow(flight, "GPS.txt", [](std::size_t, Row* row) { (*row)[0] += 1419465600.0 - 18.0; });
+  });
+  const ProgramRun init = RunProgram({"init", raw.path()});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(raw.Yaml(), AllOf(HasSubstr("force_unit: g"), HasSubstr("time_offset_s: 1419465582"),
+                                HasSubstr("R_imu_to_body: [[0, 1, 0], [1, 0, 0], [0, 0, -1]]")));
+  const ProgramRun check = RunProgram({"check", raw.path()});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_THAT(check.out, Not(HasSubstr("look at")));
+}
+
+TEST(CliInit, LeavesAFlightYamlAsItIs) {
+  const RawFolder raw;
+  EXPECT_EQ(RunProgram({"init", raw.path()}).exit_code, 0);
+  const ProgramRun again = RunProgram({"init", raw.path()});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("left as it is"));
+}
+
+TEST(CliInit, AFolderWithoutDataIsRefused) {
+  const TempFolder folder;
+  folder.Write("readme.txt", "hello\n");
+  const ProgramRun run = RunProgram({"init", folder.path().string()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("no file in"));
+  EXPECT_FALSE(fs::exists(folder.path() / "flight.yaml"));
+}
+
+}  // namespace
+}  // namespace dn::testing

@@ -1,0 +1,101 @@
+#include <dn/flight/file_content.h>
+#include <dn/geo/text_table.h>
+#include <dn/geo/trajectory.h>
+
+#include <cmath>
+
+#include "testing/expect_invalid.h"
+#include "testing/temp_folder.h"
+
+namespace dn {
+namespace {
+
+using testing::TempFolder;
+
+/// `count` rows, the first value of which is t, step_s apart.
+std::string Rows(double t_s, double step_s, const std::string& rest, int count = 30) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += FormatDouble(t_s + step_s * i) + ", " + rest + "\n";
+  return text;
+}
+
+FileContent Look(const std::string& text, const std::string& name = "data.txt") {
+  const TempFolder folder;
+  folder.Write(name, text);
+  return LookAtFile(folder.path() / name);
+}
+
+TEST(FileContent, InertialDataByGravity) {
+  const FileContent si = Look(Rows(100, 0.01, "0.01, 0.02, 0.3, 0.1, 0.2, -9.8"));
+  EXPECT_EQ(si.kind, FileKind::kImu);
+  EXPECT_EQ(si.imu_format, ImuFormat::kOdyn);
+  EXPECT_FALSE(si.rates_in_deg || si.forces_in_g);
+  const FileContent own = Look(Rows(100, 0.01, "1, 2, 20, 0.1, 0.2, 0.98"));
+  EXPECT_EQ(own.kind, FileKind::kImu);
+  EXPECT_TRUE(own.rates_in_deg && own.forces_in_g);
+  const FileContent increments = Look(Rows(100, 0.005, "1e-4, 2e-4, 1e-3, 1e-3, 0, -0.049, 7"));
+  EXPECT_EQ(increments.kind, FileKind::kImu);
+  EXPECT_EQ(increments.imu_format, ImuFormat::kIncrements);
+  EXPECT_FALSE(increments.rates_in_deg);
+}
+
+TEST(FileContent, GnssByItsColumns) {
+  const FileContent plain = Look(Rows(100, 1, "46.5, 6.5, 400"));
+  EXPECT_EQ(plain.kind, FileKind::kGnss);
+  EXPECT_FALSE(plain.has_sigma || plain.has_velocity);
+  const FileContent sigmas = Look(Rows(100, 0.2, "46.5, 6.5, 400, 0.01, 0.01, 0.02"));
+  EXPECT_EQ(sigmas.kind, FileKind::kGnss);
+  EXPECT_TRUE(sigmas.has_sigma);
+  const FileContent both =
+      Look(Rows(100, 1, "46.5, 6.5, 400, 0.1, 0.1, 0.2, 1, -2, 0.1, 0.01, 0.01, 0.02"));
+  EXPECT_EQ(both.gnss_format, GnssFormat::kOdyn);
+  EXPECT_TRUE(both.has_sigma && both.has_velocity);
+  const FileContent gins =
+      Look(Rows(100, 1, "46.5, 6.5, 400, 1, -2, 0.1, 0.1, 0.1, 0.2, 0.01, 0.01, 0.02"));
+  EXPECT_EQ(gins.gnss_format, GnssFormat::kObGins);
+  EXPECT_EQ(Look("%  GPST  latitude(deg)\n").gnss_format, GnssFormat::kRtklib);
+}
+
+TEST(FileContent, PairsAndTrajectories) {
+  EXPECT_EQ(Look(Rows(100, 0, "130, 1, 2, 30, 3, 4, 30")).kind, FileKind::kPairs);
+  EXPECT_EQ(Look(Rows(100, 1, "46.5, 6.5, 400, 0.5, 0.5, -0.5, 0.5")).kind, FileKind::kTrajectory);
+  std::vector<NavPoint> points;
+  for (int i = 0; i < 20; ++i) {
+    points.push_back({.t_s = 100.0 + i, .position = {0.8, 0.1, 400.0}});
+  }
+  const std::string sbet = FormatSbet(points);
+  EXPECT_EQ(Look(sbet, "a.out").kind, FileKind::kTrajectory);
+  EXPECT_EQ(Look(sbet, "a.bin").kind, FileKind::kUnknown);
+  EXPECT_EQ(Look(sbet.substr(1), "a.out").kind, FileKind::kUnknown);
+}
+
+TEST(FileContent, TimeSince1980And1970) {
+  // Week 2347 begins at 1419465600 s since 1980; 18 leap seconds lie between it and Unix time.
+  const std::string rest = "0.01, 0.02, 0.3, 0.1, 0.2, -9.8";
+  EXPECT_EQ(Look(Rows(100, 0.01, rest)).time_offset_s, 0.0);
+  EXPECT_EQ(Look(Rows(1419465700, 0.01, rest)).time_offset_s, 1419465600.0);
+  EXPECT_EQ(Look(Rows(1419465700.0 + 315964800 - 18, 0.01, rest)).time_offset_s,
+            1419465600.0 + 315964800 - 18);
+}
+
+TEST(FileContent, WhatIsNoneOfThemSaysWhy) {
+  EXPECT_EQ(Look("").why, "empty");
+  EXPECT_THAT(Look("time,x,y\n1,2,3\n").why, ::testing::HasSubstr("is not a number"));
+  EXPECT_THAT(Look(Rows(1, 1, "2, 3")).why, ::testing::HasSubstr("3 columns"));
+  EXPECT_EQ(LookAtFile("/nowhere/at/all").kind, FileKind::kUnknown);
+}
+
+TEST(FileContent, AFolderInOrderWithoutWhatIsWrittenByUs) {
+  const TempFolder folder;
+  folder.Write("b.txt", Rows(100, 1, "46.5, 6.5, 400"));
+  folder.Write("a.txt", Rows(100, 0.01, "0.01, 0.02, 0.3, 0.1, 0.2, -9.8"));
+  folder.Write("flight.yaml", "name: x\n");
+  folder.Write("reference.txt", "1\n");
+  const std::vector<FileContent> contents = LookAtFolder(folder.path());
+  ASSERT_EQ(contents.size(), 2u);
+  EXPECT_EQ(contents[0].kind, FileKind::kImu);
+  EXPECT_EQ(contents[1].kind, FileKind::kGnss);
+}
+
+}  // namespace
+}  // namespace dn

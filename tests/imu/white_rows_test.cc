@@ -1,0 +1,46 @@
+#include <dn/imu/white_rows.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "white_imu.h"
+
+namespace dn {
+namespace {
+
+// The axis with the most noise of 100 rows exceeds the density by some percent.
+constexpr double kRelative = 0.2;
+
+void ExpectDensity(const ImuData& imu) {
+  const WhiteRows found = WhiteNoiseOfRows(imu);
+  EXPECT_NEAR(found.gyro_rad_per_sqrt_s / 1e-4, 1.0, kRelative);
+  EXPECT_NEAR(found.accel_mps_per_sqrt_s / 1e-3, 1.0, kRelative);
+}
+
+TEST(WhiteRows, FindsTheDensityBesideMotion) {
+  ImuData imu = testing::WhiteImu(100, 60.0);
+  ExpectDensity(imu);
+  for (ImuSample& sample : imu.samples) sample.w_ib_b_radps.x() += 0.1 * std::sin(sample.t_s);
+  ExpectDensity(imu);
+}
+
+// A logger that writes each row of its sensor three times.
+TEST(WhiteRows, RepeatedRowsSayNothingNew) {
+  ImuData imu = testing::WhiteImu(100, 60.0), log = imu;
+  log.samples.clear();
+  for (const ImuSample& sample : imu.samples) {
+    for (int i = 0; i < 3; ++i) {
+      log.samples.push_back(sample);
+      log.samples.back().t_s += (i - 2) * imu.nominal_dt_s / 3.0;
+    }
+  }
+  ExpectDensity(log);
+}
+
+TEST(WhiteRows, NoneOfFewRows) {
+  ImuData imu = testing::WhiteImu(100, 0.03);
+  EXPECT_EQ(WhiteNoiseOfRows(imu).gyro_rad_per_sqrt_s, 0.0);
+}
+
+}  // namespace
+}  // namespace dn
