@@ -157,7 +157,7 @@ TEST(CliUsage, WrongUsageIsOneErrorLine) {
 TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
   ExpectUsageError(RunProgram(std::vector<std::string>{}),
                    "dn: error: a command is required: check, calibrate, smooth, simulate, study, "
-                   "gap, monte-carlo, blind-check, merge, allan; see dn --help");
+                   "gap, monte-carlo, blind-check, merge, allan, report; see dn --help");
   ExpectUsageError(RunProgram({"calibrat", "x"}),
                    "dn: error: 'calibrat' is no command; the nearest one is 'calibrate'; see dn "
                    "--help");
