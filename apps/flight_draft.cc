@@ -71,7 +71,7 @@ std::string ImuSummary(const ImuData& imu) {
                      imu.uneven ? "uneven" : "even", 1e3 * imu.max_jitter_s, imu.gaps.size());
 }
 
-std::string GnssSummary(const GnssData& gnss) {
+std::string GnssSummary(const MapGnss& gnss) {
   const double begin_s = gnss.epochs.front().t_s, end_s = gnss.epochs.back().t_s;
   const double rate_hz =
       static_cast<double>(gnss.epochs.size() - 1) / std::max(end_s - begin_s, 1e-3);

@@ -158,6 +158,7 @@
   const seen = new IntersectionObserver(
     (entries) => entries.filter((entry) => entry.isIntersecting).forEach((entry) => drawFigure(entry.target)),
     { rootMargin: "300px" });
+  figures.filter((figure) => figure.getBoundingClientRect().top < innerHeight).forEach(drawFigure);
   figures.forEach((figure) => seen.observe(figure));
   new ResizeObserver(() => [...drawnWidth.keys()].forEach(drawFigure)).observe(document.body);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);

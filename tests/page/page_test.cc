@@ -1,0 +1,136 @@
+#include <dn/error.h>
+#include <dn/page/page.h>
+#include <dn/report/json.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "testing/temp_folder.h"
+
+namespace dn {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::TempFolder;
+
+Json Report() {
+  return {{"schema", "dn.report/1"}, {"command", "calibrate"}, {"versions", {{"dn", "1.2.3"}}}};
+}
+
+Json Result(const std::string& method, double roll_deg, double sigma_deg) {
+  const double variance = sigma_deg * sigma_deg;
+  return {{"schema", "dn.result/1"},
+          {"flight", "lar3"},
+          {"method", method},
+          {"boresight",
+           {{"angles_deg", {roll_deg, 0.03, 0.35}},
+            {"sigma_deg", {sigma_deg, sigma_deg, sigma_deg}},
+            {"covariance_deg2", {{variance, 0, 0}, {0, variance, 0}, {0, 0, variance}}}}},
+          {"assessment", {{"verdict", "calibrated"}, {"reasons", Json::array()}}}};
+}
+
+/// A folder with a result of one file.
+class Folder : public TempFolder {
+ public:
+  Folder(const std::string& name, const Json& content, const Json& report = Report()) {
+    Write("report.json", report.dump());
+    Write(name, content.dump());
+  }
+};
+
+const Table& DifferencesOf(const Document& document) {
+  return std::get<Table>(document.sections.at(0).contents.at(0));
+}
+
+std::string TextAt(const Table& table, std::size_t row, std::size_t column) {
+  return std::get<std::string>(table.rows.at(row).at(column).content);
+}
+
+double NumberAt(const Table& table, std::size_t row, std::size_t column) {
+  return std::get<Number>(table.rows.at(row).at(column).content).value;
+}
+
+TEST(Page, SaysOfEveryVerdictWhetherToRelyOnIt) {
+  const std::pair<const char*, Tone> verdicts[] = {{"calibrated", Tone::kGood},
+                                                   {"absorbed", Tone::kDoubtful},
+                                                   {"not_observable", Tone::kBad},
+                                                   {"contradicted", Tone::kBad}};
+  for (const auto& [verdict, tone] : verdicts) {
+    Json result = Result("dn", 0.2, 0.001);
+    result["assessment"] = {{"verdict", verdict}, {"reasons", {"because"}}};
+    const Folder folder("result.json", result);
+    const Document page = PageOf(folder.path());
+    ASSERT_EQ(page.headlines.size(), 1u);
+    EXPECT_EQ(page.headlines[0].word, verdict);
+    EXPECT_EQ(page.headlines[0].tone, tone) << verdict;
+    EXPECT_EQ(page.headlines[0].reasons, std::vector<std::string>{"because"});
+    EXPECT_FALSE(page.headlines[0].answer.empty());
+    EXPECT_FALSE(page.headlines[0].next.empty());
+  }
+}
+
+// The shards of a series joined make the same bytes as one run.
+TEST(Page, LeavesOutWhatTwoRunsOfOneWorkDifferIn) {
+  Json other = Report();
+  other["command"] = "merge";
+  other["arguments"] = {"merge", "a", "b"};
+  other["threads"] = 7;
+  other["timings_s"] = {{"total", 12.5}};
+  const Folder one("monte_carlo.json", {{"flights", 3}, {"consistent", true}});
+  const Folder two("monte_carlo.json", {{"flights", 3}, {"consistent", true}}, other);
+  EXPECT_EQ(ToHtml(PageOf(one.path())), ToHtml(PageOf(two.path())));
+}
+
+TEST(Page, WhatIsAbsentIsADash) {
+  for (const char* name : {"result.json", "smooth.json", "gap.json", "study.json",
+                           "monte_carlo.json", "allan.json", "other.json"}) {
+    const Folder folder(name, {{"boresight", {{"angles_deg", {nullptr, "x"}}}}});
+    EXPECT_THAT(ToHtml(PageOf(folder.path())), HasSubstr("1.2.3")) << name;
+  }
+}
+
+TEST(Page, AFlightWithAHostileNameStaysAName) {
+  Json result = Result("dn", 0.2, 0.001);
+  result["flight"] = "</title><script>alert(1)</script>";
+  result["estimates"] = {
+      {"</td><script>alert(2)</script>", {{"value", {1.0}}, {"sigma", {0.1}}, {"unit", "<b>"}}}};
+  const Folder folder("result.json", result);
+  EXPECT_THAT(ToHtml(PageOf(folder.path())), Not(HasSubstr("<script>alert")));
+}
+
+TEST(Page, DamagedFilesAreNamed) {
+  const Folder folder("result.json", Result("dn", 0.2, 0.001));
+  folder.Write("result.json", "{");
+  EXPECT_THROW((void)PageOf(folder.path()), InvalidInput);
+  const TempFolder empty;
+  EXPECT_THROW((void)PageOf(empty.path()), InvalidInput);
+}
+
+TEST(Comparison, IndependentResultsHaveTheSumOfTheirCovariances) {
+  const Folder a("result.json", Result("dn", 0.200, 0.003));
+  const Folder b("result.json", Result("dn", 0.206, 0.004));
+  const Folder c("result.json", Result("dn", 0.300, 0.004));
+  const Document page = PageOf(std::vector{a.path(), b.path(), c.path()});
+  EXPECT_EQ(page.headlines.size(), 3u);
+  const Table& differences = DifferencesOf(page);
+  ASSERT_EQ(differences.rows.size(), 3u);
+  constexpr double kTurnMdeg = 0.01;  // rotations do not quite commute
+  EXPECT_NEAR(NumberAt(differences, 0, 1), -6.0, kTurnMdeg);
+  EXPECT_NEAR(NumberAt(differences, 0, 2), 5.0, 1e-9);
+  EXPECT_EQ(TextAt(differences, 0, 8), "not significant");
+  EXPECT_EQ(TextAt(differences, 1, 8), "significant");
+  EXPECT_EQ(TextAt(differences, 0, 9), "independent");
+}
+
+TEST(Comparison, OfOneFlightTheDifferenceOfTheCovariances) {
+  const Folder dn("result.json", Result("dn", 0.200, 0.003));
+  const Folder gh("result.json", Result("gh", 0.206, 0.005));
+  const Document page = PageOf(std::vector{dn.path(), gh.path()});
+  const Table& differences = DifferencesOf(page);
+  EXPECT_NEAR(NumberAt(differences, 0, 1), -6.0, 0.01);
+  EXPECT_NEAR(NumberAt(differences, 0, 2), 4.0, 1e-9);
+  EXPECT_EQ(TextAt(differences, 0, 9), "of nested data");
+}
+
+}  // namespace
+}  // namespace dn
