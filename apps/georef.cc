@@ -230,9 +230,6 @@ Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
         if (Interrupted()) throw dn::Interrupted();
         run.progress.Stage(stage, fmt::format("{}{} points", points, all));
       });
-  fmt::print("  {:<24} {:>12} {:>12} {:>10.4f} {:>10.4f}  {}\n", name, strip.kept,
-             strip.points - strip.kept, strip.shift_rms_m, strip.shift_max_m,
-             strip.own_vectors ? "file" : "trajectory");
   return StripJson(name, crs, strip);
 }
 
@@ -245,6 +242,21 @@ void AddCounts(const Json& strip, Json* counts) {
   for (const auto& [reason, count] : strip["dropped"].items()) add("points " + reason, count);
 }
 
+void Print(const FlightConfig& config, const Vector3d& boresight_rad, const Json& strips) {
+  const Vector3d boresight_deg = boresight_rad * kDegPerRad;
+  fmt::print("flight {}, boresight {:.6f} {:.6f} {:.6f} deg, points in {}\n", config.name,
+             boresight_deg.x(), boresight_deg.y(), boresight_deg.z(), config.strips_crs);
+  fmt::print("  {:<24} {:>12} {:>12} {:>10} {:>10}  {}\n", "strip", "kept", "dropped", "moved rms",
+             "max [m]", "laser vectors");
+  for (const Json& strip : strips) {
+    const auto points = strip["points"].get<std::uint64_t>();
+    const auto kept = strip["kept"].get<std::uint64_t>();
+    fmt::print("  {:<24} {:>12} {:>12} {:>10.4f} {:>10.4f}  {}\n", strip["name"].get<std::string>(),
+               kept, points - kept, strip["shift_rms_m"].get<double>(),
+               strip["shift_max_m"].get<double>(), strip["laser_vectors"].get<std::string>());
+  }
+}
+
 void RunGeoref(const GeorefOptions& given, Run& run) {
   Georef georef = Prepare(given, run);
   const FlightConfig& config = georef.config;
@@ -252,11 +264,6 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
   const Vector3d boresight_rad = georef.options.mounting.boresight_rad;
   const StripGeoreferencer georeferencer(std::move(georef.options), georef.frame,
                                          PointCrs(config.strips_crs, georef.frame));
-  fmt::print("flight {}, boresight {:.6f} {:.6f} {:.6f} deg, points in {}\n", config.name,
-             boresight_rad.x() * kDegPerRad, boresight_rad.y() * kDegPerRad,
-             boresight_rad.z() * kDegPerRad, config.strips_crs);
-  fmt::print("  {:<24} {:>12} {:>12} {:>10} {:>10}  {}\n", "strip", "kept", "dropped", "moved rms",
-             "max [m]", "laser vectors");
   Json strips = Json::array();
   Json& counts = run.report["counts"] = Json::object();
   for (const fs::path& file : files) {
@@ -274,6 +281,7 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
                           {"covariance", CovarianceJson(given, config)},
                           {"strips", strips}}));
   run.AddFile("config.resolved.yaml", FormatFlightConfig(config));
+  Print(config, boresight_rad, strips);
 }
 
 void AddOptions(CLI::App* app, GeorefOptions* options) {

@@ -161,7 +161,7 @@ TEST(CliGeoref, OneBadStripLeavesNoResult) {
 
 TEST(CliGeoref, StripsWithoutASystemAreNotForIt) {
   const FlightWithStrips flight;
-  flight.Write("flight.yaml", flight.Read("flight.yaml") + "strips_crs: none\n");
+  flight.Replace("flight.yaml", "strips_crs: \"map\"", "strips_crs: none");
   ExpectFailure(flight.Run("georef"), 2, "strips_crs is none");
 }
 
