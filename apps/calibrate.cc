@@ -114,8 +114,12 @@ void PrintResult(const FlightConfig& config, const GaussHelmertCalibration& cali
   print_sigmas("normal matrix, times sigma0", *boresight.sigma_scaled_rad);
   print_sigmas("scatter by time-correlated trajectory errors",
                scatter.covariance_rad2.diagonal().cwiseSqrt());
-  print_sigmas("attitude error constant over the flight",
-               calibration.constant_rad2.diagonal().cwiseSqrt());
+  if (calibration.constant_rad2.isZero(0.0)) {
+    fmt::print("  {:<43} part of the scatter\n", "attitude error constant over the flight");
+  } else {
+    print_sigmas("attitude error constant over the flight",
+                 calibration.constant_rad2.diagonal().cwiseSqrt());
+  }
   PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
               {"roll", "pitch", "yaw"});
   const AdjustmentFigures& figures = calibration.figures;

@@ -138,7 +138,7 @@ void SummariseAxes(const BodyDirections& directions, Json* json) {
   if (directions.course_b) {
     const Eigen::Vector3d& course = *directions.course_b;
     const double heading_deg = std::atan2(-course.y(), course.x()) * kDegPerRad;
-    text += fmt::format("; heading {:.0f} deg from the course", heading_deg);
+    text += fmt::format("; heading some {:.0f} deg from the course", heading_deg);
     axes["heading_from_course_deg"] = heading_deg;
   } else {
     text += "; heading against course not shown";

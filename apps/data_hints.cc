@@ -1,12 +1,12 @@
 #include "data_hints.h"
 
+#include <dn/builder/edge_factors.h>
 #include <dn/geo/text_table.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 namespace dn::apps {
 namespace {
@@ -18,11 +18,15 @@ constexpr double kMostAxesDistanceRad = 35.0 * kRadPerDeg;
 // Turns that are the same, seen by two sensors.
 constexpr double kSameTurns = 0.9;
 constexpr double kLeastGain = 0.1;
+// A course that is mirrored is distorted as well: east and north have other scales.
+constexpr double kMirroredTurns = 0.7;
 constexpr double kLeastLagS = 1.0;
 // Leap seconds between GPS time and UTC, from 2006 on.
 constexpr double kLeapSecondsFrom = 14.0, kLeapSecondsTo = 18.0;
 // Where LocalFrame begins to lose digits.
 constexpr double kFarOriginM = 1e5;
+// A longer step between velocities is a hole.
+constexpr double kLongestStepS = 5.0;
 
 bool Agree(const BodyDirections& directions) {
   return directions.down_agreement >= kLeastAgreement &&
@@ -86,7 +90,7 @@ void HintLag(const Flight& flight, const TurnComparison& turns, std::vector<Data
 }
 
 void HintTurns(const Flight& flight, const TurnComparison& turns, std::vector<DataHint>* hints) {
-  if (turns.correlation < -kSameTurns) {
+  if (turns.correlation < -kMirroredTurns) {
     hints->push_back(
         {"the course turns the other way than the gyros do: latitude and longitude may "
          "be exchanged in gnss.file, or an axis of imu.file has the wrong sign",
@@ -99,62 +103,74 @@ void HintTurns(const Flight& flight, const TurnComparison& turns, std::vector<Da
   if (shifted) HintLag(flight, turns, hints);
 }
 
-/// As the file has them.
-struct GeodeticEpoch {
-  double t_s;
-  Geodetic antenna;
-  std::optional<Eigen::Vector3d> velocity_enu_mps;
-};
-
-std::vector<GeodeticEpoch> GeodeticEpochs(const Flight& flight) {
-  std::vector<GeodeticEpoch> epochs;
-  for (const MapGnssEpoch& epoch : flight.gnss->epochs) {
-    epochs.push_back({epoch.t_s, flight.frame.ToGeodetic(epoch.p_m), epoch.velocity_enu_mps});
-  }
-  return epochs;
-}
-
 /// Whether a latitude and longitude in deg lie where no land is, but numbers in radians do.
 bool LooksLikeRadians(const Geodetic& point) {
   return std::abs(point.lat_rad * kDegPerRad) <= std::numbers::pi / 2.0 &&
          std::abs(point.lon_rad * kDegPerRad) <= std::numbers::pi;
 }
 
-/// Root mean square of what the positions move between epochs beyond what the velocities say, m/s,
-/// with east and north of the positions as they are or exchanged.
-double VelocityMisfit(const Flight& flight, bool exchanged, double* speed_mps) {
-  const std::vector<GeodeticEpoch> epochs = GeodeticEpochs(flight);
-  double misfit = 0.0, speed = 0.0, n = 0.0;
-  for (std::size_t i = 1; i < epochs.size(); ++i) {
-    const GeodeticEpoch &a = epochs[i - 1], &b = epochs[i];
-    if (!a.velocity_enu_mps || !b.velocity_enu_mps || b.t_s - a.t_s > 5.0) continue;
-    const auto map = [&](Geodetic point) {
-      if (exchanged) std::swap(point.lat_rad, point.lon_rad);
-      return point;
-    };
-    const LocalFrame frame(map(a.antenna));
-    const Eigen::Vector3d moved_mps = frame.ToMap(map(b.antenna)) / (b.t_s - a.t_s);
-    const Eigen::Vector3d said_mps = 0.5 * (*a.velocity_enu_mps + *b.velocity_enu_mps);
-    misfit += (moved_mps - said_mps).head<2>().squaredNorm();
-    speed += said_mps.head<2>().squaredNorm();
+/// Root mean square of the horizontal velocities, m/s; 0 without any.
+double RmsSpeed(const std::vector<MapGnssEpoch>& epochs) {
+  double sum = 0.0, n = 0.0;
+  for (const MapGnssEpoch& epoch : epochs) {
+    if (!epoch.velocity_enu_mps) continue;
+    sum += epoch.velocity_enu_mps->head<2>().squaredNorm();
     n += 1.0;
   }
-  *speed_mps = n > 0.0 ? std::sqrt(speed / n) : 0.0;
+  return n > 0.0 ? std::sqrt(sum / n) : 0.0;
+}
+
+/// East and north that the velocities lead over from an epoch to a later one, by trapezoids; absent
+/// across a hole.
+std::optional<Eigen::Vector2d> WayBetween(const std::vector<MapGnssEpoch>& epochs,
+                                          std::size_t first, std::size_t last) {
+  Eigen::Vector2d way = Eigen::Vector2d::Zero();
+  for (std::size_t k = first + 1; k <= last; ++k) {
+    const MapGnssEpoch &a = epochs[k - 1], &b = epochs[k];
+    const double step_s = b.t_s - a.t_s;
+    if (!a.velocity_enu_mps || !b.velocity_enu_mps || step_s > kLongestStepS) return std::nullopt;
+    way += 0.5 * step_s * (*a.velocity_enu_mps + *b.velocity_enu_mps).head<2>();
+  }
+  return way;
+}
+
+/// Root mean square of what the positions move beyond what the velocities say, m/s, with latitude and
+/// longitude as they are or exchanged. Over legs so long that the noise of the positions is a fifth
+/// of the speed.
+double VelocityMisfit(const Flight& flight, double speed_mps, bool exchanged) {
+  const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
+  const double leg_s = std::max(1.0, 10.0 * TypicalGnssSigma(flight) / speed_mps);
+  const auto place = [&](std::size_t k) {
+    Geodetic point = flight.frame.ToGeodetic(epochs[k].p_m);
+    if (exchanged) std::swap(point.lat_rad, point.lon_rad);
+    return point;
+  };
+  double misfit = 0.0, n = 0.0;
+  for (std::size_t i = 0, j = 0; i < epochs.size(); i = j) {
+    while (j < epochs.size() && epochs[j].t_s - epochs[i].t_s < leg_s) ++j;
+    if (j == epochs.size()) break;
+    const auto way = WayBetween(epochs, i, j);
+    if (!way) continue;
+    const Eigen::Vector2d moved = LocalFrame(place(i)).ToMap(place(j)).head<2>();
+    misfit += ((moved - *way) / (epochs[j].t_s - epochs[i].t_s)).squaredNorm();
+    n += 1.0;
+  }
   return n > 0.0 ? std::sqrt(misfit / n) : 0.0;
 }
 
 bool CanExchange(const Flight& flight) {
-  const std::vector<GeodeticEpoch> epochs = GeodeticEpochs(flight);
-  return std::all_of(epochs.begin(), epochs.end(), [](const GeodeticEpoch& epoch) {
-    return std::abs(epoch.antenna.lon_rad) <= 0.5 * std::numbers::pi;
+  const auto& epochs = flight.gnss->epochs;
+  return std::all_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
+    return std::abs(flight.frame.ToGeodetic(epoch.p_m).lon_rad) <= 0.5 * std::numbers::pi;
   });
 }
 
 void HintVelocities(const Flight& flight, std::vector<DataHint>* hints) {
-  double speed_mps = 0.0;
-  const double as_is = VelocityMisfit(flight, false, &speed_mps);
-  if (!(speed_mps > 1.0) || as_is < 0.5 * speed_mps) return;
-  if (CanExchange(flight) && VelocityMisfit(flight, true, &speed_mps) < 0.5 * as_is) {
+  const double speed_mps = RmsSpeed(flight.gnss->epochs);
+  if (speed_mps < 1.0) return;
+  const double as_is = VelocityMisfit(flight, speed_mps, false);
+  if (as_is < 0.5 * speed_mps) return;
+  if (CanExchange(flight) && VelocityMisfit(flight, speed_mps, true) < 0.5 * as_is) {
     hints->push_back(
         {"the GNSS positions fit their velocities when latitude and longitude are "
          "exchanged: put latitude first in gnss.file",
@@ -202,10 +218,11 @@ std::string TextOf(const DataHint& hint) {
 }
 
 std::string MatrixText(const Eigen::Matrix3d& matrix) {
+  const auto number = [&](int i, int j) { return FormatDouble(matrix(i, j) + 0.0); };  // no -0
   std::string text;
   for (int i = 0; i < 3; ++i) {
-    text += fmt::format("{}[{}, {}, {}]", i > 0 ? ", " : "[", FormatDouble(matrix(i, 0)),
-                        FormatDouble(matrix(i, 1)), FormatDouble(matrix(i, 2)));
+    text +=
+        fmt::format("{}[{}, {}, {}]", i > 0 ? ", " : "[", number(i, 0), number(i, 1), number(i, 2));
   }
   return text + "]";
 }

@@ -97,13 +97,14 @@ struct Stamp {
 std::optional<Stamp> StampOf(const std::vector<std::string_view>& fields,
                              const FileLocation& where) {
   if (IsSentence(fields, "RMC", 10) && fields[9].size() == 6) {
-    const int year = 2000 + TwoDigits(fields[9], 4);
+    const int short_year = TwoDigits(fields[9], 4);
+    const int year = short_year + (short_year < 80 ? 2000 : 1900);
     return Stamp{DayOf(year, TwoDigits(fields[9], 2), TwoDigits(fields[9], 0), where),
                  TimeOfDay(fields[1], where)};
   }
   if (IsSentence(fields, "ZDA", 5) && !fields[4].empty()) {
     const auto number = [&](std::size_t i) {
-      return static_cast<int>(ParseNumber(fields[i], where));
+      return static_cast<int>(std::clamp(ParseNumber(fields[i], where), -1.0, 9999.0));
     };
     return Stamp{DayOf(number(4), number(3), number(2), where), TimeOfDay(fields[1], where)};
   }

@@ -130,6 +130,26 @@ TEST(OwnData, RowsThatRepeatTheValuesBeforeAreCounted) {
   EXPECT_THAT(Checked(flight), HasSubstr("(33 %) repeat the values of the row before"));
 }
 
+// A logger that writes means over one to three intervals: data, not gaps, and as good as the even ones.
+TEST(OwnData, UnevenRowsAreSmoothed) {
+  const DamagedFlight flight;
+  Row sum;
+  std::size_t begin = 0, length = 1;
+  EachRow(flight, "IMU.txt", [&](std::size_t i, Row* row) {
+    if (i == begin) sum.assign(row->size(), 0.0);
+    for (std::size_t c = 1; c < row->size(); ++c) sum[c] += (*row)[c];
+    if (i + 1 < begin + length) return row->clear();
+    for (std::size_t c = 1; c < row->size(); ++c) {
+      (*row)[c] = sum[c] / static_cast<double>(length);
+    }
+    begin = i + 1;
+    length = 1 + (i / 2) % 3;
+  });
+  EXPECT_THAT(Checked(flight), AllOf(HasSubstr("uneven, jitter up to"), HasSubstr("no gap")));
+  const ProgramRun run = flight.Run("smooth");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
 TEST(OwnData, EveryProblemIsTold) {
   const DamagedFlight flight;
   flight.ReplaceLine("IMU.txt", 7, "381000.14, 0, 0, 0, 0, 0");

@@ -13,9 +13,9 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-constexpr const char* kSubcommands[] = {"check", "simulate", "smooth",      "calibrate",
-                                        "gap",   "allan",    "monte-carlo", "blind-check",
-                                        "merge", "report",   "georef"};
+constexpr const char* kSubcommands[] = {"init",        "check", "simulate", "smooth",
+                                        "calibrate",   "gap",   "allan",    "monte-carlo",
+                                        "blind-check", "merge", "report",   "georef"};
 
 class EverySubcommand : public ::testing::TestWithParam<const char*> {
  protected:
@@ -155,9 +155,10 @@ TEST(CliUsage, WrongUsageIsOneErrorLine) {
 }
 
 TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
-  ExpectUsageError(RunProgram(std::vector<std::string>{}),
-                   "dn: error: a command is required: check, calibrate, smooth, simulate, study, "
-                   "georef, gap, monte-carlo, blind-check, merge, allan; see dn --help");
+  ExpectUsageError(
+      RunProgram(std::vector<std::string>{}),
+      "dn: error: a command is required: init, check, calibrate, smooth, simulate, study, "
+      "georef, gap, monte-carlo, blind-check, merge, allan, report; see dn --help");
   ExpectUsageError(RunProgram({"calibrat", "x"}),
                    "dn: error: 'calibrat' is no command; the nearest one is 'calibrate'; see dn "
                    "--help");

@@ -1,6 +1,7 @@
 #include "read_anything.h"
 
 #include <dn/error.h>
+#include <dn/flight/file_content.h>
 #include <dn/flight/flight_config.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
@@ -175,6 +176,7 @@ void Read(char reader, std::string_view content) {
   static const ScratchFolder scratch;
   switch (reader) {
     case 'T':
+      LookAtFile(scratch.Write("data.out", content));  // accepts everything
       return CheckTable(scratch.Write("table.txt", content));
     case 'S':
       return CheckTrajectory(scratch.Write("trajectory.out", content));
@@ -190,6 +192,8 @@ void Read(char reader, std::string_view content) {
       return CheckGnss(scratch.Write("GPS.txt", content), GnssFormat::kRtklib);
     case 'B':
       return CheckGnss(scratch.Write("GPS.txt", content), GnssFormat::kObGins);
+    case 'N':
+      return CheckGnss(scratch.Write("GPS.txt", content), GnssFormat::kNmea);
     case 'P':
       scratch.Write("LiDAR_p2p.txt", content);
       return CheckPairs(scratch.path());

@@ -12,9 +12,10 @@ namespace dn::testing {
 ///   T ReadTextTable                     S ReadTrajectory, SBET      O ReadTrajectory, ODyN text
 ///   I ReadImu, ODyN                     J ReadImu, increments
 ///   G ReadGnss, ODyN                    R ReadGnss, RTKLIB          B ReadGnss, OB_GINS
+///   N ReadGnss, NMEA
 ///   P ReadPairs                         F ReadFlightConfig          C ParseScenario
 ///   V ReadTrajectoryCovariance          L OpenStrip, LAS            X OpenStrip, text
-inline constexpr std::string_view kReaders = "TSOIJGRBPFCVLX";
+inline constexpr std::string_view kReaders = "TSOIJGRBNPFCVLX";
 
 /// Gives the bytes after the first to the reader that the first selects (any other letter: modulo
 /// the number of readers), as a file in memory.

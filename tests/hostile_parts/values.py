@@ -202,6 +202,7 @@ OPTION_VALUES = ["", " ", "nan", "-1", "0", "1e9", "99999999999999999999", "1.5"
 COMMANDS = {
     "calibrate": ["flight", "--out", "out", "--method", "dn", "--threads", "1"],
     "smooth": ["flight", "--out", "out", "--threads", "1"],
+    "init": ["flight", "--out", "out"],
     "check": ["flight", "--out", "out"],
     "georef": ["flight", "--boresight", "0.1,0.2,0.3", "--trajectory", "flight/trajectory.out",
                "--covariance", "--sigma-range-m", "0.02", "--out", "out"],

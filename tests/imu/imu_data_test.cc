@@ -60,14 +60,15 @@ TEST(ReadImu, UnitsAxesAndClockOfTheFile) {
   Eigen::Matrix3d R_frd_from_rfu;
   R_frd_from_rfu << 0, 1, 0, 1, 0, 0, 0, 0, -1;
   const ImuData imu = Read(
-      "1419000000.00, 180, 90, 0, 0.5, 2, 1\n1419000000.01, 180, 90, 0, 0.5, 2, 1\n"
-      "1419000000.02, 180, 90, 0, 0.5, 2, 1\n",
+      "1419000000.00, 18, 9, 0, 0.5, 2, 1\n1419000000.01, 18, 9, 0, 0.5, 2, 1\n"
+      "1419000000.02, 18, 9, 0, 0.5, 2, 1\n",
       {.rate_unit_radps = 3.14159265358979 / 180.0,
        .force_unit_mps2 = 2.0,
        .R_imu_to_body = R_frd_from_rfu,
        .time_offset_s = 1419000000.0});
   EXPECT_EQ(imu.t_end_s(), 1419000000.02 - 1419000000.0);
-  EXPECT_LT((imu.samples[0].w_ib_b_radps - Vector3d(0.5, 1, 0) * 3.14159265358979).norm(), 1e-12);
+  EXPECT_LT((imu.samples[0].w_ib_b_radps - Vector3d(0.05, 0.1, 0) * 3.14159265358979).norm(),
+            1e-12);
   EXPECT_EQ(imu.samples[0].f_b_mps2, Vector3d(4, 1, -2));
 }
 
