@@ -146,6 +146,7 @@ class WktReader {
     const char c = text_[at];
     if (c == '"') return Quoted(at);
     if (c == '[' || c == '(') {
+      horizontal_ += IsHorizontal(word_) ? 1 : 0;
       nodes_.push_back({word_, {}});
       word_.clear();
       return at + 1;
@@ -171,21 +172,17 @@ class WktReader {
   void Close() {
     const Node node = std::move(nodes_.back());
     nodes_.pop_back();
+    horizontal_ -= IsHorizontal(node.keyword) ? 1 : 0;
     if (IsVertical(node.keyword)) crs_.heights_from_geoid = true;
     if (nodes_.empty() || node.values.size() < 2) return;
     const Node& parent = nodes_.back();
     const bool unit = node.keyword == "UNIT" || node.keyword == "LENGTHUNIT";
     if (unit && IsVertical(parent.keyword)) ExpectMetres(node, "heights");
-    if (!IsHorizontal(parent.keyword) || HorizontalNodes() != 1) return;
+    if (!IsHorizontal(parent.keyword) || horizontal_ != 1) return;
     if (title_.empty() && !parent.values.empty()) title_ = parent.values.front();
     const bool linear = parent.keyword.starts_with("PROJ") || parent.keyword == "GEOCCS";
     if (unit && linear) ExpectMetres(node, "coordinates");
     if (node.keyword == "AUTHORITY" || node.keyword == "ID") ReadCode(node);
-  }
-
-  long HorizontalNodes() const {
-    return std::count_if(nodes_.begin(), nodes_.end(),
-                         [](const Node& node) { return IsHorizontal(node.keyword); });
   }
 
   void ExpectMetres(const Node& unit, const char* what) const {
@@ -222,6 +219,7 @@ class WktReader {
   std::string word_;
   std::string title_;
   std::vector<Node> nodes_;
+  long horizontal_ = 0;  ///< systems among them
 };
 
 }  // namespace

@@ -127,5 +127,13 @@ TEST(LasCrs, BrokenTextIsKept) {
   }
 }
 
+// Within the time limit of a test: every bracket counts the systems around it once.
+TEST(LasCrs, DeeplyNestedTextTakesNoTime) {
+  std::string text;
+  constexpr int kDepth = 80000;
+  for (int i = 0; i < kDepth; ++i) text += "PROJCS[1,2,";
+  EXPECT_FALSE(CrsOf({}, {Wkt(text + std::string(kDepth, ']'))}).epsg);
+}
+
 }  // namespace
 }  // namespace dn
