@@ -176,6 +176,7 @@ Georef Prepare(const GeorefOptions& given, Run& run) {
   options.mounting = options.made_with;
   if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
   options.time_span_s = config.time_span_s;
+  options.time_offset_s = config.lidar->time_offset_s;
   options.threads = run.options().threads;
   if (given.covariance) options.errors = ReadErrors(given, georef.config, result);
   return georef;

@@ -143,13 +143,14 @@ class StripGeoreferencer::Work {
   }
 
   void RenewPoint(std::size_t i, StripCloud* points) {
-    fates_[i] = setup_.FateOf(points->t_s[i], result_.own_vectors);
+    const double t_s = points->t_s[i] - setup_.options.time_offset_s;
+    fates_[i] = setup_.FateOf(t_s, result_.own_vectors);
     if (fates_[i] != Fate::kKept) return;
     try {
       const Vector3d old_m = setup_.crs.ToMap(points->p_c[i]);
-      const MapPose pose = setup_.path.At(points->t_s[i]);
+      const MapPose pose = setup_.path.At(t_s);
       const Vector3d u_s = result_.own_vectors ? points->u_s[i]
-                                               : LaserVectorTo(setup_.maker().At(points->t_s[i]),
+                                               : LaserVectorTo(setup_.maker().At(t_s),
                                                                setup_.options.made_with, old_m);
       const Vector3d p_m = Georeference(pose, setup_.options.mounting, u_s);
       points->p_c[i] = setup_.crs.FromMap(p_m);

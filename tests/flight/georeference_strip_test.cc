@@ -175,6 +175,28 @@ TEST_F(GeoreferenceStrip, TextHasItsOwnVectors) {
   }
 }
 
+TEST_F(GeoreferenceStrip, AKnownOffsetOfTheTagsIsTakenOut) {
+  std::vector<double> tags_s = Epochs(20);
+  std::string text;
+  constexpr double kOffsetS = 0.25;
+  for (double& t_s : tags_s) {
+    const Vector3d u_s = Survey::Beam(t_s);
+    t_s += kOffsetS;
+    text += FormatDouble(t_s) + ", 1, 2, 3, " + FormatDouble(u_s.x()) + ", " +
+            FormatDouble(u_s.y()) + ", " + FormatDouble(u_s.z()) + "\n";
+  }
+  folder_.Write("strip.txt", text);
+  GeoreferenceOptions options = survey_.Options();
+  options.time_offset_s = kOffsetS;
+  Run(options, "map", "strip.txt");
+  const StripCloud points = ReadAll(Out("strip.txt"));
+  for (std::size_t i = 0; i < tags_s.size(); ++i) {
+    const Vector3d truth_m = survey_.Ground(tags_s[i] - kOffsetS, survey_.mounting.boresight_rad);
+    EXPECT_LT((points.p_c[i] - truth_m).norm(), 1e-6);
+  }
+  EXPECT_EQ(points.t_s, tags_s);
+}
+
 TEST_F(GeoreferenceStrip, ANewTrajectoryTakesTheVectorsOfTheOldOne) {
   const PointCrs crs("map", survey_.motion.frame);
   const std::vector<double> epochs_s = Epochs(20);

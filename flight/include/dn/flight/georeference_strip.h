@@ -34,6 +34,7 @@ struct GeoreferenceOptions {
   std::optional<Trajectory> made_by;
   Mounting made_with;
   std::optional<Eigen::Vector2d> time_span_s;  ///< points outside are dropped
+  double time_offset_s = 0.0;                  ///< of the points' tags, tag = t + value; they stay
   std::optional<StripErrors> errors;           ///< absent: no covariances
   int threads = 1;
 };
