@@ -73,7 +73,7 @@ std::string LeftOutText(const LeftOutGnss& out) {
   const auto count = [](long n, const char* one, const char* many) {
     return fmt::format("{} GNSS {}", n, n == 1 ? one : many);
   };
-  const std::string velocities = count(out.velocities, "velocity", "velocities");
+  std::string velocities = count(out.velocities, "velocity", "velocities");
   if (out.positions == 0) return velocities;
   const std::string positions = count(out.positions, "position", "positions");
   return out.velocities == 0 ? positions : positions + " and " + velocities;
