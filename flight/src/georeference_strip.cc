@@ -1,18 +1,16 @@
 #include <dn/error.h>
 #include <dn/flight/georeference_strip.h>
-#include <dn/geo/week_seconds.h>
 #include <dn/lidar/point_covariance.h>
 #include <dn/parallel.h>
 #include <dn/rotation.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
-#include "pair_coverage.h"
+#include "strip_path.h"
 
 namespace dn {
 namespace {
@@ -21,34 +19,11 @@ namespace fs = std::filesystem;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using internal::CoveredTime;
+using internal::FateBy;
+using internal::PointFate;
+using internal::StripPath;
 
 constexpr std::size_t kPointsPerTask = 2048;
-
-/// A trajectory in the mapping frame, and the time that it covers.
-struct Path {
-  Path(const Trajectory& trajectory, const LocalFrame& frame)
-      : poses(trajectory.InMap(frame)), covered(internal::Cover(trajectory)) {}
-
-  MapPose At(double t_s) const { return InterpolatePose(poses, internal::AlignWeek(t_s, covered)); }
-
-  std::vector<MapPose> poses;
-  CoveredTime covered;
-};
-
-enum class Fate { kKept, kBefore, kAfter, kInGap, kOutsideMaker, kOutsideSpan };
-constexpr std::array<const char*, 6> kReasons{"",
-                                              "before the trajectory",
-                                              "after the trajectory",
-                                              "in trajectory gaps",
-                                              "outside the trajectory of the points",
-                                              "outside time span"};
-
-Fate FateBy(const CoveredTime& covered, double t_s) {
-  const double aligned_s = internal::AlignWeek(t_s, covered);
-  if (aligned_s < covered.t_begin_s) return Fate::kBefore;
-  if (aligned_s > covered.t_end_s) return Fate::kAfter;
-  return covered.HoleAt(aligned_s) != nullptr ? Fate::kInGap : Fate::kKept;
-}
 
 }  // namespace
 
@@ -64,13 +39,14 @@ struct StripGeoreferencer::Setup {
     options.made_by.reset();
   }
 
-  const Path& maker() const { return other_maker ? *other_maker : path; }
+  const StripPath& maker() const { return other_maker ? *other_maker : path; }
 
-  Fate FateOf(double t_s, bool own_vectors) const {
-    if (!span.InSpan(internal::AlignWeek(t_s, span))) return Fate::kOutsideSpan;
-    const Fate fate = FateBy(path.covered, t_s);
-    if (fate != Fate::kKept || own_vectors || !other_maker) return fate;
-    return FateBy(other_maker->covered, t_s) == Fate::kKept ? Fate::kKept : Fate::kOutsideMaker;
+  PointFate FateOf(double t_s, bool own_vectors) const {
+    if (!span.InSpan(internal::AlignWeek(t_s, span))) return PointFate::kOutsideSpan;
+    const PointFate fate = FateBy(path.covered, t_s);
+    if (fate != PointFate::kKept || own_vectors || !other_maker) return fate;
+    return FateBy(other_maker->covered, t_s) == PointFate::kKept ? PointFate::kKept
+                                                                 : PointFate::kOutsideMaker;
   }
 
   Matrix3d CovarianceInMap(const MapPose& pose, const Vector3d& u_s) const {
@@ -92,8 +68,8 @@ struct StripGeoreferencer::Setup {
   LocalFrame frame;
   PointCrs crs;
   CoveredTime span;  ///< of the points that are wanted
-  Path path;
-  std::optional<Path> other_maker;
+  StripPath path;
+  std::optional<StripPath> other_maker;
 };
 
 /// One strip on its way from file to file.
@@ -129,7 +105,7 @@ class StripGeoreferencer::Work {
 
   void Renew(StripCloud* points) {
     const std::size_t n = points->size();
-    fates_.assign(n, Fate::kKept);
+    fates_.assign(n, PointFate::kKept);
     shifts_m_.assign(n, 0.0);
     if (setup_.options.errors) points->covariance_c_m2.resize(n);
     ParallelForChunks(n, kPointsPerTask, setup_.options.threads,
@@ -138,14 +114,14 @@ class StripGeoreferencer::Work {
                       });
     Count(*points);
     std::vector<bool> drop(n);
-    for (std::size_t i = 0; i < n; ++i) drop[i] = fates_[i] != Fate::kKept;
+    for (std::size_t i = 0; i < n; ++i) drop[i] = fates_[i] != PointFate::kKept;
     points->Drop(drop);
   }
 
   void RenewPoint(std::size_t i, StripCloud* points) {
     const double t_s = points->t_s[i] - setup_.options.time_offset_s;
     fates_[i] = setup_.FateOf(t_s, result_.own_vectors);
-    if (fates_[i] != Fate::kKept) return;
+    if (fates_[i] != PointFate::kKept) return;
     try {
       const Vector3d old_m = setup_.crs.ToMap(points->p_c[i]);
       const MapPose pose = setup_.path.At(t_s);
@@ -169,8 +145,8 @@ class StripGeoreferencer::Work {
     for (std::size_t i = 0; i < points.size(); ++i) {
       result_.t_begin_s = std::min(result_.t_begin_s, points.t_s[i]);
       result_.t_end_s = std::max(result_.t_end_s, points.t_s[i]);
-      if (fates_[i] != Fate::kKept) {
-        ++result_.dropped[kReasons[static_cast<std::size_t>(fates_[i])]];
+      if (fates_[i] != PointFate::kKept) {
+        ++result_.dropped[internal::ReasonOf(fates_[i])];
         continue;
       }
       ++result_.kept;
@@ -183,14 +159,9 @@ class StripGeoreferencer::Work {
   void ExpectPoints() const {
     if (result_.points == 0) throw InvalidInput("the strip has no points", Where());
     if (result_.kept > 0) return;
-    const CoveredTime& covered = setup_.path.covered;
-    const std::string unit = TimeUnitHint(result_.t_begin_s, covered.t_begin_s, covered.t_end_s);
-    throw InvalidInput(
-        "no point can be georeferenced, all lie " + result_.dropped.begin()->first +
-            ": the strip covers " + internal::SpanText(result_.t_begin_s, result_.t_end_s) +
-            ", the trajectory " + internal::SpanText(covered.t_begin_s, covered.t_end_s) +
-            (unit.empty() ? "; is the kind of GPS time in the file right?" : unit),
-        Where());
+    throw InvalidInput(internal::NothingLeft(result_.dropped.begin()->first, result_.t_begin_s,
+                                             result_.t_end_s, setup_.path.covered),
+                       Where());
   }
 
   const Setup& setup_;
@@ -198,7 +169,7 @@ class StripGeoreferencer::Work {
   std::unique_ptr<StripReader> reader_;
   GeoreferencedStrip result_;
   double shift2_m2_ = 0.0;
-  std::vector<Fate> fates_;
+  std::vector<PointFate> fates_;
   std::vector<double> shifts_m_;
 };
 

@@ -1,4 +1,5 @@
 #include <dn/flight/georeference_strip.h>
+#include <dn/flight/strip_source.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 #include <dn/lidar/point_covariance.h>
@@ -326,6 +327,55 @@ TEST_F(GeoreferenceStrip, AnEndLeavesNoFile) {
   EXPECT_THROW(georeferencer.Run(folder_.path() / "strip.txt", Out("strip.txt"), stop),
                std::runtime_error);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
+}
+
+/// What a StripSource gives of a file.
+struct SourcedStrip {
+  LaserVectors vectors;
+  StripCounts counts;
+};
+
+SourcedStrip ReadBySource(const Survey& survey, const fs::path& file, const std::string& crs) {
+  StripSourceOptions options;
+  options.trajectory = survey.Flown();
+  options.made_with = survey.mounting;
+  const StripSource source(options, survey.motion.frame, crs);
+  SourcedStrip strip;
+  strip.counts = source.Read(file, [&](const LaserVectors& chunk) {
+    strip.vectors.t_s.insert(strip.vectors.t_s.end(), chunk.t_s.begin(), chunk.t_s.end());
+    strip.vectors.u_s.insert(strip.vectors.u_s.end(), chunk.u_s.begin(), chunk.u_s.end());
+  });
+  return strip;
+}
+
+TEST_F(GeoreferenceStrip, ASourceFindsTheVectorsThatLedToPoints) {
+  const std::vector<double> epochs_s = Epochs(40);
+  folder_.Write("strip.las", Las(survey_, PointCrs("utm:32n", survey_.motion.frame), epochs_s));
+  const SourcedStrip strip = ReadBySource(survey_, folder_.path() / "strip.las", "utm:32n");
+  EXPECT_FALSE(strip.counts.own_vectors);
+  ASSERT_EQ(strip.vectors.size(), epochs_s.size());
+  for (std::size_t i = 0; i < epochs_s.size(); ++i) {
+    EXPECT_NEAR((strip.vectors.u_s[i] - Survey::Beam(epochs_s[i])).norm(), 0.0, kGridM);
+  }
+}
+
+TEST_F(GeoreferenceStrip, ASourceTakesTheVectorsOfTheFileAndLeavesOutWhatHasNoPose) {
+  const std::vector<double> epochs_s = Epochs(60);  // the last ones lie after the trajectory
+  folder_.Write("strip.txt", Text(epochs_s));
+  const SourcedStrip strip = ReadBySource(survey_, folder_.path() / "strip.txt", "map");
+  EXPECT_TRUE(strip.counts.own_vectors);
+  EXPECT_EQ(strip.counts.points, 60u);
+  ASSERT_LT(strip.vectors.size(), 60u);
+  EXPECT_EQ(strip.counts.dropped.at("after the trajectory"), 60u - strip.vectors.size());
+  for (std::size_t i = 0; i < strip.vectors.size(); ++i) {
+    EXPECT_EQ(strip.vectors.u_s[i], Survey::Beam(epochs_s[i]));
+  }
+}
+
+TEST_F(GeoreferenceStrip, ASourceNamesBothSpansWhereNothingIsLeft) {
+  folder_.Write("strip.txt", Text(Epochs(5, kEnd_s + 100.0)));
+  const auto read = [&] { ReadBySource(survey_, folder_.path() / "strip.txt", "map"); };
+  ExpectInvalidIn(read, "all lie after the trajectory: the strip covers", "strip.txt");
 }
 
 }  // namespace

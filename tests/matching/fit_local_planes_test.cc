@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/lidar/point_cloud.h>
+#include <dn/matching/point_cloud.h>
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-#include <dn/lidar/point_cloud.h>
+#include <dn/matching/point_cloud.h>
 #include <pcl/filters/uniform_sampling.h>
 #include <pcl/point_types.h>
 
