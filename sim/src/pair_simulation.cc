@@ -83,6 +83,7 @@ class PairSampler {
   std::optional<TwoSightings> Try(const Overlap& overlap, Random& random) const {
     const Vector2d en_m = overlap.i->footprint.Draw(random);
     if (!overlap.j->footprint.Contains(en_m)) return std::nullopt;
+    if (terrain_.Water(en_m)) return std::nullopt;
     const Vector3d point_m(en_m.x(), en_m.y(), terrain_.Surface(en_m));
     const auto from_i = See(point_m, *overlap.i, random);
     if (!from_i) return std::nullopt;
