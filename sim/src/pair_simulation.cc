@@ -168,23 +168,6 @@ std::vector<TwoSightings> Draw(const Overlap& overlap, const PairSampler& sample
   return drawn;
 }
 
-LidarSpan SpanOf(const std::vector<StripInterval>& strips) {
-  LidarSpan span{strips.front().t0_s, strips.front().t1_s};
-  for (const StripInterval& strip : strips) {
-    span = {std::min(span.first_s, strip.t0_s), std::max(span.last_s, strip.t1_s)};
-  }
-  return span;
-}
-
-LidarSpan SpanOf(const std::vector<LidarPair>& pairs) {
-  LidarSpan span{pairs.front().t_i_s, pairs.front().t_i_s};
-  for (const LidarPair& pair : pairs) {
-    span.first_s = std::min({span.first_s, pair.t_i_s, pair.t_j_s});
-    span.last_s = std::max({span.last_s, pair.t_i_s, pair.t_j_s});
-  }
-  return span;
-}
-
 /// Draws the pairs of a flight, as they are when the scanner is that of `span`.
 class PairSimulator {
  public:
