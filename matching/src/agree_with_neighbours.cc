@@ -15,6 +15,8 @@ constexpr std::size_t kNeighbours = 8;
 constexpr std::size_t kFewest = 4;
 constexpr double kMostSigmas = 3.5;
 constexpr double kScaleOfMedian = 1.4826;
+// Variance of the difference from the median of eight others of the same accuracy.
+constexpr double kWithMedian = 1.2;
 
 /// Median of the shifts of the nearest others, by axis.
 Vector3d NeighboursOf(std::size_t i, const std::vector<PlacedShift>& shifts) {
@@ -39,23 +41,27 @@ Vector3d NeighboursOf(std::size_t i, const std::vector<PlacedShift>& shifts) {
 
 }  // namespace
 
-std::vector<bool> AgreeWithNeighbours(const std::vector<PlacedShift>& shifts) {
-  std::vector<bool> agrees(shifts.size(), true);
-  if (shifts.size() < kFewest) return agrees;
+Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& shifts) {
+  Agreement out;
+  out.agrees.assign(shifts.size(), true);
+  if (shifts.size() < kFewest) return out;
   std::vector<Vector3d> left(shifts.size());
   for (std::size_t i = 0; i < shifts.size(); ++i) {
     left[i] = (shifts[i].shift_m - NeighboursOf(i, shifts)).array() /
               shifts[i].covariance_m2.diagonal().array().sqrt();
   }
+  double variance = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> sizes;
     for (const Vector3d& value : left) sizes.push_back(std::abs(value[axis]));
     const double scale = std::max(1.0, kScaleOfMedian * Median(sizes));
+    variance += scale * scale / 3.0 / kWithMedian;
     for (std::size_t i = 0; i < shifts.size(); ++i) {
-      if (sizes[i] > kMostSigmas * scale) agrees[i] = false;
+      if (sizes[i] > kMostSigmas * scale) out.agrees[i] = false;
     }
   }
-  return agrees;
+  out.variance_factor = std::max(1.0, variance);
+  return out;
 }
 
 }  // namespace dn::internal

@@ -21,8 +21,8 @@ class SlopeSums {
  public:
   explicit SlopeSums(const HeightRaster& raster)
       : nx_(raster.grid.nx + 1),
-        sums_(
-            (raster.grid.cells() + static_cast<std::size_t>(raster.grid.nx + raster.grid.ny + 1))) {
+        sums_(raster.grid.cells() + static_cast<std::size_t>(raster.grid.nx + raster.grid.ny + 1),
+              Row::Zero()) {
     for (int y = 0; y < raster.grid.ny; ++y) {
       for (int x = 0; x < raster.grid.nx; ++x) {
         Row& sum = At(x + 1, y + 1);

@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "fill_voids.h"
+
 namespace dn::internal {
 namespace {
 
@@ -20,29 +22,6 @@ constexpr int kApart = 4;
 constexpr double kMostSigmaCells = 0.5;
 // Neighbouring heights are not independent: a quarter of them counts (chosen).
 constexpr double kIndependentShare = 0.25;
-constexpr int kLeastNeighbours = 5;
-
-void FillHoles(HeightRaster* raster) {
-  const RasterGrid& grid = raster->grid;
-  const std::vector<float> before = raster->z_m;
-  for (int y = 1; y + 1 < grid.ny; ++y) {
-    for (int x = 1; x + 1 < grid.nx; ++x) {
-      if (!std::isnan(before[grid.Index(x, y)])) continue;
-      float sum = 0.0F;
-      int count = 0;
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          const float z = before[grid.Index(x + dx, y + dy)];
-          if (std::isnan(z)) continue;
-          sum += z;
-          ++count;
-        }
-      }
-      if (count >= kLeastNeighbours)
-        raster->z_m[grid.Index(x, y)] = sum / static_cast<float>(count);
-    }
-  }
-}
 
 /// A cell of the piece, from its centre in cells, and its height.
 struct Sample {
@@ -104,31 +83,22 @@ std::vector<Sample> PieceOf(const HeightRaster& a, const Vector2i& centre, int h
 
 }  // namespace
 
-HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Vector3d>& points_m) {
+HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Vector3d>& points_m,
+                        int shadow_cells) {
   HeightRaster raster;
   raster.grid = grid;
-  raster.z_m.assign(grid.cells(), 0.0F);
+  raster.z_m.assign(grid.cells(), std::numeric_limits<float>::quiet_NaN());
   raster.point.assign(grid.cells(), -1);
-  std::vector<std::int32_t> counts(grid.cells(), 0);
-  const auto off_m2 = [&](std::size_t i, const Vector2i& cell) {
-    return (points_m[i].head<2>() - grid.Centre(cell.x(), cell.y())).squaredNorm();
-  };
   for (std::size_t i = 0; i < points_m.size(); ++i) {
     const Vector2i cell = grid.CellOf(points_m[i].head<2>());
     if (!grid.Has(cell.x(), cell.y())) continue;
     const std::size_t k = grid.Index(cell.x(), cell.y());
-    raster.z_m[k] += static_cast<float>(points_m[i].z());
-    ++counts[k];
-    std::int32_t& nearest = raster.point[k];
-    if (nearest < 0 || off_m2(i, cell) < off_m2(static_cast<std::size_t>(nearest), cell)) {
-      nearest = static_cast<std::int32_t>(i);
-    }
+    const auto z_m = static_cast<float>(points_m[i].z());
+    if (raster.point[k] >= 0 && raster.z_m[k] >= z_m) continue;
+    raster.z_m[k] = z_m;
+    raster.point[k] = static_cast<std::int32_t>(i);
   }
-  for (std::size_t k = 0; k < raster.z_m.size(); ++k) {
-    raster.z_m[k] = counts[k] > 0 ? raster.z_m[k] / static_cast<float>(counts[k])
-                                  : std::numeric_limits<float>::quiet_NaN();
-  }
-  FillHoles(&raster);
+  FillVoids(grid.nx, grid.ny, shadow_cells, &raster.z_m);
   return raster;
 }
 

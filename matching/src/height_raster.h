@@ -28,18 +28,19 @@ struct RasterGrid {
   }
 };
 
-/// Mean heights of the points in each cell, and one of those points.
+/// Heights of the highest points in each cell: walls are seen from one side only.
 struct HeightRaster {
   RasterGrid grid;
-  std::vector<float> z_m;           ///< NaN where there is no point, nor enough neighbours
-  std::vector<std::int32_t> point;  ///< index of the point nearest to the cell's centre; -1: none
+  std::vector<float> z_m;           ///< NaN where there is none, and voids are not filled
+  std::vector<std::int32_t> point;  ///< index of the point; -1: none
 
   float Z(int x, int y) const { return z_m[grid.Index(x, y)]; }
 };
 
-/// Heights of points on a grid; points outside are left out. A cell without points between at least
-/// five with some gets their mean.
-HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Eigen::Vector3d>& points_m);
+/// Heights of points on a grid; points outside are left out. Voids are filled (FillVoids), shadows of
+/// up to so many cells from their rim.
+HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Eigen::Vector3d>& points_m,
+                        int shadow_cells);
 
 /// How a piece of one raster lies in another.
 struct PatchShift {

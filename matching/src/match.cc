@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/matching/match.h>
+#include <dn/median.h>
 #include <dn/parallel.h>
 #include <fmt/format.h>
 
@@ -35,7 +36,8 @@ using internal::Registration;
 using internal::StripSample;
 
 // Lengths in ground sampling distances.
-constexpr double kSampleCell_gsd = 3.0;
+constexpr double kSampleCell_gsd = 2.0;  // small enough for a moved raster to have few holes
+constexpr double kRasterCell_gsd = 3.0;
 constexpr double kReach_gsd = 3.0;
 constexpr double kTile_gsd = 400.0;
 constexpr double kNeighbourhood_gsd = 2.5;
@@ -45,17 +47,18 @@ constexpr double kMostSigma_gsd = 0.5;  // of the pair, three-dimensional
 
 constexpr int kCoarseHalf = 16;    // cells of a coarse piece on each side of its centre
 constexpr int kCoarseSearch = 16;  // cells
+constexpr int kShadowCells = 6;    // of 3 GSD: what a house hides
 constexpr int kFineHalf = 8;
 constexpr int kFineSearch = 6;
 constexpr double kCoarsePlaces = 300.0;  // of a strip pair
 constexpr double kToleranceCells = 2.5;
 constexpr double kShrink = 5.0;
 constexpr int kMostLevels = 12;
-const std::vector<int> kHalfCells{5, 10, 20};  // of patches
-constexpr double kMostPointsOfPatch = 1500.0;
-constexpr std::size_t kPatchesAtOnce = 1500;
-// Slopes that determine the shift to 0.07 GSD, if points are 0.2 GSD off their surface.
-constexpr double kLeastInformation = 9.0;
+const std::vector<int> kHalfCells{8, 16};  // of patches
+constexpr double kMostPointsOfPatch = 3000.0;
+constexpr std::size_t kPatchesAtOnce = 800;
+// Slopes that determine a horizontal shift to twice the noise of the points.
+constexpr double kLeastInformation = 0.3;
 constexpr double kLeastUsedShare = 0.4;
 constexpr std::size_t kFewestForFactor = 10;
 
@@ -151,7 +154,7 @@ class Matcher {
   const MatchOptions& options() const { return options_; }
 
  private:
-  double BaseCell() const { return kSampleCell_gsd * result_.gsd_m; }
+  double BaseCell() const { return kRasterCell_gsd * result_.gsd_m; }
 
   void Tell(const std::string& stage, const std::string& done = "") const {
     if (options_.progress) options_.progress(stage, done);
@@ -173,7 +176,7 @@ class Matcher {
       const std::string stage = "reading strip " + source_.strips()[s].name;
       Tell(stage);
       samples_.push_back(internal::SampleStrip(
-          source_, s, BaseCell(), options_.threads,
+          source_, s, kSampleCell_gsd * result_.gsd_m, options_.threads,
           [&](std::uint64_t points) { Tell(stage, fmt::format("{} points", points)); }));
       result_.strips.push_back(samples_.back().counts);
     }
@@ -210,7 +213,8 @@ class Matcher {
     const StripSample& b = samples_[j];
     const auto grid = CommonGrid(a, b, level->cell_m, level->search_m);
     if (!grid) return;
-    const HeightRaster raster_a = MakeRaster(*grid, a.p_m), raster_b = MakeRaster(*grid, b.p_m);
+    const HeightRaster raster_a = MakeRaster(*grid, a.p_m, 0);
+    const HeightRaster raster_b = MakeRaster(*grid, b.p_m, 0);
     const std::vector<Vector2i> centres = CoarseCentres(raster_a);
     level->places += centres.size();
     std::vector<std::optional<PatchShift>> shifts(centres.size());
@@ -276,8 +280,8 @@ class Matcher {
     const std::string stage = "places of " + PairName(match->i, match->j);
     Tell(stage);
     const StripSample& a = samples_[match->i];
-    const HeightRaster raster_a = MakeRaster(grid, a.p_m);
-    const HeightRaster raster_b = MakeRaster(grid, samples_[match->j].p_m);
+    const HeightRaster raster_a = MakeRaster(grid, a.p_m, kShadowCells);
+    const HeightRaster raster_b = MakeRaster(grid, samples_[match->j].p_m, kShadowCells);
     for (std::size_t k = 0; k < grid.cells(); ++k) {
       if (!std::isnan(raster_a.z_m[k]) && !std::isnan(raster_b.z_m[k])) {
         match->overlap_m2 += grid.cell_m * grid.cell_m;
@@ -286,7 +290,7 @@ class Matcher {
     const std::vector<Patch> patches = internal::ChoosePatches(
         raster_a, raster_b,
         {kHalfCells, a.point_density_m2 * grid.cell_m * grid.cell_m, kMostPointsOfPatch,
-         kLeastInformation, options_.most_pairs, static_cast<int>(kTile_gsd / kSampleCell_gsd)});
+         kLeastInformation, options_.most_pairs, static_cast<int>(kTile_gsd / kRasterCell_gsd)});
     match->candidates = patches.size();
     std::vector<Work> work(patches.size());
     ParallelForChunks(
@@ -299,9 +303,44 @@ class Matcher {
                 raster_a, raster_b, patch.cell, std::max(kFineHalf, patch.half_cells), kFineSearch);
           }
         });
-    std::erase_if(work, [](const Work& w) { return !w.raster; });
-    match->found = work.size();
+    match->found = static_cast<std::size_t>(std::count_if(
+        work.begin(), work.end(), [](const Work& w) { return w.raster.has_value(); }));
+    StartLikeNeighbours(&work);
     return work;
+  }
+
+  /// Where the rasters show no clear shift, that of the nearest places that show one is the start.
+  static void StartLikeNeighbours(std::vector<Work>* work) {
+    constexpr std::size_t kNeighbours = 5;
+    std::vector<const Work*> clear;
+    for (const Work& w : *work) {
+      if (w.raster) clear.push_back(&w);
+    }
+    if (clear.size() < kNeighbours) {
+      std::erase_if(*work, [](const Work& w) { return !w.raster; });
+      return;
+    }
+    std::vector<std::pair<std::size_t, Vector3d>> starts;
+    for (std::size_t k = 0; k < work->size(); ++k) {
+      const Work& w = (*work)[k];
+      if (w.raster) continue;
+      const auto off_m2 = [&](const Work* other) {
+        return (other->centre_en_m - w.centre_en_m).squaredNorm();
+      };
+      std::vector<const Work*> nearest = clear;
+      std::partial_sort(nearest.begin(), nearest.begin() + kNeighbours, nearest.end(),
+                        [&](const Work* p, const Work* q) { return off_m2(p) < off_m2(q); });
+      Vector3d start_m;
+      for (int axis = 0; axis < 3; ++axis) {
+        std::vector<double> values;
+        for (std::size_t n = 0; n < kNeighbours; ++n) {
+          values.push_back(nearest[n]->raster->shift_m[axis]);
+        }
+        start_m[axis] = Median(std::move(values));
+      }
+      starts.emplace_back(k, start_m);
+    }
+    for (const auto& [k, start_m] : starts) (*work)[k].raster = PatchShift{start_m};
   }
 
   double RadiusOf(const Patch& patch) const { return patch.half_cells * BaseCell(); }
@@ -314,14 +353,15 @@ class Matcher {
   void Register(std::size_t i, std::size_t j, std::size_t first, std::size_t past,
                 std::vector<Work>* work) {
     const std::string stage = "points of " + PairName(i, j);
-    const double reach_m = kReach_gsd * result_.gsd_m;
     std::vector<Disc> discs_a, discs_b;
     for (std::size_t k = first; k < past; ++k) {
       const Work& w = (*work)[k];
       const double radius_m = RadiusOf(w.patch);
       discs_a.push_back({w.centre_en_m, radius_m, KeepShare(i, radius_m)});
-      discs_b.push_back({w.centre_en_m + w.raster->shift_m.head<2>(), radius_m + reach_m,
-                         KeepShare(j, radius_m)});
+      const double keep_share = KeepShare(j, radius_m);
+      const double reach_m = kReach_gsd * result_.gsd_m / std::sqrt(keep_share);
+      discs_b.push_back(
+          {w.centre_en_m + w.raster->shift_m.head<2>(), radius_m + reach_m, keep_share});
     }
     const auto gather = [&](std::size_t strip, const std::vector<Disc>& discs) {
       return internal::Gather(source_, strip, discs, options_.threads, [&](std::uint64_t points) {
@@ -344,9 +384,9 @@ class Matcher {
     const double gsd_m = result_.gsd_m;
     const double neighbourhood_m = kNeighbourhood_gsd * gsd_m / std::sqrt(disc.keep_share);
     const internal::PatchSurface a(in_a.p_m, neighbourhood_m), b(in_b.p_m, neighbourhood_m);
+    const double spacing_m = gsd_m / std::sqrt(disc.keep_share);
     const auto registration = internal::RegisterPatches(
-        a, b, work->raster->shift_m,
-        {disc.centre_en_m, disc.radius_m, kReach_gsd * gsd_m / std::sqrt(disc.keep_share)});
+        a, b, work->raster->shift_m, {disc.centre_en_m, disc.radius_m, kReach_gsd * spacing_m});
     if (!registration || registration->used_share < kLeastUsedShare ||
         registration->rms_m > kMostRms_gsd * gsd_m ||
         (registration->shift_m - work->raster->shift_m).norm() > kMostCorrection_gsd * gsd_m) {
@@ -376,15 +416,13 @@ class Matcher {
     pair.radius_m = disc.radius_m;
   }
 
-  /// Of the covariances: mean ratio of the variance by parts to that of independent distances.
+  /// Of the planes: mean of Registration::variance_ratio.
   double VarianceFactor() const {
     std::vector<double> ratios;
     for (const auto& work : registered_) {
       for (const Work& w : work) {
         if (!w.registration) continue;
-        ratios.push_back(
-            (w.registration->independent_m2.inverse() * w.registration->clustered_m2).trace() /
-            3.0);
+        ratios.push_back(w.registration->variance_ratio);
       }
     }
     if (ratios.size() < kFewestForFactor) return 1.0;
@@ -404,18 +442,18 @@ class Matcher {
       std::vector<const Work*> good;
       for (const Work& w : registered_[k]) {
         if (!w.registration) continue;
-        const Eigen::Matrix3d covariance_m2 =
-            result_.variance_factor * w.registration->independent_m2;
+        const Eigen::Matrix3d covariance_m2 = w.registration->Covariance(result_.variance_factor);
         if (std::sqrt(covariance_m2.trace()) > most_m) continue;
         shifts.push_back({w.centre_en_m, w.registration->shift_m, covariance_m2});
         good.push_back(&w);
       }
       match.registered = good.size();
-      const std::vector<bool> agrees = internal::AgreeWithNeighbours(shifts);
+      const internal::Agreement agreement = internal::AgreeWithNeighbours(shifts);
+      match.variance_factor = agreement.variance_factor;
       for (std::size_t p = 0; p < good.size(); ++p) {
-        if (!agrees[p]) continue;
+        if (!agreement.agrees[p]) continue;
         match.pairs.push_back(good[p]->pair);
-        match.pairs.back().pair.covariance_m2 = shifts[p].covariance_m2;
+        match.pairs.back().pair.covariance_m2 = agreement.variance_factor * shifts[p].covariance_m2;
       }
     }
     Judge();

@@ -83,6 +83,7 @@ Json StripPairJson(const StripPairMatch& match, const MatchSource& source) {
             {"found", match.found},
             {"registered", match.registered},
             {"pairs", match.pairs.size()}}},
+          {"variance_factor", match.variance_factor},
           {"evenness", EvennessOf(match.pairs, match.overlap_m2)},
           {"sigma_3d_median_m", match.pairs.empty() ? Json() : Json(MedianSigma(match))},
           {"misalignment", differences.ToJson()}};

@@ -15,8 +15,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kMaxIterations = 30;
-constexpr double kSettled_m = 1e-4;
+constexpr int kMaxIterations = 100;
+constexpr double kSettled_m = 2e-5;
 constexpr std::size_t kFewestPartners = 30;
 constexpr std::size_t kFewestNeighbours = 5;
 constexpr double kTukey = 4.685;  // 95 % efficiency for normal errors
@@ -24,7 +24,9 @@ constexpr double kScaleOfMedian = 1.4826;
 constexpr double kLeastScale_m = 1e-4;
 constexpr int kPartsAcross = 5;
 constexpr int kFewestParts = 8;
-constexpr double kLeastEigenvalueRatio = 1e-4;
+constexpr double kLeastEigenvalueRatio = 1e-5;
+constexpr double kPlaneMedians = 3.0;
+constexpr double kLeastCosine = 0.94;  // 20 deg between normals of partners
 
 /// The distance of a point from the plane of its partner, and how it changes with the shift.
 struct Distance {
@@ -38,20 +40,33 @@ struct Distance {
 class Registrar {
  public:
   Registrar(const PatchSurface& a, const PatchSurface& b, const RegisterOptions& options)
-      : a_(a), b_(b), options_(options) {}
+      : a_(a), b_(b), options_(options), most_rms_m_(kPlaneMedians * MedianRms(a, b)) {}
 
   std::vector<Distance> Distances(const Vector3d& shift_m) const {
     std::vector<Distance> found;
     found.reserve(a_.points_m().size() + b_.points_m().size());
-    for (const Vector3d& p_m : a_.points_m()) Add(b_, p_m + shift_m, 1.0, PartOf(p_m), &found);
-    for (const Vector3d& p_m : b_.points_m()) {
-      const Vector3d back_m = p_m - shift_m;
-      if (Inside(back_m)) Add(a_, back_m, -1.0, PartOf(back_m), &found);
+    for (std::size_t i = 0; i < a_.points_m().size(); ++i) {
+      const Vector3d& p_m = a_.points_m()[i];
+      Add(a_.plane(i), b_, p_m + shift_m, 1.0, PartOf(p_m), &found);
+    }
+    for (std::size_t i = 0; i < b_.points_m().size(); ++i) {
+      const Vector3d back_m = b_.points_m()[i] - shift_m;
+      if (Inside(back_m)) Add(b_.plane(i), a_, back_m, -1.0, PartOf(back_m), &found);
     }
     return found;
   }
 
  private:
+  static double MedianRms(const PatchSurface& a, const PatchSurface& b) {
+    std::vector<double> rms_m;
+    for (const PatchSurface* surface : {&a, &b}) {
+      for (std::size_t i = 0; i < surface->points_m().size(); ++i) {
+        rms_m.push_back(surface->plane(i).rms_m);
+      }
+    }
+    return Median(std::move(rms_m));
+  }
+
   bool Inside(const Vector3d& p_m) const {
     return (p_m.head<2>() - options_.centre_en_m).norm() <= options_.radius_m;
   }
@@ -64,12 +79,20 @@ class Registrar {
     return kPartsAcross * along(0) + along(1);
   }
 
-  void Add(const PatchSurface& other, const Vector3d& p_m, double sign, int part,
-           std::vector<Distance>* found) const {
+  bool IsPlane(const LocalPlane& plane) const {
+    return plane.neighbours >= kFewestNeighbours && !plane.normal.isZero(0.0) &&
+           plane.rms_m <= most_rms_m_;
+  }
+
+  /// The distance of a point from its partner's plane, where both are of one surface: a wall that
+  /// one strip sees is no partner of the roof's edge in the other.
+  void Add(const LocalPlane& own, const PatchSurface& other, const Vector3d& p_m, double sign,
+           int part, std::vector<Distance>* found) const {
+    if (!IsPlane(own)) return;
     const PatchSurface::Nearest nearest = other.NearestTo(p_m);
     if (nearest.distance_m > options_.reach_m) return;
     const LocalPlane& plane = other.plane(nearest.index);
-    if (plane.neighbours < kFewestNeighbours || plane.normal.isZero(0.0)) return;
+    if (!IsPlane(plane) || std::abs(plane.normal.dot(own.normal)) < kLeastCosine) return;
     found->push_back(
         {plane.normal.dot(p_m - plane.centroid_m), sign * plane.normal, plane.rms_m, part});
   }
@@ -77,6 +100,7 @@ class Registrar {
   const PatchSurface& a_;
   const PatchSurface& b_;
   const RegisterOptions& options_;
+  double most_rms_m_;
 };
 
 double RobustScale(const std::vector<Distance>& distances) {
@@ -100,35 +124,46 @@ bool LeavesADirectionFree(const Matrix3d& N) {
   return !(eigen.eigenvalues()[0] > kLeastEigenvalueRatio * eigen.eigenvalues()[2]);
 }
 
+/// Weighted mean square of the distances, m^2.
+double MeanSquare(const std::vector<Distance>& distances) {
+  double sum = 0.0, squares = 0.0;
+  for (const Distance& d : distances) {
+    sum += d.weight;
+    squares += d.weight * d.r_m * d.r_m;
+  }
+  return std::max(squares / sum, kLeastScale_m * kLeastScale_m);
+}
+
+/// Of a sum over parts that want g_k: see Registration::variance_ratio. 0: too few parts.
+double VarianceRatio(const std::vector<Distance>& distances, double mean_square_m2, double trace) {
+  std::array<Vector3d, kPartsAcross * kPartsAcross> wants;
+  std::array<bool, kPartsAcross * kPartsAcross> filled{};
+  wants.fill(Vector3d::Zero());
+  for (const Distance& d : distances) {
+    wants[static_cast<std::size_t>(d.part)] += d.weight * d.r_m * d.n;
+    filled[static_cast<std::size_t>(d.part)] = true;
+  }
+  double scatter = 0.0, parts = 0.0;
+  for (std::size_t k = 0; k < wants.size(); ++k) {
+    if (!filled[k]) continue;
+    parts += 1.0;
+    scatter += wants[k].squaredNorm();
+  }
+  if (parts < kFewestParts) return 0.0;
+  return scatter * parts / (parts - 3.0) / (mean_square_m2 * trace);
+}
+
 Registration Judge(const std::vector<Distance>& distances, const Vector3d& shift_m,
                    const Matrix3d& N, std::size_t points) {
   Registration out;
   out.shift_m = shift_m;
-  out.normal = N;
-  std::array<Vector3d, kPartsAcross * kPartsAcross> wants;
-  std::array<double, kPartsAcross * kPartsAcross> weights{};
-  wants.fill(Vector3d::Zero());
-  double sum = 0.0, squares = 0.0, used = 0.0;
-  for (const Distance& d : distances) {
-    wants[static_cast<std::size_t>(d.part)] += d.weight * d.r_m * d.n;
-    weights[static_cast<std::size_t>(d.part)] += d.weight;
-    sum += d.weight;
-    squares += d.weight * d.r_m * d.r_m;
-    if (d.weight > 0.25) used += 1.0;
-  }
-  out.rms_m = std::sqrt(squares / sum);
+  const double mean_square_m2 = MeanSquare(distances);
+  out.rms_m = std::sqrt(mean_square_m2);
+  double used = 0.0;
+  for (const Distance& d : distances) used += d.weight > 0.25 ? 1.0 : 0.0;
   out.used_share = used / static_cast<double>(points);
-  const Matrix3d inverse = N.inverse();
-  out.independent_m2 = out.rms_m * out.rms_m * inverse;
-  Matrix3d scatter = Matrix3d::Zero();
-  int parts = 0;
-  for (std::size_t k = 0; k < wants.size(); ++k) {
-    if (weights[k] <= 0.0) continue;
-    ++parts;
-    scatter += wants[k] * wants[k].transpose();
-  }
-  if (parts < kFewestParts) return out;
-  out.clustered_m2 = inverse * scatter * inverse * parts / (parts - 3.0);
+  out.information = N / mean_square_m2;
+  out.variance_ratio = VarianceRatio(distances, mean_square_m2, N.trace());
   return out;
 }
 
@@ -153,7 +188,7 @@ std::optional<Registration> RegisterPatches(const PatchSurface& a, const PatchSu
     const Vector3d step_m = -N.ldlt().solve(h);
     if (step_m.norm() < kSettled_m || iteration + 1 == kMaxIterations) {
       Registration out = Judge(distances, shift_m, N, a.points_m().size() + b.points_m().size());
-      return out.clustered_m2.isZero(0.0) ? std::nullopt : std::make_optional(out);
+      return out.variance_ratio > 0.0 ? std::make_optional(out) : std::nullopt;
     }
     shift_m += step_m.norm() > options.reach_m ? options.reach_m / step_m.norm() * step_m : step_m;
   }

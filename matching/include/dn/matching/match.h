@@ -44,11 +44,13 @@ struct MatchedPair {
 
 /// The pairs of two strips, and how many were left after each stage.
 struct StripPairMatch {
-  std::size_t i = 0, j = 0;        ///< strips
-  double overlap_m2 = 0.0;         ///< of ground that both have points of
-  std::size_t candidates = 0;      ///< places with enough shape
-  std::size_t found = 0;           ///< with one clear shift between the rasters
-  std::size_t registered = 0;      ///< with a shift between the points as good as is asked
+  std::size_t i = 0, j = 0;    ///< strips
+  double overlap_m2 = 0.0;     ///< of ground that both have points of
+  std::size_t candidates = 0;  ///< places with enough shape
+  std::size_t found = 0;       ///< with one clear shift between the rasters
+  std::size_t registered = 0;  ///< with a shift between the points as good as is asked
+  /// By which the covariances are larger for neighbours to agree as they do, at least 1.
+  double variance_factor = 1.0;
   std::vector<MatchedPair> pairs;  ///< that agree with their neighbours
 };
 
@@ -80,7 +82,7 @@ struct MatchResult {
 ///    at cells of a sixteenth of the search radius. The boresight that most of the shifts agree
 ///    with, by an adjustment of the Gauss-Helmert kind, brings the strips together; the search
 ///    radius shrinks, and so on down to 18 GSD.
-/// 2. Places with slopes in all directions, from 15 to 60 GSD in radius; a raster search about each.
+/// 2. Places with slopes in all directions, of 24 GSD in radius, larger ones where these leave room; a raster search about each.
 /// 3. The points themselves: registration of the two patches, both ways, with its covariance.
 /// 4. What contradicts its neighbours is left out.
 ///
