@@ -188,7 +188,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
     out.flight.pairs = SimulatePairs(scenario, out.strips, out.truth, terrain,
                                      {options.seed, options.noise, report("pairs")}, effects);
   }
-  if (scenario.strips) {
+  if (scenario.strips && !out.strips.empty()) {
     const LidarSpan span = out.flight.pairs ? SpanOf(out.flight.pairs->pairs) : SpanOf(out.strips);
     out.clouds = std::make_shared<const SimulatedClouds>(scenario, out.strips, out.truth, effects,
                                                          span, options.seed, options.noise);

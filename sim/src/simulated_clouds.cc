@@ -22,7 +22,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kChunkPulses = 16384;
-constexpr std::size_t kChunksAtOnce = 16;
+constexpr std::size_t kChunksPerThread = 4;  // between two groups: a fraction of a second
 // The standard deviation across a Gaussian beam is a quarter of its divergence, which is the full
 // angle where the intensity has fallen by e^2.
 constexpr double kBeamSigmas = 4.0;
@@ -110,7 +110,7 @@ class SimulatedClouds::Pulses {
 
   /// The true direction of the beam's middle, in the sensor frame.
   Vector3d Beam(std::size_t k) const {
-    const Vector3d nominal_s = scan_.Direction(Since(k));
+    Vector3d nominal_s = scan_.Direction(Since(k));
     if (world_.effects.scan_cone_rad == 0.0) return nominal_s;
     return TurnedTowardAxis(world_.lidar.scan_axis_s.normalized(), world_.effects.scan_cone_rad,
                             nominal_s);
@@ -185,12 +185,13 @@ CloudCounts SimulatedClouds::Run(std::size_t strip, int threads,
                                  const std::function<void(const StripCloud&)>& take,
                                  const std::function<void(double)>& progress) const {
   const Pulses pulses(*world_, strips_[strip], static_cast<std::uint16_t>(strip + 1));
-  constexpr std::size_t kAtOnce = kChunksAtOnce * kChunkPulses;
-  std::vector<StripCloud> clouds(kChunksAtOnce);
-  std::vector<CloudCounts> each(kChunksAtOnce);
+  const std::size_t chunks = kChunksPerThread * static_cast<std::size_t>(std::max(1, threads));
+  const std::size_t at_once = chunks * kChunkPulses;
+  std::vector<StripCloud> clouds(chunks);
+  std::vector<CloudCounts> each(chunks);
   CloudCounts counts;
-  for (std::size_t begin = 0; begin < pulses.count(); begin += kAtOnce) {
-    const std::size_t now = std::min(kAtOnce, pulses.count() - begin);
+  for (std::size_t begin = 0; begin < pulses.count(); begin += at_once) {
+    const std::size_t now = std::min(at_once, pulses.count() - begin);
     ParallelForChunks(now, kChunkPulses, threads,
                       [&](std::size_t chunk, std::size_t first, std::size_t past) {
                         each[chunk] = pulses.Fire(begin / kChunkPulses + chunk, begin + first,

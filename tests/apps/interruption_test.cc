@@ -106,6 +106,17 @@ TEST(CliInterruption, EndsASimulation) {
   }
 }
 
+TEST(CliInterruption, EndsAPointCloud) {
+  const TempFolder folder;
+  folder.Write("clouds.yaml", ContentOf(ShortScenario()) + "strips: true\n");
+  ProgramOptions options;
+  options.arguments = {"simulate", (folder.path() / "clouds.yaml").string(), "--out",
+                       (folder.path() / "f").string()};
+  options.signal = SIGINT;
+  options.signal_after = "dn simulate: strip 1";
+  ExpectInterrupted(RunProgram(options), folder.path() / "f");
+}
+
 TEST(CliInterruption, APipeIsNoInput) {
   const DamagedFlight flight;
   const fs::path pipe = flight.path().parent_path() / "pipe";

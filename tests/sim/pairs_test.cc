@@ -68,6 +68,18 @@ TEST(SimulatedPairs, BothEndsAreOneGroundPointInTheScanPlane) {
   EXPECT_EQ(per_file.size(), files.size());
 }
 
+TEST(SimulatedPairs, AreNotOnWater) {
+  Scenario scenario = testing::SmallScenario();
+  scenario.terrain.water_share = 0.4;
+  const SimulatedFlight flight = Simulate(scenario, {.noise = false});
+  const Terrain terrain(scenario.terrain);
+  const Vector3d& a = scenario.lidar.mounting.lever_arm_b_m;
+  for (const LidarPair& pair : flight.flight.pairs->pairs) {
+    const Vector3d p_m = Ground(flight, pair.t_i_s, pair.u_i_s, a);
+    EXPECT_FALSE(terrain.Water(p_m.head<2>()));
+  }
+}
+
 TEST(SimulatedPairs, BothEndsAreOneGroundPointOnTheConeSeenAheadOrBehind) {
   Scenario scenario = testing::SmallScenario();
   scenario.lidar.pattern = ScanPattern::kCone;

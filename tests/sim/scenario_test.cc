@@ -65,6 +65,16 @@ TEST(ParseScenario, ConvertsToSiAndFillsDefaults) {
   EXPECT_FALSE(d.plan.stabilised_mount);
 }
 
+TEST(ParseScenario, GroundIsRoughByItsKindUnderPointCloudsAlone) {
+  const auto roughness_m = [](const std::string& more) {
+    return ParseScenario(kGood + more, "file.yaml").terrain.roughness_m;
+  };
+  EXPECT_EQ(roughness_m("terrain: {kind: mountain}\n"), 0.0);
+  EXPECT_EQ(roughness_m("terrain: {kind: mountain}\nstrips: true\n"), 0.3);
+  EXPECT_EQ(roughness_m("terrain: {kind: built_up}\nstrips: true\n"), 0.03);
+  EXPECT_EQ(roughness_m("terrain: {kind: natural, roughness_m: 0}\nstrips: true\n"), 0.0);
+}
+
 TEST(ParseScenario, ExplicitNoiseOverridesThePreset) {
   const Scenario s = ParseScenario(
       Replace(kGood, "imu: {preset: airins}",
@@ -181,13 +191,14 @@ plan:
   crab_deg: 3
   stabilised_mount: false
 terrain: {kind: mixed, relief_m: 6, wavelength_m: 900, base_m: 0, buildings_per_km2: 3,
-          trees_per_km2: 0, seed: 1}
+          trees_per_km2: 0, roughness_m: 0.1, water_share: 0.1, seed: 1}
 imu: {rate_hz: 100, preset: airins, gyro: {white_deg_sqrt_h: 0.1, processes: [{type: gauss_markov,
       sigma_deg_h: 1, tau_s: 3}]}, accel: {white_m_s_sqrt_h: 0.1, processes: []}}
 gnss: {rate_hz: 1, sigma_enu_m: [0.1, 0.1, 0.1], lever_arm_m: [1, 0, 0], velocity: false}
 lidar: {R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], scan_axis: [1, 0, 0],
         nadir_axis: [0, 0, 1], lever_arm_m: [0, 0, 0], boresight_deg: [0, 0, 0], fov_deg: 60,
-        pattern: cone, pulse_rate_hz: 1000, gsd_m: 0.3, beam_divergence_mrad: 0.3}
+        pattern: cone, pulse_rate_hz: 1000, gsd_m: 0.3, beam_divergence_mrad: 0.3,
+        sigma_range_m: 0.02}
 pairs: {count: 30, sigma_p_m: 0.1}
 strips: false
 effects: [{effect: imu_vibration, value: [1, 1], window_s: [110, 120]},

@@ -45,7 +45,7 @@ class SimulatedClouds {
 
   const std::vector<StripInterval>& strips() const { return strips_; }
 
-  /// Pulses of a strip, and its points in the order of time in groups of some 100,000: `take` gets
+  /// Pulses of a strip, and its points in the order of time in groups of some 10,000: `take` gets
   /// each group. The same for any number of threads. `progress` is told the fraction done and may
   /// throw to end the work.
   CloudCounts Run(std::size_t strip, int threads,
