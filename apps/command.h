@@ -133,6 +133,7 @@ void AddCalibrate(CLI::App* program, Action* action);
 void AddMonteCarlo(CLI::App* program, Action* action);
 void AddGap(CLI::App* program, Action* action);
 void AddGeoref(CLI::App* program, Action* action);
+void AddMatch(CLI::App* program, Action* action);
 void AddStudy(CLI::App* program, Action* action);
 void AddBlindCheck(CLI::App* program, Action* action);
 void AddMerge(CLI::App* program, Action* action);

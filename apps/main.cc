@@ -42,6 +42,7 @@ int ParseAndRun(int argc, char** argv) {
   dn::apps::AddSmooth(&program, &action);
   dn::apps::AddSimulate(&program, &action);
   dn::apps::AddStudy(&program, &action);
+  dn::apps::AddMatch(&program, &action);
   dn::apps::AddGeoref(&program, &action);
   dn::apps::AddGap(&program, &action);
   dn::apps::AddMonteCarlo(&program, &action);

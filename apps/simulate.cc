@@ -20,6 +20,24 @@ struct Options {
   bool noise_free = false;
 };
 
+/// The point clouds; what became of their pulses.
+Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
+  const std::vector<CloudCounts> counts = WriteClouds(
+      simulated, run.options().threads, run.files(),
+      [&](const StripInterval& strip, double fraction) {
+        if (Interrupted()) throw dn::Interrupted();
+        run.progress.Stage("strip " + strip.name, fmt::format("{:.0f} %", 100.0 * fraction));
+      });
+  Json strips = Json::array();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    strips.push_back({{"name", simulated.strips[i].name},
+                      {"pulses", counts[i].pulses},
+                      {"points", counts[i].points},
+                      {"lost on water", counts[i].on_water}});
+  }
+  return strips;
+}
+
 void RunSimulate(const Options& options, Run& run) {
   const Scenario scenario = ReadScenario(options.scenario);
   SimulateOptions simulate;
@@ -33,6 +51,7 @@ void RunSimulate(const Options& options, Run& run) {
   run.progress.Stage("writing " + options.common.out.string());
   const Flight& flight = simulated.flight;
   WriteFlight(simulated, run.files());
+  const Json clouds = WriteStrips(simulated, run);
   run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
   const std::size_t pairs = flight.pairs ? flight.pairs->pairs.size() : 0;
   run.report["scenario"] = scenario.name;
@@ -42,11 +61,15 @@ void RunSimulate(const Options& options, Run& run) {
                           {"gnss epochs", flight.gnss->epochs.size()},
                           {"pairs", pairs},
                           {"strips", simulated.strips.size()}};
+  run.report["point_clouds"] = clouds;
   fmt::print("flight {}: {} inertial epochs, {} GNSS epochs, {} strips, {} pairs, seed {}\n",
              scenario.name, flight.imu->samples.size(), flight.gnss->epochs.size(),
              simulated.strips.size(), pairs, options.seed);
-  for (const StripInterval& strip : simulated.strips) {
-    fmt::print("  strip {}: {:.1f} .. {:.1f} s\n", strip.name, strip.t0_s, strip.t1_s);
+  for (std::size_t i = 0; i < simulated.strips.size(); ++i) {
+    const StripInterval& strip = simulated.strips[i];
+    const std::string points =
+        clouds.empty() ? "" : fmt::format(", {} points", clouds[i]["points"].get<std::uint64_t>());
+    fmt::print("  strip {}: {:.1f} .. {:.1f} s{}\n", strip.name, strip.t0_s, strip.t1_s, points);
   }
 }
 

@@ -86,6 +86,7 @@ StripCounts StripSource::Read(const fs::path& file,
   for (StripCloud points; reader->Next(&points);) {
     vectors.t_s.clear();
     vectors.u_s.clear();
+    vectors.source.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
       ++counts.points;
       const double t_s = points.t_s[i] - setup_->time_offset_s;
@@ -96,6 +97,7 @@ StripCounts StripSource::Read(const fs::path& file,
         ++counts.dropped[internal::ReasonOf(fate)];
         continue;
       }
+      if (!points.source.empty()) vectors.source.push_back(points.source[i]);
       vectors.t_s.push_back(internal::AlignWeek(t_s, setup_->path.covered));
       try {
         vectors.u_s.push_back(setup_->VectorOf(points, i, t_s, counts.own_vectors));

@@ -7,7 +7,7 @@ namespace {
 
 // Of a descriptor.
 constexpr std::size_t kTypeAt = 2, kOptionsAt = 3, kNameAt = 4, kNameBytes = 32, kScaleAt = 112,
-                      kOffsetAt = 136;
+                      kOffsetAt = 136, kDescriptionAt = 160, kDescriptionBytes = 32;
 constexpr int kHasScale = 8, kHasOffset = 16;
 
 ExtraDimension ParseDescriptor(const char* bytes) {
@@ -88,6 +88,26 @@ std::vector<ExtraDimension> ParseExtraBytes(std::string_view content, std::size_
                        where);
   }
   return dimensions;
+}
+
+std::string FormatDescriptor(int type, std::size_t options, const std::string& name,
+                             const std::string& description) {
+  std::string bytes(las::kDescriptorBytes, '\0');
+  bytes[kTypeAt] = static_cast<char>(type);
+  bytes[kOptionsAt] = static_cast<char>(options);
+  name.copy(bytes.data() + kNameAt, kNameBytes);
+  description.copy(bytes.data() + kDescriptionAt, kDescriptionBytes);
+  return bytes;
+}
+
+std::string FormatExtraBytes(const std::string& descriptors) {
+  std::string record(las::kVlrHeaderBytes, '\0');
+  constexpr std::string_view kUser = "LASF_Spec", kTitle = "Extra Bytes";
+  kUser.copy(record.data() + 2, kUser.size());
+  StoreLittleEndian(las::kExtraBytesId, record.data() + 18);
+  StoreLittleEndian(static_cast<std::uint16_t>(descriptors.size()), record.data() + 20);
+  kTitle.copy(record.data() + 22, kTitle.size());
+  return record + descriptors;
 }
 
 double ValueOf(const ExtraDimension& dimension, const char* record) {

@@ -85,6 +85,13 @@ std::size_t BytesOfType(int type);
 std::vector<ExtraDimension> ParseExtraBytes(std::string_view content, std::size_t base_bytes,
                                             std::size_t record_bytes, const FileLocation& where);
 
+/// Description of an attribute; `options` of one without a meaning (type 0): its bytes.
+std::string FormatDescriptor(int type, std::size_t options, const std::string& name,
+                             const std::string& description);
+
+/// The variable length record of these descriptions.
+std::string FormatExtraBytes(const std::string& descriptors);
+
 /// Value of an attribute of a single number.
 double ValueOf(const ExtraDimension& dimension, const char* record);
 

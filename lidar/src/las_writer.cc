@@ -31,23 +31,12 @@ constexpr std::array<CovarianceElement, 6> kElements{{{"VarianceX", 0, 0},
                                                       {"CovarianceXZ", 0, 2},
                                                       {"CovarianceYZ", 1, 2}}};
 
-std::string Descriptor(int type, std::size_t options, const std::string& name,
-                       const std::string& description) {
-  constexpr std::size_t kDescriptionAt = 160;
-  std::string bytes(las::kDescriptorBytes, '\0');
-  bytes[2] = static_cast<char>(type);
-  bytes[3] = static_cast<char>(options);
-  name.copy(bytes.data() + 4, 32);
-  description.copy(bytes.data() + kDescriptionAt, 32);
-  return bytes;
-}
-
 /// Descriptors for bytes of a record that nothing describes: behind them there is room for more.
 std::string DescribeRest(std::size_t bytes) {
   constexpr std::size_t kMostBytes = 255;
   std::string descriptors;
   for (; bytes > 0; bytes -= std::min(bytes, kMostBytes)) {
-    descriptors += Descriptor(0, std::min(bytes, kMostBytes), "undocumented", "");
+    descriptors += FormatDescriptor(0, std::min(bytes, kMostBytes), "undocumented", "");
   }
   return descriptors;
 }
@@ -57,15 +46,6 @@ const Vlr* FindExtraBytes(const LasFile& las) {
     if (vlr.user == "LASF_Spec" && vlr.id == las::kExtraBytesId) return &vlr;
   }
   return nullptr;
-}
-
-std::string NewExtraBytesVlr(std::size_t bytes) {
-  std::string header(las::kVlrHeaderBytes, '\0');
-  std::memcpy(header.data() + 2, "LASF_Spec", 9);
-  StoreLittleEndian(las::kExtraBytesId, header.data() + 18);
-  StoreLittleEndian(static_cast<std::uint16_t>(bytes), header.data() + 20);
-  std::memcpy(header.data() + 22, "Extra Bytes", 11);
-  return header;
 }
 
 [[noreturn]] void FailFull(const LasFile& las) {
@@ -85,7 +65,7 @@ void InsertDescriptors(const LasFile& las, const std::string& descriptors, std::
   const std::size_t end = las.vlrs.empty()
                               ? las.header_bytes
                               : las.vlrs.back().at + las::kVlrHeaderBytes + las.vlrs.back().bytes;
-  head->insert(end, NewExtraBytesVlr(descriptors.size()) + descriptors);
+  head->insert(end, FormatExtraBytes(descriptors));
   StoreLittleEndian(static_cast<std::uint32_t>(las.vlrs.size() + 1),
                     head->data() + las::kVlrCountAt);
 }
@@ -107,7 +87,7 @@ std::array<std::size_t, 6> PlaceCovariance(const LasFile& las, std::string* head
                          FileLocation{las.path.string()});
     }
     if (descriptors.empty()) descriptors = DescribeRest(*record_bytes - las.described_bytes);
-    descriptors += Descriptor(kFloat, 0, kElements[k].name, "of the coordinates, m^2");
+    descriptors += FormatDescriptor(kFloat, 0, kElements[k].name, "of the coordinates, m^2");
     at[k] = *record_bytes;
     *record_bytes += kFloatBytes;
   }

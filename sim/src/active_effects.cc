@@ -3,6 +3,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "effects/registry.h"
@@ -16,6 +17,23 @@ Eigen::Vector3d TurnedTowardAxis(const Eigen::Vector3d& axis, double angle_rad,
   const double c = std::cos(angle_rad), s = std::sin(angle_rad);
   const double length = across.norm();
   return (along * c + length * s) * axis + (c - along / length * s) * across;
+}
+
+LidarSpan SpanOf(const std::vector<StripInterval>& strips) {
+  LidarSpan span{strips.front().t0_s, strips.front().t1_s};
+  for (const StripInterval& strip : strips) {
+    span = {std::min(span.first_s, strip.t0_s), std::max(span.last_s, strip.t1_s)};
+  }
+  return span;
+}
+
+LidarSpan SpanOf(const std::vector<LidarPair>& pairs) {
+  LidarSpan span{pairs.front().t_i_s, pairs.front().t_i_s};
+  for (const LidarPair& pair : pairs) {
+    span.first_s = std::min({span.first_s, pair.t_i_s, pair.t_j_s});
+    span.last_s = std::max({span.last_s, pair.t_i_s, pair.t_j_s});
+  }
+  return span;
 }
 
 ActiveEffects MakeActiveEffects(const Scenario& scenario, std::uint64_t seed, bool noise) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/flight/effect_times.h>
+#include <dn/flight/flight_config.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
@@ -24,6 +25,9 @@ struct LidarSpan {
   double last_s = 0.0;
   double middle_s() const { return 0.5 * (first_s + last_s); }
 };
+
+LidarSpan SpanOf(const std::vector<StripInterval>& strips);
+LidarSpan SpanOf(const std::vector<LidarPair>& pairs);
 
 /// The vector turned by the angle toward the axis (a unit vector).
 Eigen::Vector3d TurnedTowardAxis(const Eigen::Vector3d& axis, double angle_rad,

@@ -85,6 +85,8 @@ void WriteTerrain(const TerrainScenario& terrain, Writer* out) {
   out->Key("wavelength_m", Number(terrain.wavelength_m));
   out->Key("buildings_per_km2", Number(terrain.buildings_per_km2));
   out->Key("trees_per_km2", Number(terrain.trees_per_km2));
+  out->Key("roughness_m", Number(terrain.roughness_m));
+  out->Key("water_share", Number(terrain.water_share));
   out->Key("seed", std::to_string(terrain.seed));
 }
 
@@ -121,6 +123,7 @@ void WriteLidar(const LidarScenario& lidar, Writer* out) {
   out->Key("gsd_m", Number(lidar.gsd_m));
   out->Key("pulse_rate_hz", Number(lidar.pulse_rate_hz));
   out->Key("beam_divergence_mrad", Number(lidar.beam_divergence_rad, &FromMilli));
+  out->Key("sigma_range_m", Number(lidar.sigma_range_m));
 }
 
 void WriteEffects(const std::vector<Effect>& effects, Writer* out) {
@@ -149,6 +152,7 @@ std::string FormatScenario(const Scenario& scenario) {
   WriteLidar(scenario.lidar, &out);
   out.Top("pairs", "{count: " + std::to_string(scenario.pairs.count) +
                        ", sigma_p_m: " + Number(scenario.pairs.sigma_p_m) + "}");
+  out.Top("strips", scenario.strips ? "true" : "false");
   WriteEffects(scenario.effects, &out);
   return out.Take();
 }

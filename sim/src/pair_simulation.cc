@@ -83,6 +83,7 @@ class PairSampler {
   std::optional<TwoSightings> Try(const Overlap& overlap, Random& random) const {
     const Vector2d en_m = overlap.i->footprint.Draw(random);
     if (!overlap.j->footprint.Contains(en_m)) return std::nullopt;
+    if (terrain_.Water(en_m)) return std::nullopt;
     const Vector3d point_m(en_m.x(), en_m.y(), terrain_.Surface(en_m));
     const auto from_i = See(point_m, *overlap.i, random);
     if (!from_i) return std::nullopt;
@@ -165,23 +166,6 @@ std::vector<TwoSightings> Draw(const Overlap& overlap, const PairSampler& sample
   std::sort(drawn.begin(), drawn.end(),
             [](const TwoSightings& a, const TwoSightings& b) { return a.i.t_s < b.i.t_s; });
   return drawn;
-}
-
-LidarSpan SpanOf(const std::vector<StripInterval>& strips) {
-  LidarSpan span{strips.front().t0_s, strips.front().t1_s};
-  for (const StripInterval& strip : strips) {
-    span = {std::min(span.first_s, strip.t0_s), std::max(span.last_s, strip.t1_s)};
-  }
-  return span;
-}
-
-LidarSpan SpanOf(const std::vector<LidarPair>& pairs) {
-  LidarSpan span{pairs.front().t_i_s, pairs.front().t_i_s};
-  for (const LidarPair& pair : pairs) {
-    span.first_s = std::min({span.first_s, pair.t_i_s, pair.t_j_s});
-    span.last_s = std::max({span.last_s, pair.t_i_s, pair.t_j_s});
-  }
-  return span;
 }
 
 /// Draws the pairs of a flight, as they are when the scanner is that of `span`.

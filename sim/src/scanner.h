@@ -38,11 +38,14 @@ class Scanner {
   /// Vector from the scanner to a point, in the sensor frame, m.
   Eigen::Vector3d VectorTo(const Eigen::Vector3d& point_m, double t_s) const;
 
+  /// True rotation sensor -> body, and the true origin of the sensor in body.
+  Eigen::Matrix3d R_bs(double t_s) const;
+  const Eigen::Vector3d& lever_arm_b_m() const { return mounting_.lever_arm_b_m; }
+
  private:
   /// Signed distance of a vector in the sensor frame from a surface on which the beams lie.
   using FromBeams = double (Scanner::*)(const Eigen::Vector3d& u_s) const;
 
-  Eigen::Matrix3d R_bs(double t_s) const;
   double Ahead(const Eigen::Vector3d& u_s) const;
   double InsideCone(const Eigen::Vector3d& u_s) const;
   std::optional<double> SweepTime(FromBeams from_beams, const Eigen::Vector3d& point_m, double t0_s,

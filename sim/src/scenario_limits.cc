@@ -16,6 +16,8 @@ constexpr double kLargestRelief_m = 1e4;
 constexpr double kLongestFlight_s = 86400.0;
 constexpr double kLongestWarmUp_s = 4.0 * 3600.0;
 constexpr std::size_t kMostLines = 1000;
+constexpr double kRoughest_m = 10.0;
+constexpr double kMostPulses_hz = 1e7;
 constexpr long kMostPairs = 5000000;
 // A sample, its true state and their text take about half a kB.
 constexpr double kMostSamples = 1e7;
@@ -51,6 +53,10 @@ void CheckLimits(const Scenario& scenario, const PlaceOfKey& place) {
                at("terrain", "relief_m"));
   ExpectAtMost("terrain.base_m", scenario.terrain.base_m, kHighest_m, " m",
                at("terrain", "base_m"));
+  ExpectAtMost("terrain.roughness_m", scenario.terrain.roughness_m, kRoughest_m, " m",
+               at("terrain", "roughness_m"));
+  ExpectAtMost("lidar.pulse_rate_hz", scenario.lidar.pulse_rate_hz, kMostPulses_hz, " Hz",
+               at("lidar", "pulse_rate_hz"));
   ExpectAtMost("pairs.count", static_cast<double>(scenario.pairs.count),
                static_cast<double>(kMostPairs), "", at("pairs", "count"));
 }

@@ -15,6 +15,7 @@ namespace dn {
 namespace {
 
 constexpr double kSecondsPerWeek = 604800.0;
+constexpr double kMostWater = 0.9;
 
 Geodetic ReadOrigin(const YamlValue& value) {
   const Eigen::Vector3d origin = value.Vector3();
@@ -103,9 +104,27 @@ PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   return plan;
 }
 
-TerrainScenario ReadTerrain(const YamlValue& s) {
-  s.ExpectMapOrNothing(
-      {"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2", "trees_per_km2", "seed"});
+/// Roughness of the ground under point clouds, rms, m: chosen, from paved and mown to scree.
+double UsualRoughness(TerrainKind kind) {
+  switch (kind) {
+    case TerrainKind::kBuiltUp:
+      return 0.03;
+    case TerrainKind::kMixed:
+      return 0.05;
+    case TerrainKind::kNatural:
+      return 0.1;
+    case TerrainKind::kMountain:
+      return 0.3;
+    case TerrainKind::kFlat:
+      return 0.02;
+  }
+  return 0.0;
+}
+
+/// clouds: points are simulated on it, not pairs alone, whose ground is smooth unless said.
+TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
+  s.ExpectMapOrNothing({"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2",
+                        "trees_per_km2", "roughness_m", "water_share", "seed"});
   TerrainScenario terrain;
   if (s["kind"]) terrain.kind = s["kind"].Choice(TerrainWords());
   terrain.relief_m = s["relief_m"].NotNegativeOr(0.0);
@@ -113,6 +132,13 @@ TerrainScenario ReadTerrain(const YamlValue& s) {
   terrain.base_m = s["base_m"].NumberOr(0.0);
   terrain.buildings_per_km2 = s["buildings_per_km2"].NotNegativeOr(0.0);
   terrain.trees_per_km2 = s["trees_per_km2"].NotNegativeOr(0.0);
+  terrain.roughness_m = s["roughness_m"].NotNegativeOr(clouds ? UsualRoughness(terrain.kind) : 0.0);
+  terrain.water_share = s["water_share"].NotNegativeOr(0.0);
+  if (terrain.water_share > kMostWater) s["water_share"].Fail("must be at most 0.9");
+  if (terrain.water_share > 0.0 &&
+      (terrain.relief_m == 0.0 || terrain.kind == TerrainKind::kFlat)) {
+    s["water_share"].Fail("water needs a relief: ground that is flat is all above it or below");
+  }
   if (s["seed"]) terrain.seed = static_cast<std::uint64_t>(s["seed"].Integer(0));
   return terrain;
 }
@@ -142,7 +168,7 @@ GnssScenario ReadGnssScenario(const YamlValue& s) {
 LidarScenario ReadLidar(const YamlValue& s) {
   s.ExpectMapOrNothing({"R_sensor_to_body", "scan_axis", "nadir_axis", "lever_arm_m",
                         "boresight_deg", "fov_deg", "pattern", "pulse_rate_hz", "gsd_m",
-                        "beam_divergence_mrad"});
+                        "beam_divergence_mrad", "sigma_range_m"});
   LidarScenario lidar;
   const ScannerAxes axes = ReadScannerAxes(s, false);
   lidar.mounting.R_bs_nominal = axes.R_bs;
@@ -157,6 +183,7 @@ LidarScenario ReadLidar(const YamlValue& s) {
   lidar.pulse_rate_hz = s["pulse_rate_hz"].PositiveOr(100000.0);
   lidar.gsd_m = s["gsd_m"].Positive();
   lidar.beam_divergence_rad = 1e-3 * s["beam_divergence_mrad"].NotNegativeOr(0.0);
+  lidar.sigma_range_m = s["sigma_range_m"].NotNegativeOr(0.02);
   return lidar;
 }
 
@@ -202,14 +229,12 @@ Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
   scenario.start_s = root["start_s"].NotNegativeOr(0.0);
   if (scenario.start_s >= kSecondsPerWeek) root["start_s"].Fail("must be less than a week");
   scenario.plan = ReadPlan(root["plan"], where);
-  scenario.terrain = ReadTerrain(root["terrain"]);
+  scenario.strips = root["strips"].BoolOr(false);
+  scenario.terrain = ReadTerrain(root["terrain"], scenario.strips);
   scenario.imu = ReadImuScenario(root["imu"]);
   scenario.gnss = ReadGnssScenario(root["gnss"]);
   scenario.lidar = ReadLidar(root["lidar"]);
   scenario.pairs = ReadPairScenario(root["pairs"], scenario.lidar.gsd_m);
-  if (root["strips"].BoolOr(false)) {
-    root["strips"].Fail("point clouds are not simulated by this version; set strips: false");
-  }
   if (root["effects"]) {
     for (const YamlValue& item : root["effects"].List()) {
       scenario.effects.push_back(ReadEffect(item));

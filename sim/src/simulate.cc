@@ -108,10 +108,12 @@ FlightConfig AssumedConfig(const Scenario& scenario, const std::vector<StripInte
   return config;
 }
 
-LidarConfig AssumedLidar(const Scenario& scenario, const PairData& pairs) {
+LidarConfig AssumedLidar(const Scenario& scenario, const std::optional<PairData>& pairs) {
   LidarConfig lidar;
-  lidar.p2p.clear();
-  for (const auto& file : pairs.files) lidar.p2p.push_back(file.generic_string());
+  if (pairs) {
+    lidar.p2p.clear();
+    for (const auto& file : pairs->files) lidar.p2p.push_back(file.generic_string());
+  }
   lidar.mounting = scenario.lidar.mounting;
   lidar.mounting.boresight_rad.setZero();
   lidar.scan_axis_s = scenario.lidar.scan_axis_s;
@@ -185,7 +187,14 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
   if (scenario.pairs.count > 0) {
     out.flight.pairs = SimulatePairs(scenario, out.strips, out.truth, terrain,
                                      {options.seed, options.noise, report("pairs")}, effects);
-    out.flight.config.lidar = AssumedLidar(scenario, *out.flight.pairs);
+  }
+  if (scenario.strips) {
+    const LidarSpan span = out.flight.pairs ? SpanOf(out.flight.pairs->pairs) : SpanOf(out.strips);
+    out.clouds = std::make_shared<const SimulatedClouds>(scenario, out.strips, out.truth, effects,
+                                                         span, options.seed, options.noise);
+  }
+  if (out.flight.pairs || out.clouds) {
+    out.flight.config.lidar = AssumedLidar(scenario, out.flight.pairs);
   }
   return out;
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "terrain_objects.h"
+
 namespace dn {
 namespace {
 
@@ -19,74 +21,14 @@ constexpr int kWavesPerOctave = 4;
 constexpr double kSmallestCell_m = 12.0;  // of buildings: they would touch
 constexpr double kSmallestTreeCell_m = 4.0;
 
-/// Numbers in [0, 1) that belong to one cell of a grid.
-class CellNumbers {
- public:
-  CellNumbers(std::uint64_t seed, const Eigen::Vector2i& cell) {
-    const auto x = static_cast<std::uint32_t>(cell.x());
-    const auto y = static_cast<std::uint32_t>(cell.y());
-    state_ = MixBits(seed ^ MixBits((static_cast<std::uint64_t>(x) << 32) | y));
-  }
-  double Next() {
-    state_ = MixBits(state_);
-    return static_cast<double>(state_ >> 11) * 0x1.0p-53;
-  }
-  double Next(double low, double high) { return low + (high - low) * Next(); }
-
- private:
-  std::uint64_t state_;
-};
-
-Eigen::Vector2i CellOf(const Vector2d& en_m, double cell_m) {
-  return {static_cast<int>(std::floor(en_m.x() / cell_m)),
-          static_cast<int>(std::floor(en_m.y() / cell_m))};
-}
-
-/// A rectangular house in its cell: flat, gabled or single-pitched roof.
-struct Building {
-  Vector2d centre_en_m;
-  Vector2d axis;  // unit vector along the length
-  double half_length_m;
-  double half_width_m;
-  double eaves_m;  // above the ground at the centre
-  double slope;    // of the roof, 0: flat
-  bool gabled;
-
-  Building(CellNumbers numbers, const Eigen::Vector2i& cell, double cell_m) {
-    const double room_m = 0.5 * cell_m - 0.5;  // radius of the circle that the house must fit in
-    const double radius_m = std::min(room_m, numbers.Next(7.0, 16.0));
-    const double aspect = numbers.Next(0.45, 1.0);
-    half_length_m = radius_m / std::hypot(1.0, aspect);
-    half_width_m = aspect * half_length_m;
-    const double play_m = room_m - radius_m;
-    const double dx = numbers.Next(-play_m, play_m), dy = numbers.Next(-play_m, play_m);
-    centre_en_m = (cell.cast<double>() + Vector2d::Constant(0.5)) * cell_m + Vector2d(dx, dy);
-    const double azimuth = numbers.Next(0.0, kPi);
-    axis = {std::cos(azimuth), std::sin(azimuth)};
-    eaves_m = numbers.Next(3.0, 12.0);
-    const double roof = numbers.Next();
-    gabled = roof >= 0.3 && roof < 0.85;
-    slope = roof < 0.3 ? 0.0 : std::tan(numbers.Next(15.0, gabled ? 40.0 : 25.0) * kPi / 180.0);
-  }
-
-  /// Roof height above the ground at the centre; negative outside the house.
-  double RoofAbove(const Vector2d& en_m) const {
-    const Vector2d d = en_m - centre_en_m;
-    const double along = d.dot(axis);
-    const double across = axis.x() * d.y() - axis.y() * d.x();
-    if (std::abs(along) > half_length_m || std::abs(across) > half_width_m) return -1.0;
-    const double rise = gabled ? half_width_m - std::abs(across) : 0.5 * (half_width_m + across);
-    return eaves_m + slope * rise;
-  }
-};
-
 double CellSize(double per_km2, double smallest_m) {
   return per_km2 > 0.0 ? std::max(smallest_m, 1000.0 / std::sqrt(per_km2)) : 0.0;
 }
 
 }  // namespace
 
-Terrain::Terrain(const TerrainScenario& scenario) : scenario_(scenario) {
+Terrain::Terrain(const TerrainScenario& scenario)
+    : scenario_(scenario), roughness_(scenario.roughness_m, scenario.seed) {
   const TerrainKind kind = scenario_.kind;
   const bool flat = kind == TerrainKind::kFlat;
   const bool houses = kind == TerrainKind::kBuiltUp || kind == TerrainKind::kMixed;
@@ -113,10 +55,36 @@ Terrain::Terrain(const TerrainScenario& scenario) : scenario_(scenario) {
     relief_bound_m_ = 0.5 * scenario_.relief_m;
   }
   const bool objects = buildings_.cell_m > 0.0 || trees_.cell_m > 0.0;
-  highest_m_ = scenario_.base_m + relief_bound_m_ + (objects ? kTallestObject_m : 0.0);
+  highest_m_ = scenario_.base_m + relief_bound_m_ + roughness_.bound_m() +
+               (objects ? kTallestObject_m : 0.0);
+  if (scenario_.water_share > 0.0) water_m_ = WaterLevel();
+}
+
+/// The height below which the wanted share of the ground lies, by samples.
+double Terrain::WaterLevel() const {
+  constexpr int kSamples = 100;  // each way
+  constexpr double kSpacing = 0.137;
+  std::vector<double> heights_m;
+  for (int i = 0; i < kSamples; ++i) {
+    for (int j = 0; j < kSamples; ++j) {
+      const Vector2d place(i - kSamples / 2, j - kSamples / 2);
+      heights_m.push_back(Relief(kSpacing * scenario_.wavelength_m * place));
+    }
+  }
+  const double last = static_cast<double>(heights_m.size() - 1);
+  const auto level = heights_m.begin() + std::lround(scenario_.water_share * last);
+  std::nth_element(heights_m.begin(), level, heights_m.end());
+  return *level;
 }
 
 double Terrain::Ground(const Vector2d& en_m) const {
+  const double dry_m = DryGround(en_m);
+  return water_m_ ? std::max(*water_m_, dry_m) : dry_m;
+}
+
+bool Terrain::Water(const Vector2d& en_m) const { return water_m_ && DryGround(en_m) < *water_m_; }
+
+double Terrain::Relief(const Vector2d& en_m) const {
   double height_m = scenario_.base_m;
   for (const Wave& wave : waves_) {
     height_m += wave.amplitude_m * std::sin(wave.wavenumber.dot(en_m) + wave.phase_rad);
@@ -131,29 +99,29 @@ bool Terrain::BuiltUp(const Vector2d& en_m) const {
   return std::sin(k * en_m.x() + phase) + std::sin(k * en_m.y() + 2.0 * phase) > -0.3;
 }
 
-double Terrain::BuildingTop(const Vector2d& en_m) const {
-  const Eigen::Vector2i cell = CellOf(en_m, buildings_.cell_m);
+std::optional<Building> Terrain::BuildingIn(const Eigen::Vector2i& cell) const {
   const Building building(CellNumbers(buildings_.seed, cell), cell, buildings_.cell_m);
-  const double above_m = building.RoofAbove(en_m);
-  if (above_m < 0.0 || !BuiltUp(building.centre_en_m))
-    return scenario_.base_m - 2.0 * relief_bound_m_;
-  return Ground(building.centre_en_m) + above_m;
+  if (!BuiltUp(building.centre_en_m) || Water(building.centre_en_m)) return std::nullopt;
+  return building;
+}
+
+std::optional<Tree> Terrain::TreeIn(const Eigen::Vector2i& cell) const {
+  const Tree tree(CellNumbers(trees_.seed, cell), cell, trees_.cell_m);
+  const bool village = scenario_.kind == TerrainKind::kMixed && BuiltUp(tree.centre_en_m);
+  if (village || Water(tree.centre_en_m)) return std::nullopt;
+  return tree;
+}
+
+double Terrain::BuildingTop(const Vector2d& en_m) const {
+  const auto building = BuildingIn(CellOf(en_m, buildings_.cell_m));
+  const double above_m = building ? building->RoofAbove(en_m) : -1.0;
+  return above_m < 0.0 ? lowest_m() : Relief(building->centre_en_m) + above_m;
 }
 
 double Terrain::TreeTop(const Vector2d& en_m) const {
-  const Eigen::Vector2i cell = CellOf(en_m, trees_.cell_m);
-  CellNumbers numbers(trees_.seed, cell);
-  const double radius_m = std::min(0.5 * trees_.cell_m, numbers.Next(1.5, 4.0));
-  const double play_m = 0.5 * trees_.cell_m - radius_m;
-  const double dx = numbers.Next(-play_m, play_m), dy = numbers.Next(-play_m, play_m);
-  const Vector2d centre =
-      (cell.cast<double>() + Vector2d::Constant(0.5)) * trees_.cell_m + Vector2d(dx, dy);
-  const double height_m = numbers.Next(5.0, 18.0);
-  const double x = (en_m - centre).squaredNorm() / (radius_m * radius_m);
-  if (x > 1.0 || (scenario_.kind == TerrainKind::kMixed && BuiltUp(centre))) {
-    return scenario_.base_m - 2.0 * relief_bound_m_;
-  }
-  return Ground(centre) + height_m * (1.0 - 0.6 * x);  // a crown that ends above the ground
+  const auto tree = TreeIn(CellOf(en_m, trees_.cell_m));
+  const double above_m = tree ? tree->CrownAbove(en_m) : -1.0;
+  return above_m < 0.0 ? lowest_m() : Relief(tree->centre_en_m) + above_m;
 }
 
 double Terrain::Surface(const Vector2d& en_m) const {

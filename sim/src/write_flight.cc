@@ -137,4 +137,19 @@ void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory) {
   directory.Add("truth.yaml", FormatTruth(simulated));
 }
 
+std::vector<CloudCounts> WriteClouds(
+    const SimulatedFlight& simulated, int threads, OutputDirectory& directory,
+    const std::function<void(const StripInterval& strip, double fraction)>& progress) {
+  std::vector<CloudCounts> counts;
+  if (!simulated.clouds) return counts;
+  for (const StripInterval& strip : simulated.clouds->strips()) {
+    counts.push_back(simulated.clouds->Write(counts.size(),
+                                             directory.Stage("strips/" + strip.name + ".las"),
+                                             threads, [&](double fraction) {
+                                               if (progress) progress(strip, fraction);
+                                             }));
+  }
+  return counts;
+}
+
 }  // namespace dn

@@ -1,8 +1,11 @@
 #include <dn/flight/flight_config.h>
 #include <dn/flight/truth.h>
 #include <dn/geo/trajectory.h>
+#include <dn/lidar/strip_io.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "run_program.h"
 #include "testing/temp_folder.h"
@@ -74,6 +77,46 @@ TEST(CliSimulate, TruthStaysInItsOwnFile) {
   const auto boresight_deg = ReadTrueBoresightDeg(flight);
   ASSERT_TRUE(boresight_deg.has_value());
   EXPECT_TRUE(boresight_deg->isApprox(Eigen::Vector3d(0.2, 0.03, 0.35), 1e-12));
+}
+
+/// Root mean square of the heights of a strip above a level plain, m.
+double RmsHeight(const fs::path& file) {
+  const auto reader = OpenStrip(file);
+  double squares = 0.0;
+  for (StripCloud points; reader->Next(&points);) {
+    for (const Eigen::Vector3d& p_m : points.p_c) squares += p_m.z() * p_m.z();
+  }
+  return std::sqrt(squares / static_cast<double>(reader->points().value()));
+}
+
+TEST(CliSimulate, PointCloudsLieOnTheGroundWithTheTrueBoresight) {
+  const TempFolder folder;
+  std::string scenario = ContentOf(ShortScenario());
+  const std::size_t terrain = scenario.find("terrain:");
+  scenario.replace(terrain, scenario.find('\n', terrain) - terrain,
+                   "terrain: {kind: flat, roughness_m: 0}");
+  const std::string key = "gsd_m: 0.2";
+  scenario.replace(scenario.find(key), key.size(), key + "\n  pulse_rate_hz: 1000");
+  folder.Write("clouds.yaml", scenario + "strips: true\n");
+  const fs::path flight = folder.path() / "f", clouds = folder.path() / "clouds";
+  const ProgramRun run = RunProgram({"simulate", (folder.path() / "clouds.yaml").string(),
+                                     "--noise-free", "--out", flight.string()});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr(" points\n"));
+  EXPECT_THAT(NamesIn(flight / "strips"), ElementsAre("1.las", "2.las"));
+
+  const ProgramRun check =
+      RunProgram({"check", flight.string(), "--out", (folder.path() / "checked").string()});
+  EXPECT_EQ(check.exit_code, 0) << check.err;
+  EXPECT_THAT(check.out, HasSubstr("2.las: "));
+  const ProgramRun georef =
+      RunProgram({"georef", flight.string(), "--boresight", "0.2,0.03,0.35", "--trajectory",
+                  (flight / "reference.out").string(), "--out", clouds.string()});
+  ASSERT_EQ(georef.exit_code, 0) << georef.err;
+  for (const char* name : {"strips/1.las", "strips/2.las"}) {
+    EXPECT_LT(RmsHeight(clouds / name), 0.01) << name;  // of a trajectory at 50 Hz
+    EXPECT_GT(RmsHeight(flight / name), 0.1) << name;
+  }
 }
 
 TEST(CliSimulate, AScenarioWithAnUnknownKeyIsRefused) {

@@ -52,7 +52,7 @@ plan:
   crab_deg: 2.7
   stabilised_mount: true
 terrain: {kind: mixed, base_m: -11, relief_m: 31, wavelength_m: 510, buildings_per_km2: 310,
-          trees_per_km2: 210, seed: 5}
+          trees_per_km2: 210, roughness_m: 0.07, water_share: 0.03, seed: 5}
 imu:
   rate_hz: 21
   preset: ln200
@@ -62,8 +62,10 @@ gnss: {rate_hz: 2.5, sigma_enu_m: [0.02, 0.03, 0.05], lever_arm_m: [0.4, -0.1, -
        velocity: true, processes: [{type: gauss_markov, sigma_enu_m: [0.01, 0.02, 0], tau_s: 77}]}
 lidar: {R_sensor_to_body: [[0,1,0],[0,0,1],[1,0,0]], scan_axis: [0,1,0], nadir_axis: [1,0,0],
         lever_arm_m: [0.14, -0.02, 0.21], boresight_deg: [0.8, -0.5, 1.2], fov_deg: 61,
-        pattern: cone, gsd_m: 0.17, pulse_rate_hz: 77777, beam_divergence_mrad: 0.31}
+        pattern: cone, gsd_m: 0.17, pulse_rate_hz: 77777, beam_divergence_mrad: 0.31,
+        sigma_range_m: 0.013}
 pairs: {count: 97, sigma_p_m: 0.051}
+strips: true
 effects:
   - {effect: gnss_lever_arm, value: [0.1, 0, -0.03]}
   - {effect: imu_vibration, value: [0.1, 0.3], window_s: [381050, 381060]}
@@ -81,6 +83,10 @@ TEST(FormatScenario, EveryKeyIsReadBackToTheSameFlight) {
   EXPECT_EQ(again.name, scenario.name);
   EXPECT_EQ(again.lidar.pulse_rate_hz, scenario.lidar.pulse_rate_hz);
   EXPECT_EQ(again.lidar.beam_divergence_rad, scenario.lidar.beam_divergence_rad);
+  EXPECT_EQ(again.lidar.sigma_range_m, scenario.lidar.sigma_range_m);
+  EXPECT_EQ(again.terrain.roughness_m, scenario.terrain.roughness_m);
+  EXPECT_EQ(again.terrain.water_share, scenario.terrain.water_share);
+  EXPECT_TRUE(again.strips);
   ExpectSameFlight(Fly(scenario).flight, Fly(again).flight);
 }
 

@@ -111,7 +111,16 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(Fault(Replace(kGood, "imu: {preset: airins}", "imu: {rate_hz: 200}")),
               HasSubstr("imu.preset"));
   EXPECT_THAT(Fault(kGood + "pairs: {count: 2.5}\n"), HasSubstr("whole number"));
-  EXPECT_THAT(Fault(kGood + "strips: true\n"), HasSubstr("not simulated"));
+  EXPECT_THAT(Fault(kGood + "strips: 3\n"), HasSubstr("strips"));
+  EXPECT_THAT(Fault(kGood + "terrain: {relief_m: 10, water_share: 0.95}\n"),
+              HasSubstr("terrain.water_share: must be at most 0.9"));
+  EXPECT_THAT(Fault(kGood + "terrain: {water_share: 0.2}\n"), HasSubstr("water needs a relief"));
+  EXPECT_THAT(Fault(kGood + "terrain: {roughness_m: 11}\n"),
+              HasSubstr("terrain.roughness_m is 11"));
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, sigma_range_m: -1")),
+              HasSubstr("lidar.sigma_range_m"));
+  EXPECT_THAT(Fault(Replace(kGood, "gsd_m: 0.3", "gsd_m: 0.3, pulse_rate_hz: 1e8")),
+              HasSubstr("lidar.pulse_rate_hz is 1e+08"));
   EXPECT_THAT(Fault("name: [x\n"), HasSubstr("not valid YAML"));
   EXPECT_THAT(Fault("- 1\n"), HasSubstr("expected a map"));
   EXPECT_THAT(Fault(""), HasSubstr("is empty"));

@@ -23,8 +23,8 @@ class StripWriter {
  public:
   virtual ~StripWriter() = default;
 
-  /// Points of the reader that this writer was made by, changed or fewer. Throws InvalidInput,
-  /// naming the point, when one cannot be represented; std::filesystem::filesystem_error when the
+  /// Points of the reader that this writer was made by, changed or fewer; of a new file, any.
+  /// Throws InvalidInput, naming the point, when one cannot be represented; std::filesystem::filesystem_error when the
   /// file cannot be written.
   virtual void Append(const StripCloud& points) = 0;
 
@@ -66,5 +66,18 @@ class StripReader {
 /// contradicts itself, its records or the size of the file, coordinates that are not in metres, a
 /// time that is no second of week, a laser vector that is shorter than 1 mm or longer than 50 km.
 std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file);
+
+/// The grid of a new LAS file: coordinates are offset_m plus a multiple of scale_m, within 2^31 of
+/// them.
+struct LasGrid {
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
+  double scale_m = 1e-4;
+};
+
+/// Writes a LAS file that has no predecessor: version 1.4, point format 6 (64-bit counts, and extra
+/// bytes belong to the specification), GPS time in seconds of week, the laser vector as extra bytes
+/// ux, uy, uz [m] of doubles, each point the only return of its pulse. The coordinate system is not
+/// named. Append needs p_c, t_s and u_s; source and intensity are 0 where they are empty.
+std::unique_ptr<StripWriter> NewLasStrip(const std::filesystem::path& file, const LasGrid& grid);
 
 }  // namespace dn

@@ -60,6 +60,8 @@ struct TerrainScenario {
   double base_m = 0.0;        ///< mean height of the ground above the origin of m
   double buildings_per_km2 = 0.0;
   double trees_per_km2 = 0.0;
+  double roughness_m = 0.0;  ///< rms of the relief of a few metres and less (Roughness)
+  double water_share = 0.0;  ///< of the ground: below some height it is water
   std::uint64_t seed = 1;
 };
 
@@ -92,9 +94,10 @@ struct LidarScenario {
   Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();
   double fov_rad = 0.0;  ///< full angle
   ScanPattern pattern = ScanPattern::kLine;
-  double pulse_rate_hz = 0.0;  ///< of point clouds, which are not simulated; as the divergence
   double gsd_m = 0.0;
-  double beam_divergence_rad = 0.0;
+  double pulse_rate_hz = 0.0;        ///< this and what follows: of point clouds alone
+  double beam_divergence_rad = 0.0;  ///< full angle where the intensity has fallen by e^2
+  double sigma_range_m = 0.0;
 };
 
 /// The point pairs: how many, and how good.
@@ -124,6 +127,7 @@ struct Scenario {
   GnssScenario gnss;
   LidarScenario lidar;
   PairScenario pairs;
+  bool strips = false;  ///< point clouds are simulated, too
   std::vector<Effect> effects;
 };
 

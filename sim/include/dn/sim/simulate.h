@@ -4,6 +4,7 @@
 #include <dn/flight/flight.h>
 #include <dn/sim/own_errors.h>
 #include <dn/sim/scenario.h>
+#include <dn/sim/simulated_clouds.h>
 #include <dn/sim/truth.h>
 
 #include <Eigen/Core>
@@ -44,6 +45,8 @@ struct SimulatedFlight {
   std::vector<Eigen::Vector3d> gyro_bias_radps;
   std::vector<Eigen::Vector3d> accel_bias_mps2;
   std::vector<StripInterval> strips;
+  /// Of the strips; null where the scenario asks for none.
+  std::shared_ptr<const SimulatedClouds> clouds;
 };
 
 /// When a flight begins and ends, and its strips, in GPS seconds of week.
@@ -62,11 +65,17 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
 
 /// Adds flight.yaml, IMU.txt, GPS.txt, lidar/<a>_<b>.txt, reference.out (SBET at the inertial
 /// rate), truth.yaml and, with the effect trajectory_attitude_offset, trajectory.out to
-/// `directory`; the caller commits.
+/// `directory`; the caller commits. Not the point clouds: WriteClouds.
 void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory);
 
 /// The same without what tells the truth, reference.out and truth.yaml.
 void WriteMeasurements(const SimulatedFlight& simulated, OutputDirectory& directory);
+
+/// Adds the point clouds, strips/<name>.las; of a flight without any, nothing. Returns their counts.
+/// `progress` is told of each strip the fraction done and may throw to end the work.
+std::vector<CloudCounts> WriteClouds(
+    const SimulatedFlight& simulated, int threads, OutputDirectory& directory,
+    const std::function<void(const StripInterval& strip, double fraction)>& progress);
 
 /// The text of truth.yaml.
 std::string FormatTruth(const SimulatedFlight& simulated);

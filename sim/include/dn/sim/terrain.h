@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/sim/roughness.h>
 #include <dn/sim/scenario.h>
 
 #include <Eigen/Core>
@@ -8,8 +9,11 @@
 
 namespace dn {
 
-/// The surface of the Earth in m: rolling ground with buildings and trees on it, as a height over
-/// east and north. The same seed gives the same surface everywhere.
+struct Building;
+struct Tree;
+
+/// The surface of the Earth in m: rolling ground, rough and with water where the scenario says so,
+/// with buildings and trees on it, as a height over east and north. The same seed gives the same surface everywhere.
 class Terrain {
  public:
   explicit Terrain(const TerrainScenario& scenario);
@@ -18,9 +22,12 @@ class Terrain {
   double Ground(const Eigen::Vector2d& en_m) const;
   double Surface(const Eigen::Vector2d& en_m) const;
 
+  /// Whether the ground is water: flat, and no laser returns from it.
+  bool Water(const Eigen::Vector2d& en_m) const;
+
   /// No surface lies higher, no ground lower.
   double highest_m() const { return highest_m_; }
-  double lowest_m() const { return scenario_.base_m - relief_bound_m_; }
+  double lowest_m() const { return scenario_.base_m - relief_bound_m_ - roughness_.bound_m(); }
 
   /// Distance along a downward ray (unit direction) to the first point where it meets the surface,
   /// if that is nearer than max_range_m. Objects narrower than 0.25 m along the ray may be missed.
@@ -28,6 +35,8 @@ class Terrain {
                                   double max_range_m) const;
 
  private:
+  friend class TerrainCaster;
+
   struct Wave {
     Eigen::Vector2d wavenumber;  // rad/m
     double phase_rad;
@@ -38,6 +47,11 @@ class Terrain {
     double cell_m = 0.0;  // 0: none
     std::uint64_t seed = 0;
   };
+  double Relief(const Eigen::Vector2d& en_m) const;  // without roughness and water
+  double DryGround(const Eigen::Vector2d& en_m) const { return Relief(en_m) + roughness_.At(en_m); }
+  double WaterLevel() const;
+  std::optional<Building> BuildingIn(const Eigen::Vector2i& cell) const;
+  std::optional<Tree> TreeIn(const Eigen::Vector2i& cell) const;
   double BuildingTop(const Eigen::Vector2d& en_m) const;
   double TreeTop(const Eigen::Vector2d& en_m) const;
   bool BuiltUp(const Eigen::Vector2d& en_m) const;
@@ -46,6 +60,8 @@ class Terrain {
   std::vector<Wave> waves_;
   Grid buildings_;
   Grid trees_;
+  Roughness roughness_;
+  std::optional<double> water_m_;  // height of every water
   double relief_bound_m_ = 0.0;
   double highest_m_ = 0.0;
 };

@@ -1,0 +1,188 @@
+#include <dn/flight/flight.h>
+#include <dn/flight/strip_files.h>
+#include <dn/geo/text_table.h>
+#include <dn/matching/match.h>
+#include <dn/matching/match_report.h>
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "command.h"
+#include "flight_run.h"
+#include "given_trajectory.h"
+#include "match_flight.h"
+#include "option_checks.h"
+
+namespace dn::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+
+struct MatchCommand {
+  CommonOptions common;
+  std::vector<std::string> what;  ///< a flight, or strips
+  std::string trajectory;
+  double gsd_m = 0.0;  ///< 0: as flight.yaml says, else from the density
+  double search_deg = 5.0;
+  double search_m = 10.0;
+  std::size_t most_pairs = 3000;
+  std::uint64_t seed = 0;
+};
+
+MatchOptions OptionsOf(const MatchCommand& command, Run& run) {
+  MatchOptions options;
+  if (command.gsd_m > 0.0) options.gsd_m = command.gsd_m;
+  options.search_rad = command.search_deg * kRadPerDeg;
+  options.search_m = command.search_m;
+  options.most_pairs = command.most_pairs;
+  options.seed = command.seed;
+  options.threads = run.options().threads;
+  options.progress = [&run](const std::string& stage, const std::string& done) {
+    if (Interrupted()) throw dn::Interrupted();
+    run.progress.Stage(stage, done);
+  };
+  return options;
+}
+
+bool IsFlight(const std::vector<std::string>& what) {
+  return what.size() == 1 &&
+         (fs::is_directory(what[0]) || fs::path(what[0]).extension() == ".yaml");
+}
+
+void Print(const Json& match) {
+  const auto rms = [](const Json& pair, const char* when) {
+    const Json& misalignment = pair["misalignment"];
+    return misalignment.is_null()
+               ? std::string("-")
+               : fmt::format("{:.3f}", misalignment[when]["rms_m"].get<double>());
+  };
+  fmt::print("{:<16} {:>10} {:>8} {:>11} {:>7} {:>13} {:>8}\n", "strips", "candidates", "found",
+             "registered", "pairs", "apart rms [m]", "after");
+  for (const Json& pair : match["strip_pairs"]) {
+    const Json& counts = pair["counts"];
+    fmt::print("{:<16} {:>10} {:>8} {:>11} {:>7} {:>13} {:>8}\n",
+               pair["strips"][0].get<std::string>() + "-" + pair["strips"][1].get<std::string>(),
+               counts["candidates"].get<long>(), counts["found"].get<long>(),
+               counts["registered"].get<long>(), counts["pairs"].get<long>(), rms(pair, "before"),
+               rms(pair, "after"));
+  }
+}
+
+/// Counts and tables that flights and bare strips share.
+void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,
+                   Run& run) {
+  const Json match = MatchJson(name, result, source);
+  for (const StripPairMatch& pair : result.strip_pairs) {
+    run.AddFile(
+        "matches/" + source.strips()[pair.i].name + "_" + source.strips()[pair.j].name + ".txt",
+        FormatMatches(pair));
+  }
+  run.AddFile("match.json", FormatJson(match));
+  run.report["flight"] = name;
+  run.report["counts"] = match["counts"];
+  Print(match);
+}
+
+[[noreturn]] void FailNoPairs() {
+  throw FailedWithResults(
+      "no_pairs",
+      "no correspondence was found: match.json has the counts of every stage. Where there are no "
+      "candidates the ground has too little shape (water, flat fields); where none is registered, "
+      "is gsd_m that of the points, and are the strips of one flight?");
+}
+
+void MatchFlightCommand(const MatchCommand& command, Run& run) {
+  FlightConfig config = ReadFlightConfig(command.what[0], command.common.changes);
+  MatchedFlight matched =
+      MatchStripsOfFlight(std::move(config), command.trajectory, OptionsOf(command, run), run);
+  AddPairFiles(matched, run);
+  AddMatchFiles(matched.config.name, matched.result, *matched.source, run);
+  run.AddFile("flight.matched.yaml", MatchedFlightFile(matched, run.files().path()));
+  if (matched.result.pairs() == 0) FailNoPairs();
+}
+
+std::string FormatPositions(const MatchResult& result, const BareMatchSource& source) {
+  std::string text = "# t_i [s], t_j [s], p_i (3), p_j (3) [m]\n";
+  for (const StripPairMatch& match : result.strip_pairs) {
+    for (const MatchedPair& pair : match.pairs) {
+      text += FormatDouble(pair.pair.t_i_s) + ", " + FormatDouble(pair.pair.t_j_s);
+      for (const Vector3d& p_m : {pair.pair.u_i_s, pair.pair.u_j_s}) {
+        const Vector3d p_c = p_m + source.origin_c_m();
+        for (int i = 0; i < 3; ++i) text += fmt::format(", {:.4f}", p_c[i]);
+      }
+      text += "\n";
+    }
+  }
+  return text;
+}
+
+void MatchBareCommand(const MatchCommand& command, Run& run) {
+  std::vector<fs::path> files(command.what.begin(), command.what.end());
+  BareMatchSource source(FindMatchStrips(files));
+  const MatchResult result = MatchBareStrips(&source, OptionsOf(command, run));
+  run.AddFile("pairs_xyz.txt", FormatPositions(result, source));
+  AddMatchFiles(files.front().stem().string(), result, source, run);
+  if (result.pairs() == 0) FailNoPairs();
+}
+
+void RunMatch(const MatchCommand& command, Run& run) {
+  if (IsFlight(command.what)) {
+    MatchFlightCommand(command, run);
+  } else {
+    MatchBareCommand(command, run);
+  }
+}
+
+Inputs InputsOf(const MatchCommand& command) {
+  if (IsFlight(command.what)) {
+    return FlightInputs(command.what[0], command.common.changes, command.trajectory);
+  }
+  Inputs inputs;
+  for (const std::string& file : command.what) inputs.files.emplace_back(file);
+  return inputs;
+}
+
+}  // namespace
+
+void AddMatch(CLI::App* program, Action* action) {
+  auto command = std::make_shared<MatchCommand>();
+  CLI::App* app =
+      program->add_subcommand("match", "Point-to-point correspondences from overlapping strips");
+  app->add_option("FLIGHT|STRIP", command->what,
+                  "Flight folder with strips/, or the YAML file of a flight; or two strips or more "
+                  "(.las, .txt) without a trajectory")
+      ->required();
+  app->add_option("--trajectory", command->trajectory,
+                  "Trajectory (SBET .out, or text). Default: that of the flight, else the smoothed "
+                  "one of its inertial and GNSS data");
+  app->add_option(
+         "--gsd", command->gsd_m,
+         "Ground sampling distance [m]. Default: gsd_m of flight.yaml, else by the density "
+         "of the points")
+      ->check(PositiveNumber());
+  app->add_option("--search-deg", command->search_deg,
+                  "How far the boresight may be off, about each axis [deg]")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  app->add_option("--search-m", command->search_m,
+                  "How far strips without a trajectory may be apart [m]")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  app->add_option("--max-pairs", command->most_pairs, "Most pairs of two strips")
+      ->check(WholeNumber(1))
+      ->capture_default_str();
+  app->add_option("--seed", command->seed, "Of the search for a consensus")->capture_default_str();
+  AddCommonOptions(app, &command->common, true);
+  app->footer(
+      "Example: dn match flight --out matched && dn calibrate matched/flight.matched.yaml --out "
+      "result");
+  app->callback([command, action] {
+    *action = [command] {
+      command->common.inputs = InputsOf(*command);
+      return Execute("match", command->common, [&](Run& run) { RunMatch(*command, run); });
+    };
+  });
+}
+
+}  // namespace dn::apps

@@ -1,0 +1,140 @@
+#include "match_flight.h"
+
+#include <dn/error.h>
+#include <dn/flight/flight.h>
+#include <dn/flight/strip_files.h>
+#include <dn/lidar/strip_io.h>
+
+#include <utility>
+
+#include "given_trajectory.h"
+
+namespace dn::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> StripsOf(const FlightConfig& config) {
+  std::vector<fs::path> files = FindStripFiles(config.folder);
+  if (!files.empty()) return files;
+  throw InvalidInput(
+      "the flight has no strips; put point clouds (.las, or .txt of t, x, y, z, ux, uy, uz) into " +
+      (config.folder / "strips").string());
+}
+
+void ExpectUsable(const FlightConfig& config) {
+  const FileLocation where{config.file.string()};
+  if (!config.lidar) {
+    throw InvalidConfig("the section 'lidar' is missing, and this command needs it", where);
+  }
+  if (config.strips_crs == "none") {
+    throw InvalidConfig(
+        "strips_crs is none: such points have no trajectory; match their files by themselves, "
+        "dn match STRIP STRIP --out DIR, or write map, utm:ZONEn, utm:ZONEs or ecef",
+        where);
+  }
+}
+
+void CheckSystems(const std::vector<fs::path>& files, const std::string& strips_crs, Run& run) {
+  for (const fs::path& file : files) {
+    const std::string warning = CheckStripCrs(OpenStrip(file)->crs(), strips_crs, file);
+    if (!warning.empty()) run.progress.Warn(warning);
+  }
+}
+
+/// The trajectory of a flight, and where it comes from.
+struct FlightPath {
+  StripSourceOptions options;
+  LocalFrame frame{Geodetic{}};
+  std::unique_ptr<FlightRun> smoothed;
+};
+
+FlightPath PathOf(FlightConfig* config, const std::string& trajectory, Run& run) {
+  FlightPath path;
+  const bool own = HasTrajectory(*config);
+  if (own || !trajectory.empty()) {
+    run.progress.Stage("reading " + config->folder.string());
+    Flight flight =
+        ReadFlight(own ? *config : WithTrajectory(*config, trajectory), {.trajectory = true});
+    path.frame = flight.frame;
+    path.options.trajectory = std::move(*flight.trajectory);
+    *config = WithTrajectory(flight.config, trajectory);
+    if (own && !trajectory.empty()) {
+      path.options.made_by =
+          std::exchange(path.options.trajectory, ReadTrajectory(trajectory, config->body_is_flu));
+    }
+    return path;
+  }
+  if (!config->imu || !config->gnss) {
+    throw InvalidInput(
+        "the flight has neither a trajectory nor inertial and GNSS data to make one of; give it "
+        "with --trajectory FILE, or match bare strips: dn match STRIP STRIP --out DIR");
+  }
+  path.smoothed = AdjustFlight(*config, false, &run);
+  path.frame = path.smoothed->flight.frame;
+  path.options.trajectory = Trajectory(path.smoothed->trajectory);
+  return path;
+}
+
+std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
+  return "lidar/" + source.strips()[match.i].name + "_" + source.strips()[match.j].name + ".txt";
+}
+
+}  // namespace
+
+MatchedFlight MatchStripsOfFlight(FlightConfig config, const std::string& trajectory,
+                                  MatchOptions options, Run& run) {
+  ExpectUsable(config);
+  const std::vector<fs::path> files = StripsOf(config);
+  CheckSystems(files, config.strips_crs, run);
+  MatchedFlight matched;
+  FlightPath path = PathOf(&config, trajectory, run);
+  matched.smoothed = std::move(path.smoothed);
+  path.options.made_with = config.lidar->mounting;
+  path.options.time_span_s = config.time_span_s;
+  path.options.time_offset_s = config.lidar->time_offset_s;
+  matched.source = std::make_unique<FlightMatchSource>(std::move(path.options), path.frame,
+                                                       config.strips_crs, FindMatchStrips(files));
+  if (!options.gsd_m) options.gsd_m = config.lidar->gsd_m;
+  const TrajectoryConfig stated = config.trajectory.value_or(TrajectoryConfig());
+  options.sigma_ned_m << stated.sigma_xy_m, stated.sigma_xy_m, stated.sigma_z_m;
+  options.sigma_rph_rad << stated.sigma_rp_rad, stated.sigma_rp_rad, stated.sigma_y_rad;
+  matched.result = MatchFlight(matched.source.get(), options);
+  matched.config = std::move(config);
+  return matched;
+}
+
+void AddPairFiles(const MatchedFlight& matched, Run& run) {
+  const double offset_s = matched.config.lidar->time_offset_s;
+  for (const StripPairMatch& match : matched.result.strip_pairs) {
+    std::vector<LidarPair> pairs;
+    for (const MatchedPair& pair : match.pairs) {
+      pairs.push_back(pair.pair);
+      pairs.back().t_i_s += offset_s;
+      pairs.back().t_j_s += offset_s;
+    }
+    if (!pairs.empty()) run.AddFile(PairFile(*matched.source, match), FormatPairs(pairs));
+  }
+  if (matched.smoothed) {
+    AddTrajectoryFiles(*matched.smoothed, &run);
+  } else {
+    run.AddFile("config.resolved.yaml", FormatFlightConfig(matched.config));
+  }
+}
+
+std::string MatchedFlightFile(const MatchedFlight& matched, const fs::path& folder) {
+  FlightConfig config = matched.config;
+  const fs::path absolute = fs::absolute(folder);
+  config.lidar->p2p.clear();
+  for (const StripPairMatch& match : matched.result.strip_pairs) {
+    if (match.pairs.empty()) continue;
+    config.lidar->p2p.push_back((absolute / PairFile(*matched.source, match)).string());
+  }
+  if (matched.smoothed) {
+    if (!config.trajectory) config.trajectory = TrajectoryConfig();
+    config.trajectory->file = (absolute / "trajectory.out").string();
+  }
+  return FormatFlightFile(config);
+}
+
+}  // namespace dn::apps

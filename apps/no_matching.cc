@@ -1,0 +1,22 @@
+#include <dn/error.h>
+
+#include "command.h"
+
+namespace dn::apps {
+
+/// A program without PCL names the command, and says what it lacks.
+void AddMatch(CLI::App* program, Action* action) {
+  CLI::App* app = program->add_subcommand(
+      "match", "Point-to-point correspondences from overlapping strips (not in this build)");
+  app->allow_extras();
+  app->callback([action] {
+    *action = [] {
+      return Execute("match", {}, [](Run&) {
+        throw InvalidConfig(
+            "this dn was built without PCL, which matching needs; build it with -DDN_WITH_PCL=ON");
+      });
+    };
+  });
+}
+
+}  // namespace dn::apps

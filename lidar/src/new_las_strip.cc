@@ -1,0 +1,107 @@
+#include <dn/geo/little_endian.h>
+
+#include <cstring>
+#include <utility>
+
+#include "las_file.h"
+#include "las_writer.h"
+
+namespace dn::internal {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 375, kFormat = 6, kFormatBytes = 30;
+constexpr std::size_t kSourceAt = 20, kTimeAt = 22, kVectorAt = kFormatBytes;
+constexpr std::size_t kRecordBytes = kVectorAt + 3 * sizeof(double);
+constexpr int kDouble = 10;
+constexpr std::uint16_t kWktEncoding = 16;  // which point format 6 requires; time: seconds of week
+constexpr char kOnlyReturn = 0x11;          // the first of one
+
+std::string DescribeVector() {
+  std::string descriptors;
+  for (const char* name : {"ux", "uy", "uz"}) {
+    descriptors += FormatDescriptor(kDouble, 0, name, "laser vector in sensor frame, m");
+  }
+  return FormatExtraBytes(descriptors);
+}
+
+std::string Header(const LasGrid& grid) {
+  std::string head(kHeaderBytes, '\0');
+  std::memcpy(head.data(), "LASF", 4);
+  StoreLittleEndian(kWktEncoding, head.data() + las::kEncodingAt);
+  head[las::kVersionAt] = 1;
+  head[las::kVersionAt + 1] = 4;
+  StoreLittleEndian(static_cast<std::uint16_t>(kHeaderBytes), head.data() + las::kHeaderBytesAt);
+  StoreLittleEndian(std::uint32_t{1}, head.data() + las::kVlrCountAt);
+  head[las::kFormatAt] = static_cast<char>(kFormat);
+  for (std::size_t i = 0; i < 3; ++i) {
+    StoreLittleEndian(grid.scale_m, head.data() + las::kScaleAt + 8 * i);
+    StoreLittleEndian(grid.offset_m[static_cast<Eigen::Index>(i)],
+                      head.data() + las::kOffsetAt + 8 * i);
+  }
+  return head;
+}
+
+/// An empty file, in memory.
+LasFile EmptyFile(const std::filesystem::path& path, const LasGrid& grid) {
+  LasFile las;
+  las.path = path;
+  las.head = Header(grid) + DescribeVector();
+  las.minor = 4;
+  las.format = static_cast<int>(kFormat);
+  las.header_bytes = kHeaderBytes;
+  las.record_bytes = las.described_bytes = kRecordBytes;
+  las.file_bytes = las.head.size();
+  las.scale.setConstant(grid.scale_m);
+  las.offset = grid.offset_m;
+  las.time_at = kTimeAt;
+  las.source_at = kSourceAt;
+  return las;
+}
+
+/// Makes the records of points that come from no file.
+class NewLasWriter final : public StripWriter {
+ public:
+  NewLasWriter(const std::filesystem::path& file, const LasGrid& grid)
+      : writer_(file, EmptyFile(file, grid), false) {
+    points_.record_bytes = kRecordBytes;
+  }
+
+  void Append(const StripCloud& points) override {
+    points_.p_c = points.p_c;
+    points_.records.assign(points.size() * kRecordBytes, '\0');
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      StoreRecord(points, i, points_.records.data() + i * kRecordBytes);
+    }
+    writer_.Append(points_);
+  }
+
+  void Finish() override { writer_.Finish(); }
+
+ private:
+  static void StoreRecord(const StripCloud& points, std::size_t i, char* record) {
+    if (!points.intensity.empty()) {
+      StoreLittleEndian(points.intensity[i], record + las::kIntensityAt);
+    }
+    record[las::kReturnAt] = kOnlyReturn;
+    if (!points.source.empty()) StoreLittleEndian(points.source[i], record + kSourceAt);
+    StoreLittleEndian(points.t_s[i], record + kTimeAt);
+    for (std::size_t k = 0; k < 3; ++k) {
+      StoreLittleEndian(points.u_s[i][static_cast<Eigen::Index>(k)],
+                        record + kVectorAt + k * sizeof(double));
+    }
+  }
+
+  LasWriter writer_;
+  StripCloud points_;
+};
+
+}  // namespace
+}  // namespace dn::internal
+
+namespace dn {
+
+std::unique_ptr<StripWriter> NewLasStrip(const std::filesystem::path& file, const LasGrid& grid) {
+  return std::make_unique<internal::NewLasWriter>(file, grid);
+}
+
+}  // namespace dn

@@ -1,0 +1,61 @@
+#include "agree_with_neighbours.h"
+
+#include <dn/median.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace dn::internal {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t kNeighbours = 8;
+constexpr std::size_t kFewest = 4;
+constexpr double kMostSigmas = 3.5;
+constexpr double kScaleOfMedian = 1.4826;
+
+/// Median of the shifts of the nearest others, by axis.
+Vector3d NeighboursOf(std::size_t i, const std::vector<PlacedShift>& shifts) {
+  std::vector<std::size_t> others(shifts.size());
+  std::iota(others.begin(), others.end(), std::size_t{0});
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+  const std::size_t count = std::min(kNeighbours, others.size());
+  const auto off_m2 = [&](std::size_t k) {
+    return (shifts[k].at_en_m - shifts[i].at_en_m).squaredNorm();
+  };
+  std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count),
+                    others.end(),
+                    [&](std::size_t p, std::size_t q) { return off_m2(p) < off_m2(q); });
+  Vector3d median;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (std::size_t k = 0; k < count; ++k) values.push_back(shifts[others[k]].shift_m[axis]);
+    median[axis] = Median(std::move(values));
+  }
+  return median;
+}
+
+}  // namespace
+
+std::vector<bool> AgreeWithNeighbours(const std::vector<PlacedShift>& shifts) {
+  std::vector<bool> agrees(shifts.size(), true);
+  if (shifts.size() < kFewest) return agrees;
+  std::vector<Vector3d> left(shifts.size());
+  for (std::size_t i = 0; i < shifts.size(); ++i) {
+    left[i] = (shifts[i].shift_m - NeighboursOf(i, shifts)).array() /
+              shifts[i].covariance_m2.diagonal().array().sqrt();
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> sizes;
+    for (const Vector3d& value : left) sizes.push_back(std::abs(value[axis]));
+    const double scale = std::max(1.0, kScaleOfMedian * Median(sizes));
+    for (std::size_t i = 0; i < shifts.size(); ++i) {
+      if (sizes[i] > kMostSigmas * scale) agrees[i] = false;
+    }
+  }
+  return agrees;
+}
+
+}  // namespace dn::internal

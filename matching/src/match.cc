@@ -1,0 +1,535 @@
+#include <dn/error.h>
+#include <dn/matching/match.h>
+#include <dn/parallel.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "agree_with_neighbours.h"
+#include "coarse_alignment.h"
+#include "height_raster.h"
+#include "patches.h"
+#include "register_patches.h"
+#include "strip_sample.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector2i;
+using Eigen::Vector3d;
+using internal::AlignmentFit;
+using internal::CoarsePair;
+using internal::Disc;
+using internal::DiscPoints;
+using internal::HeightRaster;
+using internal::MakeRaster;
+using internal::Patch;
+using internal::PatchShift;
+using internal::RasterGrid;
+using internal::Registration;
+using internal::StripSample;
+
+// Lengths in ground sampling distances.
+constexpr double kSampleCell_gsd = 3.0;
+constexpr double kReach_gsd = 3.0;
+constexpr double kTile_gsd = 400.0;
+constexpr double kNeighbourhood_gsd = 2.5;
+constexpr double kMostCorrection_gsd = 2.5;
+constexpr double kMostRms_gsd = 1.0;
+constexpr double kMostSigma_gsd = 0.5;  // of the pair, three-dimensional
+
+constexpr int kCoarseHalf = 16;    // cells of a coarse piece on each side of its centre
+constexpr int kCoarseSearch = 16;  // cells
+constexpr int kFineHalf = 8;
+constexpr int kFineSearch = 6;
+constexpr double kCoarsePlaces = 300.0;  // of a strip pair
+constexpr double kToleranceCells = 2.5;
+constexpr double kShrink = 5.0;
+constexpr int kMostLevels = 12;
+const std::vector<int> kHalfCells{5, 10, 20};  // of patches
+constexpr double kMostPointsOfPatch = 1500.0;
+constexpr std::size_t kPatchesAtOnce = 1500;
+// Slopes that determine the shift to 0.07 GSD, if points are 0.2 GSD off their surface.
+constexpr double kLeastInformation = 9.0;
+constexpr double kLeastUsedShare = 0.4;
+constexpr std::size_t kFewestForFactor = 10;
+
+/// A patch of two strips on its way to a pair.
+struct Work {
+  Patch patch;
+  Vector2d centre_en_m;
+  std::optional<PatchShift> raster;
+  std::optional<Registration> registration;
+  MatchedPair pair;
+};
+
+double GsdOfDensity(const MatchSource& source) {
+  // Occupied cells of a coarse grid; coarse enough for most cells inside the strip to have points.
+  constexpr double kFirstCell_m = 1.0;
+  constexpr double kPointsPerCell = 30.0;
+  double cell_m = kFirstCell_m;
+  for (int round = 0; round < 8; ++round, cell_m *= 2.0) {
+    const StripSample sample = internal::SampleStrip(source, 0, cell_m, 1, [](std::uint64_t) {});
+    const double per_cell = sample.point_density_m2 * cell_m * cell_m;
+    if (per_cell >= kPointsPerCell) return 1.0 / std::sqrt(sample.point_density_m2);
+  }
+  throw InvalidInput("the points are too sparse to be matched: fewer than thirty in 128 m",
+                     {source.strips().front().files.front().string()});
+}
+
+struct Box {
+  Vector2d low = Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Vector2d high = Vector2d::Constant(-std::numeric_limits<double>::infinity());
+};
+
+Box BoxOf(const StripSample& sample) {
+  Box box;
+  for (const Vector3d& p_m : sample.p_m) {
+    box.low = box.low.cwiseMin(p_m.head<2>());
+    box.high = box.high.cwiseMax(p_m.head<2>());
+  }
+  return box;
+}
+
+/// Cells of the part of a that b may cover when it is moved by up to margin_m; none where there is
+/// no such part.
+std::optional<RasterGrid> CommonGrid(const StripSample& a, const StripSample& b, double cell_m,
+                                     double margin_m) {
+  const Box box_a = BoxOf(a), box_b = BoxOf(b);
+  const Vector2d margin = Vector2d::Constant(margin_m);
+  const Vector2d low = box_a.low.cwiseMax(box_b.low - margin) - margin;
+  const Vector2d high = box_a.high.cwiseMin(box_b.high + margin) + margin;
+  const Vector2d inner = (high - margin) - (low + margin);
+  if (!(inner.minCoeff() > 0.0)) return std::nullopt;
+  RasterGrid grid;
+  grid.cell_m = cell_m;
+  grid.origin_en_m = (low / cell_m).array().floor() * cell_m;
+  const Vector2i size = ((high - grid.origin_en_m) / cell_m).array().ceil().cast<int>();
+  grid.nx = size.x();
+  grid.ny = size.y();
+  return grid;
+}
+
+class Matcher {
+ public:
+  Matcher(MatchSource* source, const MatchOptions& options) : source_(*source), options_(options) {}
+  virtual ~Matcher() = default;
+
+  MatchResult Run() {
+    if (source_.strips().size() < 2) {
+      throw InvalidInput("correspondences need two strips or more, there " +
+                         std::string(source_.strips().size() == 1 ? "is one" : "are none"));
+    }
+    result_.gsd_m = options_.gsd_m ? *options_.gsd_m : GsdOfDensity(source_);
+    ReadSamples();
+    double search_m = FirstSearch();
+    for (int level = 0; level < kMostLevels && search_m > kFineSearch * BaseCell(); ++level) {
+      search_m = RunLevel(search_m);
+    }
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      for (std::size_t j = i + 1; j < samples_.size(); ++j) MatchStripPair(i, j);
+    }
+    if (result_.strip_pairs.empty()) FailNoOverlap();
+    Finish();
+    return std::move(result_);
+  }
+
+ protected:
+  /// Of the coarsest search, m.
+  virtual double FirstSearch() const = 0;
+  virtual AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) = 0;
+  virtual Vector3d Boresight() const { return Vector3d::Zero(); }
+  /// Calls `work` with the alignment that was given.
+  virtual void AsGiven(const std::function<void()>& work) = 0;
+
+  const std::vector<StripSample>& samples() const { return samples_; }
+  const MatchOptions& options() const { return options_; }
+
+ private:
+  double BaseCell() const { return kSampleCell_gsd * result_.gsd_m; }
+
+  void Tell(const std::string& stage, const std::string& done = "") const {
+    if (options_.progress) options_.progress(stage, done);
+  }
+
+  std::string PairName(std::size_t i, std::size_t j) const {
+    return source_.strips()[i].name + "-" + source_.strips()[j].name;
+  }
+
+  [[noreturn]] void FailNoOverlap() const {
+    throw InvalidInput(
+        "no two strips have ground in common: are they of one area, and strips_crs and the "
+        "trajectory those of the points?",
+        {source_.strips().front().files.front().string()});
+  }
+
+  void ReadSamples() {
+    for (std::size_t s = 0; s < source_.strips().size(); ++s) {
+      const std::string stage = "reading strip " + source_.strips()[s].name;
+      Tell(stage);
+      samples_.push_back(internal::SampleStrip(
+          source_, s, BaseCell(), options_.threads,
+          [&](std::uint64_t points) { Tell(stage, fmt::format("{} points", points)); }));
+      result_.strips.push_back(samples_.back().counts);
+    }
+  }
+
+  void PlaceSamples() {
+    for (std::size_t s = 0; s < samples_.size(); ++s) {
+      internal::Place(source_, s, options_.threads, &samples_[s]);
+    }
+  }
+
+  /// Brings the strips together; returns the search radius that is left.
+  double RunLevel(double search_m) {
+    MatchLevel level;
+    level.search_m = search_m;
+    level.cell_m = std::max(BaseCell(), search_m / kCoarseSearch);
+    Tell(fmt::format("search within {:.1f} m", search_m));
+    std::vector<CoarsePair> pairs;
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      for (std::size_t j = i + 1; j < samples_.size(); ++j) FindCoarse(i, j, &level, &pairs);
+    }
+    level.found = pairs.size();
+    const AlignmentFit fit = Align(pairs, kToleranceCells * level.cell_m);
+    level.agreeing = fit.agreeing;
+    level.rms_m = fit.rms_m;
+    level.boresight_rad = Boresight();
+    PlaceSamples();
+    result_.levels.push_back(level);
+    return std::max(search_m / kShrink, 3.0 * fit.rms_m);
+  }
+
+  void FindCoarse(std::size_t i, std::size_t j, MatchLevel* level, std::vector<CoarsePair>* pairs) {
+    const StripSample& a = samples_[i];
+    const StripSample& b = samples_[j];
+    const auto grid = CommonGrid(a, b, level->cell_m, level->search_m);
+    if (!grid) return;
+    const HeightRaster raster_a = MakeRaster(*grid, a.p_m), raster_b = MakeRaster(*grid, b.p_m);
+    const std::vector<Vector2i> centres = CoarseCentres(raster_a);
+    level->places += centres.size();
+    std::vector<std::optional<PatchShift>> shifts(centres.size());
+    ParallelForChunks(
+        centres.size(), 4, options_.threads, [&](std::size_t, std::size_t first, std::size_t past) {
+          for (std::size_t k = first; k < past; ++k) {
+            shifts[k] =
+                internal::FindShift(raster_a, raster_b, centres[k], kCoarseHalf, kCoarseSearch);
+          }
+        });
+    for (std::size_t k = 0; k < centres.size(); ++k) {
+      if (shifts[k]) AddCoarse(i, j, raster_a, raster_b, centres[k], *shifts[k], pairs);
+    }
+  }
+
+  static std::vector<Vector2i> CoarseCentres(const HeightRaster& raster) {
+    double filled = 0.0;
+    for (const std::int32_t point : raster.point) filled += point >= 0 ? 1.0 : 0.0;
+    const int step = std::max(4, static_cast<int>(std::sqrt(filled / kCoarsePlaces)));
+    std::vector<Vector2i> centres;
+    for (int y = step / 2; y < raster.grid.ny; y += step) {
+      for (int x = step / 2; x < raster.grid.nx; x += step) {
+        if (raster.point[raster.grid.Index(x, y)] >= 0) centres.emplace_back(x, y);
+      }
+    }
+    return centres;
+  }
+
+  void AddCoarse(std::size_t i, std::size_t j, const HeightRaster& raster_a,
+                 const HeightRaster& raster_b, const Vector2i& centre, const PatchShift& shift,
+                 std::vector<CoarsePair>* pairs) const {
+    const StripSample& a = samples_[i];
+    const StripSample& b = samples_[j];
+    const auto at =
+        static_cast<std::size_t>(raster_a.point[raster_a.grid.Index(centre.x(), centre.y())]);
+    const Vector3d target_m = a.p_m[at] + shift.shift_m;
+    const Vector2i cell = raster_b.grid.CellOf(target_m.head<2>());
+    if (!raster_b.grid.Has(cell.x(), cell.y())) return;
+    const std::int32_t nearest = raster_b.point[raster_b.grid.Index(cell.x(), cell.y())];
+    if (nearest < 0) return;
+    const auto to = static_cast<std::size_t>(nearest);
+    pairs->push_back({i, j, a.t_s[at], b.t_s[to],
+                      source_.RawAt(i, a.t_s[at], b.p_m[to] - shift.shift_m),
+                      b.x[to].cast<double>(), -shift.shift_m});
+  }
+
+  void MatchStripPair(std::size_t i, std::size_t j) {
+    const auto grid = CommonGrid(samples_[i], samples_[j], BaseCell(), kFineSearch * BaseCell());
+    if (!grid) return;
+    StripPairMatch match;
+    match.i = i;
+    match.j = j;
+    std::vector<Work> work = FindPlaces(*grid, &match);
+    if (match.overlap_m2 == 0.0) return;
+    for (std::size_t first = 0; first < work.size(); first += kPatchesAtOnce) {
+      Register(i, j, first, std::min(work.size(), first + kPatchesAtOnce), &work);
+    }
+    registered_.push_back(std::move(work));
+    result_.strip_pairs.push_back(std::move(match));
+  }
+
+  std::vector<Work> FindPlaces(const RasterGrid& grid, StripPairMatch* match) const {
+    const std::string stage = "places of " + PairName(match->i, match->j);
+    Tell(stage);
+    const StripSample& a = samples_[match->i];
+    const HeightRaster raster_a = MakeRaster(grid, a.p_m);
+    const HeightRaster raster_b = MakeRaster(grid, samples_[match->j].p_m);
+    for (std::size_t k = 0; k < grid.cells(); ++k) {
+      if (!std::isnan(raster_a.z_m[k]) && !std::isnan(raster_b.z_m[k])) {
+        match->overlap_m2 += grid.cell_m * grid.cell_m;
+      }
+    }
+    const std::vector<Patch> patches = internal::ChoosePatches(
+        raster_a, raster_b,
+        {kHalfCells, a.point_density_m2 * grid.cell_m * grid.cell_m, kMostPointsOfPatch,
+         kLeastInformation, options_.most_pairs, static_cast<int>(kTile_gsd / kSampleCell_gsd)});
+    match->candidates = patches.size();
+    std::vector<Work> work(patches.size());
+    ParallelForChunks(
+        patches.size(), 4, options_.threads, [&](std::size_t, std::size_t first, std::size_t past) {
+          for (std::size_t k = first; k < past; ++k) {
+            const Patch& patch = patches[k];
+            work[k].patch = patch;
+            work[k].centre_en_m = grid.Centre(patch.cell.x(), patch.cell.y());
+            work[k].raster = internal::FindShift(
+                raster_a, raster_b, patch.cell, std::max(kFineHalf, patch.half_cells), kFineSearch);
+          }
+        });
+    std::erase_if(work, [](const Work& w) { return !w.raster; });
+    match->found = work.size();
+    return work;
+  }
+
+  double RadiusOf(const Patch& patch) const { return patch.half_cells * BaseCell(); }
+
+  double KeepShare(std::size_t strip, double radius_m) const {
+    const double points = samples_[strip].point_density_m2 * std::numbers::pi * radius_m * radius_m;
+    return std::min(1.0, kMostPointsOfPatch / points);
+  }
+
+  void Register(std::size_t i, std::size_t j, std::size_t first, std::size_t past,
+                std::vector<Work>* work) {
+    const std::string stage = "points of " + PairName(i, j);
+    const double reach_m = kReach_gsd * result_.gsd_m;
+    std::vector<Disc> discs_a, discs_b;
+    for (std::size_t k = first; k < past; ++k) {
+      const Work& w = (*work)[k];
+      const double radius_m = RadiusOf(w.patch);
+      discs_a.push_back({w.centre_en_m, radius_m, KeepShare(i, radius_m)});
+      discs_b.push_back({w.centre_en_m + w.raster->shift_m.head<2>(), radius_m + reach_m,
+                         KeepShare(j, radius_m)});
+    }
+    const auto gather = [&](std::size_t strip, const std::vector<Disc>& discs) {
+      return internal::Gather(source_, strip, discs, options_.threads, [&](std::uint64_t points) {
+        Tell(stage, fmt::format("{} points of strip {}", points, source_.strips()[strip].name));
+      });
+    };
+    const std::vector<DiscPoints> in_a = gather(i, discs_a), in_b = gather(j, discs_b);
+    Tell("registration of " + PairName(i, j), fmt::format("{} of {}", first, work->size()));
+    ParallelForChunks(past - first, 4, options_.threads,
+                      [&](std::size_t, std::size_t from, std::size_t to) {
+                        for (std::size_t k = from; k < to; ++k) {
+                          RegisterOne(i, discs_a[k], in_a[k], in_b[k], &(*work)[first + k]);
+                        }
+                      });
+  }
+
+  void RegisterOne(std::size_t i, const Disc& disc, const DiscPoints& in_a, const DiscPoints& in_b,
+                   Work* work) const {
+    if (in_a.size() == 0 || in_b.size() == 0) return;
+    const double gsd_m = result_.gsd_m;
+    const double neighbourhood_m = kNeighbourhood_gsd * gsd_m / std::sqrt(disc.keep_share);
+    const internal::PatchSurface a(in_a.p_m, neighbourhood_m), b(in_b.p_m, neighbourhood_m);
+    const auto registration = internal::RegisterPatches(
+        a, b, work->raster->shift_m,
+        {disc.centre_en_m, disc.radius_m, kReach_gsd * gsd_m / std::sqrt(disc.keep_share)});
+    if (!registration || registration->used_share < kLeastUsedShare ||
+        registration->rms_m > kMostRms_gsd * gsd_m ||
+        (registration->shift_m - work->raster->shift_m).norm() > kMostCorrection_gsd * gsd_m) {
+      return;
+    }
+    work->registration = registration;
+    Pair(i, disc, in_a, in_b, b, work);
+  }
+
+  /// The pair nearest to the middle of the patches.
+  void Pair(std::size_t i, const Disc& disc, const DiscPoints& in_a, const DiscPoints& in_b,
+            const internal::PatchSurface& b, Work* work) const {
+    std::size_t at = 0;
+    for (std::size_t k = 1; k < in_a.size(); ++k) {
+      if ((in_a.p_m[k].head<2>() - disc.centre_en_m).squaredNorm() <
+          (in_a.p_m[at].head<2>() - disc.centre_en_m).squaredNorm()) {
+        at = k;
+      }
+    }
+    const Vector3d& shift_m = work->registration->shift_m;
+    const std::size_t to = b.NearestTo(in_a.p_m[at] + shift_m).index;
+    MatchedPair& pair = work->pair;
+    pair.pair.t_i_s = in_a.t_s[at];
+    pair.pair.t_j_s = in_b.t_s[to];
+    pair.pair.u_i_s = source_.RawAt(i, in_a.t_s[at], in_b.p_m[to] - shift_m);
+    pair.pair.u_j_s = in_b.x[to];
+    pair.radius_m = disc.radius_m;
+  }
+
+  /// Of the covariances: mean ratio of the variance by parts to that of independent distances.
+  double VarianceFactor() const {
+    std::vector<double> ratios;
+    for (const auto& work : registered_) {
+      for (const Work& w : work) {
+        if (!w.registration) continue;
+        ratios.push_back(
+            (w.registration->independent_m2.inverse() * w.registration->clustered_m2).trace() /
+            3.0);
+      }
+    }
+    if (ratios.size() < kFewestForFactor) return 1.0;
+    std::sort(ratios.begin(), ratios.end());
+    const std::size_t cut = ratios.size() / 20;  // the mean of the middle nine tenths
+    double sum = 0.0;
+    for (std::size_t k = cut; k < ratios.size() - cut; ++k) sum += ratios[k];
+    return std::max(1.0, sum / static_cast<double>(ratios.size() - 2 * cut));
+  }
+
+  void Finish() {
+    result_.variance_factor = VarianceFactor();
+    const double most_m = kMostSigma_gsd * result_.gsd_m;
+    for (std::size_t k = 0; k < registered_.size(); ++k) {
+      StripPairMatch& match = result_.strip_pairs[k];
+      std::vector<internal::PlacedShift> shifts;
+      std::vector<const Work*> good;
+      for (const Work& w : registered_[k]) {
+        if (!w.registration) continue;
+        const Eigen::Matrix3d covariance_m2 =
+            result_.variance_factor * w.registration->independent_m2;
+        if (std::sqrt(covariance_m2.trace()) > most_m) continue;
+        shifts.push_back({w.centre_en_m, w.registration->shift_m, covariance_m2});
+        good.push_back(&w);
+      }
+      match.registered = good.size();
+      const std::vector<bool> agrees = internal::AgreeWithNeighbours(shifts);
+      for (std::size_t p = 0; p < good.size(); ++p) {
+        if (!agrees[p]) continue;
+        match.pairs.push_back(good[p]->pair);
+        match.pairs.back().pair.covariance_m2 = shifts[p].covariance_m2;
+      }
+    }
+    Judge();
+  }
+
+  /// Aligns the strips by the pairs that were found, and places these before and after.
+  void Judge() {
+    std::vector<CoarsePair> pairs;
+    for (const StripPairMatch& match : result_.strip_pairs) {
+      for (const MatchedPair& pair : match.pairs) {
+        pairs.push_back({match.i, match.j, pair.pair.t_i_s, pair.pair.t_j_s, pair.pair.u_i_s,
+                         pair.pair.u_j_s, Apart(match, pair)});
+      }
+    }
+    Align(pairs, kToleranceCells * BaseCell());
+    result_.boresight_rad = Boresight();
+    for (StripPairMatch& match : result_.strip_pairs) {
+      for (MatchedPair& pair : match.pairs) pair.after_m = Apart(match, pair);
+    }
+    AsGiven([&] {
+      for (StripPairMatch& match : result_.strip_pairs) {
+        for (MatchedPair& pair : match.pairs) {
+          pair.p_i_m = source_.Position(match.i, pair.pair.t_i_s, pair.pair.u_i_s);
+          pair.p_j_m = source_.Position(match.j, pair.pair.t_j_s, pair.pair.u_j_s);
+        }
+      }
+    });
+  }
+
+  Vector3d Apart(const StripPairMatch& match, const MatchedPair& pair) const {
+    return source_.Position(match.i, pair.pair.t_i_s, pair.pair.u_i_s) -
+           source_.Position(match.j, pair.pair.t_j_s, pair.pair.u_j_s);
+  }
+
+  MatchSource& source_;
+  const MatchOptions& options_;
+  std::vector<StripSample> samples_;
+  std::vector<std::vector<Work>> registered_;  // of each of result_.strip_pairs
+  MatchResult result_;
+};
+
+class FlightMatcher : public Matcher {
+ public:
+  FlightMatcher(FlightMatchSource* source, const MatchOptions& options)
+      : Matcher(source, options), source_(*source), given_rad_(source->mounting().boresight_rad) {}
+
+ private:
+  /// Opposite strips move apart: twice what the angle does at the mean range, and half as much again
+  /// for the other angles.
+  double FirstSearch() const override {
+    double sum_m = 0.0, count = 0.0;
+    for (const StripSample& sample : samples()) {
+      for (const Eigen::Vector3f& x : sample.x) sum_m += static_cast<double>(x.norm());
+      count += static_cast<double>(sample.size());
+    }
+    return 2.5 * sum_m / count * std::tan(options().search_rad);
+  }
+
+  AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) override {
+    return internal::AlignBoresight(pairs, given_rad_, tolerance_m, options(), &source_);
+  }
+
+  Vector3d Boresight() const override { return source_.mounting().boresight_rad; }
+
+  void AsGiven(const std::function<void()>& work) override {
+    const Vector3d found_rad = source_.mounting().boresight_rad;
+    source_.SetBoresight(given_rad_);
+    work();
+    source_.SetBoresight(found_rad);
+  }
+
+  FlightMatchSource& source_;
+  Vector3d given_rad_;
+};
+
+class BareMatcher : public Matcher {
+ public:
+  BareMatcher(BareMatchSource* source, const MatchOptions& options)
+      : Matcher(source, options), source_(*source) {}
+
+ private:
+  double FirstSearch() const override { return options().search_m; }
+
+  AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) override {
+    return internal::AlignShifts(pairs, tolerance_m, &source_);
+  }
+
+  void AsGiven(const std::function<void()>& work) override {
+    std::vector<Vector3d> found_m;
+    for (std::size_t s = 0; s < source_.strips().size(); ++s) {
+      found_m.push_back(source_.shift_m(s));
+      source_.SetShift(s, Vector3d::Zero());
+    }
+    work();
+    for (std::size_t s = 0; s < found_m.size(); ++s) source_.SetShift(s, found_m[s]);
+  }
+
+  BareMatchSource& source_;
+};
+
+}  // namespace
+
+std::size_t MatchResult::pairs() const {
+  std::size_t count = 0;
+  for (const StripPairMatch& match : strip_pairs) count += match.pairs.size();
+  return count;
+}
+
+MatchResult MatchFlight(FlightMatchSource* source, const MatchOptions& options) {
+  return FlightMatcher(source, options).Run();
+}
+
+MatchResult MatchBareStrips(BareMatchSource* source, const MatchOptions& options) {
+  return BareMatcher(source, options).Run();
+}
+
+}  // namespace dn

@@ -1,0 +1,92 @@
+#include "strip_sample.h"
+
+#include <dn/parallel.h>
+
+#include <cmath>
+#include <unordered_map>
+
+namespace dn::internal {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr std::size_t kPointsPerTask = 4096;
+
+struct CellKey {
+  std::int32_t x, y;
+  bool operator==(const CellKey&) const = default;
+};
+
+struct CellHash {
+  std::size_t operator()(const CellKey& key) const {
+    std::uint64_t h = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(key.x)) << 32) |
+                      static_cast<std::uint32_t>(key.y);
+    h ^= h >> 31;
+    h *= 0x9e3779b97f4a7c15ULL;
+    return static_cast<std::size_t>(h ^ (h >> 29));
+  }
+};
+
+/// The point of a cell, and how far it lies from the cell's centre.
+struct Kept {
+  std::uint32_t index;
+  float squared_m2;
+};
+
+}  // namespace
+
+void Place(const MatchSource& source, std::size_t strip, int threads, StripSample* sample) {
+  sample->p_m.resize(sample->size());
+  ParallelForChunks(sample->size(), kPointsPerTask, threads,
+                    [&](std::size_t, std::size_t first, std::size_t past) {
+                      for (std::size_t i = first; i < past; ++i) {
+                        sample->p_m[i] =
+                            source.Position(strip, sample->t_s[i], sample->x[i].cast<double>());
+                      }
+                    });
+}
+
+StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cell_m, int threads,
+                        const std::function<void(std::uint64_t)>& told) {
+  StripSample sample;
+  std::unordered_map<CellKey, Kept, CellHash> cells;
+  std::vector<Vector3d> p_m;
+  std::uint64_t read = 0;
+  sample.counts = source.Read(strip, [&](const RawPoints& points) {
+    p_m.resize(points.size());
+    ParallelForChunks(points.size(), kPointsPerTask, threads,
+                      [&](std::size_t, std::size_t first, std::size_t past) {
+                        for (std::size_t i = first; i < past; ++i) {
+                          p_m[i] = source.Position(strip, points.t_s[i], points.x[i]);
+                        }
+                      });
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vector2d cell = p_m[i].head<2>() / cell_m;
+      const Vector2d corner = cell.array().floor();
+      const auto off_m2 =
+          static_cast<float>((cell - corner - Vector2d::Constant(0.5)).squaredNorm());
+      const auto next = static_cast<std::uint32_t>(sample.size());
+      const auto [at, is_new] = cells.try_emplace(
+          {static_cast<std::int32_t>(corner.x()), static_cast<std::int32_t>(corner.y())},
+          Kept{next, off_m2});
+      if (is_new) {
+        sample.t_s.push_back(points.t_s[i]);
+        sample.x.emplace_back(points.x[i].cast<float>());
+        sample.p_m.push_back(p_m[i]);
+      } else if (off_m2 < at->second.squared_m2) {
+        at->second.squared_m2 = off_m2;
+        const std::size_t k = at->second.index;
+        sample.t_s[k] = points.t_s[i];
+        sample.x[k] = points.x[i].cast<float>();
+        sample.p_m[k] = p_m[i];
+      }
+    }
+    told(read += points.size());
+  });
+  sample.point_density_m2 = static_cast<double>(sample.counts.kept) /
+                            (static_cast<double>(sample.size()) * cell_m * cell_m);
+  return sample;
+}
+
+}  // namespace dn::internal

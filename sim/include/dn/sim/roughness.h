@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+namespace dn {
+
+/// Small-scale relief of natural ground, a height over east and north with zero mean: noise on
+/// square lattices of 8, 4, 2 and 1 m whose amplitudes fall with the lattice to the power of 0.8
+/// (a surface of fractal dimension 2.2), smooth between the lattice points.
+class Roughness {
+ public:
+  /// rms_m: root mean square of the height; 0: none.
+  Roughness(double rms_m, std::uint64_t seed);
+
+  double At(const Eigen::Vector2d& en_m) const;
+
+  /// |height| and its slope in any direction never exceed these.
+  double bound_m() const;
+  double slope_bound() const;
+
+ private:
+  static constexpr int kOctaves = 4;
+  std::array<double, kOctaves> amplitude_m_{};
+  std::uint64_t seed_;
+};
+
+}  // namespace dn

@@ -1,0 +1,222 @@
+#include <dn/lidar/mounting.h>
+#include <dn/lidar/strip_io.h>
+#include <dn/parallel.h>
+#include <dn/sim/random.h>
+#include <dn/sim/simulated_clouds.h>
+#include <dn/sim/terrain_caster.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "active_effects.h"
+#include "fine_poses.h"
+#include "scan_pattern.h"
+#include "scanner.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t kChunkPulses = 16384;
+constexpr std::size_t kChunksAtOnce = 16;
+// The standard deviation across a Gaussian beam is a quarter of its divergence, which is the full
+// angle where the intensity has fallen by e^2.
+constexpr double kBeamSigmas = 4.0;
+constexpr double kLeastSink = 0.0872;  // sine of 5 deg: what grazes the ground does not return
+constexpr double kLongestRange_m = 20e3;
+
+struct Flown {
+  Vector3d middle_m;
+  double height_m;  // above the mean ground
+  double speed_mps;
+};
+
+Flown Fly(const TruthTrajectory& truth, const StripInterval& strip, double base_m) {
+  const Vector3d begin_m = truth.Pose(strip.t0_s).p_mb, end_m = truth.Pose(strip.t1_s).p_mb;
+  const Vector3d middle_m = 0.5 * (begin_m + end_m);
+  return {middle_m, std::max(1.0, middle_m.z() - base_m),
+          (end_m - begin_m).norm() / (strip.t1_s - strip.t0_s)};
+}
+
+}  // namespace
+
+struct SimulatedClouds::World {
+  World(const Scenario& scenario, std::shared_ptr<const TruthTrajectory> truth_given,
+        const ActiveEffects& effects_given, const LidarSpan& span_given, std::uint64_t seed_given,
+        bool noise_given)
+      : lidar(scenario.lidar),
+        truth(std::move(truth_given)),
+        effects(effects_given),
+        span(span_given),
+        seed(seed_given),
+        noise(noise_given),
+        terrain(std::make_shared<const Terrain>(scenario.terrain)),
+        base_m(scenario.terrain.base_m),
+        scanner(lidar, effects, span, truth, terrain) {
+    assumed = lidar.mounting;
+    assumed.boresight_rad.setZero();
+  }
+
+  LidarScenario lidar;
+  Mounting assumed;
+  std::shared_ptr<const TruthTrajectory> truth;
+  ActiveEffects effects;
+  LidarSpan span;
+  std::uint64_t seed;
+  bool noise;
+  std::shared_ptr<const Terrain> terrain;
+  double base_m;
+  Scanner scanner;
+};
+
+/// The pulses of one strip.
+class SimulatedClouds::Pulses {
+ public:
+  Pulses(const World& world, const StripInterval& strip, std::uint16_t number)
+      : world_(world),
+        strip_(strip),
+        number_(number),
+        scan_(MakeScan(world, strip)),
+        count_(static_cast<std::size_t>(
+            std::ceil((strip.t1_s - strip.t0_s) * world.lidar.pulse_rate_hz))) {}
+
+  std::size_t count() const { return count_; }
+
+  /// The pulses from `first` to before `past`; random numbers go by the chunk.
+  CloudCounts Fire(std::size_t chunk, std::size_t first, std::size_t past,
+                   StripCloud* cloud) const {
+    cloud->Clear();
+    Random random(world_.seed, "strip " + strip_.name + " chunk " + std::to_string(chunk));
+    TerrainCaster caster(*world_.terrain);
+    const FinePoses poses(*world_.truth, Epoch(first), Epoch(past));
+    CloudCounts counts{past - first};
+    for (std::size_t k = first; k < past; ++k) Fire(k, poses, &random, &caster, &counts, cloud);
+    counts.points = cloud->size();
+    return counts;
+  }
+
+ private:
+  static ScanTiming MakeScan(const World& world, const StripInterval& strip) {
+    const Flown flown = Fly(*world.truth, strip, world.base_m);
+    return {world.lidar, flown.height_m, flown.speed_mps};
+  }
+
+  double Since(std::size_t k) const { return static_cast<double>(k) / world_.lidar.pulse_rate_hz; }
+  double Epoch(std::size_t k) const { return strip_.t0_s + Since(k); }
+
+  /// The true direction of the beam's middle, in the sensor frame.
+  Vector3d Beam(std::size_t k) const {
+    const Vector3d nominal_s = scan_.Direction(Since(k));
+    if (world_.effects.scan_cone_rad == 0.0) return nominal_s;
+    return TurnedTowardAxis(world_.lidar.scan_axis_s.normalized(), world_.effects.scan_cone_rad,
+                            nominal_s);
+  }
+
+  /// A direction within the footprint, where the return comes from.
+  Vector3d InFootprint(const Vector3d& beam_s, Random* random) const {
+    if (!world_.noise) return beam_s;
+    const double sigma_rad = world_.lidar.beam_divergence_rad / kBeamSigmas;
+    const Vector3d one = beam_s.unitOrthogonal(), other = beam_s.cross(one);
+    const double x = random->Normal(), y = random->Normal();
+    return (beam_s + sigma_rad * (x * one + y * other)).normalized();
+  }
+
+  Vector3d Measured(Vector3d u_s, double t_s, Random* random) const {
+    for (const auto& measured : world_.effects.laser_vector) u_s = measured(u_s, t_s);
+    if (!world_.noise) return u_s;
+    return (1.0 + world_.lidar.sigma_range_m * random->Normal() / u_s.norm()) * u_s;
+  }
+
+  double Tag(double t_s) const {
+    double tag_s = t_s;
+    for (const auto& shift_s : world_.effects.lidar_tag_shift_s) tag_s += shift_s(t_s, world_.span);
+    return tag_s;
+  }
+
+  /// The pose that a processing takes for the tag.
+  MapPose PoseOfTag(double tag_s, const MapPose& true_pose) const {
+    if (tag_s == true_pose.t_s) return true_pose;
+    const TruthTrajectory& truth = *world_.truth;
+    return truth.Pose(std::clamp(tag_s, truth.t_begin_s(), truth.t_end_s()));
+  }
+
+  void Fire(std::size_t k, const FinePoses& poses, Random* random, TerrainCaster* caster,
+            CloudCounts* counts, StripCloud* cloud) const {
+    const double t_s = Epoch(k);
+    const MapPose pose = poses.At(t_s);
+    const Eigen::Matrix3d R_mb = pose.q_mb.toRotationMatrix();
+    const Vector3d beam_s = Beam(k);
+    const Vector3d ray_m = R_mb * (world_.scanner.R_bs(t_s) * InFootprint(beam_s, random));
+    if (ray_m.z() > -kLeastSink) return;
+    const Vector3d origin_m = pose.p_mb + R_mb * world_.scanner.lever_arm_b_m();
+    const auto hit = caster->Cast(origin_m, ray_m, kLongestRange_m);
+    if (hit && hit->water) ++counts->on_water;
+    if (!hit || hit->water) return;
+    const Vector3d u_s = Measured(hit->range_m * beam_s, t_s, random);
+    const double tag_s = Tag(t_s);
+    cloud->t_s.push_back(tag_s);
+    cloud->u_s.push_back(u_s);
+    cloud->p_c.push_back(Georeference(PoseOfTag(tag_s, pose), world_.assumed, u_s));
+    cloud->source.push_back(number_);
+  }
+
+  const World& world_;
+  const StripInterval& strip_;
+  std::uint16_t number_;
+  ScanTiming scan_;
+  std::size_t count_;
+};
+
+SimulatedClouds::SimulatedClouds(const Scenario& scenario, std::vector<StripInterval> strips,
+                                 std::shared_ptr<const TruthTrajectory> truth,
+                                 const ActiveEffects& effects, const LidarSpan& span,
+                                 std::uint64_t seed, bool noise)
+    : strips_(std::move(strips)),
+      world_(
+          std::make_unique<const World>(scenario, std::move(truth), effects, span, seed, noise)) {}
+
+SimulatedClouds::~SimulatedClouds() = default;
+
+CloudCounts SimulatedClouds::Run(std::size_t strip, int threads,
+                                 const std::function<void(const StripCloud&)>& take,
+                                 const std::function<void(double)>& progress) const {
+  const Pulses pulses(*world_, strips_[strip], static_cast<std::uint16_t>(strip + 1));
+  constexpr std::size_t kAtOnce = kChunksAtOnce * kChunkPulses;
+  std::vector<StripCloud> clouds(kChunksAtOnce);
+  std::vector<CloudCounts> each(kChunksAtOnce);
+  CloudCounts counts;
+  for (std::size_t begin = 0; begin < pulses.count(); begin += kAtOnce) {
+    const std::size_t now = std::min(kAtOnce, pulses.count() - begin);
+    ParallelForChunks(now, kChunkPulses, threads,
+                      [&](std::size_t chunk, std::size_t first, std::size_t past) {
+                        each[chunk] = pulses.Fire(begin / kChunkPulses + chunk, begin + first,
+                                                  begin + past, &clouds[chunk]);
+                      });
+    for (std::size_t chunk = 0; chunk < NumChunks(now, kChunkPulses); ++chunk) {
+      take(clouds[chunk]);
+      counts.pulses += each[chunk].pulses;
+      counts.points += each[chunk].points;
+      counts.on_water += each[chunk].on_water;
+    }
+    if (progress) {
+      progress(static_cast<double>(begin + now) / static_cast<double>(pulses.count()));
+    }
+  }
+  return counts;
+}
+
+CloudCounts SimulatedClouds::Write(std::size_t strip, const std::filesystem::path& file,
+                                   int threads, const std::function<void(double)>& progress) const {
+  const Flown flown = Fly(*world_->truth, strips_[strip], world_->base_m);
+  const auto writer = NewLasStrip(file, {.offset_m = flown.middle_m.array().round()});
+  const CloudCounts counts = Run(
+      strip, threads, [&](const StripCloud& cloud) { writer->Append(cloud); }, progress);
+  writer->Finish();
+  return counts;
+}
+
+}  // namespace dn

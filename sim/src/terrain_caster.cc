@@ -1,0 +1,312 @@
+#include <dn/error.h>
+#include <dn/sim/terrain_caster.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "terrain_objects.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector2i;
+using Eigen::Vector3d;
+
+constexpr double kTile_m = 16.0;
+constexpr double kTileRadius_m = 0.5 * std::numbers::sqrt2 * kTile_m;
+constexpr std::size_t kTiles = 4096;  // kept; a power of two
+constexpr double kNear_m = 1e-3;      // above ground
+constexpr double kOnGround_m = 1e-11;
+constexpr double kSameRange_m = 1e-10;
+constexpr double kNowhere = std::numeric_limits<double>::infinity();
+
+/// A stretch of a ray, between two ranges.
+struct Stretch {
+  double from_m, to_m;
+  bool empty() const { return !(from_m <= to_m); }
+
+  /// What of it has |start + rate t| <= half.
+  Stretch Within(double start, double rate, double half) const {
+    if (rate == 0.0) return std::abs(start) <= half ? *this : Stretch{kNowhere, -kNowhere};
+    const double a = (-half - start) / rate, b = (half - start) / rate;
+    return {std::max(from_m, std::min(a, b)), std::min(to_m, std::max(a, b))};
+  }
+};
+
+/// The first root of a t^2 + 2 b t + c, which is positive at `from`, in [from, to].
+std::optional<double> FirstRoot(double a, double b, double c, const Stretch& stretch) {
+  const double discriminant = b * b - a * c;
+  if (discriminant < 0.0) return std::nullopt;
+  const double q = -(b + std::copysign(std::sqrt(discriminant), b));
+  double first = q / a, second = c / q;
+  if (!(first <= second)) std::swap(first, second);
+  for (const double root : {first, second}) {
+    if (root >= stretch.from_m && root <= stretch.to_m) return root;
+  }
+  return std::nullopt;
+}
+
+/// The root of a function that is positive at a and not at b (Illinois).
+template <class F>
+double RootBetween(const F& clearance_m, double a, double at_a, double b, double at_b) {
+  constexpr int kMostSteps = 60;
+  for (int step = 0; step < kMostSteps && std::abs(b - a) > kSameRange_m; ++step) {
+    const double t = b - at_b * (b - a) / (at_b - at_a);
+    const double at_t = clearance_m(t);
+    if (std::abs(at_t) < kOnGround_m) return t;
+    if ((at_t > 0.0) == (at_b > 0.0)) {
+      at_a *= 0.5;
+    } else {
+      a = b;
+      at_a = at_b;
+    }
+    b = t;
+    at_b = at_t;
+  }
+  return b;
+}
+
+}  // namespace
+
+struct TerrainCaster::House {
+  Building building;
+  double ground_m;
+};
+
+struct TerrainCaster::Crown {
+  Tree tree;
+  double ground_m;
+};
+
+struct TerrainCaster::Tile {
+  Vector2i cell = Vector2i::Constant(std::numeric_limits<int>::min());
+  double ground_top_m = 0.0;  // no ground is higher
+  double top_m = 0.0;         // nothing is
+  double slope = 0.0;         // no ground is steeper
+  std::vector<House> houses;
+  std::vector<Crown> crowns;
+};
+
+struct TerrainCaster::Ray {
+  Vector3d origin_m;
+  Vector3d direction;
+  double across = direction.head<2>().norm();
+
+  double Height(double range_m) const { return origin_m.z() + range_m * direction.z(); }
+  Vector2d Place(double range_m) const {
+    return origin_m.head<2>() + range_m * direction.head<2>();
+  }
+  double RangeOf(double height_m) const { return (height_m - origin_m.z()) / direction.z(); }
+
+  /// Where it meets the house: a wall, or the roof.
+  std::optional<double> Hit(const House& house, const Stretch& within) const;
+  /// Where it meets the crown: its rim, or its top.
+  std::optional<double> Hit(const Crown& crown, const Stretch& within) const;
+};
+
+std::optional<double> TerrainCaster::Ray::Hit(const House& house, const Stretch& within) const {
+  const Building& building = house.building;
+  const Vector2d start = building.ToAxes(origin_m.head<2>());
+  const Vector2d rate(direction.head<2>().dot(building.axis),
+                      building.axis.x() * direction.y() - building.axis.y() * direction.x());
+  const Stretch over = within.Within(start.x(), rate.x(), building.half_length_m)
+                           .Within(start.y(), rate.y(), building.half_width_m);
+  if (over.empty()) return std::nullopt;
+  const auto clearance_m = [&](double range_m) {
+    const double across_m = start.y() + range_m * rate.y();
+    return Height(range_m) - house.ground_m - building.RoofAcross(across_m);
+  };
+  double from_m = over.from_m, at_from_m = clearance_m(from_m);
+  if (at_from_m <= 0.0) return from_m;
+  const double ridge_m = -start.y() / rate.y();
+  const bool crosses_ridge = building.gabled && ridge_m > over.from_m && ridge_m < over.to_m;
+  for (const double to_m : {crosses_ridge ? ridge_m : over.to_m, over.to_m}) {
+    const double at_to_m = clearance_m(to_m);  // linear between the two
+    if (at_to_m <= 0.0) return from_m + (to_m - from_m) * at_from_m / (at_from_m - at_to_m);
+    from_m = to_m;
+    at_from_m = at_to_m;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> TerrainCaster::Ray::Hit(const Crown& crown, const Stretch& within) const {
+  const Tree& tree = crown.tree;
+  const Vector2d start = origin_m.head<2>() - tree.centre_en_m;
+  const Vector2d rate = direction.head<2>();
+  const double closest_m = across > 0.0 ? -start.dot(rate) / (across * across) : 0.0;
+  const double miss2 = (start + closest_m * rate).squaredNorm();
+  const double chord2 = tree.radius_m * tree.radius_m - miss2;
+  if (chord2 < 0.0) return std::nullopt;
+  Stretch over = within;
+  if (across > 0.0) over = within.Within(-closest_m, 1.0, std::sqrt(chord2) / across);
+  if (over.empty()) return std::nullopt;
+  // Height above the crown: c + 2 b s + a s^2 at s behind the closest point.
+  const double fall = Tree::kDroop * tree.height_m / (tree.radius_m * tree.radius_m);
+  const double a = fall * across * across, b = 0.5 * direction.z();
+  const double c = Height(closest_m) - crown.ground_m - tree.height_m + fall * miss2;
+  const Stretch behind{over.from_m - closest_m, over.to_m - closest_m};
+  if (c + behind.from_m * (2.0 * b + a * behind.from_m) <= 0.0) return over.from_m;
+  if (a == 0.0) {
+    const double s = -0.5 * c / b;
+    return s <= behind.to_m ? std::optional(closest_m + s) : std::nullopt;
+  }
+  const auto s = FirstRoot(a, b, c, behind);
+  return s ? std::optional(closest_m + *s) : std::nullopt;
+}
+
+TerrainCaster::TerrainCaster(const Terrain& terrain) : terrain_(terrain), tiles_(kTiles) {
+  for (const Terrain::Wave& wave : terrain_.waves_) {
+    slope_bound_ += wave.amplitude_m * wave.wavenumber.norm();
+    curvature_bound_ += wave.amplitude_m * wave.wavenumber.squaredNorm();
+  }
+}
+
+TerrainCaster::~TerrainCaster() = default;
+
+const TerrainCaster::Tile& TerrainCaster::TileAt(const Vector2i& cell) {
+  constexpr int kRow = 64;  // of kTiles: neighbours never share a place
+  const auto column = static_cast<std::size_t>(cell.x() & (kRow - 1));
+  const auto row = static_cast<std::size_t>(cell.y() & (kRow - 1));
+  Tile& tile = tiles_[row * kRow + column];
+  if (tile.cell != cell) Survey(cell, &tile);
+  return tile;
+}
+
+void TerrainCaster::Survey(const Vector2i& cell, Tile* tile) const {
+  const Vector2d centre_en_m = (cell.cast<double>() + Vector2d::Constant(0.5)) * kTile_m;
+  tile->cell = cell;
+  BoundGround(centre_en_m, tile);
+  tile->top_m = tile->ground_top_m;
+  tile->houses.clear();
+  tile->crowns.clear();
+  if (terrain_.buildings_.cell_m > 0.0) AddHouses(centre_en_m, tile);
+  if (terrain_.trees_.cell_m > 0.0) AddCrowns(centre_en_m, tile);
+}
+
+void TerrainCaster::BoundGround(const Vector2d& centre_en_m, Tile* tile) const {
+  Vector2d gradient = Vector2d::Zero();
+  for (const Terrain::Wave& wave : terrain_.waves_) {
+    const double phase_rad = wave.wavenumber.dot(centre_en_m) + wave.phase_rad;
+    gradient += wave.amplitude_m * std::cos(phase_rad) * wave.wavenumber;
+  }
+  const double bend = curvature_bound_ * kTileRadius_m;
+  const double slope = gradient.norm();
+  const Roughness& roughness = terrain_.roughness_;
+  tile->slope = std::min(slope_bound_, slope + bend) + roughness.slope_bound();
+  tile->ground_top_m =
+      terrain_.Relief(centre_en_m) + (slope + 0.5 * bend) * kTileRadius_m + roughness.bound_m();
+  if (terrain_.water_m_) tile->ground_top_m = std::max(tile->ground_top_m, *terrain_.water_m_);
+}
+
+/// Calls visit(cell) for the cells of a grid that touch a tile.
+template <class Visit>
+void ForCells(const Vector2d& centre_en_m, double cell_m, const Visit& visit) {
+  const Vector2d half = Vector2d::Constant(0.5 * kTile_m);
+  const Vector2i first = CellOf(centre_en_m - half, cell_m);
+  const Vector2i last = CellOf(centre_en_m + half, cell_m);
+  for (int x = first.x(); x <= last.x(); ++x) {
+    for (int y = first.y(); y <= last.y(); ++y) visit(Vector2i(x, y));
+  }
+}
+
+void TerrainCaster::AddHouses(const Vector2d& centre_en_m, Tile* tile) const {
+  ForCells(centre_en_m, terrain_.buildings_.cell_m, [&](const Vector2i& cell) {
+    const auto building = terrain_.BuildingIn(cell);
+    if (!building) return;
+    const double apart_m = (building->centre_en_m - centre_en_m).norm();
+    if (apart_m > kTileRadius_m + building->radius_m()) return;
+    tile->houses.push_back({*building, terrain_.Relief(building->centre_en_m)});
+    tile->top_m = std::max(tile->top_m, tile->houses.back().ground_m + building->highest_m());
+  });
+}
+
+void TerrainCaster::AddCrowns(const Vector2d& centre_en_m, Tile* tile) const {
+  ForCells(centre_en_m, terrain_.trees_.cell_m, [&](const Vector2i& cell) {
+    const auto tree = terrain_.TreeIn(cell);
+    if (!tree) return;
+    const double apart_m = (tree->centre_en_m - centre_en_m).norm();
+    if (apart_m > kTileRadius_m + tree->radius_m) return;
+    tile->crowns.push_back({*tree, terrain_.Relief(tree->centre_en_m)});
+    tile->top_m = std::max(tile->top_m, tile->crowns.back().ground_m + tree->height_m);
+  });
+}
+
+/// Steps that no slope of the tile outruns; where the clearance falls everywhere, straight to its
+/// only root.
+std::optional<double> TerrainCaster::GroundHit(const Tile& tile, const Ray& ray, double from_m,
+                                               double to_m) const {
+  const auto clearance_m = [&](double range_m) {
+    return ray.Height(range_m) - terrain_.Ground(ray.Place(range_m));
+  };
+  const double sink = -ray.direction.z();
+  const double fastest = sink + tile.slope * ray.across;
+  const double slowest = sink - tile.slope * ray.across;
+  double t = std::max(from_m, ray.RangeOf(tile.ground_top_m));
+  while (t <= to_m) {
+    const double above_m = clearance_m(t);
+    if (above_m <= kOnGround_m) return t;
+    if (slowest > 0.0 || above_m < kNear_m) {
+      const double reach_m = slowest > 0.0 ? above_m / slowest : 4.0 * above_m / sink;
+      const double ahead = std::min(to_m, t + reach_m);
+      const double at_ahead_m = clearance_m(ahead);
+      if (at_ahead_m <= 0.0) return RootBetween(clearance_m, t, above_m, ahead, at_ahead_m);
+      if (slowest > 0.0 && ahead == to_m) return std::nullopt;
+      if (slowest > 0.0) return ahead;
+    }
+    t += std::max(above_m / fastest, kSameRange_m);
+  }
+  return std::nullopt;
+}
+
+std::optional<double> TerrainCaster::CastInTile(const Tile& tile, const Ray& ray, double from_m,
+                                                double to_m) const {
+  double first_m = GroundHit(tile, ray, from_m, to_m).value_or(kNowhere);
+  const auto meet = [&](const auto& object) {
+    const auto hit_m = ray.Hit(object, {from_m, std::min(to_m, first_m)});
+    if (hit_m) first_m = std::min(first_m, *hit_m);
+  };
+  std::for_each(tile.houses.begin(), tile.houses.end(), meet);
+  std::for_each(tile.crowns.begin(), tile.crowns.end(), meet);
+  return first_m < kNowhere ? std::optional(first_m) : std::nullopt;
+}
+
+std::optional<RayHit> TerrainCaster::Cast(const Vector3d& origin_m, const Vector3d& direction,
+                                          double max_range_m) {
+  if (!(direction.z() < 0.0)) throw InvalidInput("a laser ray must point downwards");
+  const Ray ray{origin_m, direction};
+  double from_m = std::max(0.0, ray.RangeOf(terrain_.highest_m()));
+  Vector2i cell = CellOf(ray.Place(from_m), kTile_m);
+  Vector2i step;
+  Vector2d exit_m, spacing_m;  // of the ray from the tiles' borders east or west, north or south
+  for (int k = 0; k < 2; ++k) {
+    step[k] = direction[k] > 0.0 ? 1 : -1;
+    spacing_m[k] = direction[k] == 0.0 ? kNowhere : kTile_m / std::abs(direction[k]);
+    const double border_m = (cell[k] + (step[k] > 0 ? 1 : 0)) * kTile_m;
+    exit_m[k] = direction[k] == 0.0 ? kNowhere : (border_m - origin_m[k]) / direction[k];
+  }
+  while (from_m < max_range_m) {
+    const int k = exit_m.x() < exit_m.y() ? 0 : 1;
+    const double to_m = std::min(exit_m[k], max_range_m);
+    const Tile& tile = TileAt(cell);
+    if (ray.Height(to_m) <= tile.top_m) {
+      const auto hit_m = CastInTile(tile, ray, from_m, to_m);
+      if (hit_m) {
+        const Vector2d place = ray.Place(*hit_m);
+        const bool low = terrain_.water_m_ && ray.Height(*hit_m) < *terrain_.water_m_ + kNear_m;
+        return RayHit{*hit_m, low && terrain_.Water(place)};
+      }
+    }
+    from_m = std::max(from_m, to_m);
+    exit_m[k] += spacing_m[k];
+    cell[k] += step[k];
+  }
+  return std::nullopt;
+}
+
+}  // namespace dn
