@@ -34,4 +34,9 @@ facts::AttitudeInPairs::Size SizeOfAttitudeError(double change_m, double noise_m
 void AddWhyWider(const TrajectoryScatter& scatter, const TrajectoryAccuracy& accuracy,
                  const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight);
 
+/// The sum of squares of an adjustment against what the stated errors of the trajectory, which last,
+/// make of it.
+GroupCheck GroupOf(const char* name, long observations, const AdjustmentFigures& figures,
+                   const TrajectoryScatter& scatter);
+
 }  // namespace dn::internal

@@ -98,7 +98,9 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   if (adjustment.pairs_kept < kFewPairs) add(facts::FewPairs{adjustment.pairs_kept});
   AddWhyWider(calibration->scatter, calibration->accuracy, calibration->constant_rad2, &boresight);
   for (const EstimateEntry& entry : flight.config.estimate) {
-    if (entry.unknown != "boresight") add(facts::NotEstimated{entry.unknown});
+    if (entry.unknown != "boresight")
+      add(facts::NotEstimated{entry.unknown,
+                              "the Gauss-Helmert adjustment knows the boresight only"});
   }
 }
 
