@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "calibrate_planes.h"
 #include "flight_run.h"
 #include "given_trajectory.h"
 #include "option_checks.h"
@@ -62,9 +63,7 @@ void PrintTimes(const RunTimings& timings) {
              timings.solve_s, timings.covariance_s);
 }
 
-void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
-                 const std::vector<UnknownEstimate>& unknowns) {
-  PrintAngles(flight_run.flight.config, boresight, "");
+void PrintUnknowns(const std::vector<UnknownEstimate>& unknowns) {
   for (const UnknownEstimate& unknown : unknowns) {
     fmt::print("{} [{}], correction to the assumed value:", unknown.name, unknown.unit);
     for (std::size_t i = 0; i < unknown.value.size(); ++i) {
@@ -72,6 +71,12 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
     }
     fmt::print("\n");
   }
+}
+
+void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
+                 const std::vector<UnknownEstimate>& unknowns) {
+  PrintAngles(flight_run.flight.config, boresight, "");
+  PrintUnknowns(unknowns);
   PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
               {"roll", "pitch", "yaw"});
   PrintMatrix("with the accelerometer bias at the lidar barycentre [%]",
@@ -100,34 +105,42 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
   PrintTimes(flight_run.timings);
 }
 
-void PrintResult(const FlightConfig& config, const GaussHelmertCalibration& calibration,
-                 const RunTimings& timings) {
-  const BoresightResult& boresight = calibration.boresight;
-  PrintAngles(config, boresight, " by the Gauss-Helmert adjustment");
+/// Of a method on a fixed trajectory.
+void PrintSigmas(const BoresightResult& boresight, const TrajectoryScatter& scatter,
+                 const Eigen::Matrix3d& constant_rad2) {
   const auto print_sigmas = [](const char* title, const Eigen::Vector3d& rad) {
     fmt::print("  {:<43} {:>10.6f} {:>10.6f} {:>10.6f}\n", title, rad.x() * kDegPerRad,
                rad.y() * kDegPerRad, rad.z() * kDegPerRad);
   };
-  const TrajectoryScatter& scatter = calibration.scatter;
   fmt::print("sigmas beside it [deg]\n");
   print_sigmas("normal matrix", *boresight.sigma_apriori_rad);
   print_sigmas("normal matrix, times sigma0", *boresight.sigma_scaled_rad);
   print_sigmas("scatter by time-correlated trajectory errors",
                scatter.covariance_rad2.diagonal().cwiseSqrt());
-  if (calibration.constant_rad2.isZero(0.0)) {
+  if (constant_rad2.isZero(0.0)) {
     fmt::print("  {:<43} part of the scatter\n", "attitude error constant over the flight");
   } else {
-    print_sigmas("attitude error constant over the flight",
-                 calibration.constant_rad2.diagonal().cwiseSqrt());
+    print_sigmas("attitude error constant over the flight", constant_rad2.diagonal().cwiseSqrt());
   }
   PrintMatrix("correlation of the angles [%]", 100.0 * boresight.correlation(),
               {"roll", "pitch", "yaw"});
-  const AdjustmentFigures& figures = calibration.figures;
+}
+
+void PrintFigures(const AdjustmentFigures& figures, const BoresightResult& boresight) {
   fmt::print(
       "adjustment: sigma0 {:.4f}, chi2 {:.1f} with redundancy {}, condition number {:.1f}, {} "
       "iterations\n",
       figures.sigma0, figures.chi2, figures.redundancy, boresight.condition_number,
       figures.iterations);
+}
+
+void PrintResult(const FlightConfig& config, const GaussHelmertCalibration& calibration,
+                 const RunTimings& timings) {
+  const BoresightResult& boresight = calibration.boresight;
+  PrintAngles(config, boresight, " by the Gauss-Helmert adjustment");
+  PrintSigmas(boresight, calibration.scatter, calibration.constant_rad2);
+  const AdjustmentFigures& figures = calibration.figures;
+  PrintFigures(figures, boresight);
   fmt::print("  {} pairs kept, {} outliers, rotation {}{}\n", figures.correspondences,
              figures.outliers,
              calibration.options.model == BoresightModel::kExponential ? "exp" : "small_angle",
@@ -138,40 +151,54 @@ void PrintResult(const FlightConfig& config, const GaussHelmertCalibration& cali
   PrintTimes(timings);
 }
 
+void PrintResult(const FlightConfig& config, const PlaneRun& planes) {
+  const PlaneCalibration& calibration = planes.calibration;
+  const BoresightResult& boresight = calibration.boresight;
+  PrintAngles(config, boresight, " by planes");
+  PrintUnknowns(calibration.unknowns);
+  PrintSigmas(boresight, calibration.scatter.trajectory, calibration.constant_rad2);
+  PrintFigures(calibration.figures, boresight);
+  PrintPlanes(planes);
+  PrintAssessment(boresight);
+  PrintTimes(planes.timings);
+}
+
 struct Methods {
   bool dn = false;
   bool gh = false;
+  bool planes = false;
+
+  bool all() const { return dn && gh && planes; }
 };
 
 Methods ChooseMethods(const CalibrateOptions& options, const FlightConfig& config) {
-  if (options.method == "planes") {
-    throw InvalidConfig("--method planes is not part of this version; use dn, gh or all");
-  }
-  if (options.method == "all") return {true, true};
+  if (options.method == "all") return {true, true, true};
+  if (options.method == "planes") return {.planes = true};
   const bool dn = options.method.empty() ? config.imu.has_value() : options.method == "dn";
   if (dn && !options.trajectory.empty()) {
     throw InvalidConfig(
-        "--trajectory is for the Gauss-Helmert adjustment: add --method gh or --method all");
+        "--trajectory is for the methods on a fixed trajectory: add --method gh, --method planes "
+        "or "
+        "--method all");
   }
-  return {dn, !dn};
+  return {.dn = dn, .gh = !dn};
 }
 
-/// Says how to get a trajectory where the Gauss-Helmert adjustment has none.
-void ExpectTrajectory(const CalibrateOptions& options, const FlightConfig& config) {
+/// Says how to get a trajectory where a method needs one that is not there.
+void ExpectTrajectory(const CalibrateOptions& options, const FlightConfig& config,
+                      const char* method) {
   if (HasTrajectory(config)) return;
   const std::string name = config.trajectory ? config.trajectory->file : TrajectoryConfig().file;
   if (!config.imu) {
     throw InvalidConfig(
         "the flight has neither a section 'imu' (for the dynamic network) nor the "
         "trajectory " +
-        name +
-        " (for the Gauss-Helmert adjustment); give one with "
-        "--trajectory FILE");
+        name + " (for " + method + "); give one with --trajectory FILE");
   }
-  throw InvalidInput(fmt::format(
-      "the trajectory {} does not exist, and the Gauss-Helmert adjustment needs one; make it with "
-      "`dn smooth {} --out DIR` and give it with --trajectory DIR/trajectory.out",
-      name, options.flight));
+  throw InvalidInput(
+      fmt::format("the trajectory {} does not exist, and {} needs one; make it with "
+                  "`dn smooth {} --out DIR` and give it with --trajectory DIR/trajectory.out",
+                  name, method, options.flight));
 }
 
 struct GaussHelmertRun {
@@ -284,44 +311,117 @@ void RunGaussHelmert(const FlightConfig& config, Run& run) {
   FailUnlessReliable({&gh.calibration.boresight});
 }
 
-void PrintDifference(const BoresightResult& gh, const BoresightResult& network) {
-  const MethodDifference difference = Compare(gh, network);
-  const Eigen::Vector3d d = difference.difference_rad * kDegPerRad;
-  const Eigen::Vector3d sigma = difference.sigma_rad() * kDegPerRad;
-  fmt::print("gh - dn [deg]: {:.6f} {:.6f} {:.6f}, sigma {:.6f} {:.6f} {:.6f}, p = {:.3g}\n", d.x(),
-             d.y(), d.z(), sigma.x(), sigma.y(), sigma.z(), difference.p_value);
-  fmt::print("planes: not part of this version\n");
+PlaneRun CalibrateByPlanes(const CalibrateOptions& options, const Flight& flight, Run* run) {
+  const FlightConfig own = ReadFlightConfig(options.flight, options.common.changes);
+  return CalibrateByPlanes(flight, own, options.trajectory, run);
 }
 
-void RunAll(const FlightConfig& config, Run& run) {
+void AddPlaneFiles(const FlightConfig& config, const PlaneRun& planes, const std::string& suffix,
+                   Run* run) {
+  run->AddFile(
+      "result" + suffix + ".json",
+      FormatJson(CalibrationJson(config.name, planes.calibration, planes.strips, planes.timings)));
+  run->report["planes"] = PlaneReportJson(planes);
+}
+
+void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run& run) {
+  const std::string reason = WhyNoPlanes(config);
+  if (!reason.empty()) {
+    throw InvalidInput(reason + ", and --method planes needs point clouds in " +
+                       (config.folder / "strips").string());
+  }
+  run.progress.Stage("reading " + config.folder.string());
+  const Flight flight = ReadFlight(config, {.trajectory = true});
+  run.report["flight"] = config.name;
+  const PlaneRun planes = CalibrateByPlanes(options, flight, &run);
+  AddPlaneFiles(config, planes, "", &run);
+  run.AddFile("config.resolved.yaml", FormatFlightConfig(flight.config));
+  run.report["counts"] = flight.counts;
+  run.report["timings_s"] = {{"read", planes.timings.read_s},
+                             {"solve", planes.timings.solve_s},
+                             {"covariance", planes.timings.covariance_s}};
+  PrintResult(flight.config, planes);
+  FailUnlessReliable({&planes.calibration.boresight});
+}
+
+/// Planes beside the other methods: they may be missing, with the reason.
+struct PlanesOfAll {
+  std::optional<PlaneRun> run;
+  std::string missing;
+};
+
+PlanesOfAll TryPlanes(const CalibrateOptions& options, const Flight& flight, Run* run) {
+  PlanesOfAll out;
+  out.missing = WhyNoPlanes(flight.config);
+  if (!out.missing.empty()) return out;
+  try {
+    out.run = CalibrateByPlanes(options, flight, run);
+  } catch (const RankDeficient& finding) {
+    out.missing = finding.what();
+  } catch (const NotConverged& finding) {
+    out.missing = finding.what();
+  }
+  return out;
+}
+
+void PrintDifference(const char* names, const MethodDifference& difference) {
+  const Eigen::Vector3d d = difference.difference_rad * kDegPerRad;
+  const Eigen::Vector3d sigma = difference.sigma_rad() * kDegPerRad;
+  fmt::print("{} [deg]: {:.6f} {:.6f} {:.6f}, sigma {:.6f} {:.6f} {:.6f}, p = {:.3g}\n", names,
+             d.x(), d.y(), d.z(), sigma.x(), sigma.y(), sigma.z(), difference.p_value);
+}
+
+void PrintPlanesOfAll(const FlightConfig& config, const PlanesOfAll& planes,
+                      const BoresightResult& network) {
+  if (!planes.run) {
+    fmt::print("planes: no result: {}\n", planes.missing);
+    return;
+  }
+  PrintResult(config, *planes.run);
+  PrintDifference("planes - dn", CompareIndependent(planes.run->calibration.boresight, network));
+}
+
+void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& run) {
   double read_s = 0.0;
   Flight flight = ReadForGaussHelmert(config, true, &read_s, &run);
   GaussHelmertRun gh = CalibrateByGaussHelmert(flight, read_s, &run);
+  const PlanesOfAll planes = TryPlanes(options, flight, &run);
   const NetworkRun network =
       CalibrateByNetwork(AdjustFlight(std::move(flight), read_s, true, &run));
   AssessAgainstNetwork(network.boresight, &gh.calibration);
-  const std::string& name = config.name;
+  std::vector<const BoresightResult*> results{&network.boresight, &gh.calibration.boresight};
+  std::vector<std::pair<std::string, const BoresightResult*>> methods{
+      {"gh", &gh.calibration.boresight}, {"dn", &network.boresight}};
+  std::vector<std::pair<std::string, std::string>> absent;
   FillReport(network.flight_run->flight, gh, &run);
   AddNetworkFiles(network, "_dn", &run);
   AddGaussHelmertFiles(network.flight_run->flight, gh, "_gh", &run);
-  run.AddFile(
-      "comparison.json",
-      FormatJson(ComparisonJson(
-          name, {{"gh", &gh.calibration.boresight}, {"dn", &network.boresight}}, {"planes"})));
-  run.report["notes"] = {"planes: not part of this version"};
+  if (planes.run) {
+    AddPlaneFiles(config, *planes.run, "_planes", &run);
+    results.push_back(&planes.run->calibration.boresight);
+    methods.emplace_back("planes", results.back());
+  } else {
+    absent.emplace_back("planes", planes.missing);
+    run.report["notes"] = {"planes: " + planes.missing};
+  }
+  run.AddFile("comparison.json", FormatJson(ComparisonJson(config.name, methods, absent)));
   PrintResult(*network.flight_run, network.boresight, network.unknowns);
   PrintResult(config, gh.calibration, gh.timings);
-  PrintDifference(gh.calibration.boresight, network.boresight);
-  FailUnlessReliable({&network.boresight, &gh.calibration.boresight});
+  PrintDifference("gh - dn", Compare(gh.calibration.boresight, network.boresight));
+  PrintPlanesOfAll(config, planes, network.boresight);
+  FailUnlessReliable(results);
 }
 
 void Calibrate(const CalibrateOptions& options, Run& run) {
   const FlightConfig config =
       WithTrajectory(ReadFlightConfig(options.flight, options.common.changes), options.trajectory);
   const Methods methods = ChooseMethods(options, config);
-  if (methods.gh) ExpectTrajectory(options, config);
-  if (methods.dn && methods.gh) {
-    RunAll(config, run);
+  if (methods.gh) ExpectTrajectory(options, config, "the Gauss-Helmert adjustment");
+  if (methods.planes) ExpectTrajectory(options, config, "the plane adjustment");
+  if (methods.all()) {
+    RunAll(options, config, run);
+  } else if (methods.planes) {
+    RunPlanes(options, config, run);
   } else if (methods.gh) {
     RunGaussHelmert(config, run);
   } else {
@@ -336,15 +436,17 @@ void AddCalibrate(CLI::App* program, Action* action) {
   CLI::App* app = program->add_subcommand("calibrate",
                                           "Boresight (and what `estimate` names) from raw "
                                           "inertial, GNSS and lidar data (dn), or from a "
-                                          "smoothed trajectory and lidar data (gh)");
+                                          "smoothed trajectory and lidar data (gh, planes)");
   AddFlightOptions(app, &options->flight, &options->common);
   app->add_option(
          "--method", options->method,
-         "dn: dynamic network; gh: Gauss-Helmert adjustment on a trajectory; all: both and "
-         "their comparison. Default: dn, gh where flight.yaml has no inertial data")
+         "dn: dynamic network; gh: Gauss-Helmert adjustment on a trajectory; planes: of "
+         "overlapping strips, on a trajectory; all: these and their comparison. Default: dn, gh "
+         "where flight.yaml has no inertial data")
       ->check(OneOf({"dn", "gh", "planes", "all"}));
   app->add_option("--trajectory", options->trajectory,
-                  "Smoothed trajectory for gh (SBET .out, or text), instead of flight.yaml's");
+                  "Smoothed trajectory for gh and planes (SBET .out, or text), instead of "
+                  "flight.yaml's");
   AddCommonOptions(app, &options->common, true);
   app->footer(
       "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");

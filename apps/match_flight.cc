@@ -82,8 +82,7 @@ std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
 
 }  // namespace
 
-MatchedFlight MatchStripsOfFlight(FlightConfig config, const std::string& trajectory,
-                                  MatchOptions options, Run& run) {
+MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory, Run& run) {
   ExpectUsable(config);
   const std::vector<fs::path> files = StripsOf(config);
   CheckSystems(files, config.strips_crs, run);
@@ -95,12 +94,19 @@ MatchedFlight MatchStripsOfFlight(FlightConfig config, const std::string& trajec
   path.options.time_offset_s = config.lidar->time_offset_s;
   matched.source = std::make_unique<FlightMatchSource>(std::move(path.options), path.frame,
                                                        config.strips_crs, FindMatchStrips(files));
+  matched.config = std::move(config);
+  return matched;
+}
+
+MatchedFlight MatchStripsOfFlight(FlightConfig given, const std::string& trajectory,
+                                  MatchOptions options, Run& run) {
+  MatchedFlight matched = OpenStripsOfFlight(std::move(given), trajectory, run);
+  const FlightConfig& config = matched.config;
   if (!options.gsd_m) options.gsd_m = config.lidar->gsd_m;
   const TrajectoryConfig stated = config.trajectory.value_or(TrajectoryConfig());
   options.sigma_ned_m << stated.sigma_xy_m, stated.sigma_xy_m, stated.sigma_z_m;
   options.sigma_rph_rad << stated.sigma_rp_rad, stated.sigma_rp_rad, stated.sigma_y_rad;
   matched.result = MatchFlight(matched.source.get(), options);
-  matched.config = std::move(config);
   return matched;
 }
 

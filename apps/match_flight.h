@@ -20,6 +20,10 @@ struct MatchedFlight {
   std::unique_ptr<FlightRun> smoothed;  ///< where the flight has no trajectory
 };
 
+/// The strips of a flight on its trajectory, else on `trajectory`, else on the smoothed one of its
+/// inertial and GNSS data; not matched yet.
+MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory, Run& run);
+
 /// Matches the strips of a flight on its trajectory, else on `trajectory`, else on the smoothed one
 /// of its inertial and GNSS data.
 MatchedFlight MatchStripsOfFlight(FlightConfig config, const std::string& trajectory,

@@ -1,5 +1,6 @@
 #include <dn/error.h>
 
+#include "calibrate_planes.h"
 #include "command.h"
 
 namespace dn::apps {
@@ -17,6 +18,14 @@ void AddMatch(CLI::App* program, Action* action) {
       });
     };
   });
+}
+
+std::string WhyNoPlanes(const FlightConfig&) {
+  return "this dn was built without PCL, which planes need";
+}
+
+PlaneRun CalibrateByPlanes(const Flight&, const FlightConfig& config, const std::string&, Run*) {
+  throw InvalidConfig(WhyNoPlanes(config));
 }
 
 }  // namespace dn::apps

@@ -11,47 +11,15 @@
 #include <numbers>
 #include <utility>
 
+#include "fixed_trajectory.h"
+
 namespace dn {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kCrossingRad = 20.0 * kRadPerDeg;
-constexpr double kHeightPerRange = 0.05;
-constexpr long kFewPairs = 30;        // "tens, not hundreds or thousands" are required
-constexpr double kEvidentNats = 3.0;  // odds of 20 to 1
-// An error of half the pairs' sigma makes the misclosures 12 % larger: below it, it is noise.
-constexpr double kNoiseLevel = 0.5;
-// Twice the attitude accuracy of the paper's tactical-grade flights, the lowest within its
-// envelope.
-constexpr double kEnvelopeDeg[] = {0.01, 0.01, 0.02};
+constexpr long kFewPairs = 30;  // "tens, not hundreds or thousands" are required
 constexpr double kThreeSigma = 0.0027;
-// Where the reliable sigma exceeds the formal one by more than this, it is worth a sentence.
-constexpr double kMuchWider = 1.2;
-
-struct StripMotion {
-  double course_rad = 0.0;
-  double height_m = 0.0;
-};
-
-std::vector<StripMotion> Motions(const Flight& flight, const std::vector<StripInterval>& strips) {
-  std::vector<StripMotion> motions;
-  for (const StripInterval& strip : strips) {
-    const double t_s = 0.5 * (strip.t0_s + strip.t1_s);
-    if (!flight.trajectory->Covers(t_s)) continue;
-    const NavPoint& point = flight.trajectory->PointFrom(t_s);
-    motions.push_back({std::atan2(point.v_ned_mps.y(), point.v_ned_mps.x()), point.position.h_m});
-  }
-  return motions;
-}
-
-double MeanRange(const GaussHelmertProblem& problem) {
-  double sum_m = 0.0;
-  for (const GaussHelmertPair& pair : problem.pairs) {
-    sum_m += pair.i.u_b.norm() + pair.j.u_b.norm();
-  }
-  return sum_m / (2.0 * static_cast<double>(problem.pairs.size()));
-}
 
 /// rms sigma of a pair's difference, per coordinate.
 double PairSigma(const GaussHelmertProblem& problem) {
@@ -83,29 +51,7 @@ facts::AttitudeInPairs AttitudeErrors(const GaussHelmertCalibration& calibration
   fact.change_m = LargestChange(calibration.problem, fact.sigma_rph_rad);
   fact.range_m = calibration.mean_range_m;
   fact.pair_sigma_m = PairSigma(calibration.problem);
-  const Vector3d envelope_rad = kRadPerDeg * Eigen::Map<const Vector3d>(kEnvelopeDeg);
-  using Size = facts::AttitudeInPairs::Size;
-  if (fact.change_m <= kNoiseLevel * fact.pair_sigma_m) {
-    fact.size = Size::kNoise;
-  } else {
-    const bool tactical = (fact.sigma_rph_rad.array() <= envelope_rad.array()).all();
-    fact.size = tactical ? Size::kHeld : Size::kAbsorbed;
-  }
-  return fact;
-}
-
-facts::SigmasWidened WhyTheSigmasDiffer(const GaussHelmertCalibration& calibration) {
-  const BoresightResult& boresight = calibration.boresight;
-  const TrajectoryScatter& scatter = calibration.scatter;
-  facts::SigmasWidened fact;
-  fact.ratio = boresight.sigma_rad().cwiseQuotient(*boresight.sigma_scaled_rad);
-  fact.scaled_rad = *boresight.sigma_scaled_rad;
-  fact.scattered_rad = scatter.covariance_rad2.diagonal().cwiseSqrt();
-  fact.constant_rad = calibration.constant_rad2.diagonal().cwiseSqrt();
-  fact.source = calibration.accuracy.source;
-  fact.times_stated = calibration.accuracy.covariance.has_value();
-  fact.times_shown = scatter.evidence_nats > kEvidentNats;
-  fact.tau_s = scatter.tau_s;
+  fact.size = internal::SizeOfAttitudeError(fact.change_m, fact.pair_sigma_m, fact.sigma_rph_rad);
   return fact;
 }
 
@@ -126,21 +72,12 @@ Eigen::Matrix3d CovarianceOfDifference(const Eigen::Matrix3d& C_a, const Eigen::
 
 namespace internal {
 
-void DescribeStrips(const Flight& flight, const std::vector<StripInterval>& strips,
-                    GaussHelmertCalibration* calibration) {
-  calibration->mean_range_m = MeanRange(calibration->problem);
-  const std::vector<StripMotion> motions = Motions(flight, strips);
-  StripDiversity& diversity = calibration->diversity;
-  diversity.strips = static_cast<int>(strips.size());
-  for (const StripMotion& a : motions) {
-    for (const StripMotion& b : motions) {
-      const double turn = std::remainder(a.course_rad - b.course_rad, std::numbers::pi);
-      if (std::abs(turn) >= kCrossingRad) diversity.crossing = true;
-      if (a.height_m - b.height_m >= kHeightPerRange * calibration->mean_range_m) {
-        diversity.heights = true;
-      }
-    }
+double MeanRange(const GaussHelmertProblem& problem) {
+  double sum_m = 0.0;
+  for (const GaussHelmertPair& pair : problem.pairs) {
+    sum_m += pair.i.u_b.norm() + pair.j.u_b.norm();
   }
+  return sum_m / (2.0 * static_cast<double>(problem.pairs.size()));
 }
 
 void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
@@ -159,10 +96,11 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   const StripDiversity& diversity = calibration->diversity;
   if (!diversity.sufficient()) add(facts::StripsAlike{diversity.strips});
   if (adjustment.pairs_kept < kFewPairs) add(facts::FewPairs{adjustment.pairs_kept});
-  const facts::SigmasWidened widened = WhyTheSigmasDiffer(*calibration);
-  if (widened.ratio.maxCoeff() >= kMuchWider) add(widened);
+  AddWhyWider(calibration->scatter, calibration->accuracy, calibration->constant_rad2, &boresight);
   for (const EstimateEntry& entry : flight.config.estimate) {
-    if (entry.unknown != "boresight") add(facts::NotEstimated{entry.unknown});
+    if (entry.unknown != "boresight")
+      add(facts::NotEstimated{entry.unknown,
+                              "the Gauss-Helmert adjustment knows the boresight only"});
   }
 }
 

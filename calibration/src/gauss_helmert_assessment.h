@@ -4,9 +4,8 @@
 
 namespace dn::internal {
 
-/// Fills diversity and mean_range_m.
-void DescribeStrips(const Flight& flight, const std::vector<StripInterval>& strips,
-                    GaussHelmertCalibration* calibration);
+/// Of the laser vectors.
+double MeanRange(const GaussHelmertProblem& problem);
 
 /// Fills verdict and reasons of a calibration that is otherwise complete.
 void Assess(const Flight& flight, GaussHelmertCalibration* calibration);

@@ -7,28 +7,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fixed_trajectory.h"
 #include "gauss_helmert_effects.h"
 #include "model_findings.h"
 
 namespace dn::internal {
 namespace {
-
-/// Against what the stated errors of the trajectory, which last, make of the misclosures.
-GroupCheck MisclosuresOf(const GaussHelmertCalibration& calibration) {
-  const AdjustmentFigures& figures = calibration.figures;
-  const auto redundancy = static_cast<double>(figures.redundancy);
-  GroupCheck group;
-  group.name = "lidar p2p";
-  group.observations = 3 * figures.correspondences;
-  group.redundancy = redundancy;
-  const double chi2 = figures.chi2 / calibration.scatter.expected_ratio;
-  group.variance_ratio = group.ratio_beside_effects = chi2 / std::max(1.0, redundancy);
-  const double dof = calibration.scatter.expected_dof > 0.0 ? calibration.scatter.expected_dof
-                                                            : std::max(1.0, redundancy);
-  const double above = ChiSquareTail(dof * group.variance_ratio, dof);
-  group.p_value = std::min(1.0, 2.0 * std::min(above, 1.0 - above));
-  return group;
-}
 
 /// The stated prior against the pairs alone: what the angles would be without it, with the reliable
 /// covariance of both.
@@ -58,7 +42,8 @@ ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterv
   const GaussHelmertEffects found = FindEffects(flight, strips, calibration);
   ModelCheck check;
   check.of_boresight = true;
-  check.groups.push_back(MisclosuresOf(calibration));
+  check.groups.push_back(GroupOf("lidar p2p", 3 * calibration.figures.correspondences,
+                                 calibration.figures, calibration.scatter));
   if (const auto prior = PriorOf(calibration)) check.priors.push_back(*prior);
   check.effects = found.effects;
   check.groups.front().ratio_beside_effects *= found.share_left;

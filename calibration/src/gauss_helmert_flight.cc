@@ -1,6 +1,6 @@
 #include <dn/calibration/adjust.h>
 #include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/pose_interpolator.h>
+#include <dn/calibration/trajectory_ends.h>
 #include <dn/error.h>
 #include <dn/geo/median_step.h>
 #include <dn/parallel.h>
@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "fixed_trajectory.h"
 #include "gauss_helmert_assessment.h"
 #include "gauss_helmert_check.h"
 
@@ -26,41 +27,7 @@ double Since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// How far cubic and linear interpolation of the attitude are apart.
-struct Deviation {
-  double max_rad = 0.0, sum2_rad2 = 0.0, n = 0.0;
-
-  void Add(double angle_rad) {
-    max_rad = std::max(max_rad, angle_rad);
-    sum2_rad2 += angle_rad * angle_rad;
-    n += 1.0;
-  }
-  void operator+=(const Deviation& other) {
-    max_rad = std::max(max_rad, other.max_rad);
-    sum2_rad2 += other.sum2_rad2;
-    n += other.n;
-  }
-};
-
-class PairPoses {
- public:
-  explicit PairPoses(const Flight& flight)
-      : linear_only_(flight.config.gh.libor_compat),
-        poses_(flight.trajectory->InMap(flight.frame)) {}
-
-  MapPose At(double t_s, Deviation* deviation) const {
-    const MapPose linear = poses_.At(t_s, PoseInterpolator::Method::kLinear);
-    const MapPose cubic = poses_.At(t_s, PoseInterpolator::Method::kCubic);
-    deviation->Add(linear.q_mb.angularDistance(cubic.q_mb));
-    return linear_only_ ? linear : cubic;
-  }
-
- private:
-  bool linear_only_;
-  PoseInterpolator poses_;
-};
-
-PoseInterpolation Describe(const Flight& flight, const Deviation& deviation) {
+PoseInterpolation Describe(const Flight& flight, const InterpolationDeviation& deviation) {
   PoseInterpolation figures;
   figures.median_step_s = MedianStep(flight.trajectory->points());
   if (flight.config.gh.libor_compat) {
@@ -78,27 +45,12 @@ PoseInterpolation Describe(const Flight& flight, const Deviation& deviation) {
   return figures;
 }
 
-GaussHelmertEnd MakeEnd(const Flight& flight, double t_s, const Vector3d& u_s,
-                        const MapPose& pose) {
-  const TrajectoryConfig& trajectory = *flight.config.trajectory;
-  GaussHelmertEnd end;
-  end.t_s = t_s;
-  end.q_mb = pose.q_mb;
-  end.p_mb = pose.p_mb;
-  end.q_mn = Eigen::Quaterniond(flight.frame.R_mn(pose.p_mb)).normalized();
-  end.sigma_ned_m = Vector3d(trajectory.sigma_xy_m, trajectory.sigma_xy_m, trajectory.sigma_z_m);
-  end.sigma_rph_rad =
-      Vector3d(trajectory.sigma_rp_rad, trajectory.sigma_rp_rad, trajectory.sigma_y_rad);
-  end.u_b = flight.config.lidar->mounting.R_bs_nominal * u_s;
-  return end;
-}
-
-GaussHelmertPair MakePair(const Flight& flight, const LidarPair& pair, const PairPoses& poses,
-                          Deviation* deviation) {
+GaussHelmertPair MakePair(const Flight& flight, const LidarPair& pair, const TrajectoryEnds& ends,
+                          InterpolationDeviation* deviation) {
   const double sigma_p_m = flight.config.lidar->sigma_p_m;
   GaussHelmertPair condition;
-  condition.i = MakeEnd(flight, pair.t_i_s, pair.u_i_s, poses.At(pair.t_i_s, deviation));
-  condition.j = MakeEnd(flight, pair.t_j_s, pair.u_j_s, poses.At(pair.t_j_s, deviation));
+  condition.i = ends.At(pair.t_i_s, pair.u_i_s, deviation);
+  condition.j = ends.At(pair.t_j_s, pair.u_j_s, deviation);
   condition.covariance_m2 =
       pair.covariance_m2.value_or(sigma_p_m * sigma_p_m * Eigen::Matrix3d::Identity());
   return condition;
@@ -115,36 +67,6 @@ GaussHelmertOptions MakeOptions(const FlightConfig& config, int threads) {
     options.loss = {Loss::Type::kCauchy, kRobustWidth};
   }
   options.threads = threads;
-  return options;
-}
-
-void CheckTrajectory(const Flight& flight) {
-  if (!flight.trajectory || !flight.trajectory->notes().adjusted_with_lidar) return;
-  throw InvalidInput(
-      "the trajectory was adjusted together with lidar pairs (by `dn calibrate`), which the "
-      "Gauss-Helmert adjustment would use a second time; make one without them with `dn smooth " +
-          flight.config.folder.string() +
-          " --out DIR` and give it with --trajectory DIR/trajectory.out",
-      {(flight.config.folder / flight.config.trajectory->file).string()});
-}
-
-void CheckEstimate(const FlightConfig& config) {
-  const auto is_boresight = [](const EstimateEntry& entry) { return entry.unknown == "boresight"; };
-  if (std::none_of(config.estimate.begin(), config.estimate.end(), is_boresight)) {
-    throw InvalidConfig(
-        "the Gauss-Helmert adjustment estimates the boresight, which `estimate` does not name");
-  }
-}
-
-TrajectoryScatterOptions MakeScatterOptions(const TrajectoryAccuracy& accuracy,
-                                            const std::vector<StripInterval>& strips) {
-  TrajectoryScatterOptions options;
-  options.covariance = accuracy.covariance;
-  options.sigma_ned_m = accuracy.sigma_ned_m;
-  options.sigma_rph_rad = accuracy.sigma_rph_rad;
-  options.stated_by = accuracy.stated_by;
-  for (const StripInterval& strip : strips) options.strip_begin_s.push_back(strip.t0_s);
-  std::sort(options.strip_begin_s.begin(), options.strip_begin_s.end());
   return options;
 }
 
@@ -186,17 +108,17 @@ GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight, int threads,
   problem.q_me = Eigen::Quaterniond(flight.frame.R_me()).normalized();
   const std::vector<LidarPair>& pairs = flight.pairs->pairs;
   problem.pairs.resize(pairs.size());
-  const PairPoses poses(flight);
-  std::vector<Deviation> deviations(NumChunks(pairs.size(), kChunk));
+  const TrajectoryEnds ends(flight);
+  std::vector<InterpolationDeviation> deviations(NumChunks(pairs.size(), kChunk));
   ParallelForChunks(pairs.size(), kChunk, threads,
                     [&](std::size_t chunk, std::size_t first, std::size_t past) {
                       for (std::size_t k = first; k < past; ++k) {
-                        problem.pairs[k] = MakePair(flight, pairs[k], poses, &deviations[chunk]);
+                        problem.pairs[k] = MakePair(flight, pairs[k], ends, &deviations[chunk]);
                       }
                     });
   if (interpolation != nullptr) {
-    Deviation deviation;
-    for (const Deviation& part : deviations) deviation += part;
+    InterpolationDeviation deviation;
+    for (const InterpolationDeviation& part : deviations) deviation += part;
     *interpolation = Describe(flight, deviation);
   }
   return problem;
@@ -208,8 +130,8 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
     if (options.interrupted && options.interrupted()) throw Interrupted();
     if (options.progress) options.progress(name);
   };
-  CheckEstimate(flight.config);
-  CheckTrajectory(flight);
+  internal::CheckEstimate(flight.config, "the Gauss-Helmert adjustment");
+  internal::CheckTrajectory(flight);
   const auto start = Clock::now();
   GaussHelmertCalibration calibration;
   stage("poses of the pairs");
@@ -229,10 +151,11 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   const auto covariance_start = Clock::now();
   stage("covariance under time-correlated errors");
   const std::vector<StripInterval> strips = FindStrips(flight);
-  internal::DescribeStrips(flight, strips, &calibration);
-  calibration.scatter = EstimateTrajectoryScatter(calibration.problem, calibration.adjustment,
-                                                  calibration.options.model,
-                                                  MakeScatterOptions(calibration.accuracy, strips));
+  calibration.mean_range_m = internal::MeanRange(calibration.problem);
+  calibration.diversity = internal::DescribeStrips(flight, strips, calibration.mean_range_m);
+  calibration.scatter = EstimateTrajectoryScatter(
+      calibration.problem, calibration.adjustment, calibration.options.model,
+      internal::MakeScatterOptions(calibration.accuracy, strips));
   FillBoresight(&calibration);
   internal::Assess(flight, &calibration);
   calibration.model_check = internal::CheckGaussHelmert(flight, strips, calibration);

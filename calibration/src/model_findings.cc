@@ -150,6 +150,14 @@ void AddFindings(const GaussHelmertCalibration& calibration, ModelCheck* check) 
   findings.Sort();
 }
 
+void AddFindings(const PlaneCalibration& calibration, ModelCheck* check) {
+  Findings findings(check);
+  findings.JudgeMounting(calibration.boresight.angles_rad);
+  findings.JudgeSigma0(check->sigma0_beside_effects);
+  findings.JudgeGroups();
+  findings.Sort();
+}
+
 }  // namespace internal
 
 void Assess(const ModelCheck& check, BoresightResult* boresight) {

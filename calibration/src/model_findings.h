@@ -2,6 +2,7 @@
 
 #include <dn/calibration/gauss_helmert_flight.h>
 #include <dn/calibration/model_check.h>
+#include <dn/calibration/plane_flight.h>
 
 namespace dn::internal {
 
@@ -12,5 +13,6 @@ inline constexpr double kFamilyLevel = 1e-3;
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
                  ModelCheck* check);
 void AddFindings(const GaussHelmertCalibration& calibration, ModelCheck* check);
+void AddFindings(const PlaneCalibration& calibration, ModelCheck* check);
 
 }  // namespace dn::internal

@@ -186,26 +186,30 @@ void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* resul
   }
 }
 
+void AssessSeparability(BoresightResult* result) {
+  constexpr double kInseparable = 0.999;
+  const Eigen::Matrix3d correlation = result->correlation();
+  result->verdict = Verdict::kCalibrated;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < i; ++j) {
+      if (std::abs(correlation(i, j)) <= kInseparable) continue;
+      result->verdict = Verdict::kNotObservable;
+      result->reasons.push_back({facts::AnglesInseparable{j, i}});
+    }
+  }
+}
+
 void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
                          const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result) {
-  constexpr double kInseparable = 0.999;
   // All pairs together, no better than this many times a single one: nothing was determined.
   constexpr double kPairResolutions = 10.0;
   constexpr double kAttitudeSigmas = 3.0;
   const double pairs_rad = kPairResolutions * PairResolution(flight);
-  const Eigen::Matrix3d correlation = result->correlation();
-  result->verdict = Verdict::kCalibrated;
-  const auto add = [&](Fact fact) {
-    result->verdict = Verdict::kNotObservable;
-    result->reasons.push_back({std::move(fact)});
-  };
+  AssessSeparability(result);
   for (int i = 0; i < 3; ++i) {
-    if (sigma_rad[i] > pairs_rad + kAttitudeSigmas * attitude_sigma_rad[i]) {
-      add(facts::SigmaAbovePairs{i});
-    }
-    for (int j = 0; j < i; ++j) {
-      if (std::abs(correlation(i, j)) > kInseparable) add(facts::AnglesInseparable{j, i});
-    }
+    if (sigma_rad[i] <= pairs_rad + kAttitudeSigmas * attitude_sigma_rad[i]) continue;
+    result->verdict = Verdict::kNotObservable;
+    result->reasons.push_back({facts::SigmaAbovePairs{i}});
   }
   if (result->verdict == Verdict::kCalibrated) AssessLargestSigma(sigma_rad, result);
 }

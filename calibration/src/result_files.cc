@@ -6,25 +6,16 @@
 #include <numbers>
 
 #include "model_check_json.h"
+#include "result_json.h"
 
 namespace dn {
+
+using internal::AssessmentJson;
+using internal::BoresightJson;
+using internal::TimingJson;
+using internal::UnknownsJson;
+
 namespace {
-
-Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
-  Json json = Json::object();
-  for (const UnknownEstimate& unknown : unknowns) {
-    json[unknown.name] = {
-        {"value", unknown.value}, {"sigma", unknown.sigma}, {"unit", unknown.unit}};
-  }
-  return json;
-}
-
-Json TimingJson(const RunTimings& timings) {
-  return {{"read", timings.read_s},
-          {"solve", timings.solve_s},
-          {"covariance", timings.covariance_s},
-          {"total", timings.total_s}};
-}
 
 Json ClockJson(const std::optional<ClockEstimate>& clock) {
   if (!clock) return nullptr;
@@ -43,6 +34,34 @@ Json SigmaJson(const std::optional<Eigen::Vector3d>& sigma_rad) {
   return sigma_rad ? ToJson(*sigma_rad * kDegPerRad) : Json(nullptr);
 }
 
+void AppendRow(std::string* text, double t_s, std::initializer_list<Eigen::Vector3d> columns) {
+  *text += FormatDouble(t_s);
+  for (const Eigen::Vector3d& column : columns) {
+    for (int i = 0; i < 3; ++i) *text += ", " + FormatDouble(column[i]);
+  }
+  *text += '\n';
+}
+
+}  // namespace
+
+namespace internal {
+
+Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns) {
+  Json json = Json::object();
+  for (const UnknownEstimate& unknown : unknowns) {
+    json[unknown.name] = {
+        {"value", unknown.value}, {"sigma", unknown.sigma}, {"unit", unknown.unit}};
+  }
+  return json;
+}
+
+Json TimingJson(const RunTimings& timings) {
+  return {{"read", timings.read_s},
+          {"solve", timings.solve_s},
+          {"covariance", timings.covariance_s},
+          {"total", timings.total_s}};
+}
+
 Json BoresightJson(const BoresightResult& boresight) {
   const Eigen::Vector3d sigma_deg = boresight.sigma_rad() * kDegPerRad;
   return {{"angles_deg", ToJson(boresight.angles_rad * kDegPerRad)},
@@ -58,15 +77,7 @@ Json AssessmentJson(const BoresightResult& boresight) {
   return {{"verdict", Word(boresight.verdict)}, {"reasons", Words(boresight.reasons)}};
 }
 
-void AppendRow(std::string* text, double t_s, std::initializer_list<Eigen::Vector3d> columns) {
-  *text += FormatDouble(t_s);
-  for (const Eigen::Vector3d& column : columns) {
-    for (int i = 0; i < 3; ++i) *text += ", " + FormatDouble(column[i]);
-  }
-  *text += '\n';
-}
-
-}  // namespace
+}  // namespace internal
 
 Json AdjustmentJson(const AdjustmentFigures& figures) {
   return {{"sigma0", figures.sigma0},
@@ -186,21 +197,24 @@ Json CorrelationJson(const BiasCorrelation& correlation) {
 
 Json ComparisonJson(const std::string& flight,
                     const std::vector<std::pair<std::string, const BoresightResult*>>& methods,
-                    const std::vector<std::string>& absent) {
+                    const std::vector<std::pair<std::string, std::string>>& absent) {
   Json json;
   json["schema"] = "dn.comparison/1";
   json["flight"] = flight;
   json["methods"] = Json::object();
   for (const auto& [name, boresight] : methods) json["methods"][name] = MethodJson(*boresight);
   json["notes"] = Json::array();
-  for (const std::string& name : absent) {
+  for (const auto& [name, reason] : absent) {
     json["methods"][name] = nullptr;
-    json["notes"].push_back("the method " + name + " is not part of this version");
+    json["notes"].push_back(name + ": " + reason);
   }
   json["differences"] = Json::array();
   for (std::size_t a = 0; a < methods.size(); ++a) {
     for (std::size_t b = a + 1; b < methods.size(); ++b) {
-      const MethodDifference difference = Compare(*methods[a].second, *methods[b].second);
+      const bool nested = methods[a].first != "planes" && methods[b].first != "planes";
+      const MethodDifference difference =
+          nested ? Compare(*methods[a].second, *methods[b].second)
+                 : CompareIndependent(*methods[a].second, *methods[b].second);
       const Eigen::Vector3d sigma_rad = difference.sigma_rad();
       json["differences"].push_back(
           {{"methods", {methods[a].first, methods[b].first}},

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "fixed_trajectory.h"
 #include "turn_position.h"
 
 namespace dn {
@@ -22,9 +23,11 @@ namespace fs = std::filesystem;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Every pair lies in a strip of the covariance, or as close to one as its epochs are to each
+using Ends = std::vector<const GaussHelmertEnd*>;
+
+/// Every end lies in a strip of the covariance, or as close to one as its epochs are to each
 /// other.
-bool Covers(const TrajectoryCovariance& covariance, const GaussHelmertProblem& problem) {
+bool Covers(const TrajectoryCovariance& covariance, const Ends& ends) {
   double spacing_s = 0.0;
   for (std::size_t k = 1; k < covariance.t_s.size(); ++k) {
     if (covariance.strip[k] != covariance.strip[k - 1]) continue;
@@ -35,9 +38,8 @@ bool Covers(const TrajectoryCovariance& covariance, const GaussHelmertProblem& p
     const bool near_after = after != covariance.t_s.end() && *after - t_s <= spacing_s;
     return near_after || (after != covariance.t_s.begin() && t_s - *(after - 1) <= spacing_s);
   };
-  return std::all_of(problem.pairs.begin(), problem.pairs.end(), [&](const GaussHelmertPair& pair) {
-    return covered(pair.i.t_s) && covered(pair.j.t_s);
-  });
+  return std::all_of(ends.begin(), ends.end(),
+                     [&](const GaussHelmertEnd* end) { return covered(end->t_s); });
 }
 
 /// The standard deviations and the covariance are the output of one run.
@@ -100,14 +102,11 @@ class MeanAccuracy {
   double n_ = 0.0;
 };
 
-void AddPairs(const GaussHelmertProblem& problem, const std::optional<AccuracySeries>& series,
-              MeanAccuracy* mean) {
-  for (const GaussHelmertPair& pair : problem.pairs) {
-    for (const GaussHelmertEnd* end : {&pair.i, &pair.j}) {
-      const EpochAccuracy stated{end->t_s, end->sigma_ned_m, end->sigma_rph_rad};
-      mean->Add(series ? series->At(end->t_s) : stated,
-                end->q_mb.conjugate() * (end->q_mn * Vector3d::UnitZ()));
-    }
+void AddEnds(const Ends& ends, const std::optional<AccuracySeries>& series, MeanAccuracy* mean) {
+  for (const GaussHelmertEnd* end : ends) {
+    const EpochAccuracy stated{end->t_s, end->sigma_ned_m, end->sigma_rph_rad};
+    mean->Add(series ? series->At(end->t_s) : stated,
+              end->q_mb.conjugate() * (end->q_mn * Vector3d::UnitZ()));
   }
 }
 
@@ -130,6 +129,17 @@ void AddEpochs(const Flight& flight, const TrajectoryCovariance& stated, MeanAcc
 
 TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
                                           const GaussHelmertProblem& problem) {
+  std::vector<const GaussHelmertEnd*> ends;
+  ends.reserve(2 * problem.pairs.size());
+  for (const GaussHelmertPair& pair : problem.pairs) {
+    ends.push_back(&pair.i);
+    ends.push_back(&pair.j);
+  }
+  return internal::ReadAccuracyAt(flight, ends);
+}
+
+TrajectoryAccuracy internal::ReadAccuracyAt(const Flight& flight,
+                                            const std::vector<const GaussHelmertEnd*>& ends) {
   const AccuracyFiles files = FindAccuracyFiles(flight.config);
   std::optional<AccuracySeries> series;
   if (files.series) series.emplace(*files.series);
@@ -140,18 +150,18 @@ TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight,
   MeanAccuracy mean;
   if (files.covariance) {
     const TrajectoryCovariance stated = ReadTrajectoryCovariance(*files.covariance);
-    if (Covers(stated, problem)) {
+    if (Covers(stated, ends)) {
       if (series) CheckOneRun(stated, *series, *files.covariance);
       if (!series) AddEpochs(flight, stated, &mean);
       accuracy.covariance = InMap(flight, stated, *files.covariance);
       accuracy.source = files.covariance->filename().string();
       accuracy.stated_by = StatedBy::kSmoother;
     } else if (files.named) {
-      throw InvalidInput("it does not cover the pairs; smooth the flight again",
+      throw InvalidInput("it does not cover the lidar data; smooth the flight again",
                          FileLocation{files.covariance->string(), 0, 0});
     }
   }
-  if (series || !accuracy.covariance) AddPairs(problem, series, &mean);
+  if (series || !accuracy.covariance) AddEnds(ends, series, &mean);
   mean.To(&accuracy);
   return accuracy;
 }

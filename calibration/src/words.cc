@@ -253,9 +253,11 @@ const char* Say(facts::AttitudeInPairs::Size size) {
 
 std::string Say(const facts::AttitudeInPairs& fact) {
   return fmt::format(
-      "the attitude error of the trajectory ({}) changes the difference of a pair by {:.3f} m at "
-      "{:.0f} m, whose own sigma is {:.3f} m: {}",
-      Triple(fact.sigma_rph_rad), fact.change_m, fact.range_m, fact.pair_sigma_m, Say(fact.size));
+      "the attitude error of the trajectory ({}) changes the {} by {:.3f} m at {:.0f} m, whose own "
+      "sigma is {:.3f} m: {}",
+      Triple(fact.sigma_rph_rad),
+      fact.of_planes ? "distance of a point from its plane" : "difference of a pair", fact.change_m,
+      fact.range_m, fact.pair_sigma_m, Say(fact.size));
 }
 
 std::string Say(const facts::StripsAlike& fact) {
@@ -292,7 +294,7 @@ std::string Say(const facts::SigmasWidened& fact) {
 }
 
 std::string Say(const facts::NotEstimated& fact) {
-  return fact.unknown + " is not estimated: the Gauss-Helmert adjustment knows the boresight only";
+  return fact.unknown + " is not estimated: " + fact.because;
 }
 
 std::string Say(const facts::NetworkDiffers& fact) {

@@ -9,9 +9,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
+#include "boresight_normal.h"
 #include "gauss_helmert_pair.h"
 
 namespace dn {
@@ -21,9 +21,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using internal::EndTerms;
 
-constexpr std::size_t kChunk = 2048;      // pairs summed at a time
-constexpr double kFreeDirection = 1e-12;  // ratio of eigenvalues at which rounding takes over
-constexpr double kRoundingM = 1e-6;       // no difference below it is an outlier
+constexpr std::size_t kChunk = 2048;  // pairs summed at a time
+constexpr double kRoundingM = 1e-6;   // no difference below it is an outlier
 constexpr double kFarRad = 1e-4;
 constexpr int kLiborIterations = 5;
 constexpr double kLiborToleranceRad = 1e-9;
@@ -206,16 +205,11 @@ class Adjuster {
 
   void AddPrior(Sums* sums) const {
     if (!problem_.boresight_sigma_rad) return;
-    const Vector3d weight = problem_.boresight_sigma_rad->cwiseAbs2().cwiseInverse();
-    Vector3d r = theta_ - problem_.boresight_rad;
-    Matrix3d J = Matrix3d::Identity();
-    if (model_ == BoresightModel::kExponential) {
-      r = Log(Eigen::Quaterniond(q_theta_ * Exp(problem_.boresight_rad).conjugate()));
-      J = RightJacobianInverse(-r);
-    }
-    sums->N += J.transpose() * weight.asDiagonal() * J;
-    sums->g += J.transpose() * weight.cwiseProduct(r);
-    sums->chi2 += r.dot(weight.cwiseProduct(r));
+    const internal::BoresightPrior prior = internal::EvaluatePrior(
+        problem_.boresight_rad, *problem_.boresight_sigma_rad, model_, theta_);
+    sums->N += prior.N;
+    sums->g += prior.g;
+    sums->chi2 += prior.chi2;
   }
 
   // v = -P^-1 B^T S (A d + w~), with the terms at which d was found.
@@ -233,16 +227,9 @@ class Adjuster {
     });
   }
 
-  void CheckRank(const Matrix3d& N) const {
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(N);
-    const Vector3d& values = eigen.eigenvalues();
-    if (N.allFinite() && values[0] > kFreeDirection * values[2]) return;
-    const Vector3d free = N.allFinite() ? Vector3d(eigen.eigenvectors().col(0)) : Vector3d::Zero();
-    char text[200];
-    std::snprintf(text, sizeof(text), "%+.2f roll %+.2f pitch %+.2f yaw", free.x(), free.y(),
-                  free.z());
-    throw RankDeficient(std::string("the point pairs leave a direction of the boresight free: ") +
-                        text + "; pairs between strips of other heading or height are needed");
+  static void CheckRank(const Matrix3d& N) {
+    internal::CheckBoresightRank(N, "point pairs",
+                                 "pairs between strips of other heading or height are needed");
   }
 
   Vector3d Step() {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "gauss_helmert_pair.h"
 
@@ -15,21 +16,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-using EndJacobian = Eigen::Matrix<double, 3, 6>;
-
-EndJacobian ErrorJacobian(const GaussHelmertEnd& end, const Matrix3d& J_phi,
-                          const TrajectoryScatterOptions& options) {
-  EndJacobian J;
-  if (options.covariance) {
-    J << Matrix3d::Identity(), J_phi;
-    return J;
-  }
-  const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
-  J << end.q_mn.toRotationMatrix() * options.sigma_ned_m.asDiagonal(),
-      J_phi * BodyFromEulerRates(down_b) * options.sigma_rph_rad.asDiagonal();
-  return J;
-}
 
 Matrix3d MisclosureWeight(const GaussHelmertPair& pair, const PairLinearisation& linear) {
   Matrix3d M = pair.covariance_m2;
@@ -46,12 +32,8 @@ Matrix3d MisclosureWeight(const GaussHelmertPair& pair, const PairLinearisation&
 /// The same with unknown c of node n at 6 n + c, and the lower triangle of H only.
 class NodeAccumulator {
  public:
-  explicit NodeAccumulator(const TimeNodes& nodes) : nodes_(nodes) {
-    sums_.H.setZero(6 * nodes.size(), 6 * nodes.size());
-    sums_.N_e.setZero(6 * nodes.size(), 3);
-    sums_.b.setZero(6 * nodes.size());
-    north_east_.setZero(nodes.size(), 2);
-  }
+  explicit NodeAccumulator(const TimeNodes& nodes)
+      : nodes_(nodes), sums_(nodes.size(), 3), headings_(nodes) {}
 
   void Add(const GaussHelmertPair& pair, const PairLinearisation& linear, const EndJacobian& J_i,
            const EndJacobian& J_j, const Matrix3d& S, const Vector3d& w) {
@@ -60,8 +42,8 @@ class NodeAccumulator {
     sums_.g += AtS * w;
     sums_.chi2 += w.dot(S * w);
     const Ends ends = Spread(nodes_.At(pair.i.t_s), J_i, nodes_.At(pair.j.t_s), J_j);
-    AddHeading(pair.i);
-    AddHeading(pair.j);
+    headings_.Add(pair.i);
+    headings_.Add(pair.j);
     for (const End& end : ends) {
       const Eigen::Matrix<double, 6, 3> JtS = end.weight * end.J->transpose() * S;
       sums_.N_e.middleRows<6>(6 * end.node) += JtS * linear.A;
@@ -74,25 +56,13 @@ class NodeAccumulator {
   }
 
   /// In the order of NodeSums.
-  NodeSums Sums(const std::optional<Vector3d>& boresight_sigma_rad) const {
-    const Eigen::Index T = nodes_.size();
-    Eigen::PermutationMatrix<Eigen::Dynamic> order(6 * T);
-    for (Eigen::Index n = 0; n < T; ++n) {
-      for (Eigen::Index c = 0; c < 6; ++c) {
-        order.indices()[6 * n + c] = static_cast<int>(c * T + n);
-      }
-    }
-    NodeSums out = sums_;
-    out.H.triangularView<Eigen::StrictlyUpper>() = out.H.transpose();
-    out.H = order * out.H * order.transpose();
-    out.N_e = order * out.N_e;
-    out.b = order * out.b;
-    out.heading_rad = VectorXd::NullaryExpr(
-        T, [&](Eigen::Index n) { return std::atan2(north_east_(n, 1), north_east_(n, 0)); });
+  NodeSums Sums(const std::optional<Vector3d>& boresight_sigma_rad) {
+    sums_.OrderByComponent();
+    sums_.heading_rad = headings_.heading_rad();
     if (boresight_sigma_rad) {
-      out.N += boresight_sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
+      sums_.N += boresight_sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
     }
-    return out;
+    return std::move(sums_);
   }
 
  private:
@@ -111,19 +81,60 @@ class NodeAccumulator {
              {j.next_node, j.next, &J_j}}};
   }
 
-  void AddHeading(const GaussHelmertEnd& end) {
-    const TimeNodes::Place place = nodes_.At(end.t_s);
-    const Vector3d forward_n = end.q_mn.conjugate() * (end.q_mb * Vector3d::UnitX());
-    north_east_.row(place.node) += (1.0 - place.next) * forward_n.head<2>();
-    north_east_.row(place.next_node) += place.next * forward_n.head<2>();
-  }
-
   const TimeNodes& nodes_;
   NodeSums sums_;
-  Eigen::MatrixX2d north_east_;  // sums of the forward axes
+  NodeHeadings headings_;
 };
 
 }  // namespace
+
+NodeSums::NodeSums(Eigen::Index nodes, Eigen::Index unknowns) {
+  H.setZero(6 * nodes, 6 * nodes);
+  N_e.setZero(6 * nodes, unknowns);
+  b.setZero(6 * nodes);
+  N.setZero(unknowns, unknowns);
+  g.setZero(unknowns);
+}
+
+void NodeSums::OrderByComponent() {
+  const Eigen::Index T = b.size() / 6;
+  Eigen::PermutationMatrix<Eigen::Dynamic> order(6 * T);
+  for (Eigen::Index n = 0; n < T; ++n) {
+    for (Eigen::Index c = 0; c < 6; ++c) {
+      order.indices()[6 * n + c] = static_cast<int>(c * T + n);
+    }
+  }
+  H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
+  H = order * H * order.transpose();
+  N_e = order * N_e;
+  b = order * b;
+}
+
+EndJacobian ErrorJacobian(const GaussHelmertEnd& end, const Matrix3d& J_phi,
+                          const TrajectoryScatterOptions& options) {
+  EndJacobian J;
+  if (options.covariance) {
+    J << Matrix3d::Identity(), J_phi;
+    return J;
+  }
+  const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
+  J << end.q_mn.toRotationMatrix() * options.sigma_ned_m.asDiagonal(),
+      J_phi * BodyFromEulerRates(down_b) * options.sigma_rph_rad.asDiagonal();
+  return J;
+}
+
+void NodeHeadings::Add(const GaussHelmertEnd& end) {
+  const TimeNodes::Place place = nodes_.At(end.t_s);
+  const Vector3d forward_n = end.q_mn.conjugate() * (end.q_mb * Vector3d::UnitX());
+  north_east_.row(place.node) += (1.0 - place.next) * forward_n.head<2>();
+  north_east_.row(place.next_node) += place.next * forward_n.head<2>();
+}
+
+VectorXd NodeHeadings::heading_rad() const {
+  return VectorXd::NullaryExpr(north_east_.rows(), [&](Eigen::Index n) {
+    return std::atan2(north_east_(n, 1), north_east_(n, 0));
+  });
+}
 
 NodeSums SumOverPairs(const GaussHelmertProblem& problem, const GaussHelmertResult& result,
                       BoresightModel model, const TrajectoryScatterOptions& options,

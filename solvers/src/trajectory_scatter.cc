@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "node_sums.h"
+#include "scatter_of_sums.h"
 
 namespace dn {
 namespace {
@@ -27,6 +28,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using internal::ErrorModel;
 using internal::ErrorProcess;
 using internal::NodeSums;
+using internal::ScatterOfSums;
 using internal::TimeNodes;
 
 constexpr double kLongestTau_s = 1000.0;  // that is reported
@@ -97,10 +99,10 @@ struct GridPoint {
   std::size_t effect = 0;
 };
 
-/// What errors of unit size do to the boresight.
+/// What errors of unit size do to the estimate.
 struct ErrorEffect {
-  Matrix3d position_rad2 = Matrix3d::Zero();
-  Matrix3d attitude_rad2 = Matrix3d::Zero();
+  MatrixXd position;  ///< covariance of the unknowns
+  MatrixXd attitude;
   double tau_s = 0.0;  ///< of the attitude errors; 0: none that vary
   /// What they add to the expected sum of squares of the misclosures: tr(H_P C); and of its
   /// variance, tr (H_P C)^2 of both together.
@@ -161,7 +163,7 @@ class ScatterEstimator {
         b_(sums.b - effect_ * sums.g),
         chi2_(sums.chi2 - sums.g.dot(sums.N.llt().solve(sums.g))) {}
 
-  TrajectoryScatter Run() {
+  ScatterOfSums Run() {
     for (const ErrorModel& model : by_smoother_ ? ModelsOfSmoothers() : ModelsOfAnything()) {
       AddVarying(model);
     }
@@ -172,12 +174,12 @@ class ScatterEstimator {
   }
 
   /// With errors of the covariance C, or its multiple.
-  TrajectoryScatter Run(const MatrixXd& C) {
+  ScatterOfSums Run(const MatrixXd& C) {
     const VectorXd sigma = C.diagonal().cwiseSqrt();
     const MatrixXd R = sigma.cwiseInverse().asDiagonal() * C * sigma.cwiseInverse().asDiagonal();
     const MatrixXd L = sigma.asDiagonal() * Root(R);
     const MatrixXd M = L.transpose() * (H_P_ * L);
-    effects_.push_back({Matrix3d::Zero(), effect_.transpose() * C * effect_, 0.0, 0.0,
+    effects_.push_back({NoEffect(), effect_.transpose() * C * effect_, 0.0, 0.0,
                         H_P_.cwiseProduct(C).sum(), M.squaredNorm()});
     AddPoints(Reduce(M, L.transpose() * b_), {{}});
     return Average();
@@ -223,7 +225,7 @@ class ScatterEstimator {
     const MatrixXd C = AttitudeCovariance(model);
     const auto G = effect_.bottomRows(3 * T);
     ErrorEffect effect = EffectOfPosition(model.position);
-    effect.attitude_rad2 = G.transpose() * C * G;
+    effect.attitude = G.transpose() * C * G;
     effect.attitude_chi2 = H_P_.bottomRightCorner(3 * T, 3 * T).cwiseProduct(C).sum();
     effect.tau_s = TauOf(model);
     effects_.push_back(effect);
@@ -277,6 +279,7 @@ class ScatterEstimator {
   void AddConstantAttitude(const ErrorProcess& position) {
     const int T = nodes_.size();
     effects_.push_back(EffectOfPosition(position));
+    effects_.back().attitude = NoEffect();
     const MatrixXd L = Root(Unit(position));
     MatrixXd M(3 * T, 3 * T);
     VectorXd c(3 * T);
@@ -307,13 +310,16 @@ class ScatterEstimator {
     const int T = nodes_.size();
     const MatrixXd& K = Unit(process);
     ErrorEffect effect;
+    effect.position = NoEffect();
     for (int c = 0; c < 3; ++c) {
       const auto G = effect_.middleRows(c * T, T);
-      effect.position_rad2 += G.transpose() * K * G;
+      effect.position += G.transpose() * K * G;
       effect.position_chi2 += H_P_.block(c * T, c * T, T, T).cwiseProduct(K).sum();
     }
     return effect;
   }
+
+  MatrixXd NoEffect() const { return MatrixXd::Zero(effect_.cols(), effect_.cols()); }
 
   MatrixXd Scaled(MatrixXd M, double position) const {
     const int T = nodes_.size();
@@ -362,7 +368,7 @@ class ScatterEstimator {
     return log_normal(point.s_a) + (by_smoother_ ? 0.0 : log_normal(point.s_p));
   }
 
-  TrajectoryScatter Average() const {
+  ScatterOfSums Average() const {
     const auto log_sum = [&](double GridPoint::*value) {
       double largest = -std::numeric_limits<double>::infinity();
       for (const GridPoint& point : grid_) largest = std::max(largest, point.*value);
@@ -371,7 +377,8 @@ class ScatterEstimator {
       return largest + std::log(sum);
     };
     const double evidence = log_sum(&GridPoint::log_posterior);
-    TrajectoryScatter scatter;
+    ScatterOfSums out{{}, NoEffect()};
+    auto& [scatter, covariance] = out;
     double s_a2 = 0.0, s_p2 = 0.0, log_tau = 0.0, varying = 0.0, half_variance = nu_;
     for (const GridPoint& point : grid_) {
       const double weight = std::exp(point.log_posterior - evidence);
@@ -388,17 +395,17 @@ class ScatterEstimator {
         varying += weight;
         log_tau += weight * std::log(effect.tau_s);
       }
-      scatter.covariance_rad2 +=
-          weight *
-          (p2 * effect.position_rad2 + (1.0 - point.constant_share) * a2 * effect.attitude_rad2);
+      covariance +=
+          weight * (p2 * effect.position + (1.0 - point.constant_share) * a2 * effect.attitude);
     }
+    scatter.covariance_rad2 = covariance.topLeftCorner<3, 3>();
     scatter.expected_dof = Squared(scatter.expected_ratio * nu_) / half_variance;
     scatter.attitude_ratio = std::sqrt(s_a2);
     scatter.position_ratio = std::sqrt(s_p2);
     if (varying > 0.0) scatter.tau_s = std::exp(log_tau / varying);
     scatter.evidence_nats = evidence - log_sum(&GridPoint::log_prior);
     scatter.nodes = nodes_.size();
-    return scatter;
+    return out;
   }
 
   bool by_smoother_;
@@ -514,28 +521,40 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
                        " pairs, the problem " + std::to_string(problem.pairs.size()));
   }
   if (!(result.chi2 > 0.0)) return {};  // no misclosure at all
-  const auto estimator = [&](const TimeNodes& nodes) {
-    return ScatterEstimator(static_cast<double>(result.redundancy), nodes,
-                            internal::SumOverPairs(problem, result, model, options, nodes),
-                            options.covariance ? StatedBy::kSmoother : options.stated_by);
-  };
+  return internal::EstimateScatter(
+             static_cast<double>(result.redundancy), options,
+             [&] { return Epochs(problem, result.weights); },
+             [&](const TimeNodes& nodes) {
+               return internal::SumOverPairs(problem, result, model, options, nodes);
+             })
+      .scatter;
+}
+
+ScatterOfSums internal::EstimateScatter(double redundancy, const TrajectoryScatterOptions& options,
+                                        const std::function<std::vector<double>()>& epochs_s,
+                                        const std::function<NodeSums(const TimeNodes&)>& sums) {
   if (options.covariance) {
     const PoseCovariance stated = Refined(*options.covariance);
-    return estimator(TimeNodes(stated.t_s, stated.strip)).Run(ByComponent(stated.covariance));
+    const TimeNodes nodes(stated.t_s, stated.strip);
+    return ScatterEstimator(redundancy, nodes, sums(nodes), StatedBy::kSmoother)
+        .Run(ByComponent(stated.covariance));
   }
-  return estimator(
-             TimeNodes(Epochs(problem, result.weights), options.strip_begin_s, options.max_nodes))
-      .Run();
+  const TimeNodes nodes(epochs_s(), options.strip_begin_s, options.max_nodes);
+  return ScatterEstimator(redundancy, nodes, sums(nodes), options.stated_by).Run();
+}
+
+double ReliableVarianceFactor(double sigma0, double chi2, long redundancy) {
+  constexpr double kAssumed = 10.0;  // weight of the assumed noise, in observations
+  return std::max(sigma0 * sigma0,
+                  (chi2 + kAssumed) / (static_cast<double>(redundancy) + kAssumed - 2.0));
 }
 
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,
                                    const TrajectoryScatter& scatter,
                                    const Eigen::Matrix3d& constant_rad2) {
-  constexpr double kAssumed = 10.0;  // weight of the assumed noise, in observations
-  const double factor = std::max(
-      result.sigma0 * result.sigma0,
-      (result.chi2 + kAssumed) / (static_cast<double>(result.redundancy) + kAssumed - 2.0));
-  return factor * result.covariance_apriori_rad2 + scatter.covariance_rad2 + constant_rad2;
+  return ReliableVarianceFactor(result.sigma0, result.chi2, result.redundancy) *
+             result.covariance_apriori_rad2 +
+         scatter.covariance_rad2 + constant_rad2;
 }
 
 }  // namespace dn

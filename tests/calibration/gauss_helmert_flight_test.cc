@@ -328,7 +328,7 @@ TEST(TrajectoryAccuracy, ComesFromTheFileThatIsNamed) {
   flight.folder.Write("covariance.txt",
                       FormatTrajectoryCovariance(PerStrip({{"1", 380100, 380110}})));
   flight.truth.flight.config.trajectory->sigma_file = "covariance.txt";
-  ExpectInvalidIn([&] { flight.Read(); }, "does not cover the pairs", "covariance.txt");
+  ExpectInvalidIn([&] { flight.Read(); }, "does not cover the lidar data", "covariance.txt");
 }
 
 TEST(TrajectoryAccuracy, SeveralSmrmsgMustBeNamed) {

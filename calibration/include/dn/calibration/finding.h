@@ -103,7 +103,8 @@ struct AnglesInseparable {
 /// Nothing speaks against a network that has the trajectory's errors among its unknowns.
 struct TrajectoryEstimated {};
 
-/// What the attitude error of a trajectory makes of the difference of a pair.
+/// What the attitude error of a trajectory makes of the difference of a pair, or of the distance of
+/// a point from its plane.
 struct AttitudeInPairs {
   enum class Size {
     kNoise,     ///< at the noise level of the pairs
@@ -111,6 +112,7 @@ struct AttitudeInPairs {
     kAbsorbed,  ///< the angles hold it
   };
   Size size = Size::kNoise;
+  bool of_planes = false;         ///< points on planes take the place of pairs below
   Eigen::Vector3d sigma_rph_rad;  ///< of roll, pitch and heading
   double change_m = 0.0;          ///< of the difference of a pair
   double range_m = 0.0;           ///< mean
@@ -138,9 +140,10 @@ struct SigmasWidened {
   double tau_s = 0.0;             ///< for how long, by the pairs
 };
 
-/// An unknown under `estimate` that the Gauss-Helmert adjustment does not have.
+/// An unknown under `estimate` that a method on a fixed trajectory does not have.
 struct NotEstimated {
   std::string unknown;
+  std::string because;  ///< what the method knows
 };
 
 /// The boresight of another method beside that of the dynamic network.

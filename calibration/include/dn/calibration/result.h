@@ -100,6 +100,10 @@ double PairResolution(const Flight& flight);
 /// Sets the verdict to not observable, with the reasons, where a standard deviation exceeds 0.5 deg.
 void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* result);
 
+/// Sets the verdict to not observable, with the reasons, when two angles correlate by more than
+/// 0.999. Else calibrated.
+void AssessSeparability(BoresightResult* result);
+
 /// Sets the verdict to not observable, with the reasons, when two angles correlate by more than 0.999,
 /// a standard deviation that the geometry leaves exceeds ten times PairResolution, beyond three
 /// times the attitude sigma that no geometry helps against, or else as AssessLargestSigma says.

@@ -3,6 +3,7 @@
 #include <dn/calibration/gauss_helmert_flight.h>
 #include <dn/calibration/model_check.h>
 #include <dn/calibration/pair_residuals.h>
+#include <dn/calibration/plane_flight.h>
 #include <dn/calibration/result.h>
 #include <dn/report/json.h>
 
@@ -30,15 +31,21 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
 Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
                      const std::vector<PairResidual>& pairs, const RunTimings& timings);
 
+/// result.json of `dn calibrate --method planes`, with a section `planes`: how many there are, how
+/// their normals spread, and how many each two strips share. strips: their names.
+Json CalibrationJson(const std::string& flight, const PlaneCalibration& calibration,
+                     const std::vector<std::string>& strips, const RunTimings& timings);
+
 /// What report.json holds of a Gauss-Helmert adjustment beyond result.json.
 Json GaussHelmertReportJson(const GaussHelmertCalibration& calibration);
 
 /// comparison.json of `dn calibrate --method all`: angles and sigmas per method, and for each two
-/// of them (a, b) the difference a - b, its sigma and significance (in sigmas). absent: methods
-/// without a result; null, with a note that says so.
+/// of them (a, b) the difference a - b, its sigma and significance (in sigmas); of planes it is taken as
+/// independent of the others (CompareIndependent). absent: methods without a result, and why; null,
+/// with a note that says so.
 Json ComparisonJson(const std::string& flight,
                     const std::vector<std::pair<std::string, const BoresightResult*>>& methods,
-                    const std::vector<std::string>& absent);
+                    const std::vector<std::pair<std::string, std::string>>& absent);
 
 /// smooth.json of `dn smooth`, with the verdict `consistent` or `contradicted`.
 Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,

@@ -119,13 +119,16 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
                                             const GaussHelmertResult& result, BoresightModel model,
                                             const TrajectoryScatterOptions& options);
 
+/// max(sigma0^2, (chi2 + 10) / (redundancy + 8)): sigma0^2 but for a handful of
+/// observations, whose sigma0 says little: there the assumed noise counts as ten observations of
+/// its own (mean of the inverse chi-square posterior).
+double ReliableVarianceFactor(double sigma0, double chi2, long redundancy);
+
 /// What may be relied on: white part, scatter by correlated errors, and the attitude error that is
 /// constant over the flight, which the boresight absorbs without a trace,
 ///
-///   C = f N^-1 + C_scatter + C_attitude,      f = max(sigma0^2, (chi2 + 10) / (redundancy + 8))
+///   C = f N^-1 + C_scatter + C_attitude,      f = ReliableVarianceFactor
 ///
-/// f is sigma0^2 but for a handful of pairs, whose sigma0 says little: there the assumed noise
-/// counts as ten observations of its own (mean of the inverse chi-square posterior).
 /// constant_rad2: C_attitude, constant_share times the covariance of the trajectory's attitude in
 /// body axes by its own account.
 Eigen::Matrix3d ReliableCovariance(const GaussHelmertResult& result,

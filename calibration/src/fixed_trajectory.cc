@@ -1,0 +1,131 @@
+#include "fixed_trajectory.h"
+
+#include <dn/error.h>
+#include <dn/report/distributions.h>
+#include <dn/rotation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+namespace dn::internal {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kCrossingRad = 20.0 * kRadPerDeg;
+constexpr double kHeightPerRange = 0.05;
+constexpr double kEvidentNats = 3.0;  // odds of 20 to 1
+// An error of half the pairs' sigma makes the misclosures 12 % larger: below it, it is noise.
+constexpr double kNoiseLevel = 0.5;
+// Twice the attitude accuracy of the paper's tactical-grade flights, the lowest within its
+// envelope.
+constexpr double kEnvelopeDeg[] = {0.01, 0.01, 0.02};
+// Where the reliable sigma exceeds the formal one by more than this, it is worth a sentence.
+constexpr double kMuchWider = 1.2;
+
+struct StripMotion {
+  double course_rad = 0.0;
+  double height_m = 0.0;
+};
+
+std::vector<StripMotion> Motions(const Flight& flight, const std::vector<StripInterval>& strips) {
+  std::vector<StripMotion> motions;
+  for (const StripInterval& strip : strips) {
+    const double t_s = 0.5 * (strip.t0_s + strip.t1_s);
+    if (!flight.trajectory->Covers(t_s)) continue;
+    const NavPoint& point = flight.trajectory->PointFrom(t_s);
+    motions.push_back({std::atan2(point.v_ned_mps.y(), point.v_ned_mps.x()), point.position.h_m});
+  }
+  return motions;
+}
+
+}  // namespace
+
+void CheckTrajectory(const Flight& flight) {
+  if (!flight.trajectory || !flight.trajectory->notes().adjusted_with_lidar) return;
+  throw InvalidInput(
+      "the trajectory was adjusted together with lidar pairs (by `dn calibrate`), and the lidar "
+      "data would be used a second time; make one without them with `dn smooth " +
+          flight.config.folder.string() +
+          " --out DIR` and give it with --trajectory DIR/trajectory.out",
+      {(flight.config.folder / flight.config.trajectory->file).string()});
+}
+
+void CheckEstimate(const FlightConfig& config, const char* method) {
+  const auto is_boresight = [](const EstimateEntry& entry) { return entry.unknown == "boresight"; };
+  if (std::none_of(config.estimate.begin(), config.estimate.end(), is_boresight)) {
+    throw InvalidConfig(std::string(method) +
+                        " estimates the boresight, which `estimate` does not name");
+  }
+}
+
+TrajectoryScatterOptions MakeScatterOptions(const TrajectoryAccuracy& accuracy,
+                                            const std::vector<StripInterval>& strips) {
+  TrajectoryScatterOptions options;
+  options.covariance = accuracy.covariance;
+  options.sigma_ned_m = accuracy.sigma_ned_m;
+  options.sigma_rph_rad = accuracy.sigma_rph_rad;
+  options.stated_by = accuracy.stated_by;
+  for (const StripInterval& strip : strips) options.strip_begin_s.push_back(strip.t0_s);
+  std::sort(options.strip_begin_s.begin(), options.strip_begin_s.end());
+  return options;
+}
+
+StripDiversity DescribeStrips(const Flight& flight, const std::vector<StripInterval>& strips,
+                              double mean_range_m) {
+  const std::vector<StripMotion> motions = Motions(flight, strips);
+  StripDiversity diversity;
+  diversity.strips = static_cast<int>(strips.size());
+  for (const StripMotion& a : motions) {
+    for (const StripMotion& b : motions) {
+      const double turn = std::remainder(a.course_rad - b.course_rad, std::numbers::pi);
+      if (std::abs(turn) >= kCrossingRad) diversity.crossing = true;
+      if (a.height_m - b.height_m >= kHeightPerRange * mean_range_m) diversity.heights = true;
+    }
+  }
+  return diversity;
+}
+
+facts::AttitudeInPairs::Size SizeOfAttitudeError(double change_m, double noise_m,
+                                                 const Vector3d& sigma_rph_rad) {
+  using Size = facts::AttitudeInPairs::Size;
+  if (change_m <= kNoiseLevel * noise_m) return Size::kNoise;
+  const Vector3d envelope_rad = kRadPerDeg * Eigen::Map<const Vector3d>(kEnvelopeDeg);
+  const bool tactical = (sigma_rph_rad.array() <= envelope_rad.array()).all();
+  return tactical ? Size::kHeld : Size::kAbsorbed;
+}
+
+void AddWhyWider(const TrajectoryScatter& scatter, const TrajectoryAccuracy& accuracy,
+                 const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight) {
+  facts::SigmasWidened fact;
+  fact.ratio = boresight->sigma_rad().cwiseQuotient(*boresight->sigma_scaled_rad);
+  if (fact.ratio.maxCoeff() < kMuchWider) return;
+  fact.scaled_rad = *boresight->sigma_scaled_rad;
+  fact.scattered_rad = scatter.covariance_rad2.diagonal().cwiseSqrt();
+  fact.constant_rad = constant_rad2.diagonal().cwiseSqrt();
+  fact.source = accuracy.source;
+  fact.times_stated = accuracy.covariance.has_value();
+  fact.times_shown = scatter.evidence_nats > kEvidentNats;
+  fact.tau_s = scatter.tau_s;
+  boresight->reasons.push_back({std::move(fact)});
+}
+
+GroupCheck GroupOf(const char* name, long observations, const AdjustmentFigures& figures,
+                   const TrajectoryScatter& scatter) {
+  const auto redundancy = static_cast<double>(figures.redundancy);
+  GroupCheck group;
+  group.name = name;
+  group.observations = observations;
+  group.redundancy = redundancy;
+  const double chi2 = figures.chi2 / scatter.expected_ratio;
+  group.variance_ratio = group.ratio_beside_effects = chi2 / std::max(1.0, redundancy);
+  const double dof = scatter.expected_dof > 0.0 ? scatter.expected_dof : std::max(1.0, redundancy);
+  const double above = ChiSquareTail(dof * group.variance_ratio, dof);
+  group.p_value = std::min(1.0, 2.0 * std::min(above, 1.0 - above));
+  return group;
+}
+
+}  // namespace dn::internal

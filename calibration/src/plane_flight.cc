@@ -1,0 +1,230 @@
+#include <dn/calibration/plane_flight.h>
+#include <dn/error.h>
+#include <dn/rotation.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "fixed_trajectory.h"
+#include "model_findings.h"
+
+namespace dn {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Eigen::Vector3d;
+
+constexpr long kLeastPlanes = 10;
+constexpr double kLeastSpread = 0.01;
+constexpr const char* kRangeOffset = "lidar_range_offset";
+
+double Since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Calls work(plane, state, point) for every point kept.
+template <class Work>
+void ForKept(const PlaneCalibration& calibration, const Work& work) {
+  const auto& planes = calibration.problem.planes;
+  for (std::size_t q = 0; q < planes.size(); ++q) {
+    for (std::size_t k = 0; k < planes[q].points.size(); ++k) {
+      if (calibration.adjustment.kept[q][k] == 0) continue;
+      work(planes[q], calibration.adjustment.planes[q], planes[q].points[k]);
+    }
+  }
+}
+
+/// Of the points, on average.
+facts::AttitudeInPairs AttitudeErrors(const PlaneCalibration& calibration) {
+  facts::AttitudeInPairs fact;
+  fact.of_planes = true;
+  fact.sigma_rph_rad = calibration.accuracy.sigma_rph_rad *
+                       std::max(1.0, calibration.scatter.trajectory.attitude_ratio);
+  double change2 = 0.0, noise2 = 0.0, n = 0.0;
+  const PlaneAdjustment& adjustment = calibration.adjustment;
+  ForKept(
+      calibration, [&](const SeenPlane& plane, const PlaneState& state, const PlanePoint& point) {
+        const PlanePointLinearisation at =
+            LinearisePlanePoint(point, plane.sigma_m, calibration.problem.lever_arm_b_m,
+                                adjustment.boresight_rad, adjustment.range_offset_m, state);
+        const Vector3d down_b = point.end.q_mb.conjugate() * (point.end.q_mn * Vector3d::UnitZ());
+        const Eigen::Matrix3d F = BodyFromEulerRates(down_b) * fact.sigma_rph_rad.asDiagonal();
+        change2 += (F.transpose() * at.J_phi).squaredNorm();
+        noise2 += plane.sigma_m * plane.sigma_m;
+        n += 1.0;
+      });
+  fact.change_m = std::sqrt(change2 / n);
+  fact.pair_sigma_m = std::sqrt(noise2 / n);
+  fact.range_m = calibration.mean_range_m;
+  fact.size = internal::SizeOfAttitudeError(fact.change_m, fact.pair_sigma_m, fact.sigma_rph_rad);
+  return fact;
+}
+
+void Assess(const Flight& flight, PlaneCalibration* calibration) {
+  BoresightResult& boresight = calibration->boresight;
+  AssessSeparability(&boresight);
+  if (boresight.verdict == Verdict::kCalibrated) {
+    AssessLargestSigma(boresight.sigma_rad(), &boresight);
+  }
+  const facts::AttitudeInPairs attitude = AttitudeErrors(*calibration);
+  if (attitude.size == facts::AttitudeInPairs::Size::kAbsorbed &&
+      boresight.verdict == Verdict::kCalibrated) {
+    boresight.verdict = Verdict::kAbsorbed;
+  }
+  boresight.reasons.push_back({attitude});
+  const StripDiversity& diversity = calibration->diversity;
+  if (!diversity.sufficient()) {
+    boresight.reasons.push_back({facts::StripsAlike{diversity.strips}});
+  }
+  internal::AddWhyWider(calibration->scatter.trajectory, calibration->accuracy,
+                        calibration->constant_rad2, &boresight);
+  for (const EstimateEntry& entry : flight.config.estimate) {
+    if (entry.unknown == "boresight" || entry.unknown == kRangeOffset) continue;
+    boresight.reasons.push_back({facts::NotEstimated{entry.unknown,
+                                                     "the plane adjustment knows the boresight and "
+                                                     "lidar_range_offset only"}});
+  }
+}
+
+ModelCheck Check(const PlaneCalibration& calibration) {
+  ModelCheck check;
+  check.of_boresight = true;
+  check.groups.push_back(internal::GroupOf("lidar planes", calibration.figures.correspondences,
+                                           calibration.figures, calibration.scatter.trajectory));
+  check.sigma0_beside_effects =
+      calibration.figures.sigma0 / std::sqrt(calibration.scatter.trajectory.expected_ratio);
+  check.p_value = check.SmallestPValue();
+  internal::AddFindings(calibration, &check);
+  return check;
+}
+
+void FillBoresight(PlaneCalibration* calibration) {
+  const PlaneAdjustment& adjustment = calibration->adjustment;
+  const TrajectoryScatter& scatter = calibration->scatter.trajectory;
+  BoresightResult& boresight = calibration->boresight;
+  boresight.angles_rad = adjustment.boresight_rad;
+  boresight.euler_zyx_rad = RollPitchHeading(Exp(adjustment.boresight_rad));
+  calibration->constant_rad2 =
+      scatter.constant_share * calibration->accuracy.attitude_covariance_rad2;
+  boresight.covariance_rad2 = ReliableCovariance(adjustment, scatter, calibration->constant_rad2);
+  boresight.condition_number = adjustment.condition_number;
+  boresight.sigma_apriori_rad = adjustment.covariance_apriori_rad2.diagonal().cwiseSqrt();
+  boresight.sigma_scaled_rad = adjustment.covariance_scaled_rad2.diagonal().cwiseSqrt();
+  AdjustmentFigures& figures = calibration->figures;
+  figures.sigma0 = adjustment.sigma0;
+  figures.chi2 = adjustment.chi2;
+  figures.redundancy = adjustment.redundancy;
+  figures.iterations = adjustment.iterations;
+  figures.converged = adjustment.converged;
+  figures.parameters = adjustment.covariance_apriori.rows() + 3 * adjustment.planes_kept;
+  figures.outliers = adjustment.points_left_out;
+  figures.correspondences = adjustment.points_kept;
+}
+
+void FillUnknowns(PlaneCalibration* calibration) {
+  const PlaneAdjustment& adjustment = calibration->adjustment;
+  if (!calibration->problem.with_range_offset) return;
+  const double factor =
+      ReliableVarianceFactor(adjustment.sigma0, adjustment.chi2, adjustment.redundancy);
+  const double variance_m2 =
+      factor * adjustment.covariance_apriori(3, 3) + calibration->scatter.range_offset_m2;
+  calibration->unknowns.push_back(
+      {kRangeOffset, "m", {adjustment.range_offset_m}, {std::sqrt(variance_m2)}});
+}
+
+std::vector<const GaussHelmertEnd*> EndsOf(const PlaneCalibration& calibration) {
+  std::vector<const GaussHelmertEnd*> ends;
+  ForKept(calibration, [&](const SeenPlane&, const PlaneState&, const PlanePoint& point) {
+    ends.push_back(&point.end);
+  });
+  return ends;
+}
+
+double MeanRange(const std::vector<const GaussHelmertEnd*>& ends) {
+  double sum_m = 0.0;
+  for (const GaussHelmertEnd* end : ends) sum_m += end->u_b.norm();
+  return sum_m / static_cast<double>(ends.size());
+}
+
+}  // namespace
+
+PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<SeenPlane> planes) {
+  internal::CheckEstimate(flight.config, "the plane adjustment");
+  const LidarConfig& lidar = *flight.config.lidar;
+  PlaneProblem problem;
+  problem.lever_arm_b_m = lidar.mounting.lever_arm_b_m;
+  problem.boresight_rad = lidar.mounting.boresight_rad;
+  problem.boresight_sigma_rad = lidar.boresight_sigma_rad;
+  for (const EstimateEntry& entry : flight.config.estimate) {
+    if (entry.unknown != kRangeOffset) continue;
+    problem.with_range_offset = true;
+    if (const auto sigma = PriorSigma(entry)) problem.range_offset_sigma_m = (*sigma)[0];
+  }
+  problem.planes = std::move(planes);
+  return problem;
+}
+
+void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found) {
+  if (adjustment.planes_kept < kLeastPlanes) {
+    throw RankDeficient(
+        "insufficient planes: " + std::to_string(adjustment.planes_kept) + " of " +
+        std::to_string(found) + " planes that two strips share fit together, at least " +
+        std::to_string(kLeastPlanes) +
+        " are needed; fly over buildings, or calibrate by point pairs (--method dn or gh)");
+  }
+  const double weakest = adjustment.normals.eigenvalues[0];
+  if (weakest >= kLeastSpread) return;
+  throw RankDeficient(
+      "the planes are too parallel: of " + std::to_string(adjustment.planes_kept) +
+      " planes the normals spread by " + std::to_string(weakest) +
+      " in their weakest direction, and " + std::to_string(kLeastSpread) +
+      " is needed (slopes of 6 deg, rms); fly over roofs of several aspects, or calibrate by point "
+      "pairs (--method dn or gh)");
+}
+
+PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> planes,
+                                 const GaussHelmertFlightOptions& options) {
+  const auto stage = [&](const std::string& name) {
+    if (options.interrupted && options.interrupted()) throw Interrupted();
+    if (options.progress) options.progress(name);
+  };
+  internal::CheckTrajectory(flight);
+  const auto start = Clock::now();
+  PlaneCalibration calibration;
+  calibration.problem = MakePlaneProblem(flight, std::move(planes));
+  stage("plane adjustment");
+  PlaneAdjustmentOptions adjust;
+  adjust.threads = options.threads;
+  calibration.adjustment = AdjustPlanes(calibration.problem, adjust);
+  ExpectEnoughPlanes(calibration.adjustment, calibration.problem.planes.size());
+  if (!calibration.adjustment.converged) {
+    throw NotConverged("the plane adjustment did not converge in " +
+                       std::to_string(calibration.adjustment.iterations) +
+                       " iterations; are the mounting matrix and the strips of this flight right?");
+  }
+  calibration.solve_time_s = Since(start);
+
+  const auto covariance_start = Clock::now();
+  stage("covariance under time-correlated errors");
+  const std::vector<const GaussHelmertEnd*> ends = EndsOf(calibration);
+  const std::vector<StripInterval> strips = FindStrips(flight);
+  calibration.mean_range_m = MeanRange(ends);
+  calibration.diversity = internal::DescribeStrips(flight, strips, calibration.mean_range_m);
+  calibration.accuracy = internal::ReadAccuracyAt(flight, ends);
+  calibration.scatter =
+      EstimateTrajectoryScatter(calibration.problem, calibration.adjustment,
+                                internal::MakeScatterOptions(calibration.accuracy, strips));
+  FillBoresight(&calibration);
+  FillUnknowns(&calibration);
+  Assess(flight, &calibration);
+  calibration.model_check = Check(calibration);
+  Assess(calibration.model_check, &calibration.boresight);
+  calibration.covariance_time_s = Since(covariance_start);
+  return calibration;
+}
+
+}  // namespace dn

@@ -1,0 +1,442 @@
+#include <dn/error.h>
+#include <dn/parallel.h>
+#include <dn/rotation.h>
+#include <dn/solvers/plane_adjustment.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "boresight_normal.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr std::size_t kChunk = 16;          // planes summed at a time
+constexpr long kLeastPoints = 3;            // of a strip in a plane
+constexpr double kLineRatio = 1e-10;        // of the extents squared of points on a line
+constexpr int kMostChoices = 20;            // of planes to keep
+constexpr double kSigmaPerMedian = 1.4826;  // of |x|, x normal
+
+std::string NameOf(std::size_t plane, std::size_t point) {
+  return "plane " + std::to_string(plane) + ", point " + std::to_string(point);
+}
+
+void CheckPoint(const PlanePoint& point, std::size_t q, std::size_t k) {
+  const GaussHelmertEnd& end = point.end;
+  constexpr double kUnit = 1e-6;
+  if (!end.q_mb.coeffs().allFinite() || !end.p_mb.allFinite() ||
+      std::abs(end.q_mb.norm() - 1.0) > kUnit || !(std::abs(end.q_mn.norm() - 1.0) <= kUnit)) {
+    throw InvalidInput(NameOf(q, k) + ": the pose is not finite, or no rotation");
+  }
+  if (!end.u_b.allFinite() || !(end.u_b.norm() > 0.0)) {
+    throw InvalidInput(NameOf(q, k) + ": the laser vector is zero or not finite");
+  }
+  for (const Vector3d& sigma : {end.sigma_ned_m, end.sigma_rph_rad}) {
+    if (sigma.allFinite() && sigma.minCoeff() > 0.0) continue;
+    throw InvalidInput(NameOf(q, k) + ": a sigma of the trajectory is not positive and finite");
+  }
+}
+
+void CheckProblem(const PlaneProblem& problem) {
+  if (!problem.lever_arm_b_m.allFinite() || !problem.boresight_rad.allFinite()) {
+    throw InvalidInput("the lever arm or the initial boresight is not finite");
+  }
+  const auto positive = [](double sigma) { return std::isfinite(sigma) && sigma > 0.0; };
+  if (problem.boresight_sigma_rad && !(problem.boresight_sigma_rad->allFinite() &&
+                                       problem.boresight_sigma_rad->minCoeff() > 0.0)) {
+    throw InvalidInput("the sigma of the initial boresight is not positive and finite");
+  }
+  if (problem.range_offset_sigma_m && !positive(*problem.range_offset_sigma_m)) {
+    throw InvalidInput("the sigma of the range offset is not positive and finite");
+  }
+  for (std::size_t q = 0; q < problem.planes.size(); ++q) {
+    const SeenPlane& plane = problem.planes[q];
+    if (!positive(plane.sigma_m)) {
+      throw InvalidInput("plane " + std::to_string(q) + ": its sigma is not positive and finite");
+    }
+    for (std::size_t k = 0; k < plane.points.size(); ++k) CheckPoint(plane.points[k], q, k);
+  }
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// A plane eliminated from the normal equations.
+struct Eliminated {
+  Matrix3d Q_inverse = Matrix3d::Zero();
+  Eigen::Matrix<double, Eigen::Dynamic, 3> X;
+  Vector3d y = Vector3d::Zero();
+};
+
+struct Sums {
+  MatrixXd N;
+  VectorXd g;
+  double chi2 = 0.0;
+
+  explicit Sums(Eigen::Index unknowns)
+      : N(MatrixXd::Zero(unknowns, unknowns)), g(VectorXd::Zero(unknowns)) {}
+
+  void operator+=(const Sums& other) {
+    N += other.N;
+    g += other.g;
+    chi2 += other.chi2;
+  }
+};
+
+class Adjuster {
+ public:
+  Adjuster(const PlaneProblem& problem, const PlaneAdjustmentOptions& options)
+      : problem_(problem),
+        options_(options),
+        unknowns_(problem.with_range_offset ? 4 : 3),
+        theta_(problem.boresight_rad),
+        eliminated_(problem.planes.size()) {
+    result_.planes.resize(problem.planes.size());
+    for (const SeenPlane& plane : problem.planes) {
+      result_.kept.emplace_back(plane.points.size(), char{1});
+    }
+  }
+
+  PlaneAdjustment Run() {
+    FitAll();
+    Choose([this](std::size_t q) { return SeenByTwoStrips(q); });
+    ExpectPlanes();
+    result_.residual_initial_m = MeanResidual();
+    result_.converged = Iterate();
+    if (result_.converged && options_.plane_medians > 0.0) ChoosePlanes();
+    if (result_.converged && options_.point_sigmas > 0.0) DropPoints();
+    Finish();
+    return std::move(result_);
+  }
+
+ private:
+  const SeenPlane& Plane(std::size_t q) const { return problem_.planes[q]; }
+  std::size_t size() const { return problem_.planes.size(); }
+
+  PlanePointLinearisation Linearise(std::size_t q, std::size_t k) const {
+    return LinearisePlanePoint(Plane(q).points[k], Plane(q).sigma_m, problem_.lever_arm_b_m, theta_,
+                               rho_m_, result_.planes[q]);
+  }
+
+  /// Calls work(q, k) for the points kept of a plane.
+  template <class Work>
+  void ForPoints(std::size_t q, const Work& work) const {
+    for (std::size_t k = 0; k < Plane(q).points.size(); ++k) {
+      if (result_.kept[q][k] != 0) work(k);
+    }
+  }
+  /// Calls work(q) for the planes that take part.
+  template <class Work>
+  void ForChosen(const Work& work) const {
+    for (std::size_t q = 0; q < size(); ++q) {
+      if (chosen_[q] != 0) work(q);
+    }
+  }
+
+  bool SeenByTwoStrips(std::size_t q) const {
+    std::map<int, long> points;
+    ForPoints(q, [&](std::size_t k) { ++points[Plane(q).points[k].strip]; });
+    return std::count_if(points.begin(), points.end(),
+                         [](const auto& of) { return of.second >= kLeastPoints; }) >= 2;
+  }
+
+  template <class Test>
+  void Choose(const Test& test) {
+    chosen_.assign(size(), 0);
+    for (std::size_t q = 0; q < size(); ++q) chosen_[q] = test(q) ? 1 : 0;
+  }
+
+  void ExpectPlanes() const {
+    if (std::count(chosen_.begin(), chosen_.end(), 1) > 0) return;
+    throw RankDeficient(
+        "no plane is seen by two strips: roofs, walls or slopes that overlapping "
+        "strips share are needed");
+  }
+
+  Vector3d PointAt(std::size_t q, std::size_t k) const {
+    const GaussHelmertEnd& end = Plane(q).points[k].end;
+    const Vector3d u_b = end.u_b - rho_m_ * end.u_b.normalized();
+    return end.p_mb + end.q_mb * (Exp(theta_) * u_b + problem_.lever_arm_b_m);
+  }
+
+  /// Total least squares at the present boresight.
+  void Fit(std::size_t q) {
+    Vector3d sum = Vector3d::Zero();
+    double n = 0.0;
+    ForPoints(q, [&](std::size_t k) {
+      sum += PointAt(q, k);
+      n += 1.0;
+    });
+    PlaneState& plane = result_.planes[q];
+    if (n < static_cast<double>(kLeastPoints)) return;
+    plane.centre_m = sum / n;
+    plane.d_m = 0.0;
+    Matrix3d C = Matrix3d::Zero();
+    ForPoints(q, [&](std::size_t k) {
+      const Vector3d d = PointAt(q, k) - plane.centre_m;
+      C += d * d.transpose();
+    });
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(C);
+    if (!(eigen.eigenvalues()[1] > kLineRatio * eigen.eigenvalues()[2])) {
+      throw InvalidInput("plane " + std::to_string(q) + ": its points lie on a line");
+    }
+    plane.normal = eigen.eigenvectors().col(0);
+    if (plane.normal.z() < 0.0) plane.normal = -plane.normal;
+  }
+
+  void FitAll() {
+    ParallelForChunks(size(), kChunk, options_.threads,
+                      [&](std::size_t, std::size_t first, std::size_t past) {
+                        for (std::size_t q = first; q < past; ++q) Fit(q);
+                      });
+  }
+
+  void Accumulate(std::size_t q, Sums* sums) {
+    Matrix3d Q = Matrix3d::Zero();
+    Eliminated& plane = eliminated_[q];
+    plane.X.setZero(unknowns_, 3);
+    plane.y.setZero();
+    VectorXd a(unknowns_);
+    ForPoints(q, [&](std::size_t k) {
+      const PlanePointLinearisation at = Linearise(q, k);
+      const double weight = 1.0 / at.variance_m2;
+      a.head<3>() = at.J_theta;
+      if (problem_.with_range_offset) a[3] = at.J_range;
+      sums->N += weight * a * a.transpose();
+      sums->g += weight * at.f_m * a;
+      sums->chi2 += weight * at.f_m * at.f_m;
+      Q += weight * at.J_plane * at.J_plane.transpose();
+      plane.X += weight * a * at.J_plane.transpose();
+      plane.y += weight * at.f_m * at.J_plane;
+    });
+    plane.Q_inverse = Q.inverse();
+    sums->N -= plane.X * plane.Q_inverse * plane.X.transpose();
+    sums->g -= plane.X * (plane.Q_inverse * plane.y);
+  }
+
+  Sums AccumulateAll() {
+    std::vector<Sums> partial(NumChunks(size(), kChunk), Sums(unknowns_));
+    ParallelForChunks(size(), kChunk, options_.threads,
+                      [&](std::size_t c, std::size_t first, std::size_t past) {
+                        for (std::size_t q = first; q < past; ++q) {
+                          if (chosen_[q] != 0) Accumulate(q, &partial[c]);
+                        }
+                      });
+    Sums sums(unknowns_);
+    for (const Sums& part : partial) sums += part;
+    AddPriors(&sums);
+    return sums;
+  }
+
+  void AddPriors(Sums* sums) const {
+    if (problem_.boresight_sigma_rad) {
+      const internal::BoresightPrior prior =
+          internal::EvaluatePrior(problem_.boresight_rad, *problem_.boresight_sigma_rad,
+                                  BoresightModel::kExponential, theta_);
+      sums->N.topLeftCorner<3, 3>() += prior.N;
+      sums->g.head<3>() += prior.g;
+      sums->chi2 += prior.chi2;
+    }
+    if (problem_.with_range_offset && problem_.range_offset_sigma_m) {
+      const double weight = 1.0 / (*problem_.range_offset_sigma_m * *problem_.range_offset_sigma_m);
+      sums->N(3, 3) += weight;
+      sums->g[3] += weight * rho_m_;
+      sums->chi2 += weight * rho_m_ * rho_m_;
+    }
+  }
+
+  /// Of the boresight alone.
+  Matrix3d Reduced(const MatrixXd& N) const {
+    Matrix3d out = N.topLeftCorner<3, 3>();
+    if (unknowns_ == 4 && N(3, 3) > 0.0) {
+      out -= N.topRightCorner<3, 1>() * N.bottomLeftCorner<1, 3>() / N(3, 3);
+    }
+    return out;
+  }
+
+  static void CheckRank(const Matrix3d& N) {
+    internal::CheckBoresightRank(N, "planes",
+                                 "planes of other slope and aspect, or strips of other heading, "
+                                 "are needed");
+  }
+
+  double Step() {
+    const Sums sums = AccumulateAll();
+    CheckRank(Reduced(sums.N));
+    const VectorXd x = -sums.N.ldlt().solve(sums.g);
+    const Vector3d d = x.head<3>();
+    theta_ = Log(Eigen::Quaterniond(Exp(d) * Exp(theta_)));
+    if (problem_.with_range_offset) rho_m_ += x[3];
+    ForChosen([&](std::size_t q) {
+      const Eliminated& plane = eliminated_[q];
+      result_.planes[q] =
+          Changed(result_.planes[q], -plane.Q_inverse * (plane.y + plane.X.transpose() * x));
+    });
+    ++result_.iterations;
+    return d.norm();
+  }
+
+  bool Iterate() {
+    for (int i = 0; i < options_.max_iterations; ++i) {
+      if (Step() <= options_.tolerance_rad) return true;
+    }
+    return false;
+  }
+
+  /// Root mean square of f / s of a plane fitted at the present boresight.
+  double NormalisedRms(std::size_t q) const {
+    double sum = 0.0, n = 0.0;
+    ForPoints(q, [&](std::size_t k) {
+      const PlanePointLinearisation at = Linearise(q, k);
+      sum += at.f_m * at.f_m / at.variance_m2;
+      n += 1.0;
+    });
+    return n > 0.0 ? std::sqrt(sum / n) : 0.0;
+  }
+
+  /// Keeps the planes within plane_medians of the median, until the choice repeats.
+  void ChoosePlanes() {
+    std::set<std::vector<char>> seen{chosen_};
+    for (int i = 0; i < kMostChoices && result_.converged; ++i) {
+      FitAll();
+      std::vector<double> rms(size(), 0.0), of_chosen;
+      for (std::size_t q = 0; q < size(); ++q) rms[q] = NormalisedRms(q);
+      ForChosen([&](std::size_t q) { of_chosen.push_back(rms[q]); });
+      const double limit = options_.plane_medians * Median(of_chosen);
+      Choose([&](std::size_t q) { return SeenByTwoStrips(q) && rms[q] <= limit; });
+      const bool repeats = !seen.insert(chosen_).second;
+      result_.converged = Iterate();
+      if (repeats) return;
+    }
+  }
+
+  void DropPoints() {
+    std::vector<double> sizes;
+    const auto each = [&](const auto& work) {
+      ForChosen([&](std::size_t q) {
+        ForPoints(q, [&](std::size_t k) {
+          const PlanePointLinearisation at = Linearise(q, k);
+          work(q, k, std::abs(at.f_m) / std::sqrt(at.variance_m2));
+        });
+      });
+    };
+    each([&](std::size_t, std::size_t, double w) { sizes.push_back(w); });
+    constexpr double kRounding = 1e-9;  // of residuals without noise
+    const double limit =
+        std::max(kRounding, options_.point_sigmas * kSigmaPerMedian * Median(std::move(sizes)));
+    std::vector<std::pair<std::size_t, std::size_t>> dropped;
+    each([&](std::size_t q, std::size_t k, double w) {
+      if (w > limit) dropped.emplace_back(q, k);
+    });
+    for (const auto& [q, k] : dropped) result_.kept[q][k] = 0;
+    Choose([&, before = chosen_](std::size_t q) { return before[q] != 0 && SeenByTwoStrips(q); });
+    ExpectPlanes();
+    result_.converged = Iterate();
+  }
+
+  double MeanResidual() const {
+    double sum = 0.0, n = 0.0;
+    ForChosen([&](std::size_t q) {
+      ForPoints(q, [&](std::size_t k) {
+        sum += std::abs(Linearise(q, k).f_m);
+        n += 1.0;
+      });
+    });
+    return sum / n;
+  }
+
+  void Count() {
+    Matrix3d spread = Matrix3d::Zero();
+    for (std::size_t q = 0; q < size(); ++q) {
+      if (chosen_[q] == 0) {
+        std::fill(result_.kept[q].begin(), result_.kept[q].end(), char{0});
+        continue;
+      }
+      ++result_.planes_kept;
+      spread += result_.planes[q].normal * result_.planes[q].normal.transpose();
+      std::set<int> strips;
+      ForPoints(q, [&](std::size_t k) { strips.insert(Plane(q).points[k].strip); });
+      for (auto a = strips.begin(); a != strips.end(); ++a) {
+        for (auto b = std::next(a); b != strips.end(); ++b) ++result_.planes_of_strips[{*a, *b}];
+      }
+      const long kept = std::count(result_.kept[q].begin(), result_.kept[q].end(), char{1});
+      result_.points_kept += kept;
+      result_.points_left_out += static_cast<long>(result_.kept[q].size()) - kept;
+    }
+    spread /= static_cast<double>(result_.planes_kept);
+    result_.normals.eigenvalues = Eigen::SelfAdjointEigenSolver<Matrix3d>(spread).eigenvalues();
+  }
+
+  void Finish() {
+    const Sums sums = AccumulateAll();
+    Count();
+    result_.boresight_rad = theta_;
+    result_.range_offset_m = rho_m_;
+    result_.normal = Reduced(sums.N);
+    CheckRank(result_.normal);
+    result_.covariance_apriori = sums.N.inverse();
+    result_.covariance_apriori_rad2 = result_.covariance_apriori.topLeftCorner<3, 3>();
+    const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3d>(result_.normal).eigenvalues();
+    result_.condition_number = values[2] / values[0];
+    result_.chi2 = sums.chi2;
+    const long priors = (problem_.boresight_sigma_rad ? 3 : 0) +
+                        (problem_.with_range_offset && problem_.range_offset_sigma_m ? 1 : 0);
+    result_.redundancy =
+        result_.points_kept + priors - static_cast<long>(unknowns_) - 3 * result_.planes_kept;
+    result_.sigma0 =
+        std::sqrt(result_.chi2 / static_cast<double>(std::max(1L, result_.redundancy)));
+    result_.covariance_scaled_rad2 =
+        result_.sigma0 * result_.sigma0 * result_.covariance_apriori_rad2;
+    result_.residual_final_m = MeanResidual();
+  }
+
+  const PlaneProblem& problem_;
+  const PlaneAdjustmentOptions& options_;
+  const Eigen::Index unknowns_;
+  Vector3d theta_;
+  double rho_m_ = 0.0;
+  std::vector<char> chosen_;  // planes that take part
+  std::vector<Eliminated> eliminated_;
+  PlaneAdjustment result_;
+};
+
+}  // namespace
+
+void PlaneAdjustmentOptions::Validate() const {
+  if (!(plane_medians == 0.0 || plane_medians > 1.0)) {
+    throw InvalidConfig("plane_medians is " + std::to_string(plane_medians) +
+                        ", must be 0 or above 1");
+  }
+  if (!(point_sigmas == 0.0 || point_sigmas > 1.0)) {
+    throw InvalidConfig("point_sigmas is " + std::to_string(point_sigmas) +
+                        ", must be 0 or above 1");
+  }
+  if (max_iterations < 1) {
+    throw InvalidConfig("max_iterations is " + std::to_string(max_iterations) +
+                        ", must be at least 1");
+  }
+  if (!(tolerance_rad > 0.0)) throw InvalidConfig("tolerance_rad must be positive");
+  if (threads < 1) {
+    throw InvalidConfig("threads is " + std::to_string(threads) + ", must be at least 1");
+  }
+}
+
+PlaneAdjustment AdjustPlanes(const PlaneProblem& problem, const PlaneAdjustmentOptions& options) {
+  options.Validate();
+  CheckProblem(problem);
+  return Adjuster(problem, options).Run();
+}
+
+}  // namespace dn

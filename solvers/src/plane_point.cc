@@ -1,0 +1,49 @@
+#include <dn/rotation.h>
+#include <dn/solvers/plane_adjustment.h>
+
+#include "gauss_helmert_pair.h"
+
+namespace dn {
+
+Eigen::Matrix<double, 3, 2> PlaneTangent(const Eigen::Vector3d& normal) {
+  Eigen::Matrix<double, 3, 2> tangent;
+  tangent.col(0) = normal.unitOrthogonal();
+  tangent.col(1) = normal.cross(tangent.col(0));
+  return tangent;
+}
+
+PlaneState Changed(const PlaneState& plane, const Eigen::Vector3d& t) {
+  PlaneState out = plane;
+  out.normal = (plane.normal + PlaneTangent(plane.normal) * t.head<2>()).normalized();
+  out.d_m += t.z();
+  return out;
+}
+
+PlanePointLinearisation LinearisePlanePoint(const PlanePoint& point, double sigma_m,
+                                            const Eigen::Vector3d& lever_arm_b_m,
+                                            const Eigen::Vector3d& theta_rad, double rho_m,
+                                            const PlaneState& plane) {
+  GaussHelmertEnd end = point.end;
+  const Eigen::Vector3d along_b = end.u_b.normalized();
+  end.u_b -= rho_m * along_b;
+  const Eigen::Quaterniond q_boresight = Exp(theta_rad);
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+  const internal::EndTerms terms = internal::EvaluateEnd(
+      end, lever_arm_b_m, BoresightModel::kExponential, theta_rad, q_boresight, zero, zero);
+  const internal::EndNoise noise = internal::EvaluateNoise(end);
+  const Eigen::Vector3d& n = plane.normal;
+  const Eigen::Vector3d from_centre = terms.x - plane.centre_m;
+  PlanePointLinearisation out;
+  out.f_m = n.dot(from_centre) - plane.d_m;
+  out.J_theta = terms.J_theta.transpose() * n;
+  out.J_range = -n.dot(end.q_mb * (q_boresight * along_b));
+  out.J_plane.head<2>() = PlaneTangent(n).transpose() * from_centre;
+  out.J_plane.z() = -1.0;
+  out.J_phi = terms.J_phi.transpose() * n;
+  out.variance_m2 = n.dot(noise.position * n) +
+                    (noise.attitude_factor.transpose() * out.J_phi).squaredNorm() +
+                    sigma_m * sigma_m;
+  return out;
+}
+
+}  // namespace dn
