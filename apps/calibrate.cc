@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "calibrate_planes.h"
+#include "calibrate_strips.h"
 #include "flight_run.h"
 #include "given_trajectory.h"
 #include "option_checks.h"
@@ -412,10 +413,8 @@ void RunAll(const CalibrateOptions& options, const FlightConfig& config, Run& ru
   FailUnlessReliable(results);
 }
 
-void Calibrate(const CalibrateOptions& options, Run& run) {
-  const FlightConfig config =
-      WithTrajectory(ReadFlightConfig(options.flight, options.common.changes), options.trajectory);
-  const Methods methods = ChooseMethods(options, config);
+void CalibrateBy(const Methods& methods, const CalibrateOptions& options,
+                 const FlightConfig& config, Run& run) {
   if (methods.gh) ExpectTrajectory(options, config, "the Gauss-Helmert adjustment");
   if (methods.planes) ExpectTrajectory(options, config, "the plane adjustment");
   if (methods.all()) {
@@ -426,6 +425,19 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
     RunGaussHelmert(config, run);
   } else {
     RunNetwork(config, run);
+  }
+}
+
+void Calibrate(const CalibrateOptions& options, Run& run) {
+  const FlightConfig config =
+      WithTrajectory(ReadFlightConfig(options.flight, options.common.changes), options.trajectory);
+  const Methods methods = ChooseMethods(options, config);
+  if ((methods.dn || methods.gh) && HasStripsAlone(config)) {
+    CalibrateStrips(
+        ReadFlightConfig(options.flight, options.common.changes), options.trajectory, run,
+        [&](const FlightConfig& matched) { CalibrateBy(methods, options, matched, run); });
+  } else {
+    CalibrateBy(methods, options, config, run);
   }
 }
 
@@ -442,7 +454,7 @@ void AddCalibrate(CLI::App* program, Action* action) {
          "--method", options->method,
          "dn: dynamic network; gh: Gauss-Helmert adjustment on a trajectory; planes: of "
          "overlapping strips, on a trajectory; all: these and their comparison. Default: dn, gh "
-         "where flight.yaml has no inertial data")
+         "where flight.yaml has no inertial data. Strips without pairs are matched first")
       ->check(OneOf({"dn", "gh", "planes", "all"}));
   app->add_option("--trajectory", options->trajectory,
                   "Smoothed trajectory for gh and planes (SBET .out, or text), instead of "

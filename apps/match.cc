@@ -1,15 +1,12 @@
 #include <dn/flight/flight.h>
-#include <dn/flight/strip_files.h>
 #include <dn/geo/text_table.h>
 #include <dn/matching/match.h>
-#include <dn/matching/match_report.h>
 #include <fmt/format.h>
 
 #include <utility>
 
 #include "command.h"
 #include "flight_run.h"
-#include "given_trajectory.h"
 #include "match_flight.h"
 #include "option_checks.h"
 
@@ -31,17 +28,12 @@ struct MatchCommand {
 };
 
 MatchOptions OptionsOf(const MatchCommand& command, Run& run) {
-  MatchOptions options;
+  MatchOptions options = MatchOptionsOf(run);
   if (command.gsd_m > 0.0) options.gsd_m = command.gsd_m;
   options.search_rad = command.search_deg * kRadPerDeg;
   options.search_m = command.search_m;
   options.most_pairs = command.most_pairs;
   options.seed = command.seed;
-  options.threads = run.options().threads;
-  options.progress = [&run](const std::string& stage, const std::string& done) {
-    if (Interrupted()) throw dn::Interrupted();
-    run.progress.Stage(stage, done);
-  };
   return options;
 }
 
@@ -50,55 +42,32 @@ bool IsFlight(const std::vector<std::string>& what) {
          (fs::is_directory(what[0]) || fs::path(what[0]).extension() == ".yaml");
 }
 
-void Print(const Json& match) {
-  const auto rms = [](const Json& pair, const char* when) {
-    const Json& misalignment = pair["misalignment"];
-    return misalignment.is_null()
-               ? std::string("-")
-               : fmt::format("{:.3f}", misalignment[when]["rms_m"].get<double>());
-  };
-  fmt::print("{:<16} {:>10} {:>8} {:>11} {:>7} {:>13} {:>8}\n", "strips", "candidates", "found",
-             "registered", "pairs", "apart rms [m]", "after");
-  for (const Json& pair : match["strip_pairs"]) {
-    const Json& counts = pair["counts"];
-    fmt::print("{:<16} {:>10} {:>8} {:>11} {:>7} {:>13} {:>8}\n",
-               pair["strips"][0].get<std::string>() + "-" + pair["strips"][1].get<std::string>(),
-               counts["candidates"].get<long>(), counts["found"].get<long>(),
-               counts["registered"].get<long>(), counts["pairs"].get<long>(), rms(pair, "before"),
-               rms(pair, "after"));
+/// A flight file with the pairs, and the trajectory, that lie in `folder`.
+std::string FlightFile(const MatchedFlight& matched, const fs::path& folder) {
+  FlightConfig config = matched.config;
+  const fs::path absolute = fs::absolute(folder);
+  config.lidar->p2p.clear();
+  for (const std::string& file : PairFiles(matched)) {
+    config.lidar->p2p.push_back((absolute / file).string());
   }
-}
-
-/// Counts and tables that flights and bare strips share.
-void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,
-                   Run& run) {
-  const Json match = MatchJson(name, result, source);
-  for (const StripPairMatch& pair : result.strip_pairs) {
-    run.AddFile(
-        "matches/" + source.strips()[pair.i].name + "_" + source.strips()[pair.j].name + ".txt",
-        FormatMatches(pair));
+  if (matched.smoothed) {
+    if (!config.trajectory) config.trajectory = TrajectoryConfig();
+    config.trajectory->file = (absolute / "trajectory.out").string();
   }
-  run.AddFile("match.json", FormatJson(match));
-  run.report["flight"] = name;
-  run.report["counts"] = match["counts"];
-  Print(match);
-}
-
-[[noreturn]] void FailNoPairs() {
-  throw FailedWithResults(
-      "no_pairs",
-      "no correspondence was found: match.json has the counts of every stage. Where there are no "
-      "candidates the ground has too little shape (water, flat fields); where none is registered, "
-      "is gsd_m that of the points, and are the strips of one flight?");
+  return FormatFlightFile(config);
 }
 
 void MatchFlightCommand(const MatchCommand& command, Run& run) {
   FlightConfig config = ReadFlightConfig(command.what[0], command.common.changes);
   MatchedFlight matched =
       MatchStripsOfFlight(std::move(config), command.trajectory, OptionsOf(command, run), run);
-  AddPairFiles(matched, run);
-  AddMatchFiles(matched.config.name, matched.result, *matched.source, run);
-  run.AddFile("flight.matched.yaml", MatchedFlightFile(matched, run.files().path()));
+  AddMatches(matched, run);
+  if (matched.smoothed) {
+    AddTrajectoryFiles(*matched.smoothed, &run);
+  } else {
+    run.AddFile("config.resolved.yaml", FormatFlightConfig(matched.config));
+  }
+  run.AddFile("flight.matched.yaml", FlightFile(matched, run.files().path()));
   if (matched.result.pairs() == 0) FailNoPairs();
 }
 

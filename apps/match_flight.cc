@@ -4,6 +4,8 @@
 #include <dn/flight/flight.h>
 #include <dn/flight/strip_files.h>
 #include <dn/lidar/strip_io.h>
+#include <dn/matching/match_report.h>
+#include <fmt/format.h>
 
 #include <utility>
 
@@ -76,6 +78,25 @@ FlightPath PathOf(FlightConfig* config, const std::string& trajectory, Run& run)
   return path;
 }
 
+void Print(const Json& match) {
+  const auto rms = [](const Json& pair, const char* when) {
+    const Json& misalignment = pair["misalignment"];
+    return misalignment.is_null()
+               ? std::string("-")
+               : fmt::format("{:.3f}", misalignment[when]["rms_m"].get<double>());
+  };
+  fmt::print("{:<16} {:>10} {:>8} {:>11} {:>7} {:>13} {:>8}\n", "strips", "candidates", "found",
+             "registered", "pairs", "apart rms [m]", "after");
+  for (const Json& pair : match["strip_pairs"]) {
+    const Json& counts = pair["counts"];
+    fmt::print("{:<16} {:>10} {:>8} {:>11} {:>7} {:>13} {:>8}\n",
+               pair["strips"][0].get<std::string>() + "-" + pair["strips"][1].get<std::string>(),
+               counts["candidates"].get<long>(), counts["found"].get<long>(),
+               counts["registered"].get<long>(), counts["pairs"].get<long>(), rms(pair, "before"),
+               rms(pair, "after"));
+  }
+}
+
 std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
   return "lidar/" + source.strips()[match.i].name + "_" + source.strips()[match.j].name + ".txt";
 }
@@ -110,7 +131,39 @@ MatchedFlight MatchStripsOfFlight(FlightConfig given, const std::string& traject
   return matched;
 }
 
-void AddPairFiles(const MatchedFlight& matched, Run& run) {
+MatchOptions MatchOptionsOf(Run& run) {
+  MatchOptions options;
+  options.threads = run.options().threads;
+  options.progress = [&run](const std::string& stage, const std::string& done) {
+    if (Interrupted()) throw dn::Interrupted();
+    run.progress.Stage(stage, done);
+  };
+  return options;
+}
+
+std::vector<std::string> PairFiles(const MatchedFlight& matched) {
+  std::vector<std::string> files;
+  for (const StripPairMatch& match : matched.result.strip_pairs) {
+    if (!match.pairs.empty()) files.push_back(PairFile(*matched.source, match));
+  }
+  return files;
+}
+
+void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,
+                   Run& run) {
+  const Json match = MatchJson(name, result, source);
+  for (const StripPairMatch& pair : result.strip_pairs) {
+    run.AddFile(
+        "matches/" + source.strips()[pair.i].name + "_" + source.strips()[pair.j].name + ".txt",
+        FormatMatches(pair));
+  }
+  run.AddFile("match.json", FormatJson(match));
+  run.report["flight"] = name;
+  run.report["matching"] = match["counts"];
+  Print(match);
+}
+
+void AddMatches(const MatchedFlight& matched, Run& run) {
   const double offset_s = matched.config.lidar->time_offset_s;
   for (const StripPairMatch& match : matched.result.strip_pairs) {
     std::vector<LidarPair> pairs;
@@ -121,26 +174,21 @@ void AddPairFiles(const MatchedFlight& matched, Run& run) {
     }
     if (!pairs.empty()) run.AddFile(PairFile(*matched.source, match), FormatPairs(pairs));
   }
-  if (matched.smoothed) {
-    AddTrajectoryFiles(*matched.smoothed, &run);
-  } else {
-    run.AddFile("config.resolved.yaml", FormatFlightConfig(matched.config));
-  }
+  AddMatchFiles(matched.config.name, matched.result, *matched.source, run);
 }
 
-std::string MatchedFlightFile(const MatchedFlight& matched, const fs::path& folder) {
-  FlightConfig config = matched.config;
-  const fs::path absolute = fs::absolute(folder);
-  config.lidar->p2p.clear();
-  for (const StripPairMatch& match : matched.result.strip_pairs) {
-    if (match.pairs.empty()) continue;
-    config.lidar->p2p.push_back((absolute / PairFile(*matched.source, match)).string());
-  }
-  if (matched.smoothed) {
-    if (!config.trajectory) config.trajectory = TrajectoryConfig();
-    config.trajectory->file = (absolute / "trajectory.out").string();
-  }
-  return FormatFlightFile(config);
+void AddSmoothedTrajectory(const FlightRun& smoothed, const std::string& folder, Run& run) {
+  run.AddFile(folder + "trajectory.out", FormatSbet(smoothed.trajectory, false));
+  run.AddFile(folder + "trajectory_sigma.txt",
+              FormatTrajectorySigma(smoothed.solution->trajectory().sigma));
+}
+
+void FailNoPairs() {
+  throw FailedWithResults(
+      "no_pairs",
+      "no correspondence was found: match.json has the counts of every stage. Where there are no "
+      "candidates the ground has too little shape (water, flat fields); where none is registered, "
+      "is gsd_m that of the points, and are the strips of one flight?");
 }
 
 }  // namespace dn::apps

@@ -29,10 +29,23 @@ MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& traject
 MatchedFlight MatchStripsOfFlight(FlightConfig config, const std::string& trajectory,
                                   MatchOptions options, Run& run);
 
-/// Stages lidar/<a>_<b>.txt, config.resolved.yaml, and the trajectory where it was smoothed.
-void AddPairFiles(const MatchedFlight& matched, Run& run);
+/// Options of a run: its threads, its progress.
+MatchOptions MatchOptionsOf(Run& run);
 
-/// A flight file with the pairs, and the trajectory, that lie in `folder`.
-std::string MatchedFlightFile(const MatchedFlight& matched, const std::filesystem::path& folder);
+/// Names of the pair files of a matched flight, lidar/<a>_<b>.txt.
+std::vector<std::string> PairFiles(const MatchedFlight& matched);
+
+/// Stages match.json and matches/, and prints the counts.
+void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,
+                   Run& run);
+
+/// The same with the pair files of a flight.
+void AddMatches(const MatchedFlight& matched, Run& run);
+
+/// Stages <folder>trajectory.out and its trajectory_sigma.txt.
+void AddSmoothedTrajectory(const FlightRun& smoothed, const std::string& folder, Run& run);
+
+/// Ends a run that found no pair, with its results.
+[[noreturn]] void FailNoPairs();
 
 }  // namespace dn::apps

@@ -1,6 +1,7 @@
 #include <dn/error.h>
 
 #include "calibrate_planes.h"
+#include "calibrate_strips.h"
 #include "command.h"
 
 namespace dn::apps {
@@ -27,5 +28,10 @@ std::string WhyNoPlanes(const FlightConfig&) {
 PlaneRun CalibrateByPlanes(const Flight&, const FlightConfig& config, const std::string&, Run*) {
   throw InvalidConfig(WhyNoPlanes(config));
 }
+
+bool HasStripsAlone(const FlightConfig&) { return false; }
+
+void CalibrateStrips(const FlightConfig&, const std::string&, Run&,
+                     const std::function<void(const FlightConfig&)>&) {}
 
 }  // namespace dn::apps

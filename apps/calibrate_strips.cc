@@ -1,0 +1,68 @@
+#include "calibrate_strips.h"
+
+#include <dn/error.h>
+#include <dn/flight/strip_files.h>
+#include <dn/lidar/pairs.h>
+
+#include <filesystem>
+
+#include "match_flight.h"
+
+namespace dn::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSmoothed = "smoothed/trajectory.out";
+
+bool HasPairs(const FlightConfig& config) {
+  const auto any = [&](const std::vector<std::string>& patterns) {
+    try {
+      return !FindPairFiles(config.folder, patterns).empty();
+    } catch (const InvalidInput&) {
+      return false;
+    }
+  };
+  const bool usual = config.lidar->p2p == LidarConfig().p2p;
+  return any(config.lidar->p2p) || (usual && any({"lidar/*.txt"}));
+}
+
+/// The flight with its pairs, and its smoothed trajectory, in a folder.
+FlightConfig WithMatches(const MatchedFlight& matched, const fs::path& folder) {
+  FlightConfig config = matched.config;
+  config.lidar->p2p.clear();
+  for (const std::string& file : PairFiles(matched)) {
+    config.lidar->p2p.push_back((folder / file).string());
+  }
+  if (!matched.smoothed) return config;
+  if (!config.trajectory) config.trajectory = TrajectoryConfig();
+  config.trajectory->file = (folder / kSmoothed).string();
+  return config;
+}
+
+}  // namespace
+
+bool HasStripsAlone(const FlightConfig& config) {
+  return config.lidar && config.strips_crs != "none" && !HasPairs(config) &&
+         !FindStripFiles(config.folder).empty();
+}
+
+void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,
+                     const std::function<void(const FlightConfig&)>& calibrate) {
+  const MatchedFlight matched = MatchStripsOfFlight(config, trajectory, MatchOptionsOf(run), run);
+  AddMatches(matched, run);
+  if (matched.smoothed) AddSmoothedTrajectory(*matched.smoothed, "smoothed/", run);
+  if (matched.result.pairs() == 0) FailNoPairs();
+  // The work reads the files where they are staged; what it says of them is where they will lie.
+  const FlightConfig published = WithMatches(matched, fs::absolute(run.files().path()));
+  const auto correct = [&] { run.AddFile("config.resolved.yaml", FormatFlightConfig(published)); };
+  try {
+    calibrate(WithMatches(matched, fs::absolute(run.files().staging())));
+  } catch (const FailedWithResults&) {
+    correct();
+    throw;
+  }
+  correct();
+}
+
+}  // namespace dn::apps
