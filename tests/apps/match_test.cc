@@ -1,0 +1,109 @@
+#include <dn/flight/flight.h>
+#include <dn/report/json.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "run_program.h"
+#include "testing/temp_folder.h"
+
+namespace dn::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+std::string With(std::string text, const std::string& old, const std::string& now) {
+  const std::size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return text.replace(at, old.size(), now);
+}
+
+/// The short scenario with point clouds, few enough for a test.
+std::string Scenario(const std::string& terrain) {
+  std::string text = ContentOf(ShortScenario());
+  text = With(text, "[-400, 0, 400, 0, 200, 45]", "[-150, 0, 150, 0, 200, 40]");
+  text = With(text, "[0, -400, 0, 400, 240, 45]", "[0, -150, 0, 150, 240, 40]");
+  text = With(text, "kind: built_up", terrain);
+  text = With(text, "gsd_m: 0.2", "gsd_m: 0.7\n  pulse_rate_hz: 14000");
+  return text + "strips: true\n";
+}
+
+class Matching : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TempFolder>();
+    folder_->Write("town.yaml", Scenario("kind: built_up, roughness_m: 0.2"));
+    const ProgramRun run =
+        RunProgram({"simulate", In("town.yaml"), "--seed", "2", "--out", In("flight")});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    fs::remove_all(folder_->path() / "flight" / "lidar");
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static std::string In(const std::string& name) { return (folder_->path() / name).string(); }
+  static Json Read(const std::string& name) { return Json::parse(ContentOf(In(name))); }
+
+  static std::unique_ptr<TempFolder> folder_;
+};
+
+std::unique_ptr<TempFolder> Matching::folder_;
+
+TEST_F(Matching, PairsOfStripsCalibrateTheFlight) {
+  const ProgramRun match = RunProgram({"match", In("flight"), "--out", In("matched")});
+  ASSERT_EQ(match.exit_code, 0) << match.err;
+  const Json counts = Read("matched/match.json")["counts"];
+  EXPECT_GT(counts["pairs"].get<int>(), 20);
+  EXPECT_GE(counts["registered"].get<int>(), counts["pairs"].get<int>());
+  EXPECT_TRUE(fs::exists(In("matched/lidar/1_2.txt")));
+  EXPECT_TRUE(fs::exists(In("matched/report.html")));
+
+  const ProgramRun calibrate =
+      RunProgram({"calibrate", In("matched/flight.matched.yaml"), "--out", In("calibrated")});
+  ASSERT_EQ(calibrate.exit_code, 0) << calibrate.err;
+  const Json boresight = Read("calibrated/result.json")["boresight"];
+  const double truth_deg[] = {0.2, 0.03, 0.35};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(boresight["angles_deg"][i].get<double>(), truth_deg[i],
+                4.0 * boresight["sigma_deg"][i].get<double>());
+  }
+}
+
+TEST_F(Matching, AllMethodsRunFromStripsAlone) {
+  const ProgramRun run =
+      RunProgram({"calibrate", In("flight"), "--method", "all", "--out", In("all")});
+  EXPECT_TRUE(run.exit_code == 0 || run.exit_code == 1) << run.err;
+  const Json comparison = Read("all/comparison.json");
+  EXPECT_TRUE(fs::exists(In("all/result_dn.json")));
+  EXPECT_TRUE(fs::exists(In("all/result_gh.json")));
+  EXPECT_TRUE(fs::exists(In("all/match.json")));
+  EXPECT_TRUE(fs::exists(In("all/lidar/1_2.txt")));
+  EXPECT_THAT(ContentOf(In("all/config.resolved.yaml")), HasSubstr(In("all/lidar/1_2.txt")));
+}
+
+TEST_F(Matching, BareStripsGivePositions) {
+  const ProgramRun run = RunProgram({"match", In("flight/strips/1.las"), In("flight/strips/2.las"),
+                                     "--gsd", "0.7", "--search-m", "8", "--out", In("bare")});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(fs::exists(In("bare/pairs_xyz.txt")));
+  EXPECT_GT(Read("bare/match.json")["counts"]["pairs"].get<int>(), 5);
+}
+
+TEST_F(Matching, AFlightWithoutStripsIsToldWhereTheyBelong) {
+  const ProgramRun run = RunProgram({"match", ShortFlight().string(), "--out", In("none")});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("the flight has no strips; put point clouds"));
+}
+
+TEST_F(Matching, FlatGroundIsAnHonestShortage) {
+  folder_->Write("flat.yaml", Scenario("kind: flat, roughness_m: 0"));
+  ASSERT_EQ(RunProgram({"simulate", In("flat.yaml"), "--out", In("flat")}).exit_code, 0);
+  const ProgramRun run = RunProgram({"match", In("flat"), "--out", In("flat_matched")});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("no correspondence was found"));
+  EXPECT_EQ(Read("flat_matched/match.json")["counts"]["pairs"].get<int>(), 0);
+}
+
+}  // namespace
+}  // namespace dn::testing

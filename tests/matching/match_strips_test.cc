@@ -1,0 +1,121 @@
+#include <dn/error.h>
+#include <dn/geo/text_table.h>
+#include <dn/matching/match.h>
+#include <dn/matching/match_report.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testing/expect_invalid.h"
+#include "testing/rough_town.h"
+#include "testing/temp_folder.h"
+
+namespace dn {
+namespace {
+
+using Eigen::Vector3d;
+using testing::RoughTown;
+using testing::TempFolder;
+
+constexpr double kEdge_m = 150.0;
+constexpr int kPoints = 80000;
+const Vector3d kShift_m(1.31, -0.87, 0.42);
+
+std::string Strip(const std::vector<Vector3d>& points_m, double t0_s) {
+  std::string text;
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    text += FormatDouble(t0_s + 1e-4 * static_cast<double>(i));
+    for (int axis = 0; axis < 3; ++axis) text += ", " + FormatDouble(points_m[i][axis]);
+    text += ", 0, 0, 100\n";
+  }
+  return text;
+}
+
+class BareStrips : public ::testing::Test {
+ protected:
+  void Write(const RoughTown& town) const {
+    folder_.Write("1.txt", Strip(town.Points(kPoints, kEdge_m, 0.02, Vector3d::Zero(), 1), 1000.0));
+    folder_.Write("2.txt", Strip(town.Points(kPoints, kEdge_m, 0.02, kShift_m, 2), 2000.0));
+  }
+
+  BareMatchSource Source() const {
+    return BareMatchSource(FindMatchStrips({folder_.path() / "1.txt", folder_.path() / "2.txt"}));
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(BareStrips, PairsAreTheSamePointOfTheGroundWithinTheirSigmas) {
+  Write(RoughTown());
+  BareMatchSource source = Source();
+  MatchOptions options;
+  options.search_m = 5.0;
+  const MatchResult result = MatchBareStrips(&source, options);
+  ASSERT_EQ(result.strip_pairs.size(), 1u);
+  const std::vector<MatchedPair>& pairs = result.strip_pairs[0].pairs;
+  ASSERT_GT(pairs.size(), 15u);
+  EXPECT_NEAR(result.gsd_m, kEdge_m / std::sqrt(kPoints), 0.1);
+  double squares_m2 = 0.0, normalised = 0.0;
+  for (const MatchedPair& pair : pairs) {
+    const Vector3d error_m = pair.p_j_m - pair.p_i_m - kShift_m;
+    squares_m2 += error_m.squaredNorm();
+    normalised += error_m.dot(pair.pair.covariance_m2->inverse() * error_m) / 3.0;
+  }
+  const auto n = static_cast<double>(pairs.size());
+  EXPECT_LT(std::sqrt(squares_m2 / n), 0.5 * result.gsd_m);
+  EXPECT_GT(normalised / n, 0.2);
+  EXPECT_LT(normalised / n, 3.0);
+  EXPECT_LT((source.shift_m(1) + kShift_m).norm(), 0.1);
+}
+
+TEST_F(BareStrips, TheResultDoesNotDependOnTheThreads) {
+  Write(RoughTown());
+  std::string text[2];
+  for (int threads = 1; threads <= 2; ++threads) {
+    BareMatchSource source = Source();
+    MatchOptions options;
+    options.search_m = 5.0;
+    options.threads = threads;
+    const MatchResult result = MatchBareStrips(&source, options);
+    text[threads - 1] =
+        FormatJson(MatchJson("", result, source)) + FormatMatches(result.strip_pairs[0]);
+  }
+  EXPECT_EQ(text[0], text[1]);
+}
+
+TEST_F(BareStrips, FlatGroundGivesNoPairs) {
+  Write(RoughTown(true));
+  BareMatchSource source = Source();
+  const MatchResult result = MatchBareStrips(&source, {});
+  EXPECT_EQ(result.pairs(), 0u);
+}
+
+TEST_F(BareStrips, StripsOfDifferentPlacesAreRefused) {
+  const RoughTown town;
+  folder_.Write("1.txt", Strip(town.Points(2000, 50.0, 0.02, Vector3d::Zero(), 1), 1000.0));
+  folder_.Write("2.txt", Strip(town.Points(2000, 50.0, 0.02, Vector3d(900.0, 0, 0), 2), 2000.0));
+  BareMatchSource source = Source();
+  testing::ExpectInvalidIn([&] { MatchBareStrips(&source, {}); },
+                           "no two strips have ground in common", "1.txt");
+}
+
+TEST_F(BareStrips, OneStripIsTooFew) {
+  folder_.Write("1.txt", Strip(RoughTown().Points(100, 20.0, 0.02, Vector3d::Zero(), 1), 1000.0));
+  BareMatchSource source(FindMatchStrips({folder_.path() / "1.txt"}));
+  EXPECT_THROW(MatchBareStrips(&source, {}), InvalidInput);
+}
+
+TEST(MisalignmentOf, HasTheDirectionOfTheDifferences) {
+  const Misalignment east =
+      MisalignmentOf({Vector3d(2, 0, 0), Vector3d(4, 0, 0), Vector3d(3, 0, 1)});
+  EXPECT_NEAR(east.heading_deg, 90.0, 1e-12);
+  EXPECT_NEAR(east.same_direction, 1.0, 1e-12);
+  EXPECT_NEAR(east.mean_enu_m.x(), 3.0, 1e-12);
+  EXPECT_NEAR(east.rms_m, std::sqrt((4.0 + 16.0 + 10.0) / 3.0), 1e-12);
+  const Misalignment none = MisalignmentOf({Vector3d(1, 0, 0), Vector3d(-1, 0, 0)});
+  EXPECT_NEAR(none.same_direction, 0.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace dn
