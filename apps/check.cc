@@ -263,6 +263,12 @@ std::vector<CommandVerdict> Verdicts(const Flight& flight, bool strips) {
         return fmt::format("boresight from {} pairs on {}", flight.pairs->pairs.size(),
                            flight.config.trajectory->file);
       });
+  add("match",
+      {{"the section 'lidar'", flight.config.lidar.has_value()},
+       {"strips", strips},
+       {"their system (strips_crs)", flight.config.strips_crs != "none"},
+       {"a trajectory, or inertial and GNSS data", flight.trajectory.has_value() || (imu && gnss)}},
+      [] { return std::string("point pairs from the overlaps of the strips"); });
   add("georef",
       {{"a trajectory", flight.trajectory.has_value()},
        {"the section 'lidar'", flight.config.lidar.has_value()},
