@@ -1,6 +1,7 @@
 #include <dn/calibration/plane_flight.h>
 #include <dn/error.h>
 #include <dn/rotation.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
@@ -19,7 +20,7 @@ using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
 constexpr long kLeastPlanes = 10;
-constexpr double kLeastSpread = 0.01;
+constexpr double kLeastSpread = 0.3;
 constexpr const char* kRangeOffset = "lidar_range_offset";
 
 double Since(Clock::time_point start) {
@@ -170,20 +171,19 @@ PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<SeenPlane> plane
 
 void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found) {
   if (adjustment.planes_kept < kLeastPlanes) {
-    throw RankDeficient(
-        "insufficient planes: " + std::to_string(adjustment.planes_kept) + " of " +
-        std::to_string(found) + " planes that two strips share fit together, at least " +
-        std::to_string(kLeastPlanes) +
-        " are needed; fly over buildings, or calibrate by point pairs (--method dn or gh)");
+    throw RankDeficient(fmt::format(
+        "insufficient planes: {} of {} planes that strips share fit together, at least {} are "
+        "needed; fly over buildings, or calibrate by point pairs (--method dn or gh)",
+        adjustment.planes_kept, found, kLeastPlanes));
   }
-  const double weakest = adjustment.normals.eigenvalues[0];
+  const double weakest =
+      static_cast<double>(adjustment.planes_kept) * adjustment.normals.eigenvalues[0];
   if (weakest >= kLeastSpread) return;
-  throw RankDeficient(
-      "the planes are too parallel: of " + std::to_string(adjustment.planes_kept) +
-      " planes the normals spread by " + std::to_string(weakest) +
-      " in their weakest direction, and " + std::to_string(kLeastSpread) +
-      " is needed (slopes of 6 deg, rms); fly over roofs of several aspects, or calibrate by point "
-      "pairs (--method dn or gh)");
+  throw RankDeficient(fmt::format(
+      "the planes are too parallel: the slopes of {} planes in their weakest direction are worth "
+      "{:.3f} of a wall, and {:.1f} is needed (ten planes of 10 deg); fly over roofs of several "
+      "aspects, or calibrate by point pairs (--method dn or gh)",
+      adjustment.planes_kept, weakest, kLeastSpread));
 }
 
 PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> planes,

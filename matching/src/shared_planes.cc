@@ -22,7 +22,9 @@ constexpr int kExtractions = 2;
 constexpr int kSearches = 3;  // after each
 constexpr double kLeastNoiseM = 0.005;
 constexpr double kNearlyLevelRad = 5.0 * kRadPerDeg;
-constexpr int kAspects = 8;
+constexpr double kGentleRad = 15.0 * kRadPerDeg;
+constexpr std::size_t kAspects = 8;
+constexpr std::size_t kBins = 1 + 2 * kAspects;
 
 Vector3d PointAt(const GaussHelmertEnd& end, const Vector3d& lever_arm_b_m,
                  const Eigen::Quaterniond& q_boresight) {
@@ -184,23 +186,26 @@ class Groups {
 
 SeenPlane Join(const Strips& strips, const Members& members) {
   SeenPlane plane;
-  plane.sigma_m = kLeastNoiseM;
+  double sum_m2 = 0.0;
   for (std::size_t s = 0; s < members.size(); ++s) {
     if (members[s] < 0) continue;
     const PlacedPlane& part = strips[s][static_cast<std::size_t>(members[s])];
-    plane.sigma_m = std::max(plane.sigma_m, part.rms_m);
+    sum_m2 += part.rms_m * part.rms_m * static_cast<double>(part.points.size());
     for (const GaussHelmertEnd& end : part.points) {
       plane.points.push_back({end, static_cast<int>(s)});
     }
   }
+  const auto n = static_cast<double>(plane.points.size());
+  plane.sigma_m = std::max(kLeastNoiseM, std::sqrt(sum_m2 / n));
   return plane;
 }
 
-/// 0: nearly level; else by aspect.
+/// 0: nearly level; else by aspect, the gentle ones first.
 std::size_t BinOf(const Vector3d& normal) {
   if (normal.z() > std::cos(kNearlyLevelRad)) return 0;
   const double turns = std::atan2(normal.y(), normal.x()) / (2.0 * std::numbers::pi) + 0.5;
-  return 1 + static_cast<std::size_t>(kAspects * turns) % kAspects;
+  const auto aspect = static_cast<std::size_t>(static_cast<double>(kAspects) * turns) % kAspects;
+  return 1 + aspect + (normal.z() > std::cos(kGentleRad) ? 0 : kAspects);
 }
 
 /// The largest of each bin.
@@ -210,7 +215,7 @@ std::vector<SeenPlane> Balance(std::vector<SeenPlane> planes, const Vector3d& le
     double area_m2;
     std::size_t index;
   };
-  std::array<std::vector<Place>, kAspects + 1> bins;
+  std::array<std::vector<Place>, kBins> bins;
   const Eigen::Quaterniond q_boresight = Exp(theta_rad);
   for (std::size_t q = 0; q < planes.size(); ++q) {
     std::vector<Vector3d> points_m;

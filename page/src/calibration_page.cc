@@ -107,7 +107,8 @@ Section BoresightSection(const Facts& result) {
 std::string MethodName(const Facts& result) {
   const std::string method = result["method"].text();
   if (method == "dn") return "dynamic network";
-  return method == "gh" ? "Gauss-Helmert adjustment" : method;
+  if (method == "gh") return "Gauss-Helmert adjustment";
+  return method == "planes" ? "plane adjustment" : method;
 }
 
 void AppendAll(const ResultFolder& folder, const Calibrated& one, bool several,
@@ -128,7 +129,7 @@ void AppendAll(const ResultFolder& folder, const Calibrated& one, bool several,
 
 std::vector<Calibrated> CalibrationsIn(const ResultFolder& folder) {
   std::vector<Calibrated> found;
-  for (const char* suffix : {"", "_dn", "_gh"}) {
+  for (const char* suffix : {"", "_dn", "_gh", "_planes"}) {
     const std::string file = std::string("result") + suffix + ".json";
     Facts result = folder.Read(file);
     if (result["boresight"]) found.push_back({suffix, std::move(result)});

@@ -96,7 +96,8 @@ TEST(CliGaussHelmert, AllMethodsAndTheirComparison) {
   EXPECT_EQ(comparison["methods"]["dn"]["angles_deg"], dn["boresight"]["angles_deg"]);
   EXPECT_EQ(comparison["methods"]["gh"]["sigma_deg"], gh["boresight"]["sigma_deg"]);
   EXPECT_TRUE(comparison["methods"].at("planes").is_null());
-  EXPECT_THAT(comparison["notes"].dump(), HasSubstr("planes is not part of this version"));
+  EXPECT_THAT(comparison["notes"].dump(),
+              AnyOf(HasSubstr("planes: the flight has no strips"), HasSubstr("built without PCL")));
   ASSERT_EQ(comparison["differences"].size(), 1u);
   const Json& difference = comparison["differences"][0];
   EXPECT_EQ(difference["methods"], Json({"gh", "dn"}));
@@ -110,6 +111,15 @@ TEST(CliGaussHelmert, AllMethodsAndTheirComparison) {
   }
   EXPECT_THAT(run.out, HasSubstr("gh - dn [deg]"));
   EXPECT_THAT(gh["assessment"]["reasons"].dump(), HasSubstr("from the dynamic network"));
+}
+
+TEST(CliPlanes, NeedStrips) {
+  const DamagedFlight flight;
+  const ProgramRun run =
+      flight.Run("calibrate", {"--method", "planes", "--trajectory", SmoothedTrajectory()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, AnyOf(HasSubstr("the flight has no strips, and --method planes needs point"),
+                             HasSubstr("built without PCL")));
 }
 
 TEST(CliGaussHelmert, IsTheDefaultWithoutInertialData) {

@@ -120,14 +120,12 @@ TEST(CliUsage, UnknownMethodNamesTheKnownOnes) {
   EXPECT_THAT(run.err, HasSubstr("ghh"));
 }
 
-TEST(CliUsage, AMethodOfALaterVersionIsRefusedInOneLine) {
+TEST(CliUsage, PlanesWithoutATrajectorySayHowToGetOne) {
   const TempFolder folder;
   const ProgramRun run = RunProgram({"calibrate", ShortFlight().string(), "--method", "planes",
                                      "--out", (folder.path() / "r").string()});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_EQ(
-      run.err,
-      "dn calibrate: error: --method planes is not part of this version; use dn, gh or all\n");
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("the plane adjustment needs one; make it with `dn smooth"));
   EXPECT_EQ(NamesIn(folder.path() / "r"), std::vector<std::string>{"report.json"});
 }
 

@@ -35,8 +35,8 @@ PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<SeenPlane> plane
 
 /// Throws RankDeficient, with the numbers, where fewer than ten planes are left (found: that were
 /// given to the adjustment), or where their normals are too parallel: the smallest eigenvalue of the
-/// mean of n n^T is below 0.01, that is, slopes in the weakest direction below 6 deg (rms). Both
-/// bounds are chosen: with them an angle rests on more than a few roofs.
+/// sum of n n^T is below 0.3, which is ten planes that slope by 10 deg in the weakest direction (a
+/// wall counts 1). Both bounds are chosen: with them an angle rests on more than a few roofs.
 void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found);
 
 /// Boresight of a flight with a trajectory by planes that its strips share.

@@ -16,7 +16,8 @@ struct SharePlanesOptions {
   double misalignment_rad = 0.5 * 3.14159265358979323846 / 180.0;
   double first_angle_rad = 0.175;  ///< most between two normals, in the first search (10 deg)
   double angle_rad = 0.07;         ///< in the later ones (4 deg)
-  /// Most planes of a bin of slope and aspect: nearly level ones (below 5 deg), and eight aspects.
+  /// Most planes of a bin: nearly level ones (below 5 deg) are one, gentle (below 15 deg) and steep
+  /// ones have eight aspects each. So the ground does not drown the roofs.
   std::size_t most_of_bin = 60;
 };
 
@@ -49,7 +50,7 @@ std::vector<std::vector<long>> MatchPlanes(const std::vector<std::vector<PlacedP
 
 /// Planes that the strips of a flight share. Planes are taken and matched by the given alignment,
 /// which the plane adjustment then improves, and once more by that. The noise of a plane is the
-/// larger rms of its parts about themselves.
+/// rms of its parts about themselves.
 ///
 /// flight: with its trajectory. The alignment of `source` is changed to the last one. Deterministic
 /// for any number of threads. Throws as ExtractStripPlanes.

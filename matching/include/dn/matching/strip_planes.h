@@ -15,7 +15,7 @@ namespace dn {
 /// How planes are taken from strips.
 struct StripPlaneOptions {
   /// Distance of the points; absent, or where the points are further apart, by their density.
-  std::optional<double> gsd_m;
+  std::optional<double> gsd_m = {};
   /// Points of a strip that are looked at. Where the overlaps hold more, squares of the ground are
   /// left out evenly: memory and time are bounded by it, not by the strip.
   std::size_t most_points = 3'000'000;
