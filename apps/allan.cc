@@ -15,7 +15,7 @@
 namespace dn::apps {
 namespace {
 
-struct Options {
+struct AllanArguments {
   CommonOptions common;
   std::filesystem::path file;
   double rate_hz = 0.0;
@@ -236,7 +236,7 @@ std::string SensorYaml(const Sensor& sensor) {
   return text;
 }
 
-std::string NoiseYaml(const std::vector<Sensor>& sensors, const Options& options,
+std::string NoiseYaml(const std::vector<Sensor>& sensors, const AllanArguments& options,
                       const ImuData& imu) {
   std::string text = fmt::format(
       "# Noise of {} by Allan variance: {} values at {:.6g} Hz. One model for three axes, fitted "
@@ -286,7 +286,7 @@ std::vector<ImuGap> Holes(const ImuData& imu) {
   return holes;
 }
 
-void CheckRecord(const Options& options, const ImuData& imu) {
+void CheckRecord(const AllanArguments& options, const ImuData& imu) {
   if (imu.uneven) {
     throw InvalidInput("the rows are not evenly spaced; the Allan variance needs an even record",
                        {options.file.string()});
@@ -307,7 +307,7 @@ void CheckRecord(const Options& options, const ImuData& imu) {
   }
 }
 
-void Allan(const Options& options, Run& run) {
+void Allan(const AllanArguments& options, Run& run) {
   run.progress.Stage("reading " + options.file.string());
   ImuReadOptions read;
   read.format = options.format == "odyn" ? ImuFormat::kOdyn : ImuFormat::kIncrements;
@@ -340,7 +340,7 @@ void Allan(const Options& options, Run& run) {
 }  // namespace
 
 void AddAllan(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<AllanArguments>();
   CLI::App* app = program->add_subcommand(
       "allan", "Allan variance of a record at rest: noise terms ready for flight.yaml");
   app->add_option("IMU", options->file, "IMU.txt: t, rates [rad/s], specific force [m/s^2]")

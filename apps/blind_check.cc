@@ -19,7 +19,7 @@
 namespace dn::apps {
 namespace {
 
-struct Options {
+struct BlindCheckArguments {
   CommonOptions common;
   int flights = 100;
   std::uint64_t seed = 1;
@@ -56,7 +56,7 @@ std::string FailureOf(const BlindRecord& record) {
   return {};
 }
 
-std::vector<BlindRecord> Fly(const Options& options, const RecordFolder& folder,
+std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFolder& folder,
                              const std::vector<std::uint64_t>& numbers, Run* run) {
   const BlindSuite suite{options.seed, options.scenarios, options.left_out};
   const BlindRunOptions how{options.common.out, GapOptions(options.gap_options),
@@ -78,7 +78,7 @@ std::vector<BlindRecord> Fly(const Options& options, const RecordFolder& folder,
   return records;
 }
 
-void BlindCheck(const Options& options, Run& run) {
+void BlindCheck(const BlindCheckArguments& options, Run& run) {
   const Json made_from = {{"seed", options.seed},
                           {"scenarios", ScenariosJson(options.scenarios)},
                           {"gap_options", options.gap_options},
@@ -159,7 +159,7 @@ void AddBlindCheckResults(const Json& made_from, const std::vector<BlindRecord>&
 }
 
 void AddBlindCheck(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BlindCheckArguments>();
   CLI::App* app = program->add_subcommand(
       "blind-check",
       "Flies flights with hidden effects, has each diagnosed by dn gap, and scores what it said");

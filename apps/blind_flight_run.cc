@@ -6,11 +6,9 @@
 #include <dn/sim/simulate.h>
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "child_process.h"
 #include "interruption.h"
+#include "read_text.h"
 
 namespace dn::apps {
 namespace {
@@ -20,11 +18,6 @@ namespace fs = std::filesystem;
 // This program, also when its file has been replaced since it was started.
 constexpr const char* kProgram = "/proc/self/exe";
 constexpr double kLongestRun_s = 3600.0;
-
-std::string ReadText(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 std::string LastLine(const fs::path& file) {
   std::string text = ReadText(file);

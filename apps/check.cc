@@ -26,7 +26,7 @@ constexpr double kRepeatedShare = 0.05;
 constexpr FlightNeeds kEverything{
     .imu = true, .gnss = true, .pairs = true, .trajectory = true, .optional = true};
 
-struct Options {
+struct CheckArguments {
   CommonOptions common;
   std::string flight;
 };
@@ -342,7 +342,7 @@ void Summarise(const Flight& flight, Json* json) {
   PrintVerdicts(flight, !strips.empty(), json);
 }
 
-void Check(const Options& options, Run& run) {
+void Check(const CheckArguments& options, Run& run) {
   const FlightConfig config = ReadFlightConfig(options.flight, options.common.changes);
   const Contents contents = ReadContents(config);
   Json& report = run.report;
@@ -360,7 +360,7 @@ void Check(const Options& options, Run& run) {
 }  // namespace
 
 void AddCheck(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckArguments>();
   CLI::App* app = program->add_subcommand(
       "check", "Validates a flight folder, summarises it, says what each command could do with it");
   AddFlightOptions(app, &options->flight, &options->common);

@@ -13,20 +13,16 @@
 #include <system_error>
 #include <thread>
 
+#include "seconds_since.h"
+
 namespace dn::apps {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPoll{5};
 constexpr int kCannotRun = 127;
 
 double Seconds(const timeval& t) {
   return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-}
-
-double Since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 // Between fork and exec: system calls only.
@@ -58,7 +54,7 @@ pid_t Start(const std::vector<std::string>& command, const std::string& output_f
 
 ProcessUsage RunProgram(const std::vector<std::string>& command,
                         const std::filesystem::path& output_file, const ProcessLimits& limits) {
-  const auto start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   const pid_t child = Start(command, output_file.string());
   bool killed = false, interrupted = false;
   int status = 0;
@@ -70,13 +66,13 @@ ProcessUsage RunProgram(const std::vector<std::string>& command,
       throw std::system_error(errno, std::generic_category(), "wait4");
     }
     interrupted = interrupted || (limits.interrupted && limits.interrupted());
-    if (!killed && (interrupted || Since(start) > limits.longest_s)) {
+    if (!killed && (interrupted || SecondsSince(start) > limits.longest_s)) {
       ::kill(child, SIGKILL);
       killed = true;
     }
     std::this_thread::sleep_for(kPoll);
   }
-  const double wall_s = Since(start);
+  const double wall_s = SecondsSince(start);
   if (interrupted) throw Interrupted();
   if (WIFEXITED(status) && WEXITSTATUS(status) == kCannotRun) {
     throw std::system_error(ENOENT, std::generic_category(), "cannot run " + command.front());

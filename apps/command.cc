@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "option_checks.h"
+#include "seconds_since.h"
 #include "shown_text.h"
 
 namespace dn::apps {
@@ -28,10 +29,6 @@ constexpr const char* kInterruptedText = "interrupted; no result was written";
 Json& CommandLine() {
   static Json arguments = Json::array();
   return arguments;
-}
-
-double Since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 struct Failure {
@@ -185,7 +182,7 @@ Json Run::EmptyReport() const {
 Json Run::FailureReport(Json failed, const std::string& kind, const std::string& message) const {
   failed["error"] = {{"kind", kind}, {"message", message}};
   failed["files"] = {kReportName};
-  failed["timings_s"]["total"] = Since(start_);
+  failed["timings_s"]["total"] = SecondsSince(start_);
   return failed;
 }
 
@@ -221,7 +218,7 @@ void Run::AddPage() {
 
 void Run::Publish() {
   if (!BeginPublishing()) throw dn::Interrupted();
-  report["timings_s"]["total"] = Since(start_);
+  report["timings_s"]["total"] = SecondsSince(start_);
   if (!files_) return;
   report["files"] = files_->staged();
   report["files"].insert(report["files"].end(), {kReportName, kPageName});

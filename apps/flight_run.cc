@@ -10,19 +10,15 @@
 #include <chrono>
 
 #include "data_hints.h"
+#include "seconds_since.h"
 
 namespace dn::apps {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 // Spacing of trajectory.out: 100 Hz resolves the motion of every platform that we know.
 constexpr double kTrajectorySpacingS = 0.01;
 // Points of a plotted curve beyond which nobody sees more.
 constexpr std::size_t kPlotPoints = 2000;
-
-double Since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 template <class Row, class Get>
 PlotSeries Curve(const std::string& label, const std::vector<Row>& rows, const Get& get) {
@@ -129,14 +125,14 @@ Json RejectedGnssJson(const FlightRun& flight_run) {
 }  // namespace
 
 std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pairs, Run* run) {
-  const auto start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   run->progress.Stage("reading " + config.folder.string());
   FlightNeeds needs;
   needs.imu = true;
   needs.gnss = true;
   needs.pairs = with_pairs;
   Flight flight = ReadFlight(config, needs);
-  return AdjustFlight(std::move(flight), Since(start), with_pairs, run);
+  return AdjustFlight(std::move(flight), SecondsSince(start), with_pairs, run);
 }
 
 std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_pairs, Run* run) {
@@ -146,7 +142,7 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   result->hints = HintsOf(result->flight);
   ReportReading(*result, run);
 
-  const auto solve_start = Clock::now();
+  const auto solve_start = std::chrono::steady_clock::now();
   AdjustOptions options;
   options.with_pairs = with_pairs;
   options.threads = run->options().threads;
@@ -155,20 +151,20 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   };
   options.interrupted = [] { return apps::Interrupted(); };
   Adjustment adjustment = Adjust(result->flight, options);
-  result->timings.solve_s = Since(solve_start);
+  result->timings.solve_s = SecondsSince(solve_start);
 
-  const auto covariance_start = Clock::now();
+  const auto covariance_start = std::chrono::steady_clock::now();
   run->progress.Stage("covariances");
   const Solution& solution = result->solution.emplace(std::move(adjustment), options.threads);
   solution.trajectory();
   run->progress.Stage("model check");
   solution.model_check();
   result->trajectory = DenseTrajectory(solution.network(), kTrajectorySpacingS);
-  result->timings.covariance_s = Since(covariance_start);
+  result->timings.covariance_s = SecondsSince(covariance_start);
   const std::vector<std::string> warnings = Warnings(*result);
   std::for_each(warnings.begin() + static_cast<std::ptrdiff_t>(result->hints.size()),
                 warnings.end(), [run](const std::string& warning) { run->progress.Warn(warning); });
-  result->timings.total_s = read_s + Since(solve_start);
+  result->timings.total_s = read_s + SecondsSince(solve_start);
   return result;
 }
 

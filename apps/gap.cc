@@ -13,7 +13,7 @@
 namespace dn::apps {
 namespace {
 
-struct Options {
+struct GapArguments {
   CommonOptions common;
   std::string flight;
   bool quick = false;
@@ -32,13 +32,13 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
   return words;
 }
 
-GapOptions::Depth DepthOf(const Options& options) {
+GapOptions::Depth DepthOf(const GapArguments& options) {
   if (options.limits) return GapOptions::Depth::kLimits;
   if (options.screen_only) return GapOptions::Depth::kScreen;
   return options.quick ? GapOptions::Depth::kQuick : GapOptions::Depth::kFull;
 }
 
-GapOptions DiagnosisOptions(const Options& options, Run* run) {
+GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
   GapOptions gap;
   gap.depth = DepthOf(options);
   gap.seed = options.seed;
@@ -54,7 +54,7 @@ GapOptions DiagnosisOptions(const Options& options, Run* run) {
   return gap;
 }
 
-Flight Read(const Options& options, Run* run) {
+Flight Read(const GapArguments& options, Run* run) {
   run->progress.Stage("reading " + options.flight);
   const FlightConfig config = ReadFlightConfig(options.flight, options.common.changes);
   FlightNeeds needs;
@@ -94,7 +94,7 @@ void AddTwin(const Flight& flight, const GapResult& result, Run* run) {
                FormatSbet(result.trajectory.points(), flight.pairs.has_value()));
 }
 
-void FillReport(const Options& options, const Flight& flight, const GapDiagnosis& diagnosis,
+void FillReport(const GapArguments& options, const Flight& flight, const GapDiagnosis& diagnosis,
                 Run* run) {
   Json& report = run->report;
   report["flight"] = flight.config.name;
@@ -104,7 +104,7 @@ void FillReport(const Options& options, const Flight& flight, const GapDiagnosis
   for (const auto& [stage, time_s] : diagnosis.timings_s) report["timings_s"][stage] = time_s;
 }
 
-void RunGap(const Options& options, Run& run) {
+void RunGap(const GapArguments& options, Run& run) {
   const GapOptions gap = DiagnosisOptions(options, &run);
   const Flight flight = Read(options, &run);
   const GapResult result = Diagnose(flight, gap);
@@ -121,7 +121,7 @@ void RunGap(const Options& options, Run& run) {
   fmt::print("{}", summary);
 }
 
-void AddDepth(CLI::App* app, Options* options) {
+void AddDepth(CLI::App* app, GapArguments* options) {
   CLI::Option* quick = app->add_flag("--quick", options->quick, "Fewer twins, in less time");
   CLI::Option* screen = app->add_flag(
       "--screen-only", options->screen_only,
@@ -132,7 +132,7 @@ void AddDepth(CLI::App* app, Options* options) {
   screen->excludes(limits);
 }
 
-void AddOptions(CLI::App* app, Options* options) {
+void AddGapOptions(CLI::App* app, GapArguments* options) {
   AddFlightOptions(app, &options->flight, &options->common);
   AddDepth(app, options);
   app->add_option("--seed", options->seed, "Seed of the twins")
@@ -151,12 +151,12 @@ void AddOptions(CLI::App* app, Options* options) {
 }  // namespace
 
 void AddGap(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<GapArguments>();
   CLI::App* app = program->add_subcommand(
       "gap",
       "Where a flight departs from its assumed model, which effect is the cause, and how far "
       "adding it closes the gap");
-  AddOptions(app, options.get());
+  AddGapOptions(app, options.get());
   app->footer(
       "A gap that is found is no failure: the exit code is 0. docs/gap.md says how to read it.\n"
       "Example: dn gap flight --out gap && dn calibrate gap/flight.adapted.yaml --out result");

@@ -105,7 +105,7 @@ std::vector<fs::path> Strips(const FlightConfig& config) {
       (config.folder / "strips").string());
 }
 
-void ExpectUsable(const FlightConfig& config) {
+void ExpectGeoreferenceable(const FlightConfig& config) {
   const FileLocation where{config.file.string()};
   if (!config.lidar) {
     throw InvalidConfig("the section 'lidar' is missing, and this command needs it", where);
@@ -151,7 +151,7 @@ struct Georef {
 
 Georef Prepare(const GeorefOptions& given, Run& run) {
   const FlightConfig config = ReadFlightConfig(given.flight);
-  ExpectUsable(config);
+  ExpectGeoreferenceable(config);
   std::optional<Vector3d> boresight_rad;
   if (!given.boresight.empty()) boresight_rad = ParseAngles(given.boresight);
   std::optional<BoresightOfResult> result;
@@ -285,7 +285,7 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
   Print(config, boresight_rad, strips);
 }
 
-void AddOptions(CLI::App* app, GeorefOptions* options) {
+void AddGeorefOptions(CLI::App* app, GeorefOptions* options) {
   app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
       ->required();
   app->add_option(
@@ -321,7 +321,7 @@ void AddGeoref(CLI::App* program, Action* action) {
   auto options = std::make_shared<GeorefOptions>();
   CLI::App* app = program->add_subcommand(
       "georef", "Point clouds of a flight with another boresight or trajectory");
-  AddOptions(app, options.get());
+  AddGeorefOptions(app, options.get());
   AddCommonOptions(app, &options->common, true);
   app->footer("Example: dn georef flight --boresight 0.1,-0.02,0.3 --out result");
   app->callback([options, action] {

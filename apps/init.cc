@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct InitArguments {
   CommonOptions common;
   std::string folder;
 };
@@ -56,7 +56,7 @@ void ExpectFolder(const fs::path& folder) {
                       FileLocation{file.string(), 0, 0});
 }
 
-void Init(const Options& options, Run& run) {
+void Init(const InitArguments& options, Run& run) {
   const fs::path folder = options.folder;
   ExpectFolder(folder);
   run.progress.Stage("looking at " + folder.string());
@@ -84,7 +84,7 @@ void Init(const Options& options, Run& run) {
 }  // namespace
 
 void AddInit(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InitArguments>();
   CLI::App* app = program->add_subcommand(
       "init", "A commented flight.yaml for the files that lie in a folder, with what they show");
   app->add_option("FOLDER", options->folder, "Folder with the data; its flight.yaml is written")

@@ -24,7 +24,7 @@ std::vector<fs::path> StripsOf(const FlightConfig& config) {
       (config.folder / "strips").string());
 }
 
-void ExpectUsable(const FlightConfig& config) {
+void ExpectMatchable(const FlightConfig& config) {
   const FileLocation where{config.file.string()};
   if (!config.lidar) {
     throw InvalidConfig("the section 'lidar' is missing, and this command needs it", where);
@@ -104,7 +104,7 @@ std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
 }  // namespace
 
 MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory, Run& run) {
-  ExpectUsable(config);
+  ExpectMatchable(config);
   const std::vector<fs::path> files = StripsOf(config);
   CheckSystems(files, config.strips_crs, run);
   MatchedFlight matched;

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct MergeArguments {
   CommonOptions common;
   std::vector<std::string> folders;
 };
@@ -108,7 +108,7 @@ std::vector<Record> Records(const Shards& shards, const RecordFolder& merged, co
   return records;
 }
 
-void Merge(const Options& options, Run& run) {
+void Merge(const MergeArguments& options, Run& run) {
   const Shards shards = Gather(options.folders);
   const std::string& command = shards.series.command;
   run.progress.Stage("merging", fmt::format("{} flights", shards.series.flights));
@@ -129,7 +129,7 @@ void Merge(const Options& options, Run& run) {
 }  // namespace
 
 void AddMerge(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MergeArguments>();
   CLI::App* app = program->add_subcommand("merge",
                                           "Joins the shards of dn monte-carlo, dn blind-check or "
                                           "dn study --sweep as if one run had made "

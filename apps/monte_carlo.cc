@@ -15,7 +15,7 @@
 namespace dn::apps {
 namespace {
 
-struct Options {
+struct MonteCarloArguments {
   CommonOptions common;
   std::string scenario;
   int flights = 100;
@@ -70,7 +70,7 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
   }
 }
 
-std::vector<FlightRecord> Fly(const Options& options, const Scenario& scenario,
+std::vector<FlightRecord> Fly(const MonteCarloArguments& options, const Scenario& scenario,
                               const RecordFolder& folder, const std::vector<std::uint64_t>& seeds,
                               Run* run) {
   FlightRecordOptions how;
@@ -94,7 +94,7 @@ std::vector<FlightRecord> Fly(const Options& options, const Scenario& scenario,
   return records;
 }
 
-void MonteCarlo(const Options& options, Run& run) {
+void MonteCarlo(const MonteCarloArguments& options, Run& run) {
   const Scenario scenario = ReadScenario(options.scenario);
   const Json made_from = {{"scenario", ScenarioText(options.scenario)},
                           {"with_pairs", !options.without_pairs},
@@ -133,7 +133,7 @@ void AddMonteCarloResults(const Json& made_from, const std::vector<FlightRecord>
 }
 
 void AddMonteCarlo(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MonteCarloArguments>();
   CLI::App* app = program->add_subcommand(
       "monte-carlo",
       "Flies a scenario many times and judges the covariances by the errors against the truth");

@@ -3,8 +3,7 @@
 #include <dn/flight/atomic_file.h>
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
+#include "read_text.h"
 
 namespace dn::apps {
 namespace {
@@ -12,11 +11,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kKeyName = "made_from.json";
-
-std::string ReadText(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 }  // namespace
 

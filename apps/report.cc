@@ -9,7 +9,7 @@
 namespace dn::apps {
 namespace {
 
-struct Options {
+struct ReportArguments {
   CommonOptions common;
   std::vector<std::string> folders;
   std::string file;
@@ -25,7 +25,7 @@ CLI::Validator HtmlFile() {
   return {check, "FILE.html"};
 }
 
-void Report(const Options& options, Run& run) {
+void Report(const ReportArguments& options, Run& run) {
   run.progress.Stage("reading results");
   Document document = PageOf({options.folders.begin(), options.folders.end()});
   if (std::filesystem::is_directory(options.file)) {
@@ -39,7 +39,7 @@ void Report(const Options& options, Run& run) {
 }  // namespace
 
 void AddReport(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportArguments>();
   CLI::App* app = program->add_subcommand(
       "report",
       "One offline page from result folders; several side by side, with their differences");

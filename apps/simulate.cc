@@ -13,7 +13,7 @@
 namespace dn::apps {
 namespace {
 
-struct Options {
+struct SimulateArguments {
   CommonOptions common;
   std::string scenario;
   std::uint64_t seed = 1;
@@ -38,7 +38,7 @@ Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
   return strips;
 }
 
-void RunSimulate(const Options& options, Run& run) {
+void RunSimulate(const SimulateArguments& options, Run& run) {
   const Scenario scenario = ReadScenario(options.scenario);
   SimulateOptions simulate;
   simulate.seed = options.seed;
@@ -97,7 +97,7 @@ std::string Footer() {
 }  // namespace
 
 void AddSimulate(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateArguments>();
   CLI::App* app = program->add_subcommand("simulate", "A flight folder from a scenario");
   app->add_option("SCENARIO", options->scenario,
                   "Scenario file, or the name of a shipped one (below)")

@@ -17,7 +17,7 @@
 namespace dn::apps {
 namespace {
 
-struct Options {
+struct StudyArguments {
   CommonOptions common;
   std::string what;  ///< a scenario or a flight
   std::string estimate;
@@ -39,7 +39,7 @@ bool IsScenario(const std::string& what) {
   return root.IsMap() && !root["plan"].absent();
 }
 
-StudyOptions MakeOptions(const Options& options, const Run& run) {
+StudyOptions MakeOptions(const StudyArguments& options, const Run& run) {
   StudyOptions study;
   study.design.threads = run.options().threads;
   study.design.seed = options.seed;
@@ -49,7 +49,7 @@ StudyOptions MakeOptions(const Options& options, const Run& run) {
   return study;
 }
 
-StudyResult StudyScenario(const Options& options, Run* run) {
+StudyResult StudyScenario(const StudyArguments& options, Run* run) {
   const Scenario scenario = ReadScenario(options.what);
   run->progress.Stage("studying " + scenario.name);
   run->report["seed"] = options.seed;
@@ -58,7 +58,7 @@ StudyResult StudyScenario(const Options& options, Run* run) {
   return study;
 }
 
-StudyResult StudyFlight(const Options& options, Run* run) {
+StudyResult StudyFlight(const StudyArguments& options, Run* run) {
   run->progress.Stage("reading " + options.what);
   FlightNeeds needs;
   needs.imu = needs.gnss = needs.pairs = needs.trajectory = true;
@@ -93,7 +93,7 @@ void AddPlots(const StudyResult& study, Run* run) {
   }
 }
 
-void RunStudy(const Options& options, Run& run) {
+void RunStudy(const StudyArguments& options, Run& run) {
   const StudyResult study =
       IsScenario(options.what) ? StudyScenario(options, &run) : StudyFlight(options, &run);
   run.progress.Stage("writing " + options.common.out.string());
@@ -113,7 +113,7 @@ void RunStudy(const Options& options, Run& run) {
                                                         fmt::join(UnobservableWords(study), "; ")));
 }
 
-void AddOptions(CLI::App* app, Options* options) {
+void AddStudyOptions(CLI::App* app, StudyArguments* options) {
   CLI::Option* what = app->add_option(
       "FLIGHT", options->what,
       "Scenario file, the name of a shipped scenario, a flight folder, or the file of a flight");
@@ -146,7 +146,7 @@ void AddOptions(CLI::App* app, Options* options) {
   AddCommonOptions(app, &options->common, true);
 }
 
-Inputs InputsOf(const Options& options) {
+Inputs InputsOf(const StudyArguments& options) {
   if (!options.what.empty()) {
     return std::filesystem::is_directory(options.what) ? FlightInputs(options.what, {})
                                                        : ScenarioInputs(options.what);
@@ -156,7 +156,7 @@ Inputs InputsOf(const Options& options) {
   return inputs;
 }
 
-void RunOne(const Options& options, Run& run) {
+void RunOne(const StudyArguments& options, Run& run) {
   if (!options.lines.empty()) return RunLineChoice({options.lines, options.seed}, run);
   if (!options.sweep.file.empty()) return RunSweep(options.sweep, run);
   RunStudy(options, run);
@@ -165,12 +165,12 @@ void RunOne(const Options& options, Run& run) {
 }  // namespace
 
 void AddStudy(CLI::App* program, Action* action) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StudyArguments>();
   CLI::App* app = program->add_subcommand(
       "study",
       "Covariances, correlations and observability of a flight or a scenario; needs no measured "
       "values");
-  AddOptions(app, options.get());
+  AddStudyOptions(app, options.get());
   app->footer(
       "A design that leaves an unknown undetermined ends with exit code 1. docs/study.md says how "
       "to read it.\n"

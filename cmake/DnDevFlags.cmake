@@ -7,6 +7,9 @@ target_compile_options(dn_dev_flags INTERFACE
   # gcc 12 reports false overlaps and overflows for "text" + std::string (gcc bug 105651), the more
   # with precompiled headers; the address sanitizer finds the true ones.
   "$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-array-bounds;-Wno-stringop-overflow;-Wno-stringop-overread>"
+  # Where several sources are one file, gcc takes them for its headers, and what one of them holds
+  # outside functions for outer names of all.
+  "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage;-Wno-shadow>"
   $<$<BOOL:${DN_WERROR}>:-Werror>)
 if(DN_SANITIZE)
   target_compile_options(dn_dev_flags INTERFACE

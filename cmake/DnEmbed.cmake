@@ -30,5 +30,6 @@ function(dn_embed_files target)
     COMMAND ${CMAKE_COMMAND} "-DOUTPUT=${output}" "-DFILES=${A_FILES}" -P ${DN_EMBED_SCRIPT}
     DEPENDS ${depends} ${DN_EMBED_SCRIPT} VERBATIM)
   target_sources(${target} PRIVATE ${output})
-  set_source_files_properties(${output} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+  set_source_files_properties(${output} PROPERTIES
+    SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

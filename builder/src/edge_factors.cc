@@ -17,7 +17,7 @@ using internal::MeasurementNoise;
 constexpr const char* kCheckGnss = "check its sigmas and gnss.sigma_scale";
 constexpr const char* kCheckPair =
     "check its laser vectors and covariance, and the white noise of the IMU";
-constexpr double kSameEpochS = 1e-7;
+constexpr double kEpochRoundingS = 1e-7;
 
 template <class Effect>
 std::vector<std::shared_ptr<const Effect>> Of(const CalibrationState& state) {
@@ -73,7 +73,7 @@ PreparedEnd PrepareEnd(const Flight& flight, const CalibrationState& state,
   const MapPose& node = input.node;
   const LidarReading reading = Corrected(Of<LidarEffect>(state), LidarValues(state), tag_s, u_s);
   const double t_s = EpochOf(state, reading, tag_s);
-  if (t_s < node.t_s - kSameEpochS) {
+  if (t_s < node.t_s - kEpochRoundingS) {
     throw InvalidInput("lidar time offset: the estimate of " + std::to_string(tag_s - t_s) +
                        " s exceeds the " + std::to_string(kLidarTimeMarginS) +
                        " s that can be estimated; correct the time tags of the pairs first");
@@ -198,8 +198,8 @@ EndIncrements::EndIncrements(const Flight& flight, const CalibrationState& calib
       growing_(imu_, node_t_s, correction_, noise) {}
 
 Preintegrated EndIncrements::To(double epoch_s) {
-  return epoch_s - node_t_s_ > kSameEpochS ? growing_.To(epoch_s)
-                                           : IdentityIncrement(imu_, node_t_s_, correction_);
+  return epoch_s - node_t_s_ > kEpochRoundingS ? growing_.To(epoch_s)
+                                               : IdentityIncrement(imu_, node_t_s_, correction_);
 }
 
 PairParts MakePairParts(const Flight& flight, const CalibrationState& calibration,

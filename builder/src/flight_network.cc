@@ -23,7 +23,7 @@ constexpr double kEffectStep = 10.0;
 // Share of a pair's variance up to which the white noise of the increments to its epochs may be
 // counted in the inertial edges, too: it is the share by which the sum of squares would be low.
 constexpr double kNoiseCountedTwice = 1e-4;
-constexpr double kSameEpochS = 2e-6;
+constexpr double kOnNodeS = 2e-6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 BlockLabel Label(const std::string& quantity, std::vector<std::string> components,
@@ -218,7 +218,7 @@ void FlightNetwork::AddBiases(const InitialStates& initial) {
 void FlightNetwork::AddGnssErrors() {
   if (!flight_->gnss) return;
   const GnssConfig& config = *flight_->config.gnss;
-  const TimeInterval span{node_t_s_.front() - kSameEpochS, node_t_s_.back() + kSameEpochS};
+  const TimeInterval span{node_t_s_.front() - kOnNodeS, node_t_s_.back() + kOnNodeS};
   std::vector<double> epoch_t_s;
   Eigen::Array3d least_variance = Eigen::Array3d::Constant(kInfinity);
   for (const MapGnssEpoch& epoch : flight_->gnss->epochs) {
@@ -341,7 +341,7 @@ void FlightNetwork::AddGnssEdges() {
     const MapGnssEpoch& epoch = epochs[e];
     const double t_s = GnssEpochTime(calibration, epoch.t_s);
     const std::size_t k = NodeBefore(node_t_s_, t_s + 1e-6);
-    if (std::abs(node_t_s_[k] - t_s) > kSameEpochS) continue;  // outside the network's span
+    if (std::abs(node_t_s_[k] - t_s) > kOnNodeS) continue;  // outside the network's span
     GnssEdge edge{k, e, -1, -1};
     std::vector<BlockId> position{nodes[k].q_mb.id, nodes[k].p_mb.id, gnss_lever_arm.id};
     std::vector<BlockId> velocity{nodes[k].q_mb.id, nodes[k].v_m.id, gnss_lever_arm.id};
@@ -603,17 +603,17 @@ void FlightNetwork::Relinearise() {
 }
 
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {
-  constexpr double kSameNodeS = 1e-7;
-  if (t_s < node_t_s_.front() - kSameNodeS || t_s > node_t_s_.back() + kSameNodeS) {
+  constexpr double kOnNodeS = 1e-7;
+  if (t_s < node_t_s_.front() - kOnNodeS || t_s > node_t_s_.back() + kOnNodeS) {
     throw InvalidInput("flight network: t = " + std::to_string(t_s) +
                        " s lies outside its nodes, " + std::to_string(node_t_s_.front()) + " to " +
                        std::to_string(node_t_s_.back()) + " s");
   }
-  const std::size_t k = NodeBefore(node_t_s_, t_s + kSameNodeS);
+  const std::size_t k = NodeBefore(node_t_s_, t_s + kOnNodeS);
   const ImuCorrection correction =
       Calibration().ImuAt(GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k]));
   const Preintegrated increments =
-      t_s - node_t_s_[k] > kSameNodeS
+      t_s - node_t_s_[k] > kOnNodeS
           ? Preintegrate(*flight_->imu, node_t_s_[k], t_s, correction, noise_)
           : IdentityIncrement(*flight_->imu, node_t_s_[k], correction);
   return {k, StateAfterNode(flight_->frame, increments, NodePose(k).p_mb), increments};

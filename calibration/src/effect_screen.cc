@@ -21,10 +21,10 @@ constexpr double kAsLikelyNats = 3.0;
 // moves nothing.
 constexpr double kLargestPerTypical = 30.0;
 
-class Screener {
+class EffectScreener {
  public:
-  Screener(const std::vector<CandidateEffect>& candidates, const JointScore& score,
-           const ScreenOptions& options)
+  EffectScreener(const std::vector<CandidateEffect>& candidates, const JointScore& score,
+                 const ScreenOptions& options)
       : candidates_(candidates), score_(score), options_(options) {}
 
   EffectScreen Run() {
@@ -148,7 +148,7 @@ double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& com
 
 EffectScreen ScreenEffects(const std::vector<CandidateEffect>& candidates, const JointScore& score,
                            const ScreenOptions& options) {
-  return Screener(candidates, score, options).Run();
+  return EffectScreener(candidates, score, options).Run();
 }
 
 }  // namespace dn::internal

@@ -21,7 +21,7 @@ constexpr double kHalfOfVariance = 0.70710678118654752;
 constexpr double kSpacing_s = 2.5;
 // Of all strips together: the cost grows with its cube.
 constexpr double kMostNodes = 100.0;
-constexpr std::size_t kMostStrips = 64;
+constexpr std::size_t kMostOwnStrips = 64;
 
 /// The unknowns of a strip: its constant at `first`, then the nodes.
 struct StripUnknowns {
@@ -34,7 +34,7 @@ struct StripUnknowns {
 std::vector<StripInterval> Merged(std::vector<StripInterval> strips) {
   std::sort(strips.begin(), strips.end(),
             [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
-  const std::size_t together = 1 + (strips.size() - 1) / kMostStrips;
+  const std::size_t together = 1 + (strips.size() - 1) / kMostOwnStrips;
   std::vector<StripInterval> merged;
   for (std::size_t k = 0; k < strips.size(); ++k) {
     if (k % together == 0) {

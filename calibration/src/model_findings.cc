@@ -18,7 +18,7 @@ namespace {
 constexpr double kDamageInSigmas = 1.0;
 // Noise may be stated wrong by a factor of 1.4; more is another cause.
 constexpr double kLargestVarianceRatio = 2.0;
-constexpr double kLargestSigma0 = 3.0;
+constexpr double kLargestModelSigma0 = 3.0;
 constexpr double kPairsLeftOut = 0.3;
 constexpr double kGnssLeftOut = 0.1;
 constexpr double kLargestBoresightDeg = 15.0;
@@ -89,7 +89,7 @@ class Findings {
   }
 
   void JudgeSigma0(double sigma0) {
-    if (sigma0 <= kLargestSigma0) return;
+    if (sigma0 <= kLargestModelSigma0) return;
     // Effects that leave most of the misfit are not its cause.
     const bool unexplained = check_.sigma0_beside_effects > 0.5 * sigma0;
     Add(facts::Sigma0TooLarge{sigma0}, true, unexplained ? kCertain : 0.0);

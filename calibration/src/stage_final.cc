@@ -1,10 +1,11 @@
 #include <dn/calibration/stages.h>
 
+#include "relinearisations.h"
+
 namespace dn {
 namespace {
 
 constexpr const char* kName = "final least squares";
-constexpr int kMaxRelinearisations = 4;
 // Bias change (in the units of BiasChange) below which new increments change nothing.
 constexpr double kRelinearised = 0.02;
 
@@ -14,7 +15,7 @@ void SolveFinally(AdjustmentRun& run) {
   run.SetGnssLoss({});
   run.SetPairLoss({});
   run.network().Relinearise();
-  for (int k = 0; k < kMaxRelinearisations; ++k) {
+  for (int k = 0; k < internal::kMaxRelinearisations; ++k) {
     run.Solve(kName, run.options().max_iterations);
     if (run.network().BiasChange() < kRelinearised) break;
     run.network().Relinearise();

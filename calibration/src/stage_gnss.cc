@@ -16,13 +16,13 @@
 #include <utility>
 
 #include "network_at.h"
+#include "relinearisations.h"
 #include "robust_loss_of.h"
 
 namespace dn {
 namespace {
 
-constexpr Loss kUsualLoss{Loss::Type::kHuber, 3.0};
-constexpr int kMaxRelinearisations = 4;
+constexpr Loss kUsualGnssLoss{Loss::Type::kHuber, 3.0};
 constexpr int kMaxScreenings = 20;
 constexpr std::size_t kJumpEnds = 12;
 constexpr std::size_t kPositionBlock = 1;  // of a GNSS position edge
@@ -30,7 +30,7 @@ constexpr std::size_t kPositionBlock = 1;  // of a GNSS position edge
 // epochs.
 constexpr double kLargestRejectedShare = 1.0 / 3.0;
 // Residuals so many times their stated noise come from something else than noise.
-constexpr double kLargestSigma0 = 10.0;
+constexpr double kLargestGnssSigma0 = 10.0;
 // Of the misfit, that the clock takes away when it is off.
 constexpr double kExplainedShare = 0.5;
 constexpr const char* kOffset = "gnss_time_offset";
@@ -76,7 +76,7 @@ void CountRejected(AdjustmentRun& run) {
 // Far beyond any doubt about a stochastic model.
 void ExpectFit(AdjustmentRun& run) {
   const double sigma0 = EvaluateCost(run.network().net, run.options().threads).sigma0();
-  if (!(sigma0 > kLargestSigma0)) return;
+  if (!(sigma0 > kLargestGnssSigma0)) return;
   throw InvalidInput("inertial data and GNSS do not fit each other: their residuals are " +
                      FormatDouble(std::round(sigma0 * 10.0) / 10.0) +
                      " times the stated noise; check axes, units, lever arm, time tags and the "
@@ -113,9 +113,9 @@ void TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_f
 }
 
 /// The screening of one flight.
-class Screener {
+class EpochScreener {
  public:
-  explicit Screener(AdjustmentRun& run) : run_(run) {}
+  explicit EpochScreener(AdjustmentRun& run) : run_(run) {}
 
   /// One pass; false where nothing is left to change.
   bool Once() {
@@ -187,7 +187,7 @@ class Screener {
     marginals.ComputeSelectedInverse();
     const GnssCorrelation test = TestGnssCorrelation(network, marginals);
     const double ratio = LastingOverWhite(test.process, run_.flight());
-    if (!test.significant() || ratio > kLargestSigma0 * kLargestSigma0) {
+    if (!test.significant() || ratio > kLargestGnssSigma0 * kLargestGnssSigma0) {
       for (const auto& [id, active] : in_use) network.net.SetActive(id, active);
       return false;
     }
@@ -225,7 +225,7 @@ class Screener {
   bool ClockExplains() const {
     const double gain = 2.0 * (held_.cost - free_.cost);
     const double excess = 2.0 * held_.cost - static_cast<double>(held_.redundancy());
-    return gain >= kExplainedShare * excess && free_.sigma0() <= kLargestSigma0;
+    return gain >= kExplainedShare * excess && free_.sigma0() <= kLargestGnssSigma0;
   }
 
   ClockEstimate EstimateOf(const FlightNetwork& network) const {
@@ -271,16 +271,16 @@ LeftOutGnss CountLeftOutGnss(const FlightNetwork& network) {
 }
 
 void SolveInsGnss(AdjustmentRun& run) {
-  run.SetGnssLoss(internal::LossOf(run.flight().config.gnss->robust, kUsualLoss));
+  run.SetGnssLoss(internal::LossOf(run.flight().config.gnss->robust, kUsualGnssLoss));
   run.Solve("INS/GNSS, robust", run.options().max_iterations);
-  for (int k = 0; k < kMaxRelinearisations && run.network().BiasChange() > 1.0; ++k) {
+  for (int k = 0; k < internal::kMaxRelinearisations && run.network().BiasChange() > 1.0; ++k) {
     run.network().Relinearise();
     run.Solve("INS/GNSS, increments anew", run.options().max_iterations);
   }
 }
 
 void ScreenGnss(AdjustmentRun& run) {
-  Screener screener(run);
+  EpochScreener screener(run);
   for (int pass = 0; pass < kMaxScreenings; ++pass) {
     run.Announce("GNSS screening");
     CountRejected(run);

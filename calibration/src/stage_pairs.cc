@@ -10,7 +10,7 @@
 namespace dn {
 namespace {
 
-constexpr Loss kUsualLoss{Loss::Type::kCauchy, 3.0};
+constexpr Loss kUsualPairLoss{Loss::Type::kCauchy, 3.0};
 constexpr int kRobustIterations = 6;
 // Largest norm of a whitened 3-vector that belongs to the data: the quantile of chi_3 that leaves
 // as much outside as four sigmas of a normal variable do (6.3e-5).
@@ -43,7 +43,7 @@ void AddPairs(AdjustmentRun& run) {
 }
 
 void SolvePairsRobustly(AdjustmentRun& run) {
-  run.SetPairLoss(internal::LossOf(run.flight().config.lidar->robust, kUsualLoss));
+  run.SetPairLoss(internal::LossOf(run.flight().config.lidar->robust, kUsualPairLoss));
   run.Solve("lidar, robust", kRobustIterations);
 }
 

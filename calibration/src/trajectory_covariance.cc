@@ -10,7 +10,7 @@ namespace dn {
 namespace {
 
 constexpr std::size_t kMostEpochs = 64;
-constexpr std::size_t kMostStrips = kMostEpochs / 2;
+constexpr std::size_t kMostEpochPairs = kMostEpochs / 2;
 
 struct StripNode {
   std::size_t node;
@@ -50,7 +50,7 @@ TrajectoryCovariance ExtractTrajectoryCovariance(const Adjustment& adjustment,
                                                  const Marginals& marginals,
                                                  const std::vector<StripInterval>& strips) {
   TrajectoryCovariance out;
-  if (strips.empty() || strips.size() > kMostStrips) return out;
+  if (strips.empty() || strips.size() > kMostEpochPairs) return out;
   const FlightNetwork& network = *adjustment.network;
   const std::vector<StripNode> chosen = Choose(network.node_times(), strips);
   const auto T = static_cast<Eigen::Index>(chosen.size());

@@ -1,3 +1,4 @@
+#include <dn/calibration/angle_names.h>
 #include <dn/calibration/words.h>
 #include <dn/geo/text_table.h>
 #include <dn/gnss/gnss_process.h>
@@ -10,8 +11,6 @@
 
 namespace dn {
 namespace {
-
-constexpr const char* kAngles[] = {"roll", "pitch", "yaw"};
 
 std::string P(double p_value) {
   return p_value < 1e-12 ? "p < 1e-12" : fmt::format("p = {:.1g}", p_value);
@@ -46,7 +45,7 @@ std::string LargerNoise(const std::string& group) {
 }
 
 /// What may lie behind errors that last.
-std::string LastingErrors(const CommonErrorCheck& common) {
+std::string LastingErrorWords(const CommonErrorCheck& common) {
   if (StartsWith(common.name, "lidar p2p, over pairs of strips")) {
     return fmt::format(
         "strips {} disagree most; look at the matching of that file, and at the "
@@ -96,7 +95,7 @@ std::string Say(const facts::ErrorsShared& fact) {
   return fmt::format(
       "the residuals of {} share errors that the model takes as independent, of about {:.2g} of "
       "their sigmas ({}), which may move the result by {:.1f} sigma: {}",
-      common.name, common.sigma, P(common.p_value), common.damage, LastingErrors(common));
+      common.name, common.sigma, P(common.p_value), common.damage, LastingErrorWords(common));
 }
 
 std::string Say(const facts::PriorContradicted& fact) {
@@ -218,20 +217,20 @@ std::string Say(const facts::SigmaTooLarge& fact) {
   return fmt::format(
       "the standard deviation of {} exceeds 0.5 deg: more pairs, more overlapping strips, or a "
       "better attitude are needed",
-      kAngles[fact.angle]);
+      kAngleNames[fact.angle]);
 }
 
 std::string Say(const facts::SigmaAbovePairs& fact) {
   return fmt::format(
       "the standard deviation of {} exceeds ten times the resolution of a single pair: more "
       "overlapping strips are needed",
-      kAngles[fact.angle]);
+      kAngleNames[fact.angle]);
 }
 
 std::string Say(const facts::AnglesInseparable& fact) {
   return fmt::format(
       "{} and {} cannot be told apart: add a cross strip or a strip at another height",
-      kAngles[fact.first], kAngles[fact.second]);
+      kAngleNames[fact.first], kAngleNames[fact.second]);
 }
 
 std::string Say(const facts::TrajectoryEstimated&) {

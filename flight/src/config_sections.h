@@ -9,6 +9,9 @@
 
 namespace dn::internal {
 
+/// The least standard deviation [m], as of every number that must be positive.
+inline constexpr double kLeastSigmaM = 1e-12;
+
 /// Forward-right-down from forward-left-up, and back: a half turn about x.
 inline Eigen::Vector3d FlipBody(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "is_there.h"
 #include "pair_coverage.h"
 
 namespace dn {
@@ -17,11 +18,6 @@ namespace fs = std::filesystem;
 bool IsFile(const fs::path& path) {
   std::error_code none;
   return fs::is_regular_file(path, none);
-}
-
-bool IsThere(const fs::path& path) {
-  std::error_code none;
-  return fs::status(path, none).type() != fs::file_type::not_found;
 }
 
 FileLocation PlaceOfMaxGap(const fs::path& file) {
@@ -66,7 +62,7 @@ class FolderReader {
   /// True when something is there under the name of a section's file; likewise. Its reader says so
   /// when it is no regular file.
   bool HasFile(const fs::path& path, const char* key) const {
-    const bool present = IsThere(path);
+    const bool present = internal::IsThere(path);
     if (!present && !needs_.optional) {
       throw InvalidInput("the data file " + path.string() + " does not exist; the key " + key +
                          " of flight.yaml names it");
@@ -162,7 +158,7 @@ class FolderReader {
     std::optional<TrajectoryConfig>& section = flight_.config.trajectory;
     const std::string usual = TrajectoryConfig().file;
     for (const std::string& name : {usual, std::string("trajectory.txt")}) {
-      if (!IsThere(InFolder(name))) continue;
+      if (!internal::IsThere(InFolder(name))) continue;
       if (!section) section = TrajectoryConfig();
       if (section->file == usual) section->file = name;
       return;
@@ -196,7 +192,7 @@ class FolderReader {
   bool HasPairFiles() {
     std::vector<std::string>& patterns = flight_.config.lidar->p2p;
     const std::vector<std::string> usual = LidarConfig().p2p;
-    if (patterns == usual && !IsThere(InFolder(usual.front())) &&
+    if (patterns == usual && !internal::IsThere(InFolder(usual.front())) &&
         fs::is_directory(InFolder("lidar"))) {
       patterns = {"lidar/*.txt"};
     }
@@ -269,7 +265,7 @@ class FolderReader {
   std::optional<Trajectory> ReadIfPresent(const std::string& stem) {
     for (const char* extension : {".out", ".txt"}) {
       const fs::path file = InFolder(stem + extension);
-      if (IsThere(file)) return ReadTrajectory(file, flight_.config.body_is_flu);
+      if (internal::IsThere(file)) return ReadTrajectory(file, flight_.config.body_is_flu);
     }
     return std::nullopt;
   }

@@ -7,26 +7,22 @@
 #include <algorithm>
 
 #include "config_sections.h"
+#include "is_there.h"
 
 namespace dn {
 namespace {
 
 namespace fs = std::filesystem;
 
-bool IsThere(const fs::path& path) {
-  std::error_code none;
-  return fs::status(path, none).type() != fs::file_type::not_found;
-}
-
 /// The file of a flight folder, or the file itself.
 fs::path ConfigFile(const fs::path& folder_or_file) {
   if (fs::is_directory(folder_or_file)) {
     fs::path file = folder_or_file / "flight.yaml";
-    if (IsThere(file)) return file;
+    if (internal::IsThere(file)) return file;
     throw InvalidConfig("the flight folder has no flight.yaml; docs/flight.yaml is a model",
                         FileLocation{file.string(), 0, 0});
   }
-  if (IsThere(folder_or_file)) return folder_or_file;
+  if (internal::IsThere(folder_or_file)) return folder_or_file;
   throw InvalidConfig("there is no flight folder '" + folder_or_file.string() + "'");
 }
 
@@ -113,9 +109,9 @@ void ReadSensors(const YamlValue& root, FlightConfig& config) {
 
 /// Whether the first data file that is named lies in the folder.
 bool HoldsData(const fs::path& folder, const FlightConfig& config) {
-  if (config.imu) return IsThere(folder / config.imu->file);
-  if (config.gnss) return IsThere(folder / config.gnss->file);
-  return !config.trajectory || IsThere(folder / config.trajectory->file);
+  if (config.imu) return internal::IsThere(folder / config.imu->file);
+  if (config.gnss) return internal::IsThere(folder / config.gnss->file);
+  return !config.trajectory || internal::IsThere(folder / config.trajectory->file);
 }
 
 /// Where the data of a file in `folder` lie.

@@ -5,12 +5,10 @@
 namespace dn {
 namespace {
 
-constexpr double kLeastSigmaM = 1e-12;  // as of every number that must be positive
-
 Eigen::Vector3d ProcessSigmas(const YamlValue& value) {
   Eigen::Vector3d sigma = value.Vector3();
   if (sigma.minCoeff() < 0.0) value.Fail("no element may be negative");
-  if (sigma.maxCoeff() < kLeastSigmaM) value.Fail("one element must be at least 1e-12");
+  if (sigma.maxCoeff() < internal::kLeastSigmaM) value.Fail("one element must be at least 1e-12");
   return sigma;
 }
 

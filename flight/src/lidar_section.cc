@@ -9,7 +9,6 @@
 namespace dn::internal {
 namespace {
 
-constexpr double kLeastSigmaM = 1e-12;   // what sigma_p_m accepts
 constexpr double kUnitTolerance = 1e-3;  // axes typed with three digits
 constexpr double kRoundOff = 4e-16;
 constexpr double kMaxCosineOfAxes = 1e-2;  // half a degree from a right angle

@@ -137,7 +137,7 @@ double PriorSigma(const EffectSpec& spec, const VectorXd& estimate) {
              : sigma;
 }
 
-void Estimate(const EffectSpec& spec, const GapCause& cause, FlightConfig* config) {
+void AddToEstimate(const EffectSpec& spec, const GapCause& cause, FlightConfig* config) {
   const auto same = [&](const EstimateEntry& entry) { return entry.unknown == spec.name; };
   if (std::any_of(config->estimate.begin(), config->estimate.end(), same)) return;
   EstimateEntry entry{.unknown = spec.name, .times = cause.times};
@@ -181,7 +181,7 @@ FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes) 
   for (const GapCause& cause : causes) {
     const EffectSpec& spec = SpecOf(cause.effect);
     if (spec.kind == EffectKind::kFixed) {
-      Estimate(spec, cause, &config);
+      AddToEstimate(spec, cause, &config);
     } else if (const Statement* statement = FindStatement(cause.effect)) {
       statement->put(flight, cause, ValueInSi(spec, FileValue(cause)), &config);
     }

@@ -17,7 +17,7 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kFewestPairs = 12;
+constexpr std::size_t kFewestPairsOfGroup = 12;
 constexpr std::size_t kMostStripPairs = 12;
 
 using Factors = std::set<FactorId>;
@@ -36,7 +36,7 @@ std::vector<Factors> ByStrips(const FlightNetwork& network) {
   }
   std::vector<Factors> groups;
   for (auto& [names, factors] : found) {
-    if (factors.size() >= kFewestPairs) groups.push_back(std::move(factors));
+    if (factors.size() >= kFewestPairsOfGroup) groups.push_back(std::move(factors));
   }
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Factors& a, const Factors& b) { return a.size() > b.size(); });
@@ -45,13 +45,13 @@ std::vector<Factors> ByStrips(const FlightNetwork& network) {
 }
 
 /// A boresight as a linear function of all data: -G^T (residuals); rows of no part are zero.
-struct Estimate {
+struct GroupEstimate {
   Eigen::Vector3d theta_rad = Eigen::Vector3d::Zero();
   Eigen::MatrixXd G;
 };
 
-std::optional<Estimate> FromPairsOf(const Factors& group, const FlightNetwork& network,
-                                    const LinearizedNetwork& all) {
+std::optional<GroupEstimate> FromPairsOf(const Factors& group, const FlightNetwork& network,
+                                         const LinearizedNetwork& all) {
   Network net = network.net;
   for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
     if (group.count(edge.id) == 0) net.SetActive(edge.id, false);
@@ -63,7 +63,7 @@ std::optional<Estimate> FromPairsOf(const Factors& group, const FlightNetwork& n
   E.middleRows(first, 3).setIdentity();
   try {
     const Eigen::MatrixXd G = linearized.Times(Marginals(linearized).Solve(E));
-    Estimate estimate;
+    GroupEstimate estimate;
     estimate.theta_rad = -G.transpose() * linearized.residual();
     estimate.G = Eigen::MatrixXd::Zero(all.rows(), 3);
     for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
@@ -116,7 +116,7 @@ std::optional<double> BoresightScatter(const FlightNetwork& network, int threads
   const std::vector<Factors> groups = ByStrips(network);
   if (groups.size() < 2) return std::nullopt;
   const LinearizedNetwork all(network.net, threads);
-  std::vector<std::optional<Estimate>> estimates(groups.size());
+  std::vector<std::optional<GroupEstimate>> estimates(groups.size());
   ParallelFor(static_cast<int>(groups.size()), threads, [&](int k) {
     const auto at = static_cast<std::size_t>(k);
     estimates[at] = FromPairsOf(groups[at], network, all);

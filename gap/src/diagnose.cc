@@ -49,7 +49,7 @@ constexpr double kTrajectoryStepS = 0.01;
 constexpr int kFullTwins = 8;  // of each kind
 // p-value of the flight among its simulated twins below which they are not like it.
 constexpr double kUnlike = 0.01;
-constexpr long kLeastRedundancy = 30;
+constexpr long kLeastFlightRedundancy = 30;
 
 std::vector<double> Over(const Twins& twins, double Appearance::*what) {
   std::vector<double> values;
@@ -89,7 +89,7 @@ class Diagnosis {
     auto base = std::make_unique<ExplainedFlight>(explainer_.Explain({}));
     watch_.Lap("adjustment and screen");
     if (options_.depth == GapOptions::Depth::kLimits) return Limits(*base);
-    if (base->solution->trajectory().figures.redundancy < kLeastRedundancy) {
+    if (base->solution->trajectory().figures.redundancy < kLeastFlightRedundancy) {
       return Unavailable(flight_, options_,
                          "the measurements hardly exceed the unknowns, so that nothing can "
                          "contradict; it takes a longer flight");

@@ -28,7 +28,7 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kFewestPairs = 100;
+constexpr std::size_t kFewestPairsOfFlight = 100;
 // Of larger errors of the trajectory: what else its errors do, which the model of them leaves out,
 // takes up to about half of it on good flights.
 constexpr double kLargerErrorsNats = 20.0;
@@ -486,12 +486,13 @@ GaussHelmertCalibration Calibrate(const Flight& flight, const GapOptions& option
 
 GapResult DiagnoseGaussHelmert(const Flight& flight, const GapOptions& options) {
   const std::size_t pairs = flight.pairs ? flight.pairs->pairs.size() : 0;
-  if (!flight.trajectory || !flight.config.lidar || pairs < kFewestPairs) {
+  if (!flight.trajectory || !flight.config.lidar || pairs < kFewestPairsOfFlight) {
     return Unavailable(
         flight, options,
         fmt::format("without inertial and GNSS data it takes a trajectory and at least {} "
                     "pairs, and there {} {}",
-                    kFewestPairs, flight.trajectory ? "are" : "is no trajectory, and", pairs));
+                    kFewestPairsOfFlight, flight.trajectory ? "are" : "is no trajectory, and",
+                    pairs));
   }
   GaussHelmertDiagnosis diagnosis(flight, options, Calibrate(flight, options));
   return options.depth == GapOptions::Depth::kLimits ? diagnosis.Limits() : diagnosis.Run();

@@ -7,6 +7,8 @@
 
 namespace dn::internal {
 
+inline constexpr double kMmPerM = 1e3;
+
 /// To so many significant digits: "0.0012", "930", "1.2e+06".
 std::string Rounded(double value, int digits);
 

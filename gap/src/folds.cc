@@ -14,7 +14,7 @@ using Eigen::Vector2d;
 
 constexpr double kOutageS = 30.0;
 constexpr int kOutagesApart = 6;  // from the begin of one to that of the next, in outages
-constexpr std::size_t kFewestPairs = 12;
+constexpr std::size_t kFewestPairsOfTile = 12;
 
 /// Where on the ground a pair lies, from the node before it: to some tens of metres.
 std::vector<Vector2d> GroundOfPairs(const FlightNetwork& network) {
@@ -71,7 +71,7 @@ class Tiles {
 
 void AddTiles(const FlightNetwork& network, int count, std::vector<Fold>* folds) {
   const std::size_t pairs = network.pair_edges.size();
-  const int tiles = std::min(count, static_cast<int>(pairs / kFewestPairs));
+  const int tiles = std::min(count, static_cast<int>(pairs / kFewestPairsOfTile));
   if (tiles < 2) return;
   const std::vector<Vector2d> ground_m = GroundOfPairs(network);
   const Tiles split(ground_m, tiles);

@@ -17,15 +17,13 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kFewest = 3;
+constexpr std::size_t kFewestTwins = 3;
 constexpr std::size_t kMostConspicuous = 20;
 constexpr std::size_t kMostLinear = 100;  // that the energy distance looks at
 constexpr int kPermutations = 999;
 // By this share the mark of an effect may differ where pairs lie elsewhere, on ground of another
 // shape, as those of a replay do.
 constexpr double kOtherGround = 0.25;
-// Share of the twins' correlation matrix that gives way to the identity.
-constexpr double kShrunk = 0.1;
 
 NamedStatistics StatisticsOf(const Flight& flight, const std::function<bool()>& interrupted) {
   AdjustOptions options;
@@ -186,7 +184,7 @@ LinearTwins NamedLinearTwins(const std::vector<LocationStatistic>& statistics, c
 std::optional<double> FullAgainstLinear(const std::vector<NamedStatistics>& full,
                                         const LinearTwins& linear, std::uint64_t seed) {
   const std::vector<std::string> names = CommonNames(full, linear.mean);
-  if (full.size() < kFewest || names.empty()) return std::nullopt;
+  if (full.size() < kFewestTwins || names.empty()) return std::nullopt;
   std::vector<Eigen::VectorXd> points;
   for (const NamedStatistics& one : full) points.push_back(Standardised(one, names, linear));
   const std::size_t half = linear.all.size() / 2;
@@ -213,7 +211,7 @@ std::optional<double> LikeTwins(const NamedStatistics& flight,
   const std::vector<std::string> names =
       MostConspicuous(flight, CommonNames(both, linear.mean), linear);
   const std::size_t half = linear.all.size() / 2;
-  if (twins.size() < kFewest || names.empty() || half <= twins.size()) return std::nullopt;
+  if (twins.size() < kFewestTwins || names.empty() || half <= twins.size()) return std::nullopt;
   std::vector<Eigen::VectorXd> z;
   for (const NamedStatistics& one : linear.all) z.push_back(Standardised(one, names, linear));
   const Eigen::LLT<Eigen::MatrixXd> correlation = CorrelationOf(z);

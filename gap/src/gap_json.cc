@@ -3,13 +3,14 @@
 
 #include <cmath>
 
+#include "effect_words.h"
+
 namespace dn {
 namespace {
 
 using Eigen::Vector3d;
 
 constexpr double kMdegPerRad = 1e3 * kDegPerRad;
-constexpr double kMmPerM = 1e3;
 
 Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
@@ -44,8 +45,8 @@ Json GapPart(const GapDiagnosis& d) {
         {"null_interval_95", Pair(d.size.null_low, d.size.null_high)},
         {"upper_limit_95", Number(d.size.upper_limit_95)}}},
       {"user_units",
-       {{"p2p_excess_mm", Scaled(units.p2p_excess_m, kMmPerM)},
-        {"gnss_excess_mm", Scaled(units.gnss_excess_m, kMmPerM)},
+       {{"p2p_excess_mm", Scaled(units.p2p_excess_m, internal::kMmPerM)},
+        {"gnss_excess_mm", Scaled(units.gnss_excess_m, internal::kMmPerM)},
         {"boresight_inconsistency_mdeg", Scaled(units.boresight_inconsistency_rad, kMdegPerRad)},
         {"gh_minus_dn_mdeg", Scaled(units.gh_minus_dn_rad, kMdegPerRad)}}}};
 }
@@ -98,7 +99,7 @@ Json Discrepancies(const std::vector<GapDiscrepancy>& discrepancies) {
   return list;
 }
 
-Json Verdict(const GapVerdict& verdict) {
+Json VerdictPart(const GapVerdict& verdict) {
   return {{"kind", Word(verdict.kind)},
           {"effects", verdict.effects},
           {"credible_set", verdict.credible_set},
@@ -120,10 +121,10 @@ Json Shrinkage(const std::optional<GapShrinkage>& shrinkage) {
           {"size_after", Number(after.size_nats_per_obs)},
           {"held_out_gain_nats", Number(shrinkage->held_out_gain_nats)},
           {"reachable_left_nats", Number(shrinkage->reachable_left_nats)},
-          {"p2p_mm_before", Scaled(before.p2p_m, kMmPerM)},
-          {"p2p_mm_after", Scaled(after.p2p_m, kMmPerM)},
-          {"gnss_mm_before", Scaled(before.gnss_m, kMmPerM)},
-          {"gnss_mm_after", Scaled(after.gnss_m, kMmPerM)},
+          {"p2p_mm_before", Scaled(before.p2p_m, internal::kMmPerM)},
+          {"p2p_mm_after", Scaled(after.p2p_m, internal::kMmPerM)},
+          {"gnss_mm_before", Scaled(before.gnss_m, internal::kMmPerM)},
+          {"gnss_mm_after", Scaled(after.gnss_m, internal::kMmPerM)},
           {"boresight_before_deg", Scaled(before.boresight_rad, kDegPerRad)},
           {"boresight_after_deg", Scaled(after.boresight_rad, kDegPerRad)},
           {"boresight_sigma_before_deg", Scaled(before.boresight_sigma_rad, kDegPerRad)},
@@ -185,7 +186,7 @@ Json GapJson(const GapDiagnosis& diagnosis) {
           {"where", Where(diagnosis.where)},
           {"causes", Causes(diagnosis.causes)},
           {"discrepancies", Discrepancies(diagnosis.discrepancies)},
-          {"verdict", Verdict(diagnosis.verdict)},
+          {"verdict", VerdictPart(diagnosis.verdict)},
           {"shrinkage", Shrinkage(diagnosis.shrinkage)},
           {"could_still_hide", Hidden(diagnosis.could_still_hide)},
           {"fingerprint", Fingerprint(diagnosis.fingerprint)},

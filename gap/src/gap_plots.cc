@@ -7,7 +7,7 @@
 namespace dn {
 namespace {
 
-constexpr std::size_t kMostCauses = 15;
+constexpr std::size_t kMostCausesDrawn = 15;
 constexpr std::size_t kMostStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
 constexpr double kBeside = 0.2;         // of two bars on one row
@@ -18,7 +18,7 @@ std::optional<GapPlot> CausesPlot(const GapDiagnosis& d) {
   PlotSeries evidence{"log evidence", {}, PlotStyle::kBars};
   PlotPanel panel;
   for (const GapCause& cause : d.causes) {
-    if (panel.rows.size() == kMostCauses) break;
+    if (panel.rows.size() == kMostCausesDrawn) break;
     evidence.points.emplace_back(cause.log_evidence, static_cast<double>(panel.rows.size()));
     panel.rows.push_back(fmt::format("{} ({:.2f})", cause.effect, cause.posterior));
   }

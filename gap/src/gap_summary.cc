@@ -13,15 +13,14 @@ namespace dn {
 namespace {
 
 constexpr std::size_t kMostPlaces = 5;
-constexpr std::size_t kMostCauses = 8;
+constexpr std::size_t kMostCausesTold = 8;
 constexpr std::size_t kMostHidden = 5;
 constexpr double kLeastPosterior = 0.05;
-constexpr double kMmPerM = 1e3;
 
 std::string P(double p_value) { return fmt::format("{:.2g}", p_value); }
 
 std::string Mm(const std::optional<double>& m) {
-  return m ? fmt::format("{:.1f}", kMmPerM * *m) : "-";
+  return m ? fmt::format("{:.1f}", internal::kMmPerM * *m) : "-";
 }
 
 std::string SizeLines(const GapDiagnosis& d) {
@@ -88,7 +87,7 @@ std::string CauseLines(const GapDiagnosis& d) {
   const bool moves = internal::HasBoresight(d);
   std::string text = fmt::format("{:<10}{:<28}{:>6}{:>9}  {:<22} {}\n", "causes", "", "prob.",
                                  "nats", moves ? "moves [mdeg]" : "", "by");
-  for (std::size_t i = 0; i < std::min(kMostCauses, d.causes.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMostCausesTold, d.causes.size()); ++i) {
     const GapCause& cause = d.causes[i];
     text += fmt::format("        {} {:<28}{:>6.2f}{:>9.1f}  {:<22} {}{}\n",
                         Mark(d.verdict, cause.effect), cause.effect, cause.posterior,

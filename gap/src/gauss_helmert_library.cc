@@ -17,15 +17,14 @@
 namespace dn::internal {
 namespace {
 
-constexpr int kScanAngleBumps = 7;
 constexpr int kScanAnglePlaces = 8;
 constexpr std::size_t kMostStrips = 24;
-constexpr std::size_t kFewestPairs = 5;  // of a place
+constexpr std::size_t kFewestPairsOfPlace = 5;  // of a place
 
-class Maker {
+class GaussHelmertLibraryMaker {
  public:
-  Maker(const Flight& flight, const LinearPairs& pairs, const std::vector<StripInterval>& strips,
-        const LibraryOptions& options)
+  GaussHelmertLibraryMaker(const Flight& flight, const LinearPairs& pairs,
+                           const std::vector<StripInterval>& strips, const LibraryOptions& options)
       : flight_(flight),
         lidar_(*flight.config.lidar),
         pairs_(pairs),
@@ -130,7 +129,7 @@ class Maker {
 
   /// A common offset of some pairs.
   void AddPlace(const std::string& location, const std::vector<std::size_t>& members) {
-    if (members.size() < kFewestPairs) return;
+    if (members.size() < kFewestPairsOfPlace) return;
     CandidateEffect block;
     block.name = location;
     block.typical = Eigen::Vector3d::Constant(lidar_.sigma_p_m);
@@ -179,7 +178,7 @@ class Maker {
 GaussHelmertLibrary MakeLibrary(const Flight& flight, const LinearPairs& pairs,
                                 const std::vector<StripInterval>& strips,
                                 const LibraryOptions& options) {
-  return Maker(flight, pairs, strips, options).Run();
+  return GaussHelmertLibraryMaker(flight, pairs, strips, options).Run();
 }
 
 }  // namespace dn::internal

@@ -10,6 +10,9 @@
 
 namespace dn::internal {
 
+/// Bumps of LaserByScanAngle over the scan angles of a flight.
+inline constexpr int kScanAngleBumps = 7;
+
 /// Stretches of time, one after the other; the first and the last have no outer end.
 struct TimeCells {
   std::vector<double> start_s;  ///< ascending

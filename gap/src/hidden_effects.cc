@@ -28,10 +28,10 @@ struct Rival {
 };
 
 /// The decision on the scores of some candidates, simulated.
-class Decision {
+class NamingTrials {
  public:
-  Decision(const Screen& screen, std::size_t truth, const Eigen::VectorXd& direction,
-           double threshold_nats)
+  NamingTrials(const Screen& screen, std::size_t truth, const Eigen::VectorXd& direction,
+               double threshold_nats)
       : screen_(screen), direction_(direction), threshold_nats_(threshold_nats) {
     rivals_.push_back({truth, screen.library().candidates[truth].name});
     FindRivals();
@@ -158,7 +158,7 @@ HiddenEffect Limits(const Screen& screen, const EffectFamily& family, double thr
       hidden.boresight_damage_rad = times * ShiftOf(candidate, screen.score()) * direction;
     }
   }
-  const Decision decision(screen, middle, direction, threshold_nats);
+  const NamingTrials decision(screen, middle, direction, threshold_nats);
   std::map<std::string, int> instead;
   const double start = std::clamp(hidden.minimal_detectable / unit, 1.0 / kLargest, kLargest);
   for (double size = 0.5 * start; size <= kLargest * std::max(1.0, start); size *= kStep) {

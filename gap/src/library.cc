@@ -13,10 +13,9 @@
 namespace dn::internal {
 namespace {
 
-constexpr int kScanAngleBumps = 7;
 constexpr double kShortestPeriodS = 30.0;
 constexpr int kMostGnssCosines = 40, kMostBiasCosines = 24;
-constexpr double kTausS[] = {10.0, 40.0, 160.0, 640.0};
+constexpr double kNetworkTausS[] = {10.0, 40.0, 160.0, 640.0};
 
 Candidate Physical(const std::string& name, std::size_t block) {
   const EffectSpec& spec = *FindEffect(name);
@@ -34,10 +33,10 @@ Candidate Physical(const std::string& name, std::size_t block) {
   return candidate;
 }
 
-class Maker {
+class LibraryMaker {
  public:
-  Maker(const FlightNetwork& network, const LinearizedNetwork& linearized,
-        const LibraryOptions& options)
+  LibraryMaker(const FlightNetwork& network, const LinearizedNetwork& linearized,
+               const LibraryOptions& options)
       : network_(network), linearized_(linearized), options_(options) {
     begin_s_ = network.node_times().front();
     length_s_ = network.node_times().back() - begin_s_;
@@ -155,7 +154,7 @@ class Maker {
 
   void AddProcesses(const std::string& name, std::size_t block, const Cosines& cosines) {
     if (!options_.Wanted(name)) return;
-    for (const double tau_s : kTausS) {
+    for (const double tau_s : kNetworkTausS) {
       if (tau_s > 0.5 * length_s_) continue;
       Candidate process = Physical(name, block);
       const Eigen::VectorXd axes = process.typical.size() == 3
@@ -256,7 +255,7 @@ bool LibraryOptions::Wanted(const std::string& effect) const {
 
 Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linearized,
                     const LibraryOptions& options) {
-  return Maker(network, linearized, options).Run();
+  return LibraryMaker(network, linearized, options).Run();
 }
 
 Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,

@@ -15,12 +15,12 @@ namespace dn::internal {
 namespace {
 
 // Share of its errors that a residual must show to be looked at.
-constexpr double kLeastRedundancy = 1e-4;
+constexpr double kLeastTermRedundancy = 1e-4;
 constexpr int kWindows = 8;
 constexpr int kLongLag = 10;
 constexpr int kScanAngleBins = 5;
 constexpr int kRangeBins = 3;
-constexpr std::size_t kFewest = 12;
+constexpr std::size_t kFewestTerms = 12;
 
 std::string SensorOf(const std::string& channel) {
   if (channel.rfind("gnss", 0) == 0) return "gnss";
@@ -54,7 +54,7 @@ Locations::Locations(const FlightNetwork& network, const LinearizedNetwork& line
                      const Eigen::VectorXd& redundancy)
     : weight_(Eigen::VectorXd::Zero(redundancy.size())) {
   for (Eigen::Index k = 0; k < redundancy.size(); ++k) {
-    if (redundancy[k] > kLeastRedundancy) weight_[k] = 1.0 / std::sqrt(redundancy[k]);
+    if (redundancy[k] > kLeastTermRedundancy) weight_[k] = 1.0 / std::sqrt(redundancy[k]);
   }
   std::map<std::string, Series> all;
   for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
@@ -96,7 +96,7 @@ void Locations::Add(const LocationStatistic& statistic, Form form, Terms terms) 
 }
 
 void Locations::AddSeries(const Series& series) {
-  if (series.terms.size() < kFewest) return;
+  if (series.terms.size() < kFewestTerms) return;
   Add({series.sensor, series.quantity + ", mean", ""}, Form::kMean, series.terms);
   Add({series.sensor, series.quantity + ", mean square", ""}, Form::kSquare, series.terms);
   Terms lag = series.terms;
@@ -119,7 +119,7 @@ void Locations::AddWindows(const Series& series) {
   }
   for (int k = 0; k < kWindows; ++k) {
     Terms& window = windows[static_cast<std::size_t>(k)];
-    if (window.size() < kFewest) continue;
+    if (window.size() < kFewestTerms) continue;
     const std::string when =
         fmt::format("{:.0f}..{:.0f} s", window.front().second, window.back().second);
     Add({series.sensor, series.quantity + ", mean", when}, Form::kMean, window);
@@ -186,7 +186,7 @@ void Locations::AddPairs(const FlightNetwork& network, const LinearizedNetwork& 
   }
   for (auto& [name, of_axes] : groups) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (of_axes[axis].size() < kFewest) continue;
+      if (of_axes[axis].size() < kFewestTerms) continue;
       const std::string quantity = std::string("p2p ") + axes[axis];
       Add({"lidar", quantity + ", mean", name}, Form::kMean, of_axes[axis]);
       Add({"lidar", quantity + ", mean square", name}, Form::kSquare, of_axes[axis]);

@@ -17,7 +17,7 @@
 namespace dn::internal {
 namespace {
 
-constexpr double kTausS[] = {4.0, 15.0, 60.0, 240.0};
+constexpr double kProcessTausS[] = {4.0, 15.0, 60.0, 240.0};
 // Powers of ten of the size, relative to the usual one, and how likely each is.
 constexpr double kPowers[] = {-1.0, -0.5, 0.0, 0.5, 1.0};
 constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
@@ -167,7 +167,7 @@ void JudgeProcess(const Flight& flight, const std::vector<GapCause>& beside,
                   ScreenedEffect* effect) {
   const Trial trial(flight, beside, adjust, threads, effect->name);
   std::vector<AtTau> all;
-  for (const double tau_s : kTausS) {
+  for (const double tau_s : kProcessTausS) {
     if (const std::optional<AtTau> at = trial.At(tau_s)) all.push_back(*at);
   }
   if (all.empty()) return;
@@ -176,7 +176,7 @@ void JudgeProcess(const Flight& flight, const std::vector<GapCause>& beside,
   });
   LogSum sum;
   for (const AtTau& at : all) sum.Add(at.log_evidence);
-  effect->log_evidence = sum.Value() - std::log(static_cast<double>(std::size(kTausS)));
+  effect->log_evidence = sum.Value() - std::log(static_cast<double>(std::size(kProcessTausS)));
   const std::optional<LikeliestTau> likeliest = BetweenTaus(all);
   if (likeliest) best = trial.At(likeliest->tau_s).value_or(best);
   const double by_tau = likeliest ? likeliest->slope_of_ln_size * likeliest->relative_sigma : 0.0;

@@ -14,8 +14,6 @@ namespace dn::internal {
 namespace {
 
 constexpr int kBatch = 16;
-// Share of the twins' correlation matrix that gives way to the identity.
-constexpr double kShrunk = 0.1;
 
 /// Share of the values that are at least x, itself among them.
 double Rank(const std::vector<double>& values, double x) {

@@ -13,6 +13,9 @@
 
 namespace dn::internal {
 
+/// Share of the twins' correlation matrix that gives way to the identity.
+inline constexpr double kShrunk = 0.1;
+
 /// What one set of residuals looks like to the diagnosis.
 struct Appearance {
   Eigen::VectorXd locations;     ///< Locations::Evaluate

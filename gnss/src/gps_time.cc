@@ -16,7 +16,6 @@ using std::chrono::year;
 using std::chrono::year_month_day;
 
 constexpr sys_days kGpsEpoch = year{1980} / 1 / 6;
-constexpr double kDayS = 86400.0;
 
 /// Days from which GPS time was ahead of UTC by one more second (IERS Bulletin C).
 constexpr std::array<year_month_day, 18> kLeapDays{

@@ -2,6 +2,8 @@
 
 namespace dn::internal {
 
+inline constexpr double kDayS = 86400.0;
+
 /// A GPS time: week since 1980-01-06 and seconds of it.
 struct GpsTime {
   long week = 0;

@@ -15,10 +15,8 @@
 namespace dn::internal {
 namespace {
 
-constexpr double kDayS = 86400.0;
-
 /// The fields of "$GPGGA,...*hh" without the '$' and the checksum; none where that is wrong.
-std::vector<std::string_view> Fields(std::string_view line) {
+std::vector<std::string_view> FieldsOf(std::string_view line) {
   while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
   if (line.empty() || line.front() != '$') return {};
   line.remove_prefix(1);
@@ -178,7 +176,7 @@ GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
   LineReader lines(file);
   for (std::string_view line; lines.Next(&line);) {
     const FileLocation where{file.string(), lines.line(), 0};
-    const std::vector<std::string_view> fields = Fields(line);
+    const std::vector<std::string_view> fields = FieldsOf(line);
     if (!stamp) stamp = StampOf(fields, where);
     if (fields.empty() && line.find("GGA") != std::string_view::npos) ++unusable;
     if (!IsSentence(fields, "GGA", 12)) continue;

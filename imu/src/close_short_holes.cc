@@ -38,7 +38,7 @@ void AddError(const std::vector<ImuSample>& x, std::size_t first, std::size_t la
 }
 
 /// Whether no hole, bridged or not, lies between sample k and the one before.
-bool Adjoins(const ImuData& imu, std::size_t k) {
+bool FollowsWithoutHole(const ImuData& imu, std::size_t k) {
   const ImuSample& sample = imu.samples[k];
   return sample.t_s - imu.samples[k - 1].t_s <= LongestImuInterval(imu.nominal_dt_s) &&
          sample.dt_s <= LongestImuInterval(imu.nominal_dt_s);
@@ -48,9 +48,9 @@ bool Adjoins(const ImuData& imu, std::size_t k) {
 Errors NearbyErrors(const ImuData& imu, std::size_t k, std::size_t missing) {
   const std::size_t reach = kTrials + missing;
   std::size_t begin = k - 1;
-  while (begin > 0 && k - 1 - begin < reach && Adjoins(imu, begin)) --begin;
+  while (begin > 0 && k - 1 - begin < reach && FollowsWithoutHole(imu, begin)) --begin;
   std::size_t end = k + 1;
-  while (end < imu.samples.size() && end - k <= reach && Adjoins(imu, end)) ++end;
+  while (end < imu.samples.size() && end - k <= reach && FollowsWithoutHole(imu, end)) ++end;
   Errors sum;
   for (std::size_t i = begin; i + missing + 1 < k; ++i) {
     AddError(imu.samples, i, i + missing + 1, &sum);

@@ -94,7 +94,7 @@ bool IsRegular(const ImuData& imu, std::size_t k) {
   return dt_s > kShortest && dt_s < kLongest;
 }
 
-bool Adjoins(const ImuData& imu, std::size_t k) {
+bool FollowsRegularly(const ImuData& imu, std::size_t k) {
   constexpr double kLongest = 1.5;
   return IsRegular(imu, k) &&
          imu.samples[k].t_s - imu.samples[k - 1].t_s < kLongest * imu.nominal_dt_s;
@@ -111,7 +111,8 @@ std::vector<Stretch> Stretches(const ImuData& imu, const ImuModel& model, double
   std::vector<Stretch> stretches;
   for (std::size_t k = 0; k < imu.samples.size(); ++k) {
     if (!IsRegular(imu, k) || IsAtEdge(imu.samples[k], model, margin_s)) continue;
-    const bool goes_on = !stretches.empty() && stretches.back().past == k && Adjoins(imu, k);
+    const bool goes_on =
+        !stretches.empty() && stretches.back().past == k && FollowsRegularly(imu, k);
     if (!goes_on) stretches.push_back({k, k});
     stretches.back().past = k + 1;
   }

@@ -38,7 +38,7 @@ constexpr Datasheet kDatasheets[] = {
      "estimates"},
 };
 
-ImuModel Model(const Datasheet& sheet) {
+ImuModel ModelOf(const Datasheet& sheet) {
   using Type = BiasProcess::Type;
   ImuModel model;
   model.name = sheet.name;
@@ -95,7 +95,7 @@ std::vector<std::string> ImuPresetNames() {
 
 ImuModel ImuPreset(const std::string& name) {
   for (const Datasheet& sheet : kDatasheets) {
-    if (name == sheet.name) return Model(sheet);
+    if (name == sheet.name) return ModelOf(sheet);
   }
   throw InvalidConfig("imu: no grade '" + name + "', the nearest is '" +
                       NearestName(name, ImuPresetNames()) + "'");

@@ -15,7 +15,6 @@ namespace {
 constexpr double kLeastGroup_s = 2.0;
 constexpr std::size_t kMostGroups = 500;
 constexpr double kFewestDof = 20.0;  ///< fewer are no level
-constexpr std::array<ImuTriad, kImuTriads> kTriads{kGyroTriad, kAccelTriad};
 
 /// Cells in a group: two seconds, and more in a long flight.
 std::size_t GroupOf(const HighBand& band) {
@@ -130,7 +129,7 @@ NoiseCauses CausesOf(const NoiseEvidence& evidence) {
   const double both = evidence.window_and_scale;
   NoiseCauses causes;
   causes.window = std::max(evidence.window, both) - BestScale(evidence);
-  for (const ImuTriad triad : kTriads) {
+  for (const ImuTriad triad : kBothTriads) {
     const double other = BestOfTriad(evidence, Other(triad));
     const double scale = evidence.scale[triad];
     causes.scale[triad] = std::max(scale + other, both) - std::max(other, evidence.window);
@@ -139,7 +138,7 @@ NoiseCauses CausesOf(const NoiseEvidence& evidence) {
   }
   const std::array<double, kImuTriads> price{std::max(0.0, causes.not_white[kGyroTriad]),
                                              std::max(0.0, causes.not_white[kAccelTriad])};
-  for (const ImuTriad triad : kTriads) causes.scale[triad] -= price[triad];
+  for (const ImuTriad triad : kBothTriads) causes.scale[triad] -= price[triad];
   causes.window -= std::max(price[kGyroTriad], price[kAccelTriad]);
   return causes;
 }
@@ -151,8 +150,8 @@ NoiseCheck CheckNoise(const HighBand& band, const NoiseCheckOptions& options) {
   const std::size_t group = GroupOf(band);
   std::vector<RunningSums> sums;
   bool any = false;
-  for (const ImuTriad triad : kTriads) sums.emplace_back(band, triad);
-  for (const ImuTriad triad : kTriads) {
+  for (const ImuTriad triad : kBothTriads) sums.emplace_back(band, triad);
+  for (const ImuTriad triad : kBothTriads) {
     if (!(sums[triad].All().dof > 0.0)) continue;
     any = true;
     const TriadCheck one(band, triad, sums[triad]);

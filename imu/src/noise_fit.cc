@@ -37,7 +37,7 @@ double UnitVariance(std::size_t term, double tau_s, double correlation_s) {
 
 /// Amplitudes (variances) of the chosen terms and the correlation time, fitted in logarithms: all
 /// stay positive, and a factor of two is as far above as below.
-struct Model {
+struct TermModel {
   Chosen chosen{};
   std::array<double, kTerms> amplitude{};
   double correlation_s = 1.0;
@@ -62,12 +62,12 @@ class Fitter {
   explicit Fitter(const std::vector<AllanPoint>& curve) : curve_(curve) {}
 
   /// Best fit of a choice of terms, over several starting correlation times.
-  Model Fit(const Chosen& chosen) const {
-    Model best;
+  TermModel Fit(const Chosen& chosen) const {
+    TermModel best;
     const double shortest_s = Shortest(), longest_s = Longest();
     const int starts = chosen[kGaussMarkov] ? 8 : 1;
     for (int k = 0; k < starts; ++k) {
-      Model model;
+      TermModel model;
       model.chosen = chosen;
       model.correlation_s = shortest_s * std::pow(longest_s / shortest_s, (k + 0.5) / starts);
       Start(&model);
@@ -82,7 +82,7 @@ class Fitter {
   double Longest() const { return kLongestCorrelation * curve_.back().tau_s; }
 
   // Every term alone at the height that it may have at most.
-  void Start(Model* model) const {
+  void Start(TermModel* model) const {
     const auto terms =
         static_cast<double>(std::count(model->chosen.begin(), model->chosen.end(), true));
     for (std::size_t term = 0; term < kTerms; ++term) {
@@ -95,19 +95,19 @@ class Fitter {
   }
 
   // The logarithm of a variance with d degrees of freedom has mean -1/d and variance 2/d.
-  double Residual(const Model& model, const AllanPoint& p) const {
+  double Residual(const TermModel& model, const AllanPoint& p) const {
     return std::sqrt(0.5 * p.dof) *
            (std::log(p.variance) + 1.0 / p.dof - std::log(model.Variance(p.tau_s)));
   }
 
-  double Chi2(const Model& model) const {
+  double Chi2(const TermModel& model) const {
     double sum = 0.0;
     for (const AllanPoint& p : curve_) sum += std::pow(Residual(model, p), 2);
     return std::isfinite(sum) ? sum : 1e300;
   }
 
   // d residual / d log parameter: the chosen terms, then the correlation time.
-  Eigen::VectorXd Gradient(const Model& model, const AllanPoint& p) const {
+  Eigen::VectorXd Gradient(const TermModel& model, const AllanPoint& p) const {
     constexpr double kStep = 1e-4;
     Eigen::VectorXd gradient(model.NumParameters());
     const double weight = -std::sqrt(0.5 * p.dof) / model.Variance(p.tau_s);
@@ -125,8 +125,8 @@ class Fitter {
     return gradient;
   }
 
-  Model Moved(const Model& model, const Eigen::VectorXd& step) const {
-    Model moved = model;
+  TermModel Moved(const TermModel& model, const Eigen::VectorXd& step) const {
+    TermModel moved = model;
     Eigen::Index column = 0;
     for (std::size_t term = 0; term < kTerms; ++term) {
       if (model.chosen[term]) moved.amplitude[term] *= std::exp(step[column++]);
@@ -139,7 +139,7 @@ class Fitter {
     return moved;
   }
 
-  void Minimise(Model* model) const {
+  void Minimise(TermModel* model) const {
     constexpr int kIterations = 200;
     constexpr double kConverged = 1e-9, kLongestStep = 2.0;
     double damping = 1e-3;
@@ -158,7 +158,7 @@ class Fitter {
       damped.diagonal() += damping * (N.diagonal().array() + 1e-12).matrix();
       Eigen::VectorXd step = -damped.ldlt().solve(b);
       step *= std::min(1.0, kLongestStep / std::max(1e-300, step.cwiseAbs().maxCoeff()));
-      const Model moved = Moved(*model, step);
+      const TermModel moved = Moved(*model, step);
       if (moved.chi2 > model->chi2) {
         damping *= 5.0;
         continue;
@@ -176,25 +176,25 @@ class Fitter {
 };
 
 // Adds terms as long as they pay, then takes out those that no longer do.
-Model ChooseTerms(const Fitter& fitter) {
+TermModel ChooseTerms(const Fitter& fitter) {
   const auto price = [](std::size_t term) { return term == kGaussMarkov ? kKeep2 : kKeep1; };
-  const auto with = [](const Model& model, std::size_t term, bool chosen) {
+  const auto with = [](const TermModel& model, std::size_t term, bool chosen) {
     Chosen changed = model.chosen;
     changed[term] = chosen;
     return changed;
   };
-  Model best;
+  TermModel best;
   for (std::size_t term : {kWhite, kRandomWalk}) {
-    const Model alone = fitter.Fit(with(Model{}, term, true));
+    const TermModel alone = fitter.Fit(with(TermModel{}, term, true));
     if (alone.chi2 < best.chi2) best = alone;
   }
   for (bool changed = true; changed;) {
     changed = false;
-    Model next = best;
+    TermModel next = best;
     double gain = 0.0;
     for (std::size_t term = 0; term < kTerms; ++term) {
       if (best.chosen[term]) continue;
-      const Model more = fitter.Fit(with(best, term, true));
+      const TermModel more = fitter.Fit(with(best, term, true));
       const double more_gain = best.chi2 - more.chi2 - price(term);
       if (more_gain <= gain) continue;
       gain = more_gain;
@@ -209,13 +209,13 @@ Model ChooseTerms(const Fitter& fitter) {
     if (!best.chosen[term] || best.NumParameters() == 1) continue;
     const Chosen fewer_terms = with(best, term, false);
     if (std::none_of(fewer_terms.begin(), fewer_terms.end(), [](bool c) { return c; })) continue;
-    const Model fewer = fitter.Fit(fewer_terms);
+    const TermModel fewer = fitter.Fit(fewer_terms);
     if (fewer.chi2 - best.chi2 < price(term)) best = fewer;
   }
   return best;
 }
 
-NoiseFit ToFit(const Model& model, const std::vector<AllanPoint>& curve) {
+NoiseFit ToFit(const TermModel& model, const std::vector<AllanPoint>& curve) {
   NoiseFit fit;
   fit.chi2 = model.chi2;
   fit.dof = static_cast<int>(curve.size()) - model.NumParameters();

@@ -8,7 +8,6 @@ namespace dn {
 namespace {
 
 constexpr std::size_t kReachInGroups = 2;
-constexpr std::array<ImuTriad, kImuTriads> kTriads{kGyroTriad, kAccelTriad};
 
 /// From `begin` to `end`, both included, one every `step` cells.
 std::vector<std::size_t> Edges(std::size_t begin, std::size_t end, std::size_t step) {
@@ -32,7 +31,7 @@ WindowScan::WindowScan(const HighBand& band, const NoiseCheckOptions& options,
       group_(group),
       reach_(kReachInGroups * group),
       prior_(options.typical_ratio) {
-  for (const ImuTriad triad : kTriads) {
+  for (const ImuTriad triad : kBothTriads) {
     levels_.emplace_back(band.triads[triad].rounding);
     additions_.emplace_back(options.typical_sigma[triad], band.triads[triad].assumed_sigma,
                             options.spread_decades);
@@ -56,7 +55,7 @@ bool WindowScan::AddOutside(const CellSpan& span, ImuTriad triad, Case* one) con
 
 std::optional<WindowScan::Case> WindowScan::CaseOf(const CellSpan& span) const {
   Case one;
-  for (const ImuTriad triad : kTriads) {
+  for (const ImuTriad triad : kBothTriads) {
     one.inside[triad] = sums_[triad].Inside(span);
     if (with_scale_ && IsUsable(triad) && !AddOutside(span, triad, &one)) return std::nullopt;
     one.evidence += additions_[triad].Evidence(one.inside[triad], one.base[triad]);
@@ -136,7 +135,7 @@ std::optional<NoiseWindow> WindowScan::Likeliest() const {
   window.t1_s = band_.windows[span.past - 1].t1_s;
   window.log_likelihood = one.log_likelihood;
   window.log_likelihood_over_flight = one.log_likelihood;
-  for (const ImuTriad triad : kTriads) {
+  for (const ImuTriad triad : kBothTriads) {
     if (IsUsable(triad)) {
       window.log_likelihood_over_flight -= levels_[triad].Of(sums_[triad].All()).log_likelihood;
     }

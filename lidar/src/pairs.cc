@@ -18,8 +18,8 @@ using internal::AppendNumbers;
 using internal::AppendUpperTriangle;
 using internal::FromUpperTriangle;
 
-constexpr std::size_t kPlainColumns = 8;
-constexpr std::size_t kColumnsWithCovariance = 14;
+constexpr std::size_t kPairColumns = 8;
+constexpr std::size_t kPairColumnsWithCovariance = 14;
 constexpr double kLeastVarianceM2 = 1e-12;
 constexpr double kMostVarianceM2 = 1e12;
 
@@ -56,14 +56,14 @@ LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLoc
   CheckTime(pair.t_j_s, where);
   internal::CheckLaserVector(pair.u_i_s, where);
   internal::CheckLaserVector(pair.u_j_s, where);
-  if (columns == kColumnsWithCovariance) {
-    pair.covariance_m2 = CheckedCovariance(FromUpperTriangle(row + kPlainColumns), where);
+  if (columns == kPairColumnsWithCovariance) {
+    pair.covariance_m2 = CheckedCovariance(FromUpperTriangle(row + kPairColumns), where);
   }
   return pair;
 }
 
 void AppendFile(const std::filesystem::path& path, double time_offset_s, PairData& data) {
-  TextTable table = ReadTextTable(path, {kPlainColumns, kColumnsWithCovariance});
+  TextTable table = ReadTextTable(path, {kPairColumns, kPairColumnsWithCovariance});
   const int file = static_cast<int>(data.files.size());
   data.files.push_back(path);
   data.pairs.reserve(data.pairs.size() + table.rows());

@@ -9,8 +9,8 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kPlainColumns = 7;
-constexpr std::size_t kColumnsWithCovariance = 13;
+constexpr std::size_t kStripColumns = 7;
+constexpr std::size_t kStripColumnsWithCovariance = 13;
 // No system in use has larger ones.
 constexpr double kMostCoordinateM = 3e7;
 
@@ -23,7 +23,7 @@ Eigen::Vector3d Coordinates(const double* row, const FileLocation& where) {
 }  // namespace
 
 StripTextReader::StripTextReader(const std::filesystem::path& file)
-    : table_(file, {kPlainColumns, kColumnsWithCovariance}) {}
+    : table_(file, {kStripColumns, kStripColumnsWithCovariance}) {}
 
 bool StripTextReader::Next(StripCloud* chunk) {
   chunk->Clear();
@@ -38,8 +38,8 @@ bool StripTextReader::Next(StripCloud* chunk) {
     chunk->p_c.push_back(Coordinates(row, where));
     chunk->u_s.emplace_back(row[4], row[5], row[6]);
     CheckLaserVector(chunk->u_s.back(), where);
-    if (table.columns == kColumnsWithCovariance) {
-      chunk->covariance_c_m2.push_back(FromUpperTriangle(row + kPlainColumns));
+    if (table.columns == kStripColumnsWithCovariance) {
+      chunk->covariance_c_m2.push_back(FromUpperTriangle(row + kStripColumns));
     }
   }
   return true;

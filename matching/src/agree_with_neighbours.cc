@@ -14,7 +14,6 @@ using Eigen::Vector3d;
 constexpr std::size_t kNeighbours = 8;
 constexpr std::size_t kFewest = 4;
 constexpr double kMostSigmas = 3.5;
-constexpr double kScaleOfMedian = 1.4826;
 // Variance of the difference from the median of eight others of the same accuracy.
 constexpr double kWithMedian = 1.2;
 
@@ -54,7 +53,7 @@ Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& shifts) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> sizes;
     for (const Vector3d& value : left) sizes.push_back(std::abs(value[axis]));
-    const double scale = std::max(1.0, kScaleOfMedian * Median(sizes));
+    const double scale = std::max(1.0, kSigmaOfMedian * Median(sizes));
     variance += scale * scale / 3.0 / kWithMedian;
     for (std::size_t i = 0; i < shifts.size(); ++i) {
       if (sizes[i] > kMostSigmas * scale) out.agrees[i] = false;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "patches.h"
+#include "points_per_task.h"
 
 namespace dn::internal {
 namespace {
@@ -11,8 +12,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector2i;
 using Eigen::Vector3d;
-
-constexpr std::size_t kPointsPerTask = 4096;
 
 /// Which discs a place lies in, by a grid of cells as large as the largest disc.
 class DiscIndex {

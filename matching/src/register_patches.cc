@@ -20,7 +20,6 @@ constexpr double kSettled_m = 2e-5;
 constexpr std::size_t kFewestPartners = 30;
 constexpr std::size_t kFewestNeighbours = 5;
 constexpr double kTukey = 4.685;  // 95 % efficiency for normal errors
-constexpr double kScaleOfMedian = 1.4826;
 constexpr double kLeastScale_m = 1e-4;
 constexpr int kPartsAcross = 5;
 constexpr int kFewestParts = 8;
@@ -107,7 +106,7 @@ double RobustScale(const std::vector<Distance>& distances) {
   std::vector<double> sizes;
   sizes.reserve(distances.size());
   for (const Distance& d : distances) sizes.push_back(std::abs(d.r_m));
-  return std::max(kLeastScale_m, kScaleOfMedian * Median(std::move(sizes)));
+  return std::max(kLeastScale_m, kSigmaOfMedian * Median(std::move(sizes)));
 }
 
 void Weigh(double scale_m, std::vector<Distance>* distances) {

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "points_per_task.h"
+
 namespace dn::internal {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr std::size_t kPointsPerTask = 4096;
 
 struct CellKey {
   std::int32_t x, y;
@@ -29,7 +29,7 @@ struct CellHash {
 };
 
 /// The point of a cell, and how far it lies from the cell's centre.
-struct Kept {
+struct KeptPoint {
   std::uint32_t index;
   float squared_m2;
 };
@@ -50,7 +50,7 @@ void Place(const MatchSource& source, std::size_t strip, int threads, StripSampl
 StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cell_m, int threads,
                         const std::function<void(std::uint64_t)>& told) {
   StripSample sample;
-  std::unordered_map<CellKey, Kept, CellHash> cells;
+  std::unordered_map<CellKey, KeptPoint, CellHash> cells;
   std::vector<Vector3d> p_m;
   std::uint64_t read = 0;
   sample.counts = source.Read(strip, [&](const RawPoints& points) {
@@ -69,7 +69,7 @@ StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cel
       const auto next = static_cast<std::uint32_t>(sample.size());
       const auto [at, is_new] = cells.try_emplace(
           {static_cast<std::int32_t>(corner.x()), static_cast<std::int32_t>(corner.y())},
-          Kept{next, off_m2});
+          KeptPoint{next, off_m2});
       if (is_new) {
         sample.t_s.push_back(points.t_s[i]);
         sample.x.emplace_back(points.x[i].cast<float>());

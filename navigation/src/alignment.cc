@@ -18,7 +18,7 @@ using internal::InFlight;
 
 // Window of the in-flight alignment: long enough for a turn, short enough for the drift of the
 // gyros.
-constexpr double kWindowS = 180.0;
+constexpr double kLongestWindowS = 180.0;
 constexpr double kDriftLimitRad = 5.0 * kRadPerDeg;
 // Sum of velocity changes after which a heading hypothesis has been put to the test.
 constexpr double kEnoughVelocityChangeMps = 60.0;
@@ -113,9 +113,9 @@ std::vector<Candidate> AllHeadings(const Eigen::Quaterniond& q_mb, const std::st
 }
 
 double WindowFor(const Flight& flight, const StillStart& still) {
-  if (still.still) return kWindowS;
+  if (still.still) return kLongestWindowS;
   const double drift_radps = TypicalBias(flight.config.imu->model.gyro);
-  return std::clamp(kDriftLimitRad / std::max(drift_radps, 1e-9), 20.0, kWindowS);
+  return std::clamp(kDriftLimitRad / std::max(drift_radps, 1e-9), 20.0, kLongestWindowS);
 }
 
 std::vector<Candidate> Candidates(const Flight& flight, const TimeInterval& span,

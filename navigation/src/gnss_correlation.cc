@@ -17,15 +17,15 @@ constexpr double kShortestInEpochs = 2.0;
 constexpr double kLongestShareOfFlight = 0.2;
 
 /// One position in use and how an error along its axes enters its residuals.
-struct Position {
+struct PositionInUse {
   double t_s;
   int first_row;
   Eigen::Matrix3d L;  // d residual / d error, east, north, up
 };
 
-std::vector<Position> PositionsInUse(const FlightNetwork& network,
-                                     const LinearizedNetwork& linearized) {
-  std::vector<Position> positions;
+std::vector<PositionInUse> PositionsInUse(const FlightNetwork& network,
+                                          const LinearizedNetwork& linearized) {
+  std::vector<PositionInUse> positions;
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
     const auto rows = linearized.RowsOf(edge.position);
     if (!rows) continue;
@@ -42,7 +42,7 @@ std::vector<Position> PositionsInUse(const FlightNetwork& network,
 }
 
 /// y of every axis (rows) and position (columns).
-Eigen::Matrix3Xd Scores(const std::vector<Position>& positions,
+Eigen::Matrix3Xd Scores(const std::vector<PositionInUse>& positions,
                         const Eigen::Ref<const Eigen::VectorXd>& residual) {
   Eigen::Matrix3Xd y(3, positions.size());
   for (std::size_t k = 0; k < positions.size(); ++k) {
@@ -52,7 +52,7 @@ Eigen::Matrix3Xd Scores(const std::vector<Position>& positions,
   return y;
 }
 
-std::vector<double> Taus(const std::vector<Position>& positions) {
+std::vector<double> Taus(const std::vector<PositionInUse>& positions) {
   const double span_s = positions.back().t_s - positions.front().t_s;
   std::vector<double> steps_s;
   for (std::size_t k = 1; k < positions.size(); ++k) {
@@ -69,7 +69,7 @@ std::vector<double> Taus(const std::vector<Position>& positions) {
 }
 
 /// y^T K y of each axis: K is exp(-dt / tau), which a recursion over the epochs sums up.
-Eigen::Array3d Energy(const std::vector<Position>& positions, const Eigen::Matrix3Xd& y,
+Eigen::Array3d Energy(const std::vector<PositionInUse>& positions, const Eigen::Matrix3Xd& y,
                       double tau_s) {
   Eigen::Array3d before = Eigen::Array3d::Zero(), sum = Eigen::Array3d::Zero();
   for (Eigen::Index k = 0; k < y.cols(); ++k) {
@@ -237,7 +237,7 @@ class Tester {
     return energies;
   }
 
-  std::vector<Position> positions_;
+  std::vector<PositionInUse> positions_;
   std::vector<double> taus_s_;
   std::array<Axis, 3> axes_;
   Eigen::Vector3d lag1_of_samples_ = Eigen::Vector3d::Zero();

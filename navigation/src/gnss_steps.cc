@@ -21,7 +21,7 @@ constexpr double kExplainedShare = 0.5;
 constexpr std::size_t kShortestRun = 4;
 constexpr std::size_t kClockSteps = 60;
 
-struct Position {
+struct ActivePosition {
   std::size_t edge = 0;
   FactorId id = -1;
   Eigen::Matrix3d whitening = Eigen::Matrix3d::Identity();  // d residual / d position
@@ -29,10 +29,10 @@ struct Position {
   double norm2 = 0.0;
 };
 
-std::vector<Position> ActivePositions(const FlightNetwork& network,
-                                      const LinearizedNetwork& linearized) {
+std::vector<ActivePosition> ActivePositions(const FlightNetwork& network,
+                                            const LinearizedNetwork& linearized) {
   constexpr std::size_t kPositionBlock = 1, kLeverArmBlock = 2;
-  std::vector<Position> positions;
+  std::vector<ActivePosition> positions;
   for (std::size_t e = 0; e < network.gnss_edges.size(); ++e) {
     const FactorId id = network.gnss_edges[e].position;
     Eigen::VectorXd r;
@@ -49,9 +49,9 @@ double Excess(const LinearizedNetwork& linearized) {
          static_cast<double>(linearized.rows() - linearized.parameters());
 }
 
-double Scale(const std::vector<Position>& positions) {
+double Scale(const std::vector<ActivePosition>& positions) {
   std::vector<double> norm2;
-  for (const Position& position : positions) norm2.push_back(position.norm2);
+  for (const ActivePosition& position : positions) norm2.push_back(position.norm2);
   return RobustVariance(norm2);
 }
 
@@ -60,7 +60,7 @@ struct Run {
 };
 
 // Runs between any two of the places before and after the given positions.
-std::vector<Run> RunsBetween(const std::vector<Position>& positions,
+std::vector<Run> RunsBetween(const std::vector<ActivePosition>& positions,
                              const std::vector<FactorId>& ends) {
   std::set<std::size_t> places;
   for (std::size_t k = 0; k < positions.size(); ++k) {
@@ -150,9 +150,9 @@ class ClockModel {
   std::vector<std::size_t> edge_;  // of each part
 };
 
-EffectModel LeverArm(const std::vector<Position>& positions) {
+EffectModel LeverArm(const std::vector<ActivePosition>& positions) {
   EffectModel effect;
-  for (const Position& position : positions) {
+  for (const ActivePosition& position : positions) {
     effect.push_back({position.id, Eigen::MatrixXd(position.lever_arm)});
   }
   return effect;
@@ -164,7 +164,7 @@ struct Suspects {
   std::vector<EffectModel> effects;
 };
 
-Suspects AllSuspects(const FlightNetwork& network, const std::vector<Position>& positions) {
+Suspects AllSuspects(const FlightNetwork& network, const std::vector<ActivePosition>& positions) {
   Suspects suspects;
   const auto add = [&](GnssMisfit::Cause cause, std::size_t first, EffectModel effect) {
     suspects.causes.push_back({cause, {}, 0.0, positions[first].edge});
@@ -193,7 +193,8 @@ double Moved(const EffectModel& effect, const Eigen::VectorXd& estimate) {
 /// The run whose common offset is the most significant one.
 class JumpSearch {
  public:
-  JumpSearch(const Marginals& marginals, const std::vector<Position>& positions, double noise_ratio)
+  JumpSearch(const Marginals& marginals, const std::vector<ActivePosition>& positions,
+             double noise_ratio)
       : marginals_(marginals),
         positions_(positions),
         least_(kCertain * noise_ratio * Scale(positions)),
@@ -240,7 +241,7 @@ class JumpSearch {
 
  private:
   const Marginals& marginals_;
-  const std::vector<Position>& positions_;
+  const std::vector<ActivePosition>& positions_;
   double least_, real_;
   Run run_{0, 0};
   std::optional<GnssJump> best_;
@@ -250,7 +251,7 @@ class JumpSearch {
 
 std::optional<GnssJump> FindGnssJump(const FlightNetwork& network, const Marginals& marginals,
                                      const std::vector<FactorId>& ends, double noise_ratio) {
-  const std::vector<Position> positions = ActivePositions(network, marginals.linearized());
+  const std::vector<ActivePosition> positions = ActivePositions(network, marginals.linearized());
   if (positions.size() < 2 * kShortestRun) return std::nullopt;
   JumpSearch search(marginals, positions, noise_ratio);
   search.Try(RunsBetween(positions, ends));
@@ -260,7 +261,7 @@ std::optional<GnssJump> FindGnssJump(const FlightNetwork& network, const Margina
 
 std::optional<GnssMisfit> ExplainGnssMisfit(const FlightNetwork& network,
                                             const Marginals& marginals) {
-  const std::vector<Position> positions = ActivePositions(network, marginals.linearized());
+  const std::vector<ActivePosition> positions = ActivePositions(network, marginals.linearized());
   if (positions.size() < 2 * kShortestRun) return std::nullopt;
   const Suspects suspects = AllSuspects(network, positions);
   const std::vector<ScoreTest> tests = TestEffects(marginals, suspects.effects);

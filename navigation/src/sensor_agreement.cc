@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 using internal::Antenna;
 
-constexpr double kWindowS = 30.0;
+constexpr double kShortestWindowS = 30.0;
 constexpr double kMostSigmaHeadingRad = 15.0 * kRadPerDeg;
 // A slower body has no course of its own: it may be carried sideways.
 constexpr double kLeastSpeedMps = 2.0;
@@ -69,7 +69,7 @@ std::vector<Antenna> WholeTrack(const Flight& flight) {
 /// Sums the courses in body at the beginning of every window that tells its attitude.
 Vector3d SumOfCourses(const Flight& flight, double* count) {
   const std::vector<Antenna> track = WholeTrack(flight);
-  const double window_s = std::max(kWindowS, 8.0 * internal::AlignmentSpacing(flight));
+  const double window_s = std::max(kShortestWindowS, 8.0 * internal::AlignmentSpacing(flight));
   Vector3d sum = Vector3d::Zero();
   double begin_s = -1e300;
   for (const Leg& leg : Legs(flight, track, 1.0)) {

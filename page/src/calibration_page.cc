@@ -8,13 +8,7 @@ namespace dn::internal {
 namespace {
 
 /// What a verdict means for who wants to use the angles.
-struct Meaning {
-  const char* answer;
-  Tone tone;
-  std::vector<std::string> next;
-};
-
-const std::map<std::string, Meaning>& Meanings() {
+const std::map<std::string, Meaning>& MeaningsOfVerdict() {
   static const std::map<std::string, Meaning> meanings{
       {"calibrated",
        {"You may rely on these angles within their sigmas: they are the mounting's.",
@@ -140,15 +134,11 @@ std::vector<Calibrated> CalibrationsIn(const ResultFolder& folder) {
 Headline HeadlineOf(const Calibrated& calibrated, bool with_name) {
   const Facts assessment = calibrated.result["assessment"];
   const std::string verdict = assessment["verdict"].text();
-  const auto known = Meanings().find(verdict);
   Headline headline;
   headline.word = verdict + (with_name ? " (" + MethodName(calibrated.result) + ")" : "");
   headline.reasons = assessment["reasons"].texts();
   headline.figures = {Angles(calibrated.result["boresight"])};
-  if (known == Meanings().end()) return headline;
-  headline.answer = known->second.answer;
-  headline.tone = known->second.tone;
-  headline.next = known->second.next;
+  Explain(MeaningsOfVerdict(), verdict, &headline);
   return headline;
 }
 

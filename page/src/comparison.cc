@@ -12,7 +12,7 @@ namespace dn::internal {
 namespace {
 
 // Three sigma: chosen, as for the comparison of two methods.
-constexpr double kSignificant = 0.0027;
+constexpr double kSignificantDifference = 0.0027;
 
 BoresightResult ResultOf(const Facts& result) {
   BoresightResult out;
@@ -67,7 +67,7 @@ Table DifferenceTable(const std::vector<std::pair<std::string, Facts>>& named) {
             {Number{kMdeg * difference.values.difference_rad[k], 3, Number::Style::kDecimals}});
         row.push_back({Number{kMdeg * sigma_rad[k], 3, Number::Style::kDecimals}});
       }
-      const bool differ = difference.values.p_value < kSignificant;
+      const bool differ = difference.values.p_value < kSignificantDifference;
       row.push_back({Number{difference.values.p_value, 2}});
       row.push_back(
           Text(differ ? "significant" : "not significant", differ ? Tone::kBad : Tone::kGood));

@@ -16,14 +16,8 @@ constexpr std::size_t kMostStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
 const double kNone = std::numeric_limits<double>::quiet_NaN();
 
-struct Meaning {
-  const char* answer;
-  Tone tone;
-  std::vector<std::string> next;
-};
-
 // As docs/gap.md says.
-const std::map<std::string, Meaning>& Meanings() {
+const std::map<std::string, Meaning>& MeaningsOfGap() {
   static const std::map<std::string, Meaning> meanings{
       {"identified",
        {"The data depart from the model, and the effects named explain it.",
@@ -57,19 +51,14 @@ const std::map<std::string, Meaning>& Meanings() {
   return meanings;
 }
 
-Headline HeadlineOf(const Facts& gap) {
+Headline GapHeadline(const Facts& gap) {
   const Facts verdict = gap["verdict"];
   Headline headline;
   const std::string kind = verdict["kind"].text();
   headline.word = kind == "no_gap" ? "no gap" : kind;
   headline.reasons = {verdict["text"].text()};
   if (verdict["tie_breaker"]) headline.reasons.push_back(verdict["tie_breaker"].text());
-  const auto known = Meanings().find(kind);
-  if (known != Meanings().end()) {
-    headline.answer = known->second.answer;
-    headline.tone = known->second.tone;
-    headline.next = known->second.next;
-  }
+  Explain(MeaningsOfGap(), kind, &headline);
   const Facts size = gap["gap"]["size_nats_per_obs"];
   const Facts units = gap["gap"]["user_units"];
   Table figures{"The gap", {"", ""}, {}};
@@ -233,7 +222,7 @@ Section Validity(const Facts& gap) {
 Document GapPage(const ResultFolder& folder) {
   const Facts gap = folder.Read("gap.json");
   Document document = Begin(folder, gap["flight"].text(), "do the data depart from the model?");
-  document.headlines = {HeadlineOf(gap)};
+  document.headlines = {GapHeadline(gap)};
   for (Section section : {Closed(gap), Causes(gap), CouldHide(gap), Where(gap),
                           TrajectorySection(folder), Fingerprint(gap), Validity(gap)}) {
     Append(std::move(section), &document);

@@ -10,10 +10,10 @@ namespace dn::internal {
 namespace {
 
 // Of a family of tests, as the model check has it.
-constexpr double kSignificant = 0.001;
+constexpr double kSignificantMisfit = 0.001;
 
 Tone ToneOf(const Facts& p_value) {
-  return p_value.number() < kSignificant ? Tone::kDoubtful : Tone::kPlain;
+  return p_value.number() < kSignificantMisfit ? Tone::kDoubtful : Tone::kPlain;
 }
 
 Cell Toned(Cell cell, Tone tone) {

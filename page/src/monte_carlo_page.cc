@@ -33,7 +33,7 @@ Table Figures(const Facts& summary) {
   return table;
 }
 
-Headline HeadlineOf(const Facts& summary) {
+Headline MonteCarloHeadline(const Facts& summary) {
   const bool consistent = summary["consistent"].flag();
   Headline headline;
   headline.word = consistent ? "consistent" : "not consistent";
@@ -131,7 +131,7 @@ Section Sensors(const Facts& summary) {
 Document MonteCarloPage(const ResultFolder& folder) {
   const Facts summary = folder.Read("monte_carlo.json");
   Document document = Begin(folder, folder.report()["scenario"].text(), "do the covariances hold?");
-  document.headlines = {HeadlineOf(summary)};
+  document.headlines = {MonteCarloHeadline(summary)};
   Append(Boresight(folder, summary), &document);
   Append(Trajectory(folder, summary), &document);
   Append(Sensors(summary), &document);

@@ -66,6 +66,15 @@ void Append(Section section, Document* document) {
   if (!section.contents.empty()) document->sections.push_back(std::move(section));
 }
 
+void Explain(const std::map<std::string, Meaning>& meanings, const std::string& verdict,
+             Headline* headline) {
+  const auto known = meanings.find(verdict);
+  if (known == meanings.end()) return;
+  headline->answer = known->second.answer;
+  headline->tone = known->second.tone;
+  headline->next = known->second.next;
+}
+
 Document Begin(const ResultFolder& folder, const std::string& name, const std::string& what) {
   Document document;
   document.title = name + ": " + what;

@@ -2,6 +2,7 @@
 
 #include <dn/report/document.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,17 @@ std::vector<Section> RunSections(const ResultFolder& folder);
 
 /// Adds the section where it has contents.
 void Append(Section section, Document* document);
+
+/// What a verdict means for who reads it.
+struct Meaning {
+  const char* answer;
+  Tone tone;
+  std::vector<std::string> next;
+};
+
+/// Adds what the verdict means, where that is known.
+void Explain(const std::map<std::string, Meaning>& meanings, const std::string& verdict,
+             Headline* headline);
 
 /// Flight and command, versions.
 Document Begin(const ResultFolder& folder, const std::string& name, const std::string& what);

@@ -3,7 +3,7 @@
 namespace dn::internal {
 namespace {
 
-Headline HeadlineOf(const Facts& smooth) {
+Headline SmoothHeadline(const Facts& smooth) {
   const Facts assessment = smooth["assessment"];
   Headline headline;
   headline.word = assessment["verdict"].text();
@@ -34,7 +34,7 @@ Headline HeadlineOf(const Facts& smooth) {
 Document SmoothPage(const ResultFolder& folder) {
   const Facts smooth = folder.Read("smooth.json");
   Document document = Begin(folder, smooth["flight"].text(), "smoothed trajectory");
-  document.headlines = {HeadlineOf(smooth)};
+  document.headlines = {SmoothHeadline(smooth)};
   Append(ModelCheckSection(smooth), &document);
   Append(TrajectorySection(folder), &document);
   Append(BiasSection(folder), &document);

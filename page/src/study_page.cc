@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kCorrelationColumns = 19;
 
-Headline HeadlineOf(const Facts& study) {
+Headline StudyHeadline(const Facts& study) {
   const bool observable = study["observable"].flag();
   Headline headline;
   headline.word = observable ? "observable" : "not observable";
@@ -84,7 +84,7 @@ Section Strips(const Facts& study) {
 Document StudyPage(const ResultFolder& folder) {
   const Facts study = folder.Read("study.json");
   Document document = Begin(folder, study["flight"].text(), "what would this flight determine?");
-  document.headlines = {HeadlineOf(study)};
+  document.headlines = {StudyHeadline(study)};
   Append(WeakDirections(study), &document);
   Section boresight{"Boresight", {}};
   boresight.contents.emplace_back(

@@ -16,12 +16,12 @@ namespace {
 using Eigen::Vector2d;
 
 // Spacing of the spline's control points: rolls into a turn within about 4 s.
-constexpr double kControlStep_s = 2.0;
+constexpr double kPathStep_s = 2.0;
 // Straight and level before and after every line: longer than a spline point's influence (6 s).
 constexpr double kLeadIn_s = 9.0;
 constexpr double kWarmUpLeg_s = 20.0;
 constexpr double kRunOut_s = 75.0;
-constexpr double kMargin_s = 20.0;  // of path before and after the flight, for spline and lead
+constexpr double kPathMargin_s = 20.0;  // of path before and after the flight, for spline and lead
 constexpr double kIntegrationStep_s = 0.02;
 
 /// A piece of the path. Height and speed change smoothly from the leg before to the leg after, over
@@ -259,9 +259,9 @@ FlightPlan PlanFlight(const PlanScenario& plan) {
     }
     const double duration_s = std::ceil(strips_s.back().y() + kRunOut_s);
     std::vector<UniformSpline::Vector> control;
-    const auto count = static_cast<int>((duration_s + 2.0 * kMargin_s) / kControlStep_s) + 1;
+    const auto count = static_cast<int>((duration_s + 2.0 * kPathMargin_s) / kPathStep_s) + 1;
     for (int i = 0; i < count; ++i) {
-      const double t_s = begin_s - kMargin_s + kControlStep_s * i;
+      const double t_s = begin_s - kPathMargin_s + kPathStep_s * i;
       control.push_back(ControlPoint(course.path, times.LengthAt(t_s), plan));
     }
     PitchAlongPath(control);
@@ -270,7 +270,7 @@ FlightPlan PlanFlight(const PlanScenario& plan) {
     }
     double speed_mps = 0.0;
     for (const PlannedLine& line : plan.lines) speed_mps += line.speed_mps;
-    return {UniformSpline(-kMargin_s, kControlStep_s, std::move(control)), duration_s,
+    return {UniformSpline(-kPathMargin_s, kPathStep_s, std::move(control)), duration_s,
             speed_mps / static_cast<double>(plan.lines.size()), std::move(strips_s)};
   }
 }

@@ -12,7 +12,7 @@
 namespace dn {
 namespace {
 
-constexpr double kControlStep_s = 0.25;
+constexpr double kReplayStep_s = 0.25;
 constexpr double kLongestHole_s = 1.0;
 constexpr double kShortestFlight_s = 10.0;
 constexpr double kShortestStrip_s = 10.0;
@@ -56,7 +56,7 @@ std::vector<Eigen::Vector2d> FindStraights(const UniformSpline& path, double dur
     const UniformSpline::Sample s = path.At(std::clamp(t_s, 0.0, duration_s));
     return std::atan2(s.first.x(), s.first.y());
   };
-  for (double t_s = 0.0; t_s <= duration_s; t_s += kControlStep_s) {
+  for (double t_s = 0.0; t_s <= duration_s; t_s += kReplayStep_s) {
     const UniformSpline::Sample s = path.At(t_s);
     const double turned =
         std::remainder(course(t_s + 0.5 * kCourseWindow_s) - course(t_s - 0.5 * kCourseWindow_s),
@@ -65,7 +65,7 @@ std::vector<Eigen::Vector2d> FindStraights(const UniformSpline& path, double dur
                           std::abs(s.value[3]) < kLevelBank_rad &&
                           s.first.head<2>().norm() > kMovingSpeed_mps;
     if (straight && !inside) begin_s = t_s;
-    const bool ends = inside && (!straight || t_s + kControlStep_s > duration_s);
+    const bool ends = inside && (!straight || t_s + kReplayStep_s > duration_s);
     if (ends && t_s - begin_s >= kShortestStrip_s) strips_s.emplace_back(begin_s, t_s);
     inside = straight;
   }
@@ -80,14 +80,14 @@ FlightPlan ReplayFlight(const Trajectory& trajectory, const LocalFrame& frame) {
   const double span_s = trajectory.t_end_s() - trajectory.t_begin_s();
   std::vector<UniformSpline::Vector> control;
   std::optional<double> heading_before;
-  for (int i = 0; i * kControlStep_s <= span_s; ++i) {
-    const MapPose pose = InterpolatePose(poses, trajectory.t_begin_s() + i * kControlStep_s);
+  for (int i = 0; i * kReplayStep_s <= span_s; ++i) {
+    const MapPose pose = InterpolatePose(poses, trajectory.t_begin_s() + i * kReplayStep_s);
     control.push_back(ControlPoint(pose, frame, heading_before));
     heading_before = control.back()[5];
   }
-  const double spline_s = kControlStep_s * static_cast<double>(control.size());
+  const double spline_s = kReplayStep_s * static_cast<double>(control.size());
   const double duration_s = std::floor(spline_s - 2.0 * kReplayMargin_s);
-  UniformSpline path(-kReplayMargin_s, kControlStep_s, std::move(control));
+  UniformSpline path(-kReplayMargin_s, kReplayStep_s, std::move(control));
   std::vector<Eigen::Vector2d> strips_s = FindStraights(path, duration_s);
   return {std::move(path), duration_s, 1.0, std::move(strips_s)};
 }

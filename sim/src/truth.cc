@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 constexpr double kSemiMajorAxis_m = 6378137.0;  // WGS84
 constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
-constexpr double kMargin_s = 1e-3;
+constexpr double kEndsMargin_s = 1e-3;
 
 /// Rate of the local north-east-down of the point with respect to the Earth, in it (transport
 /// rate).
@@ -60,14 +60,14 @@ TruthTrajectory::TruthTrajectory(LocalFrame frame, UniformSpline path, Disturban
       t_begin_s_(t_begin_s),
       t_end_s_(t_end_s) {
   if (!(t_end_s_ > t_begin_s_)) throw InvalidInput("a trajectory must end after it begins");
-  const double lead_s = disturbance_.lead_s.Bound() + kMargin_s;
+  const double lead_s = disturbance_.lead_s.Bound() + kEndsMargin_s;
   if (path_.t_begin_s() > -lead_s || path_.t_end_s() < t_end_s_ - t_begin_s_ + lead_s) {
     throw InvalidInput("the path does not cover the trajectory's time span");
   }
 }
 
 TruthTrajectory::Motion TruthTrajectory::MotionAt(double t_s) const {
-  if (!(t_s >= t_begin_s_ - kMargin_s && t_s <= t_end_s_ + kMargin_s)) {
+  if (!(t_s >= t_begin_s_ - kEndsMargin_s && t_s <= t_end_s_ + kEndsMargin_s)) {
     throw InvalidInput("time outside the simulated trajectory");
   }
   const double t = t_s - t_begin_s_;

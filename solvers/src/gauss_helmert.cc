@@ -87,13 +87,13 @@ void CheckProblem(const GaussHelmertProblem& problem) {
 }
 
 /// Weighted sums over the pairs at one state.
-struct Sums {
+struct NormalSums {
   Matrix3d N = Matrix3d::Zero();
   Vector3d g = Vector3d::Zero();  // A^T S w~
   double chi2 = 0.0;
   double chi2_conditions = 0.0;
 
-  void operator+=(const Sums& other) {
+  void operator+=(const NormalSums& other) {
     N += other.N;
     g += other.g;
     chi2 += other.chi2;
@@ -178,8 +178,8 @@ class Adjuster {
     turn(pair.j, &terms->noise_j, B_j);
   }
 
-  Sums Accumulate() {
-    std::vector<Sums> partial(NumChunks(problem_.pairs.size(), kChunk));
+  NormalSums Accumulate() {
+    std::vector<NormalSums> partial(NumChunks(problem_.pairs.size(), kChunk));
     ForChunks([&](std::size_t c, std::size_t first, std::size_t past) {
       for (std::size_t k = first; k < past; ++k) {
         if (result_.weights[k] == 0.0) continue;
@@ -197,13 +197,13 @@ class Adjuster {
         partial[c].chi2_conditions += weight * lambda.dot(problem_.pairs[k].covariance_m2 * lambda);
       }
     });
-    Sums sums;
-    for (const Sums& part : partial) sums += part;
+    NormalSums sums;
+    for (const NormalSums& part : partial) sums += part;
     AddPrior(&sums);
     return sums;
   }
 
-  void AddPrior(Sums* sums) const {
+  void AddPrior(NormalSums* sums) const {
     if (!problem_.boresight_sigma_rad) return;
     const internal::BoresightPrior prior = internal::EvaluatePrior(
         problem_.boresight_rad, *problem_.boresight_sigma_rad, model_, theta_);
@@ -233,7 +233,7 @@ class Adjuster {
   }
 
   Vector3d Step() {
-    const Sums sums = Accumulate();
+    const NormalSums sums = Accumulate();
     CheckRank(sums.N);
     Vector3d d = -sums.N.llt().solve(sums.g);
     // A first step may be of degrees: corrections for the misclosures before it would be worthless.
@@ -328,7 +328,7 @@ class Adjuster {
   }
 
   void Finish() {
-    const Sums sums = Accumulate();
+    const NormalSums sums = Accumulate();
     CheckRank(sums.N);
     result_.boresight_rad = theta_;
     result_.normal = sums.N;
@@ -342,7 +342,7 @@ class Adjuster {
     result_.redundancy = 3 * result_.pairs_kept - (problem_.boresight_sigma_rad ? 0 : 3);
     result_.chi2 = sums.chi2;
     result_.chi2_conditions = sums.chi2_conditions;
-    Sums prior;
+    NormalSums prior;
     AddPrior(&prior);
     result_.chi2_observations = sums.chi2 - sums.chi2_conditions - prior.chi2;
     result_.sigma0 = std::sqrt(sums.chi2 / static_cast<double>(result_.redundancy));

@@ -16,23 +16,21 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// Rows stacked before a QR step of TriangularFactorOfProduct.
 constexpr int kStackedRows = 2048;
 
-std::size_t Index(int i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 UnknownLayout::UnknownLayout(const Network& network) {
-  std::vector<bool> used(Index(network.num_blocks()), false);
+  std::vector<bool> used(AsSize(network.num_blocks()), false);
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     const FactorRecord& record = network.factor(id);
     if (!record.active) continue;
-    for (const BlockId b : record.blocks) used[Index(b)] = true;
+    for (const BlockId b : record.blocks) used[AsSize(b)] = true;
   }
-  position_of.assign(Index(network.num_blocks()), -1);
+  position_of.assign(AsSize(network.num_blocks()), -1);
   offset.push_back(0);
   for (BlockId b = 0; b < network.num_blocks(); ++b) {
     const BlockRecord& block = network.block(b);
-    if (!used[Index(b)] || block.held) continue;
-    position_of[Index(b)] = num_blocks();
+    if (!used[AsSize(b)] || block.held) continue;
+    position_of[AsSize(b)] = num_blocks();
     blocks.push_back(b);
     offset.push_back(offset.back() + block.kind.tangent_size);
   }
@@ -42,7 +40,7 @@ Linearization::Linearization(const Network& network, const UnknownLayout& layout
     : layout_(layout) {
   Reserve(network);
   ParallelFor(static_cast<int>(edges_.size()), threads,
-              [&](int e) { EvaluateEdge(network, edges_[Index(e)]); });
+              [&](int e) { EvaluateEdge(network, edges_[AsSize(e)]); });
 }
 
 Linearization::Linearization(const Linearization& other, const UnknownLayout& layout,
@@ -71,13 +69,13 @@ void Linearization::Reserve(const Network& network) {
     edge.data = size;
     edge.first_block = positions_.size();
     for (const BlockId b : record.blocks) {
-      const int position = layout_.position_of[Index(b)];
+      const int position = layout_.position_of[AsSize(b)];
       if (position < 0) continue;
       positions_.push_back(position);
       edge.cols += layout_.size_of(position);
       ++edge.num_blocks;
     }
-    size += Index(edge.rows) * Index(edge.cols);
+    size += AsSize(edge.rows) * AsSize(edge.cols);
     rows += edge.rows;
     edges_.push_back(edge);
   }
@@ -127,7 +125,7 @@ void Linearization::AddProduct(const Edge& edge, const Eigen::MatrixXd& X,
   for (int i = 0; i < edge.num_blocks; ++i) {
     const int p = positions(edge)[i];
     const int size = layout_.size_of(p);
-    out.noalias() += J.middleCols(column, size) * X.middleRows(layout_.offset[Index(p)], size);
+    out.noalias() += J.middleCols(column, size) * X.middleRows(layout_.offset[AsSize(p)], size);
     column += size;
   }
 }
@@ -140,7 +138,7 @@ Eigen::MatrixXd Linearization::TransposeTimes(const Eigen::MatrixXd& E) const {
     for (int b = 0; b < edge.num_blocks; ++b) {
       const int p = positions(edge)[b];
       const int size = layout_.size_of(p);
-      G.middleRows(layout_.offset[Index(p)], size).noalias() +=
+      G.middleRows(layout_.offset[AsSize(p)], size).noalias() +=
           J.middleCols(column, size).transpose() * E.middleRows(edge.first_row, edge.rows);
       column += size;
     }

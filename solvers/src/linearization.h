@@ -3,9 +3,12 @@
 #include <dn/network.h>
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 namespace dn {
+
+inline std::size_t AsSize(int i) { return static_cast<std::size_t>(i); }
 
 /// The unknowns of a network in one vector: the blocks that are free and have an active factor, in
 /// the order of the network.

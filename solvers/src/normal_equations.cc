@@ -10,8 +10,6 @@
 namespace dn {
 namespace {
 
-std::size_t Index(int i) { return static_cast<std::size_t>(i); }
-
 /// The sorted, distinct (column, row) pairs of blocks with row >= column.
 std::vector<std::uint64_t> BlockPairs(const Linearization& linearization) {
   std::vector<std::uint64_t> pairs;
@@ -33,7 +31,7 @@ std::vector<std::uint64_t> BlockPairs(const Linearization& linearization) {
 SymmetricCsc BlockPattern(int num_blocks, const std::vector<std::uint64_t>& pairs) {
   SymmetricCsc pattern;
   pattern.n = num_blocks;
-  pattern.column_start.assign(Index(num_blocks) + 1, 0);
+  pattern.column_start.assign(AsSize(num_blocks) + 1, 0);
   pattern.row.reserve(pairs.size());
   for (const std::uint64_t pair : pairs) {
     ++pattern.column_start[(pair >> 32) + 1];
@@ -50,9 +48,9 @@ std::vector<int> Heights(const UnknownLayout& layout, const SymmetricCsc& blocks
   std::vector<int> heights(blocks.row.size());
   for (int c = 0; c < blocks.n; ++c) {
     int height = 0;
-    for (int e = blocks.column_start[Index(c)]; e < blocks.column_start[Index(c) + 1]; ++e) {
-      heights[Index(e)] = height;
-      height += layout.size_of(blocks.row[Index(e)]);
+    for (int e = blocks.column_start[AsSize(c)]; e < blocks.column_start[AsSize(c) + 1]; ++e) {
+      heights[AsSize(e)] = height;
+      height += layout.size_of(blocks.row[AsSize(e)]);
     }
   }
   return heights;
@@ -60,10 +58,10 @@ std::vector<int> Heights(const UnknownLayout& layout, const SymmetricCsc& blocks
 
 void AppendColumn(const UnknownLayout& layout, const SymmetricCsc& blocks, int c, int k,
                   SymmetricCsc* N) {
-  for (int e = blocks.column_start[Index(c)]; e < blocks.column_start[Index(c) + 1]; ++e) {
-    const int r = blocks.row[Index(e)];
+  for (int e = blocks.column_start[AsSize(c)]; e < blocks.column_start[AsSize(c) + 1]; ++e) {
+    const int r = blocks.row[AsSize(e)];
     for (int i = r == c ? k : 0; i < layout.size_of(r); ++i) {
-      N->row.push_back(layout.offset[Index(r)] + i);
+      N->row.push_back(layout.offset[AsSize(r)] + i);
     }
   }
   if (N->row.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
@@ -94,14 +92,14 @@ class Assembler {
   /// Adds the block (row position, column position), row >= column.
   template <class Matrix>
   void Add(int row, int column, const Eigen::MatrixBase<Matrix>& block) {
-    const auto begin = blocks_.row.begin() + blocks_.column_start[Index(column)];
-    const auto end = blocks_.row.begin() + blocks_.column_start[Index(column) + 1];
+    const auto begin = blocks_.row.begin() + blocks_.column_start[AsSize(column)];
+    const auto end = blocks_.row.begin() + blocks_.column_start[AsSize(column) + 1];
     const int height =
-        heights_[Index(static_cast<int>(std::lower_bound(begin, end, row) - blocks_.row.begin()))];
+        heights_[AsSize(static_cast<int>(std::lower_bound(begin, end, row) - blocks_.row.begin()))];
     for (int k = 0; k < block.cols(); ++k) {
-      const int start = N_.column_start[Index(layout_.offset[Index(column)] + k)] + height - k;
+      const int start = N_.column_start[AsSize(layout_.offset[AsSize(column)] + k)] + height - k;
       for (int i = row == column ? k : 0; i < block.rows(); ++i) {
-        N_.value[Index(start + i)] += block(i, k);
+        N_.value[AsSize(start + i)] += block(i, k);
       }
     }
   }
@@ -150,7 +148,7 @@ void NormalEquations::Assemble(const UnknownLayout& layout, const Linearization&
 Eigen::VectorXd JacobiScale(const SymmetricCsc& N) {
   Eigen::VectorXd scale(N.n);
   for (int c = 0; c < N.n; ++c) {
-    const double diagonal = N.value[Index(N.column_start[Index(c)])];
+    const double diagonal = N.value[AsSize(N.column_start[AsSize(c)])];
     scale[c] = diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : 1.0;
   }
   return scale;
@@ -158,8 +156,8 @@ Eigen::VectorXd JacobiScale(const SymmetricCsc& N) {
 
 void ApplyScale(const Eigen::VectorXd& scale, SymmetricCsc* N) {
   for (int c = 0; c < N->n; ++c) {
-    const auto begin = Index(N->column_start[Index(c)]);
-    const auto end = Index(N->column_start[Index(c) + 1]);
+    const auto begin = AsSize(N->column_start[AsSize(c)]);
+    const auto end = AsSize(N->column_start[AsSize(c) + 1]);
     for (std::size_t e = begin; e < end; ++e) N->value[e] *= scale[c] * scale[N->row[e]];
   }
 }

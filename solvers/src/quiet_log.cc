@@ -7,21 +7,21 @@
 namespace dn {
 namespace {
 
-std::mutex g_mutex;
+std::mutex g_log_mutex;
 int g_living = 0;
 int g_level = 0;  // before the first one
 
 }  // namespace
 
 QuietLog::QuietLog() {
-  const std::lock_guard lock(g_mutex);
+  const std::lock_guard lock(g_log_mutex);
   if (g_living++ > 0) return;
   g_level = FLAGS_minloglevel;
   FLAGS_minloglevel = google::FATAL;
 }
 
 QuietLog::~QuietLog() {
-  const std::lock_guard lock(g_mutex);
+  const std::lock_guard lock(g_log_mutex);
   if (--g_living == 0) FLAGS_minloglevel = g_level;
 }
 

@@ -10,7 +10,7 @@
 namespace dn {
 namespace {
 
-constexpr Eigen::Index kExactRows = 400;
+constexpr Eigen::Index kRowsOfExactMoments = 400;
 constexpr int kSamples = 32;
 constexpr int kSamplesAtOnce = 8;
 constexpr unsigned kSeed = 20240501;
@@ -137,8 +137,8 @@ FormMoments MomentsOfSample(const std::vector<double>& energies) {
 
 std::vector<FormMoments> MomentsOf(const Marginals& marginals,
                                    const std::vector<ResidualForm>& forms) {
-  return marginals.linearized().rows() <= kExactRows ? ExactMoments(marginals, forms)
-                                                     : SampledMoments(marginals, forms);
+  return marginals.linearized().rows() <= kRowsOfExactMoments ? ExactMoments(marginals, forms)
+                                                              : SampledMoments(marginals, forms);
 }
 
 }  // namespace dn

@@ -17,7 +17,7 @@ namespace dn {
 namespace {
 
 constexpr int kMostThreads = 2;
-constexpr Eigen::Index kExactRows = 400;
+constexpr Eigen::Index kRowsOfExactParts = 400;
 
 void ExpectRows(Eigen::Index shares, const LinearizedNetwork& linearized) {
   if (shares == linearized.rows()) return;
@@ -81,7 +81,7 @@ class Likelihood {
 template <class Use>
 double ForResidualParts(const Marginals& marginals, const Use& use) {
   const Eigen::Index rows = marginals.linearized().rows();
-  if (rows <= kExactRows) {
+  if (rows <= kRowsOfExactParts) {
     use(marginals.Project(Eigen::MatrixXd::Identity(rows, rows)));
     return 1.0;
   }

@@ -22,7 +22,7 @@ constexpr double kAbsorbed = 1e-9;
 constexpr double kAbsorbedJointly = 1e-7;
 
 /// The sums of one effect over its factors.
-struct Sums {
+struct ScoreSums {
   Eigen::VectorXd s;   // L^T r
   Eigen::MatrixXd LL;  // L^T L
   BlockColumns g;      // J^T L
@@ -64,9 +64,9 @@ void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const T
   }
 }
 
-Sums Sum(const LinearizedNetwork& linearized, const EffectModel& effect) {
+ScoreSums Sum(const LinearizedNetwork& linearized, const EffectModel& effect) {
   const Eigen::Index q = effect.empty() ? 0 : effect.front().L.cols();
-  Sums sums{Eigen::VectorXd::Zero(q), Eigen::MatrixXd::Zero(q, q), {}};
+  ScoreSums sums{Eigen::VectorXd::Zero(q), Eigen::MatrixXd::Zero(q, q), {}};
   for (const EffectPart& part : effect) {
     CheckPart(linearized, part, q);
     const auto rows = linearized.RowsOf(part.factor);
@@ -101,11 +101,11 @@ ScoreTest Conclude(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
   return test;
 }
 
-void TestBatch(const Marginals& marginals, const std::vector<Sums>& batch, Eigen::Index columns,
-               std::vector<ScoreTest>* tests) {
+void TestBatch(const Marginals& marginals, const std::vector<ScoreSums>& batch,
+               Eigen::Index columns, std::vector<ScoreTest>* tests) {
   BlockColumns rhs;
   Eigen::Index c = 0;
-  for (const Sums& sums : batch) {
+  for (const ScoreSums& sums : batch) {
     for (const auto& [block, g] : sums.g) {
       Eigen::MatrixXd& B = rhs[block];
       if (B.size() == 0) B = Eigen::MatrixXd::Zero(g.rows(), columns);
@@ -115,7 +115,7 @@ void TestBatch(const Marginals& marginals, const std::vector<Sums>& batch, Eigen
   }
   const Marginals::Columns Z = rhs.empty() ? Marginals::Columns() : marginals.Solve(rhs);
   c = 0;
-  for (const Sums& sums : batch) {
+  for (const ScoreSums& sums : batch) {
     Eigen::MatrixXd A = sums.LL;
     for (const auto& [block, g] : sums.g) {
       A -= g.transpose() * Z.Rows(block).middleCols(c, g.cols());
@@ -171,7 +171,7 @@ std::vector<ScoreTest> TestEffects(const Marginals& marginals,
                                    const std::vector<EffectModel>& effects) {
   std::vector<ScoreTest> tests;
   tests.reserve(effects.size());
-  std::vector<Sums> batch;
+  std::vector<ScoreSums> batch;
   Eigen::Index columns = 0;
   const auto flush = [&] {
     if (!batch.empty()) TestBatch(marginals, batch, columns, &tests);

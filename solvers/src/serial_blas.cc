@@ -20,7 +20,7 @@ namespace {
 // What OpenBLAS maps for each thread that calls it, rounded up.
 constexpr std::size_t kWorkSpaceBytes = std::size_t{136} << 20;
 
-std::mutex g_mutex;
+std::mutex g_blas_mutex;
 std::size_t g_callers = 0;
 int g_threads = 1;              // before the first caller
 std::size_t g_work_spaces = 0;  // that OpenBLAS has, and gives from one caller to the next
@@ -61,7 +61,7 @@ void SetOpenMpLevels(int levels) {
 }  // namespace
 
 SerialBlas::SerialBlas() : openmp_levels_(OpenMpLevels()) {
-  const std::lock_guard lock(g_mutex);
+  const std::lock_guard lock(g_blas_mutex);
   ReserveWorkSpaces(g_callers + 1);
   SetOpenMpLevels(0);
   if (g_callers++ > 0) return;
@@ -71,7 +71,7 @@ SerialBlas::SerialBlas() : openmp_levels_(OpenMpLevels()) {
 
 SerialBlas::~SerialBlas() {
   SetOpenMpLevels(openmp_levels_);
-  const std::lock_guard lock(g_mutex);
+  const std::lock_guard lock(g_blas_mutex);
   if (--g_callers == 0) openblas_set_num_threads(g_threads);
 }
 

@@ -1,3 +1,4 @@
+#include <dn/calibration/angle_names.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
 #include <dn/names.h>
@@ -11,8 +12,6 @@
 
 namespace dn {
 namespace {
-
-constexpr const char* kAngles[] = {"roll", "pitch", "yaw"};
 
 std::vector<std::string> NamesOf(const LineCandidates& candidates, const LineChoice& choice) {
   std::vector<std::string> names;
@@ -73,8 +72,9 @@ std::string MissedTarget(const LineCandidates& candidates, const LineSearch& sea
   std::string text;
   for (int i = 0; i < 3; ++i) {
     if (all.sigma_rad[i] <= candidates.target_rad[i]) continue;
-    text += fmt::format("{}{} {:.2g} instead of {:.2g} deg", text.empty() ? "" : ", ", kAngles[i],
-                        kDegPerRad * all.sigma_rad[i], kDegPerRad * candidates.target_rad[i]);
+    text +=
+        fmt::format("{}{} {:.2g} instead of {:.2g} deg", text.empty() ? "" : ", ", kAngleNames[i],
+                    kDegPerRad * all.sigma_rad[i], kDegPerRad * candidates.target_rad[i]);
   }
   return text;
 }

@@ -1,3 +1,4 @@
+#include <dn/calibration/angle_names.h>
 #include <dn/geo/local_frame.h>
 #include <dn/study/report.h>
 #include <fmt/format.h>
@@ -9,7 +10,6 @@ namespace {
 
 constexpr std::size_t kMostPoints = 2000;
 constexpr double kMdegPerRad = 1e3 * kDegPerRad;
-const char* const kAngles[] = {"roll", "pitch", "yaw"};
 const char* const kAxes[] = {"x", "y", "z"};
 
 template <class Row, class Get>
@@ -28,7 +28,7 @@ StudyPlot SigmaPlot(const StudyResult& study) {
   const Eigen::Vector3d sigma_mdeg = study.boresight.sigma_rad() * kMdegPerRad;
   for (int i = 0; i < 3; ++i) {
     sigmas.points.emplace_back(sigma_mdeg[i], i);
-    panel.rows.emplace_back(kAngles[i]);
+    panel.rows.emplace_back(kAngleNames[i]);
   }
   panel.series.push_back(sigmas);
   return {"sigmas.svg", study.name + ": boresight", "standard deviation [mdeg]", {panel}};
@@ -37,7 +37,7 @@ StudyPlot SigmaPlot(const StudyResult& study) {
 StudyPlot CorrelationPlot(const StudyResult& study) {
   std::vector<PlotPanel> panels;
   for (int i = 0; i < 3; ++i) {
-    PlotPanel panel{fmt::format("{} [%]", kAngles[i]), {}};
+    PlotPanel panel{fmt::format("{} [%]", kAngleNames[i]), {}};
     for (int axis = 0; axis < 3; ++axis) {
       panel.series.push_back(
           Curve(fmt::format("accelerometer {}", kAxes[axis]), study.correlations,

@@ -17,9 +17,9 @@ class TimeOffset final : public GnssEffect {
 
 /// tag = t + value (t - first). A constant offset moves the tag of the first epoch with the others:
 /// t - first = (tag - first tag) / (1 + value).
-class TimeDrift final : public GnssEffect {
+class GnssTagDrift final : public GnssEffect {
  public:
-  explicit TimeDrift(double first_tag_s) : first_tag_s_(first_tag_s) {}
+  explicit GnssTagDrift(double first_tag_s) : first_tag_s_(first_tag_s) {}
 
   int components() const override { return 1; }
 
@@ -40,7 +40,7 @@ EffectAction GnssTimeOffset(const EffectSite&) { return std::make_shared<TimeOff
 
 EffectAction GnssTimeDrift(const EffectSite& site) {
   const bool any = site.flight.gnss && !site.flight.gnss->epochs.empty();
-  return std::make_shared<TimeDrift>(any ? site.flight.gnss->epochs.front().t_s : 0.0);
+  return std::make_shared<GnssTagDrift>(any ? site.flight.gnss->epochs.front().t_s : 0.0);
 }
 
 }  // namespace dn::internal

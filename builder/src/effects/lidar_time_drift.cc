@@ -6,9 +6,9 @@ namespace dn::internal {
 namespace {
 
 /// tag = t + value (t - first), that is t = (tag + value first) / (1 + value).
-class TimeDrift final : public LidarEffect {
+class LidarTagDrift final : public LidarEffect {
  public:
-  explicit TimeDrift(double first_s) : first_s_(first_s) {}
+  explicit LidarTagDrift(double first_s) : first_s_(first_s) {}
 
   int components() const override { return 1; }
   bool moves_epochs() const override { return true; }
@@ -38,7 +38,7 @@ std::pair<double, double> LidarSpan(const Flight& flight) {
 }
 
 EffectAction LidarTimeDrift(const EffectSite& site) {
-  return std::make_shared<TimeDrift>(LidarSpan(site.flight).first);
+  return std::make_shared<LidarTagDrift>(LidarSpan(site.flight).first);
 }
 
 }  // namespace dn::internal

@@ -14,8 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr std::size_t kColumns = 10;
-constexpr internal::RecordFormat<kColumns> kSmrmsg{
+constexpr std::size_t kSmrmsgColumns = 10;
+constexpr internal::RecordFormat<kSmrmsgColumns> kSmrmsg{
     "smrmsg",
     {"time", "rms of position north", "rms of position east", "rms of position down",
      "rms of velocity north", "rms of velocity east", "rms of velocity down", "rms of roll",
@@ -36,7 +36,7 @@ void ExpectUsable(const EpochAccuracy& epoch, const std::string& what, const Fil
 }
 
 std::vector<EpochAccuracy> ReadText(const fs::path& file) {
-  TextTable table = ReadTextTable(file, {kColumns});
+  TextTable table = ReadTextTable(file, {kSmrmsgColumns});
   std::vector<std::size_t> keep;
   ContinueAndCheckTimes(table, keep);
   std::vector<EpochAccuracy> epochs;
@@ -55,7 +55,7 @@ std::vector<EpochAccuracy> ReadSmrmsg(const fs::path& file) {
   internal::SettleTimes(kSmrmsg, where, &records);
   std::vector<EpochAccuracy> epochs;
   for (std::size_t i = 0; i < records.size(); ++i) {
-    const internal::Record<kColumns>& c = records[i];
+    const internal::Record<kSmrmsgColumns>& c = records[i];
     epochs.push_back(
         {c[0], Vector3d(c[1], c[2], c[3]), Vector3d(c[7], c[8], c[9]) * kRadPerArcMinute});
     ExpectUsable(epochs.back(), " of smrmsg " + internal::NameOfRecord(i), where);

@@ -15,8 +15,8 @@ namespace dn {
 namespace internal {
 namespace {
 
-constexpr std::size_t kColumns = 17;
-constexpr RecordFormat<kColumns> kSbet{
+constexpr std::size_t kSbetColumns = 17;
+constexpr RecordFormat<kSbetColumns> kSbet{
     "SBET",
     {"time", "latitude", "longitude", "height", "velocity x", "velocity y", "velocity z", "roll",
      "pitch", "heading", "wander angle", "acceleration x", "acceleration y", "acceleration z",
@@ -25,7 +25,7 @@ constexpr RecordFormat<kColumns> kSbet{
 /// The file's velocities count as confirmed by its positions up to this difference.
 constexpr double kVelocityAgreementMps = 0.1;
 
-using SbetRecord = Record<kColumns>;
+using SbetRecord = Record<kSbetColumns>;
 
 void CheckPositions(const std::vector<SbetRecord>& records, const FileLocation& where) {
   for (std::size_t i = 0; i < records.size(); ++i) {
@@ -131,7 +131,7 @@ Trajectory ReadSbet(const std::filesystem::path& file) {
 
 std::string FormatSbet(const std::vector<NavPoint>& points, bool adjusted_with_lidar) {
   std::string out;
-  out.reserve(8 * internal::kColumns * points.size());
+  out.reserve(8 * internal::kSbetColumns * points.size());
   for (const NavPoint& point : points) {
     const Eigen::Vector3d rph_rad = RollPitchHeading(point.q_nb);
     const double wander_rad = adjusted_with_lidar ? -0.0 : 0.0;

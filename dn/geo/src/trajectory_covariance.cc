@@ -11,7 +11,7 @@ namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-constexpr std::size_t kColumns = 4 + 36;
+constexpr std::size_t kCovarianceColumns = 4 + 36;
 constexpr double kStripNumbers = 1e6;
 
 Matrix6d Units(double attitude) {
@@ -95,7 +95,7 @@ std::string FormatTrajectoryCovariance(const TrajectoryCovariance& covariance) {
 }
 
 TrajectoryCovariance ReadTrajectoryCovariance(const std::filesystem::path& file) {
-  const TextTable table = ReadTextTable(file, {kColumns});
+  const TextTable table = ReadTextTable(file, {kCovarianceColumns});
   TrajectoryCovariance out = ReadEpochs(table);
   const std::size_t T = out.t_s.size();
   const auto order = static_cast<Eigen::Index>(6 * T);

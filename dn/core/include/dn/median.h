@@ -6,6 +6,9 @@
 
 namespace dn {
 
+/// The standard deviation of normal errors, in medians of their absolute values.
+inline constexpr double kSigmaOfMedian = 1.4826;
+
 /// The middle one of the values in order, of an even number the upper one of the two; there must be
 /// one.
 inline double Median(std::vector<double> values) {

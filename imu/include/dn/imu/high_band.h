@@ -13,6 +13,7 @@ namespace dn {
 /// The two triads of an inertial sensor, as indices.
 enum ImuTriad : std::size_t { kGyroTriad, kAccelTriad };
 inline constexpr std::size_t kImuTriads = 2;
+inline constexpr std::array<ImuTriad, kImuTriads> kBothTriads{kGyroTriad, kAccelTriad};
 
 /// The two highest octaves below the Nyquist frequency f, as indices: f/2 .. f and f/4 .. f/2.
 enum ImuOctave : std::size_t { kTopOctave, kSecondOctave };

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <chrono>
+
+namespace dn::apps {
+
+/// Wall time [s] since then.
+inline double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace dn::apps

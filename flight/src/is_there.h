@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+#include <system_error>
+
+namespace dn::internal {
+
+/// Whether the path names anything, also what cannot be read.
+inline bool IsThere(const std::filesystem::path& path) {
+  std::error_code none;
+  return std::filesystem::status(path, none).type() != std::filesystem::file_type::not_found;
+}
+
+}  // namespace dn::internal
