@@ -1,6 +1,7 @@
 #include "child_process.h"
 
 #include <dn/interrupted.h>
+#include <dn/seconds_since.h>
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -12,8 +13,6 @@
 #include <csignal>
 #include <system_error>
 #include <thread>
-
-#include "seconds_since.h"
 
 namespace dn::apps {
 namespace {

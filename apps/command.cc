@@ -4,6 +4,7 @@
 #include <dn/calibration/adjust.h>
 #include <dn/error.h>
 #include <dn/page/page.h>
+#include <dn/seconds_since.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -16,7 +17,6 @@
 #include <thread>
 
 #include "option_checks.h"
-#include "seconds_since.h"
 #include "shown_text.h"
 
 namespace dn::apps {

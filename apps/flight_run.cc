@@ -4,13 +4,13 @@
 #include <dn/calibration/left_out_gnss.h>
 #include <dn/calibration/words.h>
 #include <dn/report/plot.h>
+#include <dn/seconds_since.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 
 #include "data_hints.h"
-#include "seconds_since.h"
 
 namespace dn::apps {
 namespace {

@@ -4,6 +4,7 @@
 #include <dn/error.h>
 #include <dn/geo/median_step.h>
 #include <dn/parallel.h>
+#include <dn/seconds_since.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,10 +23,6 @@ using Eigen::Vector3d;
 // On the chi-distributed norm of a pair's misclosure, exceeded by one good pair in ten.
 constexpr double kRobustWidth = 2.5;
 constexpr std::size_t kChunk = 2048;  // pairs of a task
-
-double Since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 PoseInterpolation Describe(const Flight& flight, const InterpolationDeviation& deviation) {
   PoseInterpolation figures;
@@ -146,7 +143,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
                        std::to_string(calibration.adjustment.iterations) +
                        " iterations; are the pairs of this flight, and the mounting matrix right?");
   }
-  calibration.solve_time_s = Since(start);
+  calibration.solve_time_s = SecondsSince(start);
 
   const auto covariance_start = Clock::now();
   stage("covariance under time-correlated errors");
@@ -160,7 +157,7 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   internal::Assess(flight, &calibration);
   calibration.model_check = internal::CheckGaussHelmert(flight, strips, calibration);
   Assess(calibration.model_check, &calibration.boresight);
-  calibration.covariance_time_s = Since(covariance_start);
+  calibration.covariance_time_s = SecondsSince(covariance_start);
   return calibration;
 }
 

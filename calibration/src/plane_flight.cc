@@ -1,6 +1,7 @@
 #include <dn/calibration/plane_flight.h>
 #include <dn/error.h>
 #include <dn/rotation.h>
+#include <dn/seconds_since.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,10 +23,6 @@ using Eigen::Vector3d;
 constexpr long kLeastPlanes = 10;
 constexpr double kLeastSpread = 0.3;
 constexpr const char* kRangeOffset = "lidar_range_offset";
-
-double Since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Calls work(plane, state, point) for every point kept.
 template <class Work>
@@ -206,7 +203,7 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> pl
                        std::to_string(calibration.adjustment.iterations) +
                        " iterations; are the mounting matrix and the strips of this flight right?");
   }
-  calibration.solve_time_s = Since(start);
+  calibration.solve_time_s = SecondsSince(start);
 
   const auto covariance_start = Clock::now();
   stage("covariance under time-correlated errors");
@@ -223,7 +220,7 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> pl
   Assess(flight, &calibration);
   calibration.model_check = Check(calibration);
   Assess(calibration.model_check, &calibration.boresight);
-  calibration.covariance_time_s = Since(covariance_start);
+  calibration.covariance_time_s = SecondsSince(covariance_start);
   return calibration;
 }
 

@@ -311,12 +311,12 @@ class Matcher {
 
   /// Where the rasters show no clear shift, that of the nearest places that show one is the start.
   static void StartLikeNeighbours(std::vector<Work>* work) {
-    constexpr std::size_t kNeighbours = 5;
+    constexpr std::size_t kNeighboursOfStart = 5;
     std::vector<const Work*> clear;
     for (const Work& w : *work) {
       if (w.raster) clear.push_back(&w);
     }
-    if (clear.size() < kNeighbours) {
+    if (clear.size() < kNeighboursOfStart) {
       std::erase_if(*work, [](const Work& w) { return !w.raster; });
       return;
     }
@@ -328,12 +328,12 @@ class Matcher {
         return (other->centre_en_m - w.centre_en_m).squaredNorm();
       };
       std::vector<const Work*> nearest = clear;
-      std::partial_sort(nearest.begin(), nearest.begin() + kNeighbours, nearest.end(),
+      std::partial_sort(nearest.begin(), nearest.begin() + kNeighboursOfStart, nearest.end(),
                         [&](const Work* p, const Work* q) { return off_m2(p) < off_m2(q); });
       Vector3d start_m;
       for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> values;
-        for (std::size_t n = 0; n < kNeighbours; ++n) {
+        for (std::size_t n = 0; n < kNeighboursOfStart; ++n) {
           values.push_back(nearest[n]->raster->shift_m[axis]);
         }
         start_m[axis] = Median(std::move(values));

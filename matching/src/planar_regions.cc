@@ -19,8 +19,8 @@ namespace {
 using Eigen::Vector3d;
 using Indices = std::vector<std::size_t>;
 
-constexpr double kLeastPlanarity = 0.2;  // of a neighbourhood: no edge of a wall, no wire
-constexpr unsigned kNeighbours = 20;     // that growing looks at
+constexpr double kLeastPlanarity = 0.2;       // of a neighbourhood: no edge of a wall, no wire
+constexpr unsigned kNeighboursOfGrowth = 20;  // that growing looks at
 constexpr double kTrimSigmas = 3.0;
 constexpr int kTrims = 3;
 constexpr std::size_t kUnknowns = 3;
@@ -60,12 +60,13 @@ FlatPoints FindFlat(const std::vector<Vector3d>& points_m, const PlanarRegionOpt
 
 std::vector<Indices> Grow(const FlatPoints& flat, const PlanarRegionOptions& options) {
   std::vector<Indices> regions;
-  if (flat.at.size() < std::max<std::size_t>(options.min_points, kNeighbours)) return regions;
+  if (flat.at.size() < std::max<std::size_t>(options.min_points, kNeighboursOfGrowth))
+    return regions;
   pcl::RegionGrowing<pcl::PointXYZ, pcl::Normal> growing;
   growing.setInputCloud(flat.cloud);
   growing.setInputNormals(flat.normals);
   growing.setSearchMethod(pcl::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
-  growing.setNumberOfNeighbours(kNeighbours);
+  growing.setNumberOfNeighbours(kNeighboursOfGrowth);
   growing.setSmoothModeFlag(false);  // against the seed, not from point to point
   growing.setCurvatureTestFlag(false);
   growing.setSmoothnessThreshold(static_cast<float>(options.smoothness_rad));

@@ -14,17 +14,17 @@ namespace {
 using Eigen::Vector3d;
 
 /// Square of the ground, by its numbers to the east and to the north.
-using Tile = std::pair<long, long>;
+using SquareKey = std::pair<long, long>;
 
 constexpr std::size_t kSampleStep = 32;         // of the points that tell what a strip covers
 constexpr double kLeastOfTypical = 0.1;         // of the density: less is the edge of a strip
 constexpr double kGolden = 0.6180339887498949;  // spreads a share evenly over any sequence
 
-Tile TileOf(const Vector3d& p_m, double side_m) {
+SquareKey TileOf(const Vector3d& p_m, double side_m) {
   return {std::lround(std::floor(p_m.x() / side_m)), std::lround(std::floor(p_m.y() / side_m))};
 }
 
-using Counts = std::map<Tile, double>;  // points
+using Counts = std::map<SquareKey, double>;  // points
 
 Counts CountPoints(const MatchSource& source, std::size_t strip, double side_m) {
   Counts counts;
@@ -49,13 +49,13 @@ double Median(const Counts& counts) {
 
 /// What of the ground is looked at.
 struct Selection {
-  std::vector<Tile> tiles;  ///< sorted
-  double density_m2 = 0.0;  ///< of the thinnest strip
+  std::vector<SquareKey> tiles;  ///< sorted
+  double density_m2 = 0.0;       ///< of the thinnest strip
   double share = 1.0;
 };
 
 Selection Select(const MatchSource& source, const StripPlaneOptions& options) {
-  std::map<Tile, int> covered;
+  std::map<SquareKey, int> covered;
   std::vector<Counts> counts;
   Selection selection;
   for (std::size_t s = 0; s < source.strips().size(); ++s) {
@@ -91,12 +91,12 @@ struct TilePoints {
 };
 
 std::vector<TilePoints> ReadTiles(const MatchSource& source, std::size_t strip,
-                                  const std::vector<Tile>& tiles, double side_m) {
+                                  const std::vector<SquareKey>& tiles, double side_m) {
   std::vector<TilePoints> out(tiles.size());
   source.Read(strip, [&](const RawPoints& points) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vector3d p_m = source.Position(strip, points.t_s[i], points.x[i]);
-      const Tile tile = TileOf(p_m, side_m);
+      const SquareKey tile = TileOf(p_m, side_m);
       const auto found = std::lower_bound(tiles.begin(), tiles.end(), tile);
       if (found == tiles.end() || *found != tile) continue;
       TilePoints& of_tile = out[static_cast<std::size_t>(found - tiles.begin())];

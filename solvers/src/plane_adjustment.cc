@@ -20,11 +20,11 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr std::size_t kChunk = 16;          // planes summed at a time
-constexpr long kLeastPoints = 3;            // of a strip in a plane
-constexpr double kLineRatio = 1e-10;        // of the extents squared of points on a line
-constexpr int kMostChoices = 20;            // of planes to keep
-constexpr double kSigmaPerMedian = 1.4826;  // of |x|, x normal
+constexpr std::size_t kPlanesPerChunk = 16;  // planes summed at a time
+constexpr long kLeastPoints = 3;             // of a strip in a plane
+constexpr double kLineRatio = 1e-10;         // of the extents squared of points on a line
+constexpr int kMostChoices = 20;             // of planes to keep
+constexpr double kSigmaPerMedian = 1.4826;   // of |x|, x normal
 
 std::string NameOf(std::size_t plane, std::size_t point) {
   return "plane " + std::to_string(plane) + ", point " + std::to_string(point);
@@ -95,9 +95,9 @@ struct Sums {
   }
 };
 
-class Adjuster {
+class PlaneAdjuster {
  public:
-  Adjuster(const PlaneProblem& problem, const PlaneAdjustmentOptions& options)
+  PlaneAdjuster(const PlaneProblem& problem, const PlaneAdjustmentOptions& options)
       : problem_(problem),
         options_(options),
         unknowns_(problem.with_range_offset ? 4 : 3),
@@ -197,7 +197,7 @@ class Adjuster {
   }
 
   void FitAll() {
-    ParallelForChunks(size(), kChunk, options_.threads,
+    ParallelForChunks(size(), kPlanesPerChunk, options_.threads,
                       [&](std::size_t, std::size_t first, std::size_t past) {
                         for (std::size_t q = first; q < past; ++q) Fit(q);
                       });
@@ -227,8 +227,8 @@ class Adjuster {
   }
 
   Sums AccumulateAll() {
-    std::vector<Sums> partial(NumChunks(size(), kChunk), Sums(unknowns_));
-    ParallelForChunks(size(), kChunk, options_.threads,
+    std::vector<Sums> partial(NumChunks(size(), kPlanesPerChunk), Sums(unknowns_));
+    ParallelForChunks(size(), kPlanesPerChunk, options_.threads,
                       [&](std::size_t c, std::size_t first, std::size_t past) {
                         for (std::size_t q = first; q < past; ++q) {
                           if (chosen_[q] != 0) Accumulate(q, &partial[c]);
@@ -436,7 +436,7 @@ void PlaneAdjustmentOptions::Validate() const {
 PlaneAdjustment AdjustPlanes(const PlaneProblem& problem, const PlaneAdjustmentOptions& options) {
   options.Validate();
   CheckProblem(problem);
-  return Adjuster(problem, options).Run();
+  return PlaneAdjuster(problem, options).Run();
 }
 
 }  // namespace dn

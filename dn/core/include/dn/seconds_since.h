@@ -2,11 +2,11 @@
 
 #include <chrono>
 
-namespace dn::apps {
+namespace dn {
 
 /// Wall time [s] since then.
 inline double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-}  // namespace dn::apps
+}  // namespace dn
