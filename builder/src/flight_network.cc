@@ -603,17 +603,17 @@ void FlightNetwork::Relinearise() {
 }
 
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {
-  constexpr double kOnNodeS = 1e-7;
-  if (t_s < node_t_s_.front() - kOnNodeS || t_s > node_t_s_.back() + kOnNodeS) {
+  constexpr double kSameNodeS = 1e-7;
+  if (t_s < node_t_s_.front() - kSameNodeS || t_s > node_t_s_.back() + kSameNodeS) {
     throw InvalidInput("flight network: t = " + std::to_string(t_s) +
                        " s lies outside its nodes, " + std::to_string(node_t_s_.front()) + " to " +
                        std::to_string(node_t_s_.back()) + " s");
   }
-  const std::size_t k = NodeBefore(node_t_s_, t_s + kOnNodeS);
+  const std::size_t k = NodeBefore(node_t_s_, t_s + kSameNodeS);
   const ImuCorrection correction =
       Calibration().ImuAt(GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k]));
   const Preintegrated increments =
-      t_s - node_t_s_[k] > kOnNodeS
+      t_s - node_t_s_[k] > kSameNodeS
           ? Preintegrate(*flight_->imu, node_t_s_[k], t_s, correction, noise_)
           : IdentityIncrement(*flight_->imu, node_t_s_[k], correction);
   return {k, StateAfterNode(flight_->frame, increments, NodePose(k).p_mb), increments};
