@@ -42,6 +42,7 @@ Document PageWithoutRun(const ResultFolder& folder) {
   if (folder.Has("study.json")) return StudyPage(folder);
   if (folder.Has("monte_carlo.json")) return MonteCarloPage(folder);
   if (folder.Has("allan.json")) return AllanPage(folder);
+  if (folder.Has("match.json")) return MatchPage(folder);
   return OtherPage(folder);
 }
 

@@ -84,6 +84,7 @@ Document GapPage(const ResultFolder& folder);
 Document StudyPage(const ResultFolder& folder);
 Document MonteCarloPage(const ResultFolder& folder);
 Document AllanPage(const ResultFolder& folder);
+Document MatchPage(const ResultFolder& folder);
 /// Of commands without a verdict: simulate, check, sweeps, the blind check.
 Document OtherPage(const ResultFolder& folder);
 

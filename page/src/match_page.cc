@@ -1,0 +1,177 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "sections.h"
+
+namespace dn::internal {
+namespace {
+
+// Columns of matches/<a>_<b>.txt.
+enum MatchColumn : std::size_t {
+  kPlaceOfPair = 2,
+  kApartBefore = 5,
+  kApartAfter = 8,
+  kMatchColumns = 15
+};
+constexpr std::size_t kMostMatchDots = 800;  // of a cloud
+
+struct PairsOfStrips {
+  std::string strips;  ///< "1-2"
+  TextTable pairs;
+};
+
+std::vector<PairsOfStrips> ReadPairs(const ResultFolder& folder, const Facts& match) {
+  std::vector<PairsOfStrips> all;
+  for (const Facts& of : match["strip_pairs"].elements()) {
+    const std::string a = of["strips"][0].text(), b = of["strips"][1].text();
+    auto pairs = folder.Numbers("matches/" + a + "_" + b + ".txt", kMatchColumns);
+    if (pairs) all.push_back({a + "-" + b, std::move(*pairs)});
+  }
+  return all;
+}
+
+Headline HeadlineOfMatch(const Facts& match) {
+  Headline headline;
+  const double pairs = match["counts"]["pairs"].number();
+  headline.word = pairs > 0.0 ? "matched" : "no pairs";
+  headline.tone = pairs > 0.0 ? Tone::kGood : Tone::kBad;
+  headline.answer = pairs > 0.0
+                        ? "The pairs are the same points of the ground within their covariances."
+                        : "No place of the overlaps is clear enough to be the same in both strips.";
+  const Facts all = match["misalignment"];
+  if (all) {
+    headline.figures = {Table{"",
+                              {"", ""},
+                              {Row("pairs", {match["counts"]["pairs"].Count()}),
+                               Row("apart before, rms [m]", {all["before"]["rms_m"].Decimals(3)}),
+                               Row("apart after, rms [m]", {all["after"]["rms_m"].Decimals(3)}),
+                               Row("ground sampling distance [m]", {match["gsd_m"].Decimals(2)})}}};
+    headline.next = {
+        "dn calibrate flight.matched.yaml of this folder: the boresight and its sigmas"};
+  } else {
+    headline.next = {
+        "look where the counts below fall to zero: places need shape, such as slopes in "
+        "several directions"};
+  }
+  return headline;
+}
+
+Table StagesTable(const Facts& match) {
+  Table table{
+      "From places to pairs",
+      {"strips", "overlap [m2]", "places with shape", "clear in the rasters", "registered", "pairs",
+       "evenness", "sigma, median [m]"},
+      {},
+      "Evenness: mean distance to the next pair by that of as many points anywhere; below 1 "
+      "in clusters. Sigma: three-dimensional, of a pair's difference."};
+  for (const Facts& of : match["strip_pairs"].elements()) {
+    const Facts counts = of["counts"];
+    table.rows.push_back(
+        Row(of["strips"][0].text() + "-" + of["strips"][1].text(),
+            {of["overlap_m2"].Decimals(0), counts["candidates"].Count(), counts["found"].Count(),
+             counts["registered"].Count(), counts["pairs"].Count(), of["evenness"].Decimals(2),
+             of["sigma_3d_median_m"].Decimals(3)}));
+  }
+  return table;
+}
+
+Table MisalignmentTable(const Facts& match) {
+  Table table{"How far the strips are apart",
+              {"strips", "", "rms [m]", "median", "95 %", "mean E", "mean N", "mean U",
+               "heading [deg]", "same direction"},
+              {},
+              "Point of the first strip minus point of the second. Same direction: 1 where all "
+              "point the same way, near 0 where they point anywhere."};
+  for (const Facts& of : match["strip_pairs"].elements()) {
+    if (!of["misalignment"]) continue;
+    for (const char* when : {"before", "after"}) {
+      const Facts apart = of["misalignment"][when];
+      std::vector<Cell> row{Text(when), apart["rms_m"].Decimals(3), apart["median_m"].Decimals(3),
+                            apart["p95_m"].Decimals(3)};
+      for (const Cell& cell : Three(apart["mean_enu_m"], 3)) row.push_back(cell);
+      row.push_back(apart["heading_deg"].Decimals(0));
+      row.push_back(apart["same_direction"].Decimals(2));
+      table.rows.push_back(
+          Row(of["strips"][0].text() + "-" + of["strips"][1].text(), std::move(row)));
+    }
+  }
+  return table;
+}
+
+Table SeparationTable(const Facts& all) {
+  Table table{
+      "Swath separation of the pairs",
+      {"", "up to 8 cm", "8 to 16 cm", "above 16 cm"},
+      {},
+      "Shares by difference of height, in the classes of the USGS. After: with one alignment "
+      "of all strips."};
+  for (const char* when : {"before", "after"}) {
+    const Facts shares = all[when]["separation"];
+    table.rows.push_back(Row(when, {shares["to_8_cm"].Decimals(3), shares["8_to_16_cm"].Decimals(3),
+                                    shares["above_16_cm"].Decimals(3)}));
+  }
+  return table;
+}
+
+Curve CloudOf(const std::string& label, const TextTable& pairs, std::size_t column) {
+  Curve cloud{label, {}, {}};
+  const std::size_t step = pairs.rows() / kMostMatchDots + 1;
+  for (std::size_t k = 0; k < pairs.rows(); k += step) {
+    cloud.x.push_back(pairs.row(k)[column]);
+    cloud.y.push_back(pairs.row(k)[column + 1]);
+  }
+  return cloud;
+}
+
+void AddPictures(const std::vector<PairsOfStrips>& all, Section* section) {
+  MapChart map{"Where the pairs lie", {}};
+  ScatterChart before{"Differences before, seen from above", "east [m]", "north [m]", {}};
+  ScatterChart after{"Differences after", "east [m]", "north [m]", {}};
+  for (const PairsOfStrips& of : all) {
+    if (of.pairs.rows() == 0) continue;
+    map.points.push_back(CloudOf("strips " + of.strips, of.pairs, kPlaceOfPair));
+    before.clouds.push_back(CloudOf(of.strips, of.pairs, kApartBefore));
+    after.clouds.push_back(CloudOf(of.strips, of.pairs, kApartAfter));
+  }
+  if (map.points.empty()) return;
+  section->contents.emplace_back(Chart{std::move(map)});
+  section->contents.emplace_back(Chart{std::move(before)});
+  section->contents.emplace_back(Chart{std::move(after)});
+}
+
+Table LevelsTable(const Facts& match) {
+  Table table{"From coarse to fine",
+              {"cell [m]", "search [m]", "places", "clear", "agree", "left, rms [m]", "roll [deg]",
+               "pitch", "yaw"},
+              {}};
+  for (const Facts& level : match["levels"].elements()) {
+    std::vector<Cell> row{level["cell_m"].Decimals(2), level["search_m"].Decimals(1),
+                          level["places"].Count(),     level["found"].Count(),
+                          level["agreeing"].Count(),   level["rms_m"].Decimals(2)};
+    for (const Cell& cell : Three(level["boresight_deg"], 4)) row.push_back(cell);
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+}  // namespace
+
+Document MatchPage(const ResultFolder& folder) {
+  const Facts match = folder.Read("match.json");
+  const std::string flight = match["flight"].text();
+  Document document = Begin(folder, flight.empty() ? "strips" : flight, "point pairs from strips");
+  document.headlines = {HeadlineOfMatch(match)};
+  Section apart{"Strip against strip", {}};
+  if (match["misalignment"]) {
+    apart.contents.emplace_back(MisalignmentTable(match));
+    apart.contents.emplace_back(SeparationTable(match["misalignment"]));
+    AddPictures(ReadPairs(folder, match), &apart);
+  }
+  Append(std::move(apart), &document);
+  Append({"Stages", {StagesTable(match), LevelsTable(match)}}, &document);
+  return document;
+}
+
+}  // namespace dn::internal
