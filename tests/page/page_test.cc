@@ -132,5 +132,49 @@ TEST(Comparison, OfOneFlightTheDifferenceOfTheCovariances) {
   EXPECT_EQ(TextAt(differences, 0, 9), "of nested data");
 }
 
+Json Match(int pairs) {
+  const Json apart = {
+      {"rms_m", 1.5},
+      {"mean_enu_m", {1.0, 0.5, 0.1}},
+      {"separation", {{"to_8_cm", 0.2}, {"8_to_16_cm", 0.3}, {"above_16_cm", 0.5}}}};
+  const Json misalignment = pairs > 0 ? Json{{"before", apart}, {"after", apart}} : Json();
+  return {{"schema", "dn.match/1"},
+          {"flight", "lar3"},
+          {"gsd_m", 0.2},
+          {"counts", {{"candidates", 9}, {"found", 8}, {"registered", 7}, {"pairs", pairs}}},
+          {"misalignment", misalignment},
+          {"levels", Json::array()},
+          {"strip_pairs",
+           {{{"strips", {"1", "2"}},
+             {"overlap_m2", 100.0},
+             {"counts", {{"candidates", 9}, {"found", 8}, {"registered", 7}, {"pairs", pairs}}},
+             {"misalignment", misalignment}}}}};
+}
+
+TEST(Page, OfMatchingSaysHowManyPairsThereAreAndHowFarApart) {
+  const Folder folder("match.json", Match(6));
+  folder.Write("matches/1_2.txt",
+               "10, 20, 1, 2, 3, 1, 0.5, 0.1, 0.01, 0, 0, 0.05, 0.05, 0.01, 5\n"
+               "11, 21, 5, 2, 3, 1, 0.5, 0.1, 0, 0.01, 0, 0.05, 0.05, 0.01, 5\n");
+  const Document page = PageOf(folder.path());
+  ASSERT_EQ(page.headlines.size(), 1u);
+  EXPECT_EQ(page.headlines[0].word, "matched");
+  EXPECT_EQ(page.headlines[0].tone, Tone::kGood);
+  EXPECT_EQ(NumberAt(page.headlines[0].figures[0], 0, 1), 6.0);
+  const Section& apart = page.sections.at(0);
+  const Table& separation = std::get<Table>(apart.contents.at(1));
+  EXPECT_EQ(NumberAt(separation, 0, 3), 0.5);
+  ASSERT_EQ(apart.contents.size(), 5u);
+  const auto& map = std::get<MapChart>(std::get<Chart>(apart.contents[2]));
+  EXPECT_EQ(map.points.at(0).x, (std::vector<double>{1.0, 5.0}));
+}
+
+TEST(Page, OfMatchingWithoutPairsSaysSoFirst) {
+  const Document page = PageOf(Folder("match.json", Match(0)).path());
+  EXPECT_EQ(page.headlines.at(0).word, "no pairs");
+  EXPECT_EQ(page.headlines.at(0).tone, Tone::kBad);
+  EXPECT_EQ(page.sections.at(0).title, "Stages");
+}
+
 }  // namespace
 }  // namespace dn
