@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-PairEnd EndOf(const Flight& flight, double t_s, const Vector3d& u_s, const MapPose& pose) {
+ResidualEnd EndOf(const Flight& flight, double t_s, const Vector3d& u_s, const MapPose& pose) {
   return {t_s, ScanAngle(*flight.config.lidar, u_s), u_s.norm(),
           RollPitchHeading(ToNavPoint(pose, flight.frame).q_nb).z()};
 }

@@ -10,7 +10,7 @@
 namespace dn {
 
 /// How one end of a pair was seen.
-struct PairEnd {
+struct ResidualEnd {
   double t_s = 0.0;             ///< tag of the file
   double scan_angle_rad = 0.0;  ///< ScanAngle
   double range_m = 0.0;
@@ -20,7 +20,7 @@ struct PairEnd {
 /// By how much the two points of a pair that an adjustment kept differ: p_i - p_j in m (east, north,
 /// up of the origin), m.
 struct PairResidual {
-  PairEnd i, j;
+  ResidualEnd i, j;
   std::string strips;            ///< StripPairName
   Eigen::Vector2d ground_en_m;   ///< between the two points, east and north in m
   Eigen::Vector3d before_enu_m;  ///< with the assumed mounting, on the trajectory of the result
