@@ -54,6 +54,7 @@ constexpr double kCoarsePlaces = 300.0;  // of a strip pair
 constexpr double kToleranceCells = 2.5;
 constexpr double kShrink = 5.0;
 constexpr int kMostLevels = 12;
+constexpr double kMostCells = 4e8;         // of a raster: 3 GB
 const std::vector<int> kHalfCells{8, 16};  // of patches
 constexpr double kMostPointsOfPatch = 3000.0;
 constexpr std::size_t kPatchesAtOnce = 800;
@@ -109,6 +110,12 @@ std::optional<RasterGrid> CommonGrid(const StripSample& a, const StripSample& b,
   const Vector2d high = box_a.high.cwiseMin(box_b.high + margin) + margin;
   const Vector2d inner = (high - margin) - (low + margin);
   if (!(inner.minCoeff() > 0.0)) return std::nullopt;
+  const Vector2d across = (high - low) / cell_m;
+  if (across.x() * across.y() > kMostCells) {
+    throw InvalidInput(
+        fmt::format("two strips share an area of {:.1f} by {:.1f} km: is a stray point among them?",
+                    1e-3 * (high - low).x(), 1e-3 * (high - low).y()));
+  }
   RasterGrid grid;
   grid.cell_m = cell_m;
   grid.origin_en_m = (low / cell_m).array().floor() * cell_m;

@@ -100,6 +100,19 @@ TEST_F(BareStrips, StripsOfDifferentPlacesAreRefused) {
                            "no two strips have ground in common", "1.txt");
 }
 
+TEST_F(BareStrips, AStrayPointIsNamedAndNoRasterOfItsSizeMade) {
+  const RoughTown town;
+  const std::vector<Vector3d> stray{Vector3d(4e5, 4e5, 0.0)};
+  for (const char* name : {"1.txt", "2.txt"}) {
+    folder_.Write(name, Strip(town.Points(20000, 60.0, 0.02, Vector3d::Zero(), 1), 1000.0) +
+                            Strip(stray, 1500.0));
+  }
+  BareMatchSource source = Source();
+  MatchOptions options;
+  options.gsd_m = 0.4;
+  testing::ExpectInvalidIn([&] { MatchBareStrips(&source, options); }, "is a stray point", "");
+}
+
 TEST_F(BareStrips, OneStripIsTooFew) {
   folder_.Write("1.txt", Strip(RoughTown().Points(100, 20.0, 0.02, Vector3d::Zero(), 1), 1000.0));
   BareMatchSource source(FindMatchStrips({folder_.path() / "1.txt"}));
