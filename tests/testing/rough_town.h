@@ -40,7 +40,9 @@ class RoughTown {
     std::normal_distribution<double> noise(0.0, sigma_m);
     std::vector<Eigen::Vector3d> points;
     for (int i = 0; i < count; ++i) {
-      const Eigen::Vector2d en_m(place(engine), place(engine));
+      const double north_m = place(engine);  // one by one: compilers differ in their order
+      const double east_m = place(engine);
+      const Eigen::Vector2d en_m(east_m, north_m);
       points.emplace_back(Eigen::Vector3d(en_m.x(), en_m.y(), Height(en_m) + noise(engine)) +
                           shift_m);
     }
