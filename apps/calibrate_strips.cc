@@ -4,6 +4,7 @@
 #include <dn/flight/strip_files.h>
 #include <dn/lidar/pairs.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "match_flight.h"
@@ -16,15 +17,15 @@ namespace fs = std::filesystem;
 constexpr const char* kSmoothed = "smoothed/trajectory.out";
 
 bool HasPairs(const FlightConfig& config) {
-  const auto any = [&](const std::vector<std::string>& patterns) {
+  std::vector<std::string> patterns = config.lidar->p2p;
+  if (patterns == LidarConfig().p2p) patterns.emplace_back("lidar/*.txt");
+  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
     try {
-      return !FindPairFiles(config.folder, patterns).empty();
+      return !FindPairFiles(config.folder, {pattern}).empty();
     } catch (const InvalidInput&) {
       return false;
     }
-  };
-  const bool usual = config.lidar->p2p == LidarConfig().p2p;
-  return any(config.lidar->p2p) || (usual && any({"lidar/*.txt"}));
+  });
 }
 
 /// The flight with its pairs, and its smoothed trajectory, in a folder.
@@ -49,6 +50,7 @@ bool HasStripsAlone(const FlightConfig& config) {
 
 void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,
                      const std::function<void(const FlightConfig&)>& calibrate) {
+  run.progress.Warn("no file that lidar.p2p names is there: the strips are matched for pairs");
   const MatchedFlight matched = MatchStripsOfFlight(config, trajectory, MatchOptionsOf(run), run);
   AddMatches(matched, run);
   if (matched.smoothed) AddSmoothedTrajectory(*matched.smoothed, "smoothed/", run);

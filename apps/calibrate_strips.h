@@ -9,7 +9,7 @@
 
 namespace dn::apps {
 
-/// Whether a flight has point clouds and no pairs yet.
+/// Whether a flight has point clouds, and no pair file that it names is there.
 bool HasStripsAlone(const FlightConfig& config);
 
 /// Matches the strips of such a flight, stages what `dn match` writes (a trajectory that had to be

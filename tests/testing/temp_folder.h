@@ -16,6 +16,7 @@ class TempFolder {
     static int count = 0;
     path_ = std::filesystem::path(::testing::TempDir()) /
             ("dn_folder_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
+    std::filesystem::remove_all(path_);  // of a process of the same number that was killed
     std::filesystem::create_directories(path_);
   }
   TempFolder(const TempFolder&) = delete;
