@@ -169,7 +169,8 @@ TEST(AgreeWithNeighbours, LeavesOutTheWrongOneAndScalesTheRest) {
   std::vector<PlacedShift> shifts;
   for (int i = 0; i < 200; ++i) {
     PlacedShift shift;
-    shift.at_en_m = Vector2d(10.0 * (i % 20), 10.0 * (i / 20));
+    const int row = i / 20;
+    shift.at_en_m = Vector2d(10.0 * (i % 20), 10.0 * row);
     // Twice as bad as it says.
     shift.shift_m = kShift_m;
     for (int axis = 0; axis < 3; ++axis) shift.shift_m[axis] += 0.1 * normal(engine);
