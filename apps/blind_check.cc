@@ -89,7 +89,7 @@ void BlindCheck(const BlindCheckArguments& options, Run& run) {
   const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
   const std::vector<BlindRecord> records = Fly(options, folder, series.Numbers(), &run);
   run.report["seed"] = options.seed;
-  run.report["series"] = ToJson(series);
+  run.report["series"] = SeriesToJson(series);
   AddBlindCheckResults(made_from, records, &run);
 }
 

@@ -113,7 +113,7 @@ void Merge(const MergeArguments& options, Run& run) {
   const std::string& command = shards.series.command;
   run.progress.Stage("merging", fmt::format("{} flights", shards.series.flights));
   const RecordFolder merged(options.common.out / RecordFolderName(command), shards.made_from);
-  run.report["series"] = ToJson(shards.series);
+  run.report["series"] = SeriesToJson(shards.series);
   if (command == "monte-carlo") {
     AddMonteCarloResults(shards.made_from,
                          Records<FlightRecord>(shards, merged, &FlightRecordFromJson), &run);

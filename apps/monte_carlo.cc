@@ -105,7 +105,7 @@ void MonteCarlo(const MonteCarloArguments& options, Run& run) {
   const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
   const std::vector<FlightRecord> records = Fly(options, scenario, folder, series.Numbers(), &run);
   run.report["seed"] = options.first_seed;
-  run.report["series"] = ToJson(series);
+  run.report["series"] = SeriesToJson(series);
   AddMonteCarloResults(made_from, records, &run);
 }
 

@@ -46,7 +46,7 @@ std::vector<std::uint64_t> Series::Numbers() const {
                                   shard.index, shard.count, flights, flights));
 }
 
-Json ToJson(const Series& series) {
+Json SeriesToJson(const Series& series) {
   return {{"command", series.command},
           {"first", series.first},
           {"flights", series.flights},

@@ -36,7 +36,7 @@ struct Series {
   std::vector<std::uint64_t> Numbers() const;
 };
 
-Json ToJson(const Series& series);
+Json SeriesToJson(const Series& series);
 /// Throws Json::exception for what is no series.
 Series SeriesFromJson(const Json& json);
 

@@ -62,7 +62,7 @@ void RunSweep(const SweepOptions& options, Run& run) {
   const Series series{"study", 1, sweep.size(), ParseShard(options.shard)};
   const RecordFolder folder(run.options().out / RecordFolderName(series.command), made_from);
   const std::vector<SweepRecord> records = StudyAll(sweep, folder, series.Numbers(), &run);
-  run.report["series"] = ToJson(series);
+  run.report["series"] = SeriesToJson(series);
   AddSweepResults(made_from, records, &run);
 }
 

@@ -8,7 +8,7 @@
 #include "draw_effect.h"
 #include "draw_lines.h"
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 constexpr double kBoresightSigma_rad = 0.3 * kRadPerDeg;
@@ -95,4 +95,4 @@ BlindFlight DrawBlindFlight(const BlindSuite& suite, int number) {
   return flight;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

@@ -7,12 +7,12 @@
 
 #include "json_numbers.h"
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 BlindCause CauseFromJson(const Json& json) {
-  return {json.at("effect"), Number(json.at("posterior")), Numbers(json.at("estimate")),
-          Numbers(json.at("sigma"))};
+  return {json.at("effect"), NumberFromJson(json.at("posterior")),
+          NumbersFromJson(json.at("estimate")), NumbersFromJson(json.at("sigma"))};
 }
 
 std::optional<double> NumberUnder(const Json& section, const char* key) {
@@ -25,7 +25,7 @@ BlindDiagnosis ReadDiagnosis(const Json& json) {
   const Json& verdict = json.at("verdict");
   BlindDiagnosis diagnosis;
   diagnosis.detected = gap.at("detected");
-  diagnosis.p_value = Number(gap.at("p_value"));
+  diagnosis.p_value = NumberFromJson(gap.at("p_value"));
   diagnosis.verdict = verdict.at("kind");
   diagnosis.effects = verdict.at("effects");
   diagnosis.credible_set = verdict.at("credible_set");
@@ -97,4 +97,4 @@ const char* Word(BlindContent content) {
   return "";
 }
 
-}  // namespace dn::apps
+}  // namespace dn

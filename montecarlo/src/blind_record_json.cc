@@ -3,7 +3,7 @@
 
 #include "json_numbers.h"
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 template <class T>
@@ -27,7 +27,7 @@ Json EffectToJson(const Effect& effect) {
 Effect EffectFromJson(const Json& json) {
   Effect effect;
   effect.name = json.at("effect");
-  effect.value = Numbers(json.at("value"));
+  effect.value = NumbersFromJson(json.at("value"));
   if (json.contains("window_s")) {
     effect.times.window_s = {json.at("window_s").at(0), json.at("window_s").at(1)};
   }
@@ -65,7 +65,7 @@ Json ResultToJson(const BlindDiagnosis& diagnosis) {
 
 void ResultFromJson(const Json& json, BlindDiagnosis* diagnosis) {
   diagnosis->detected = json.at("detected");
-  diagnosis->p_value = Number(json.at("p_value"));
+  diagnosis->p_value = NumberFromJson(json.at("p_value"));
   diagnosis->verdict = json.at("verdict");
   diagnosis->effects = json.at("effects");
   diagnosis->credible_set = json.at("credible_set");
@@ -73,8 +73,9 @@ void ResultFromJson(const Json& json, BlindDiagnosis* diagnosis) {
   diagnosis->shrinkage = OptionalNumber(json.at("shrinkage"));
   diagnosis->size_nats_per_obs = OptionalNumber(json.at("size_nats_per_obs"));
   for (const Json& cause : json.at("causes")) {
-    diagnosis->causes.push_back({cause.at("effect"), Number(cause.at("posterior")),
-                                 Numbers(cause.at("estimate")), Numbers(cause.at("sigma"))});
+    diagnosis->causes.push_back({cause.at("effect"), NumberFromJson(cause.at("posterior")),
+                                 NumbersFromJson(cause.at("estimate")),
+                                 NumbersFromJson(cause.at("sigma"))});
   }
 }
 
@@ -145,4 +146,4 @@ BlindRecord BlindRecordFromJson(const Json& json) {
   return record;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

@@ -9,7 +9,7 @@
 #include <limits>
 #include <tuple>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 constexpr double kAlarmLevel = 0.05;
@@ -282,4 +282,4 @@ BlindScore ScoreBlindFlights(const std::vector<BlindRecord>& records) {
   return score;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

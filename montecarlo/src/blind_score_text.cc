@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 Json ToJson(const Share& share) {
@@ -318,4 +318,4 @@ std::string FormatCsv(const std::vector<BlindRecord>& records) {
   return text;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

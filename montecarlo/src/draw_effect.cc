@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 constexpr double kShortestWindow_s = 10.0;
@@ -106,4 +106,4 @@ Effect DrawEffect(const EffectSpec& effect, const FlightTimes& times, Random& ra
   return drawn;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

@@ -4,7 +4,7 @@
 #include <dn/sim/random.h>
 #include <dn/sim/simulate.h>
 
-namespace dn::apps {
+namespace dn {
 
 /// The effects of the table that a diagnosis may be asked for: all but the faults.
 std::vector<const EffectSpec*> DiagnosableEffects();
@@ -12,4 +12,4 @@ std::vector<const EffectSpec*> DiagnosableEffects();
 /// An entry of `effects:` with random sizes, signs, axes and times.
 Effect DrawEffect(const EffectSpec& effect, const FlightTimes& times, Random& random);
 
-}  // namespace dn::apps
+}  // namespace dn

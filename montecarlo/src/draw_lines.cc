@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 using Eigen::Vector2d;
@@ -62,4 +62,4 @@ void DrawLines(double base_m, Random& random, PlanScenario* plan) {
   }
 }
 
-}  // namespace dn::apps
+}  // namespace dn

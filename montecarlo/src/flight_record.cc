@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 /// The truth of a simulated flight at the epochs of its network.
@@ -151,4 +151,4 @@ FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
   return record;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

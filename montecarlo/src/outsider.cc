@@ -8,7 +8,7 @@
 
 #include "json_numbers.h"
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 using Eigen::Vector3d;
@@ -21,8 +21,8 @@ double Sized(double usual, Random& random) { return usual * LogUniform(1.0, 10.0
 /// The size or its negative.
 double EitherSign(double size, Random& random) { return random.Uniform() < 0.5 ? -size : size; }
 
-double LidarBegin(const FlightTimes& times) { return times.strips.front().t0_s; }
-double LidarEnd(const FlightTimes& times) { return times.strips.back().t1_s; }
+double FirstLidarTag(const FlightTimes& times) { return times.strips.front().t0_s; }
+double LastLidarTag(const FlightTimes& times) { return times.strips.back().t1_s; }
 
 // The mirror leaves its plane by a harmonic of the scan angle. The first two are nearly a yaw of
 // the boresight and a cone.
@@ -115,7 +115,7 @@ OwnErrors GnssWaves(const Json& p, const Scenario&) {
 }
 
 Json DrawBoresightWarming(const FlightTimes& times, Random& random) {
-  const double begin_s = LidarBegin(times), end_s = LidarEnd(times);
+  const double begin_s = FirstLidarTag(times), end_s = LastLidarTag(times);
   return {{"amplitude_deg", DrawAxes(3, Sized(0.005, random), random)},
           {"tau_s", LogUniform(0.08, 0.4, random) * (end_s - begin_s)},
           {"begin_s", begin_s},
@@ -171,8 +171,8 @@ OwnErrors MatcherShift(const Json& p, const Scenario&) {
 constexpr double kWalkStep_s = 1.0;
 
 Json DrawLidarClockWalk(const FlightTimes& times, Random& random) {
-  const double begin_s = LidarBegin(times) - kWalkStep_s;
-  const auto steps = static_cast<int>(std::ceil((LidarEnd(times) - begin_s) / kWalkStep_s)) + 1;
+  const double begin_s = FirstLidarTag(times) - kWalkStep_s;
+  const auto steps = static_cast<int>(std::ceil((LastLidarTag(times) - begin_s) / kWalkStep_s)) + 1;
   const double step_sigma_s = Sized(2e-4, random) / std::sqrt(static_cast<double>(steps));
   Json shifts_s = Json::array({0.0});
   for (int i = 0; i < steps; ++i) {
@@ -254,4 +254,4 @@ std::vector<double> DrawAxes(std::size_t axes, double size, Random& random) {
   return value;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

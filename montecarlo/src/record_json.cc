@@ -2,7 +2,7 @@
 
 #include "json_numbers.h"
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 Eigen::Matrix3d Matrix3FromJson(const Json& json) {
@@ -26,8 +26,8 @@ EpochErrors EpochFromJson(const Json& row) {
   std::size_t k = 0;
   epoch.t_s = row.at(k++).get<double>();
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
-    epoch.nees[q] = Number(row.at(k++));
-    for (int i = 0; i < 3; ++i) epoch.sigmas[q][i] = Number(row.at(k++));
+    epoch.nees[q] = NumberFromJson(row.at(k++));
+    for (int i = 0; i < 3; ++i) epoch.sigmas[q][i] = NumberFromJson(row.at(k++));
   }
   return epoch;
 }
@@ -115,4 +115,4 @@ FlightRecord FlightRecordFromJson(const Json& json) {
   return record;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

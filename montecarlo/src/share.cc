@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace dn::apps {
+namespace dn {
 
 double Share::value() const {
   if (of == 0) return std::numeric_limits<double>::quiet_NaN();
@@ -22,4 +22,4 @@ Interval Share::interval_95() const {
   return {hits == 0 ? 0.0 : centre - half, hits == of ? 1.0 : centre + half};
 }
 
-}  // namespace dn::apps
+}  // namespace dn

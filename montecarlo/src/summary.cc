@@ -7,7 +7,7 @@
 #include <map>
 #include <tuple>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 constexpr double kProbability = 0.99;
@@ -198,4 +198,4 @@ MonteCarloSummary Summarise(const std::vector<FlightRecord>& records) {
   return summary;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

@@ -2,7 +2,7 @@
 #include <dn/montecarlo/summary.h>
 #include <fmt/format.h>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 Json ToJson(const Interval& interval) { return Json::array({interval.low, interval.high}); }
@@ -147,4 +147,4 @@ std::string FormatBoresightErrors(const std::vector<FlightRecord>& records) {
   return text.empty() ? text : "# seed; error / sigma of roll, pitch, yaw\n" + text;
 }
 
-}  // namespace dn::apps
+}  // namespace dn

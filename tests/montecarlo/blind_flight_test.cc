@@ -9,7 +9,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 constexpr int kDrawn = 150;
@@ -225,4 +225,4 @@ TEST(Outsider, AWarmingBoresightIsZeroInTheMiddleOfTheStrips) {
 }
 
 }  // namespace
-}  // namespace dn::apps
+}  // namespace dn

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 Json GapJson() {
@@ -107,4 +107,4 @@ TEST(BlindRecord, SurvivesItsFile) {
 }
 
 }  // namespace
-}  // namespace dn::apps
+}  // namespace dn

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 using ::testing::HasSubstr;
@@ -224,4 +224,4 @@ TEST(BlindScore, WritesATableAJsonAndRows) {
 TEST(BlindScore, OfNothingIsRefused) { EXPECT_THROW(ScoreBlindFlights({}), InvalidInput); }
 
 }  // namespace
-}  // namespace dn::apps
+}  // namespace dn

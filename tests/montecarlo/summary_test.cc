@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace dn::apps {
+namespace dn {
 namespace {
 
 /// Flights whose errors are drawn from their covariances, scaled: 1 is honest.
@@ -100,4 +100,4 @@ TEST(FlightRecord, SurvivesItsFile) {
 }
 
 }  // namespace
-}  // namespace dn::apps
+}  // namespace dn

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::apps {
+namespace dn {
 
 /// A series of flights whose content their diagnosis does not know.
 struct BlindSuite {
@@ -50,4 +50,4 @@ double SizeOf(const Effect& effect);
 /// Throws InvalidConfig for a scenario that is none, or that replays a trajectory.
 BlindFlight DrawBlindFlight(const BlindSuite& suite, int number);
 
-}  // namespace dn::apps
+}  // namespace dn

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::apps {
+namespace dn {
 
 /// What a program made of a flight: a result, or why there is none.
 template <class T>
@@ -83,4 +83,4 @@ BlindRecord BlindRecordFromJson(const Json& json);
 /// "nothing", "one", "two", "outsider", "left out".
 const char* Word(BlindContent content);
 
-}  // namespace dn::apps
+}  // namespace dn

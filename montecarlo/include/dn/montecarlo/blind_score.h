@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::apps {
+namespace dn {
 
 /// How often something happened.
 struct Share {
@@ -126,4 +126,4 @@ bool NamedStrictly(const BlindRecord& record);
 /// True when every effect of the flight is named, or in the credible set of a `group`.
 bool NamedWithGroup(const BlindRecord& record);
 
-}  // namespace dn::apps
+}  // namespace dn

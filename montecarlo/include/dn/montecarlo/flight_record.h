@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::apps {
+namespace dn {
 
 /// The estimated quantities of three components whose errors are compared with their covariance.
 /// Position east, north, up of m; velocity the same; attitude about the body axes; biases in body.
@@ -64,4 +64,4 @@ FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
 Json ToJson(const FlightRecord& record);
 FlightRecord FlightRecordFromJson(const Json& json);
 
-}  // namespace dn::apps
+}  // namespace dn

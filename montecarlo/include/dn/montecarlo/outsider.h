@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::apps {
+namespace dn {
 
 /// Physics that no effect of the table describes, with the numbers of one flight.
 struct Outsider {
@@ -38,4 +38,4 @@ std::size_t DrawIndex(std::size_t count, Random& random);
 /// as along all, there with at least half the size on each.
 std::vector<double> DrawAxes(std::size_t axes, double size, Random& random);
 
-}  // namespace dn::apps
+}  // namespace dn

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace dn::apps {
+namespace dn {
 
 /// A figure with the interval that holds it with 99 % probability when the covariances are right.
 struct JudgedFigure {
@@ -87,4 +87,4 @@ std::string FormatBoresightErrors(const std::vector<FlightRecord>& records);
 /// The table that a person reads.
 std::string FormatTable(const MonteCarloSummary& summary, const std::string& scenario);
 
-}  // namespace dn::apps
+}  // namespace dn
