@@ -107,7 +107,7 @@ std::optional<Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
   const std::vector<Sample> piece = PieceOf(a, centre, half);
   if (piece.empty()) return std::nullopt;
   const int across = 2 * search + 1;
-  std::vector<Difference> all(static_cast<std::size_t>(across * across));
+  std::vector<Difference> all(static_cast<std::size_t>(across) * static_cast<std::size_t>(across));
   const auto at = [&](int x, int y) -> Difference& {
     return all[static_cast<std::size_t>((y + search) * across + x + search)];
   };
