@@ -179,8 +179,7 @@ Methods ChooseMethods(const CalibrateOptions& options, const FlightConfig& confi
   if (dn && !options.trajectory.empty()) {
     throw InvalidConfig(
         "--trajectory is for the methods on a fixed trajectory: add --method gh, --method planes "
-        "or "
-        "--method all");
+        "or --method all");
   }
   return {.dn = dn, .gh = !dn};
 }
@@ -314,7 +313,10 @@ void RunGaussHelmert(const FlightConfig& config, Run& run) {
 
 PlaneRun CalibrateByPlanes(const CalibrateOptions& options, const Flight& flight, Run* run) {
   const FlightConfig own = ReadFlightConfig(options.flight, options.common.changes);
-  return CalibrateByPlanes(flight, own, options.trajectory, run);
+  // One that was smoothed for the strips is in use, too, and not in the folder.
+  const std::string& trajectory =
+      HasTrajectory(own) ? options.trajectory : flight.config.trajectory->file;
+  return CalibrateByPlanes(flight, own, trajectory, run);
 }
 
 void AddPlaneFiles(const FlightConfig& config, const PlaneRun& planes, const std::string& suffix,

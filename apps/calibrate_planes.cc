@@ -2,6 +2,7 @@
 
 #include <dn/flight/strip_files.h>
 #include <dn/matching/shared_planes.h>
+#include <dn/seconds_since.h>
 
 #include <chrono>
 #include <utility>
@@ -40,8 +41,7 @@ PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
                     {"spacing_m", shared.spacing_m},
                     {"share_of_overlap", shared.share}};
   run->report["planes"] = out.extraction;
-  out.timings.read_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  out.timings.read_s = SecondsSince(start);
 
   GaussHelmertFlightOptions calibrate;
   calibrate.threads = run->options().threads;

@@ -23,8 +23,8 @@ struct PlaneRun {
 std::string WhyNoPlanes(const FlightConfig& config);
 
 /// Takes the planes of the flight's strips and calibrates by them. flight: with the trajectory in
-/// use. config: as it is in the folder; trajectory: of the command line, or empty. Throws
-/// InvalidInput where WhyNoPlanes says so.
+/// use. config: as it is in the folder; trajectory: the one in use where that is not the folder's
+/// own, else empty. Throws InvalidInput where WhyNoPlanes says so.
 PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
                            const std::string& trajectory, Run* run);
 

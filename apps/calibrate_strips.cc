@@ -5,14 +5,11 @@
 #include <dn/lidar/pairs.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "match_flight.h"
 
 namespace dn::apps {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kSmoothed = "smoothed/trajectory.out";
 
@@ -26,19 +23,6 @@ bool HasPairs(const FlightConfig& config) {
       return false;
     }
   });
-}
-
-/// The flight with its pairs, and its smoothed trajectory, in a folder.
-FlightConfig WithMatches(const MatchedFlight& matched, const fs::path& folder) {
-  FlightConfig config = matched.config;
-  config.lidar->p2p.clear();
-  for (const std::string& file : PairFiles(matched)) {
-    config.lidar->p2p.push_back((folder / file).string());
-  }
-  if (!matched.smoothed) return config;
-  if (!config.trajectory) config.trajectory = TrajectoryConfig();
-  config.trajectory->file = (folder / kSmoothed).string();
-  return config;
 }
 
 }  // namespace
@@ -56,10 +40,10 @@ void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, 
   if (matched.smoothed) AddSmoothedTrajectory(*matched.smoothed, "smoothed/", run);
   if (matched.result.pairs() == 0) FailNoPairs();
   // The work reads the files where they are staged; what it says of them is where they will lie.
-  const FlightConfig published = WithMatches(matched, fs::absolute(run.files().path()));
+  const FlightConfig published = WithMatches(matched, run.files().path(), kSmoothed);
   const auto correct = [&] { run.AddFile("config.resolved.yaml", FormatFlightConfig(published)); };
   try {
-    calibrate(WithMatches(matched, fs::absolute(run.files().staging())));
+    calibrate(WithMatches(matched, run.files().staging(), kSmoothed));
   } catch (const FailedWithResults&) {
     correct();
     throw;

@@ -96,15 +96,6 @@ BoresightOfResult ReadResult(const fs::path& file) {
   return result;
 }
 
-std::vector<fs::path> Strips(const FlightConfig& config) {
-  std::vector<fs::path> strips = FindStripFiles(config.folder);
-  if (!strips.empty()) return strips;
-  throw InvalidInput(
-      "the flight has no strips; put point clouds (.las, or .txt of t, x, y, z, ux, "
-      "uy, uz) into " +
-      (config.folder / "strips").string());
-}
-
 void ExpectGeoreferenceable(const FlightConfig& config) {
   const FileLocation where{config.file.string()};
   if (!config.lidar) {
@@ -261,7 +252,7 @@ void Print(const FlightConfig& config, const Vector3d& boresight_rad, const Json
 void RunGeoref(const GeorefOptions& given, Run& run) {
   Georef georef = Prepare(given, run);
   const FlightConfig& config = georef.config;
-  const std::vector<fs::path> files = Strips(config);
+  const std::vector<fs::path> files = NeedStripFiles(config.folder);
   const Vector3d boresight_rad = georef.options.mounting.boresight_rad;
   const StripGeoreferencer georeferencer(std::move(georef.options), georef.frame,
                                          PointCrs(config.strips_crs, georef.frame));

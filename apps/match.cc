@@ -42,21 +42,6 @@ bool IsFlight(const std::vector<std::string>& what) {
          (fs::is_directory(what[0]) || fs::path(what[0]).extension() == ".yaml");
 }
 
-/// A flight file with the pairs, and the trajectory, that lie in `folder`.
-std::string FlightFile(const MatchedFlight& matched, const fs::path& folder) {
-  FlightConfig config = matched.config;
-  const fs::path absolute = fs::absolute(folder);
-  config.lidar->p2p.clear();
-  for (const std::string& file : PairFiles(matched)) {
-    config.lidar->p2p.push_back((absolute / file).string());
-  }
-  if (matched.smoothed) {
-    if (!config.trajectory) config.trajectory = TrajectoryConfig();
-    config.trajectory->file = (absolute / "trajectory.out").string();
-  }
-  return FormatFlightFile(config);
-}
-
 void MatchFlightCommand(const MatchCommand& command, Run& run) {
   FlightConfig config = ReadFlightConfig(command.what[0], command.common.changes);
   MatchedFlight matched =
@@ -67,7 +52,8 @@ void MatchFlightCommand(const MatchCommand& command, Run& run) {
   } else {
     run.AddFile("config.resolved.yaml", FormatFlightConfig(matched.config));
   }
-  run.AddFile("flight.matched.yaml", FlightFile(matched, run.files().path()));
+  run.AddFile("flight.matched.yaml",
+              FormatFlightFile(WithMatches(matched, run.files().path(), "trajectory.out")));
   if (matched.result.pairs() == 0) FailNoPairs();
 }
 

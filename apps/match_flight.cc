@@ -16,14 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> StripsOf(const FlightConfig& config) {
-  std::vector<fs::path> files = FindStripFiles(config.folder);
-  if (!files.empty()) return files;
-  throw InvalidInput(
-      "the flight has no strips; put point clouds (.las, or .txt of t, x, y, z, ux, uy, uz) into " +
-      (config.folder / "strips").string());
-}
-
 void ExpectMatchable(const FlightConfig& config) {
   const FileLocation where{config.file.string()};
   if (!config.lidar) {
@@ -105,7 +97,7 @@ std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
 
 MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory, Run& run) {
   ExpectMatchable(config);
-  const std::vector<fs::path> files = StripsOf(config);
+  const std::vector<fs::path> files = NeedStripFiles(config.folder);
   CheckSystems(files, config.strips_crs, run);
   MatchedFlight matched;
   FlightPath path = PathOf(&config, trajectory, run);
@@ -141,12 +133,16 @@ MatchOptions MatchOptionsOf(Run& run) {
   return options;
 }
 
-std::vector<std::string> PairFiles(const MatchedFlight& matched) {
-  std::vector<std::string> files;
+FlightConfig WithMatches(const MatchedFlight& matched, const fs::path& folder,
+                         const std::string& trajectory) {
+  FlightConfig config = matched.config;
+  const fs::path absolute = fs::absolute(folder);
+  config.lidar->p2p.clear();
   for (const StripPairMatch& match : matched.result.strip_pairs) {
-    if (!match.pairs.empty()) files.push_back(PairFile(*matched.source, match));
+    if (match.pairs.empty()) continue;
+    config.lidar->p2p.push_back((absolute / PairFile(*matched.source, match)).string());
   }
-  return files;
+  return matched.smoothed ? WithTrajectory(config, (absolute / trajectory).string()) : config;
 }
 
 void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,

@@ -32,8 +32,10 @@ MatchedFlight MatchStripsOfFlight(FlightConfig config, const std::string& trajec
 /// Options of a run: its threads, its progress.
 MatchOptions MatchOptionsOf(Run& run);
 
-/// Names of the pair files of a matched flight, lidar/<a>_<b>.txt.
-std::vector<std::string> PairFiles(const MatchedFlight& matched);
+/// The flight with its pairs, lidar/<a>_<b>.txt in a folder, and the trajectory in it that was
+/// smoothed, where one was.
+FlightConfig WithMatches(const MatchedFlight& matched, const std::filesystem::path& folder,
+                         const std::string& trajectory);
 
 /// Stages match.json and matches/, and prints the counts.
 void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,

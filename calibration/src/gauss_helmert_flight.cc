@@ -67,24 +67,9 @@ GaussHelmertOptions MakeOptions(const FlightConfig& config, int threads) {
   return options;
 }
 
-void FillBoresight(GaussHelmertCalibration* calibration) {
+void FillFigures(GaussHelmertCalibration* calibration) {
   const GaussHelmertResult& adjustment = calibration->adjustment;
-  BoresightResult& boresight = calibration->boresight;
-  boresight.angles_rad = adjustment.boresight_rad;
-  boresight.euler_zyx_rad = RollPitchHeading(Exp(adjustment.boresight_rad));
-  calibration->constant_rad2 =
-      calibration->scatter.constant_share * calibration->accuracy.attitude_covariance_rad2;
-  boresight.covariance_rad2 =
-      ReliableCovariance(adjustment, calibration->scatter, calibration->constant_rad2);
-  boresight.condition_number = adjustment.condition_number;
-  boresight.sigma_apriori_rad = adjustment.covariance_apriori_rad2.diagonal().cwiseSqrt();
-  boresight.sigma_scaled_rad = adjustment.covariance_scaled_rad2.diagonal().cwiseSqrt();
   AdjustmentFigures& figures = calibration->figures;
-  figures.sigma0 = adjustment.sigma0;
-  figures.chi2 = adjustment.chi2;
-  figures.redundancy = adjustment.redundancy;
-  figures.iterations = adjustment.iterations;
-  figures.converged = adjustment.converged;
   figures.parameters = 3;
   figures.outliers = adjustment.outliers;
   figures.correspondences = adjustment.pairs_kept;
@@ -153,7 +138,8 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   calibration.scatter = EstimateTrajectoryScatter(
       calibration.problem, calibration.adjustment, calibration.options.model,
       internal::MakeScatterOptions(calibration.accuracy, strips));
-  FillBoresight(&calibration);
+  internal::FillBoresight(calibration.scatter, &calibration);
+  FillFigures(&calibration);
   internal::Assess(flight, &calibration);
   calibration.model_check = internal::CheckGaussHelmert(flight, strips, calibration);
   Assess(calibration.model_check, &calibration.boresight);

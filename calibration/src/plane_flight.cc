@@ -100,24 +100,9 @@ ModelCheck Check(const PlaneCalibration& calibration) {
   return check;
 }
 
-void FillBoresight(PlaneCalibration* calibration) {
+void FillFigures(PlaneCalibration* calibration) {
   const PlaneAdjustment& adjustment = calibration->adjustment;
-  const TrajectoryScatter& scatter = calibration->scatter.trajectory;
-  BoresightResult& boresight = calibration->boresight;
-  boresight.angles_rad = adjustment.boresight_rad;
-  boresight.euler_zyx_rad = RollPitchHeading(Exp(adjustment.boresight_rad));
-  calibration->constant_rad2 =
-      scatter.constant_share * calibration->accuracy.attitude_covariance_rad2;
-  boresight.covariance_rad2 = ReliableCovariance(adjustment, scatter, calibration->constant_rad2);
-  boresight.condition_number = adjustment.condition_number;
-  boresight.sigma_apriori_rad = adjustment.covariance_apriori_rad2.diagonal().cwiseSqrt();
-  boresight.sigma_scaled_rad = adjustment.covariance_scaled_rad2.diagonal().cwiseSqrt();
   AdjustmentFigures& figures = calibration->figures;
-  figures.sigma0 = adjustment.sigma0;
-  figures.chi2 = adjustment.chi2;
-  figures.redundancy = adjustment.redundancy;
-  figures.iterations = adjustment.iterations;
-  figures.converged = adjustment.converged;
   figures.parameters = adjustment.covariance_apriori.rows() + 3 * adjustment.planes_kept;
   figures.outliers = adjustment.points_left_out;
   figures.correspondences = adjustment.points_kept;
@@ -215,7 +200,8 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> pl
   calibration.scatter =
       EstimateTrajectoryScatter(calibration.problem, calibration.adjustment,
                                 internal::MakeScatterOptions(calibration.accuracy, strips));
-  FillBoresight(&calibration);
+  internal::FillBoresight(calibration.scatter.trajectory, &calibration);
+  FillFigures(&calibration);
   FillUnknowns(&calibration);
   Assess(flight, &calibration);
   calibration.model_check = Check(calibration);

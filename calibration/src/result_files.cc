@@ -123,26 +123,8 @@ Json CalibrationJson(const std::string& flight, const Adjustment& adjustment,
 
 Json CalibrationJson(const std::string& flight, const GaussHelmertCalibration& calibration,
                      const std::vector<PairResidual>& pairs, const RunTimings& timings) {
-  const BoresightResult& boresight = calibration.boresight;
-  Json json;
-  json["schema"] = "dn.result/1";
-  json["flight"] = flight;
-  json["method"] = "gh";
-  json["boresight"] = BoresightJson(boresight);
-  json["assessment"] = AssessmentJson(boresight);
-  json["correlations"] = nullptr;
-  json["estimates"] = nullptr;
-  json["clocks"] = nullptr;
-  Json figures = AdjustmentJson(calibration.figures);
-  figures["condition_number"] = boresight.condition_number;
-  figures["residual_initial_m"] = calibration.adjustment.residual_initial_m;
-  figures["residual_final_m"] = calibration.adjustment.residual_final_m;
-  for (const char* key : {"nodes", "imu_epochs", "gnss_epochs"}) figures[key] = nullptr;
-  json["adjustment"] = figures;
-  json["strip_pairs"] = StripPairsJson(pairs);
-  json["model_check"] = ModelCheckJson(calibration.model_check);
-  json["timing_s"] = TimingJson(timings);
-  return json;
+  return internal::FixedTrajectoryJson(flight, "gh", calibration,
+                                       {{"strip_pairs", StripPairsJson(pairs)}}, timings);
 }
 
 Json GaussHelmertReportJson(const GaussHelmertCalibration& calibration) {

@@ -2,6 +2,8 @@
 #include <dn/factors/gnss_antenna.h>
 #include <dn/rotation.h>
 
+#include "vector_kind.h"
+
 namespace dn {
 namespace {
 
@@ -14,10 +16,7 @@ constexpr int kFirstEffect = 4;
 
 std::vector<BlockKind> Kinds(const GnssEffects& effects) {
   std::vector<BlockKind> kinds{Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind, Vec<3>::kKind};
-  for (const auto& effect : effects) {
-    const int n = effect->components();
-    kinds.push_back({Parametrisation::kVector, n, n});
-  }
+  for (const auto& effect : effects) kinds.push_back(internal::VectorKind(effect->components()));
   return kinds;
 }
 

@@ -1,6 +1,8 @@
 #include <dn/error.h>
 #include <dn/factors/point_to_point_between_nodes.h>
 
+#include "vector_kind.h"
+
 namespace dn {
 namespace {
 
@@ -23,10 +25,7 @@ std::vector<BlockKind> Kinds(std::size_t bridges, const LidarEffects& lidar,
                                Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
                                LeftRotation::kKind, Vec<3>::kKind, Vec<1>::kKind};
   kinds.insert(kinds.end(), bridges, Rotation::kKind);
-  const auto add = [&](Eigen::Index size) {
-    const int n = static_cast<int>(size);
-    kinds.push_back({Parametrisation::kVector, n, n});
-  };
+  const auto add = [&](Eigen::Index size) { kinds.push_back(internal::VectorKind(size)); };
   for (const auto& effect : lidar) add(effect->components());
   for (const ImuEffectValue& one : imu) add(one.value.size());
   for (const AttractionBasis& D : attraction) add(D.cols());

@@ -5,13 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "vector_kind.h"
+
 namespace dn {
 namespace {
-
-BlockKind VectorKind(Eigen::Index size) {
-  const int n = static_cast<int>(size);
-  return {Parametrisation::kVector, n, n};
-}
 
 std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases,
                              const std::vector<ImuEffectValue>& effects,
@@ -25,8 +22,8 @@ std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases,
                                Rotation::kKind, Vec<3>::kKind, Vec<3>::kKind};
   kinds.insert(kinds.end(), static_cast<std::size_t>(num_gyro_biases + num_accel_biases),
                Vec<3>::kKind);
-  for (const ImuEffectValue& one : effects) kinds.push_back(VectorKind(one.value.size()));
-  for (const AttractionBasis& one : attraction) kinds.push_back(VectorKind(one.cols()));
+  for (const ImuEffectValue& one : effects) kinds.push_back(internal::VectorKind(one.value.size()));
+  for (const AttractionBasis& one : attraction) kinds.push_back(internal::VectorKind(one.cols()));
   return kinds;
 }
 

@@ -18,10 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using internal::CoveredTime;
-using internal::FateBy;
 using internal::PointFate;
-using internal::StripPath;
 
 constexpr std::size_t kPointsPerTask = 2048;
 
@@ -29,24 +26,12 @@ constexpr std::size_t kPointsPerTask = 2048;
 
 struct StripGeoreferencer::Setup {
   Setup(GeoreferenceOptions given, const LocalFrame& map, const PointCrs& points)
-      : options(std::move(given)), frame(map), crs(points), path(options.trajectory, frame) {
-    if (options.made_by) other_maker.emplace(*options.made_by, frame);
-    if (const auto& given_span = options.time_span_s) {
-      span.t_begin_s = given_span->x();
-      span.t_end_s = given_span->y();
-    }
+      : options(std::move(given)),
+        frame(map),
+        crs(points),
+        paths(options.trajectory, options.made_by, options.time_span_s, frame) {
     options.trajectory = Trajectory();  // its poses are kept
     options.made_by.reset();
-  }
-
-  const StripPath& maker() const { return other_maker ? *other_maker : path; }
-
-  PointFate FateOf(double t_s, bool own_vectors) const {
-    if (!span.InSpan(internal::AlignWeek(t_s, span))) return PointFate::kOutsideSpan;
-    const PointFate fate = FateBy(path.covered, t_s);
-    if (fate != PointFate::kKept || own_vectors || !other_maker) return fate;
-    return FateBy(other_maker->covered, t_s) == PointFate::kKept ? PointFate::kKept
-                                                                 : PointFate::kOutsideMaker;
   }
 
   Matrix3d CovarianceInMap(const MapPose& pose, const Vector3d& u_s) const {
@@ -67,21 +52,14 @@ struct StripGeoreferencer::Setup {
   GeoreferenceOptions options;
   LocalFrame frame;
   PointCrs crs;
-  CoveredTime span;  ///< of the points that are wanted
-  StripPath path;
-  std::optional<StripPath> other_maker;
+  internal::StripPaths paths;
 };
 
 /// One strip on its way from file to file.
 class StripGeoreferencer::Work {
  public:
   Work(const Setup& setup, const fs::path& in) : setup_(setup), in_(in), reader_(OpenStrip(in)) {
-    if (!reader_->has_time()) {
-      throw InvalidInput(
-          "the points have no GPS time, so their poses are unknown; export the strip with GPS time "
-          "(LAS point format 1, 3 or 6 and more)",
-          Where());
-    }
+    internal::ExpectTimes(*reader_, in);
     result_.own_vectors = reader_->has_vectors();
     result_.t_begin_s = std::numeric_limits<double>::infinity();
     result_.t_end_s = -result_.t_begin_s;
@@ -120,13 +98,13 @@ class StripGeoreferencer::Work {
 
   void RenewPoint(std::size_t i, StripCloud* points) {
     const double t_s = points->t_s[i] - setup_.options.time_offset_s;
-    fates_[i] = setup_.FateOf(t_s, result_.own_vectors);
+    fates_[i] = setup_.paths.FateOf(t_s, result_.own_vectors);
     if (fates_[i] != PointFate::kKept) return;
     try {
       const Vector3d old_m = setup_.crs.ToMap(points->p_c[i]);
-      const MapPose pose = setup_.path.At(t_s);
+      const MapPose pose = setup_.paths.wanted().At(t_s);
       const Vector3d u_s = result_.own_vectors ? points->u_s[i]
-                                               : LaserVectorTo(setup_.maker().At(t_s),
+                                               : LaserVectorTo(setup_.paths.maker().At(t_s),
                                                                setup_.options.made_with, old_m);
       const Vector3d p_m = Georeference(pose, setup_.options.mounting, u_s);
       points->p_c[i] = setup_.crs.FromMap(p_m);
@@ -160,7 +138,7 @@ class StripGeoreferencer::Work {
     if (result_.points == 0) throw InvalidInput("the strip has no points", Where());
     if (result_.kept > 0) return;
     throw InvalidInput(internal::NothingLeft(result_.dropped.begin()->first, result_.t_begin_s,
-                                             result_.t_end_s, setup_.path.covered),
+                                             result_.t_end_s, setup_.paths.wanted().covered),
                        Where());
   }
 

@@ -35,6 +35,14 @@ std::vector<fs::path> FindStripFiles(const fs::path& flight_folder) {
   return files;
 }
 
+std::vector<fs::path> NeedStripFiles(const fs::path& flight_folder) {
+  std::vector<fs::path> files = FindStripFiles(flight_folder);
+  if (!files.empty()) return files;
+  throw InvalidInput(
+      "the flight has no strips; put point clouds (.las, or .txt of t, x, y, z, ux, uy, uz) into " +
+      (flight_folder / "strips").string());
+}
+
 std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
                           const fs::path& file) {
   const FileLocation where{file.string()};

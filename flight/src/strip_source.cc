@@ -13,17 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
-using internal::CoveredTime;
 using internal::PointFate;
-using internal::StripPath;
-
-CoveredTime SpanOf(const std::optional<Eigen::Vector2d>& time_span_s) {
-  CoveredTime span;
-  if (!time_span_s) return span;
-  span.t_begin_s = time_span_s->x();
-  span.t_end_s = time_span_s->y();
-  return span;
-}
 
 }  // namespace
 
@@ -31,32 +21,18 @@ struct StripSource::Setup {
   Setup(const StripSourceOptions& options, const LocalFrame& frame, const std::string& strips_crs)
       : crs(strips_crs, frame),
         mounting(options.made_with),
-        span(SpanOf(options.time_span_s)),
         time_offset_s(options.time_offset_s),
-        path(options.trajectory, frame) {
-    if (options.made_by) other_maker.emplace(*options.made_by, frame);
-  }
-
-  PointFate FateOf(double t_s, bool own_vectors) const {
-    if (!span.InSpan(internal::AlignWeek(t_s, span))) return PointFate::kOutsideSpan;
-    const PointFate fate = internal::FateBy(path.covered, t_s);
-    if (fate != PointFate::kKept || own_vectors || !other_maker) return fate;
-    const PointFate made = internal::FateBy(other_maker->covered, t_s);
-    return made == PointFate::kKept ? made : PointFate::kOutsideMaker;
-  }
+        paths(options.trajectory, options.made_by, options.time_span_s, frame) {}
 
   Vector3d VectorOf(const StripCloud& points, std::size_t i, double t_s, bool own_vectors) const {
     if (own_vectors) return points.u_s[i];
-    const StripPath& maker = other_maker ? *other_maker : path;
-    return LaserVectorTo(maker.At(t_s), mounting, crs.ToMap(points.p_c[i]));
+    return LaserVectorTo(paths.maker().At(t_s), mounting, crs.ToMap(points.p_c[i]));
   }
 
   PointCrs crs;
   Mounting mounting;
-  CoveredTime span;
   double time_offset_s;
-  StripPath path;
-  std::optional<StripPath> other_maker;
+  internal::StripPaths paths;
 };
 
 StripSource::StripSource(StripSourceOptions options, const LocalFrame& frame,
@@ -65,18 +41,13 @@ StripSource::StripSource(StripSourceOptions options, const LocalFrame& frame,
 
 StripSource::~StripSource() = default;
 
-MapPose StripSource::PoseAt(double t_s) const { return setup_->path.At(t_s); }
+MapPose StripSource::PoseAt(double t_s) const { return setup_->paths.wanted().At(t_s); }
 
 StripCounts StripSource::Read(const fs::path& file,
                               const std::function<void(const LaserVectors&)>& take) const {
   const auto reader = OpenStrip(file);
   const FileLocation where{file.string()};
-  if (!reader->has_time()) {
-    throw InvalidInput(
-        "the points have no GPS time, so their poses are unknown; export the strip with GPS time "
-        "(LAS point format 1, 3 or 6 and more)",
-        where);
-  }
+  internal::ExpectTimes(*reader, file);
   StripCounts counts;
   counts.own_vectors = reader->has_vectors();
   counts.t_begin_s = std::numeric_limits<double>::infinity();
@@ -92,13 +63,13 @@ StripCounts StripSource::Read(const fs::path& file,
       const double t_s = points.t_s[i] - setup_->time_offset_s;
       all_begin_s = std::min(all_begin_s, t_s);
       all_end_s = std::max(all_end_s, t_s);
-      const PointFate fate = setup_->FateOf(t_s, counts.own_vectors);
+      const PointFate fate = setup_->paths.FateOf(t_s, counts.own_vectors);
       if (fate != PointFate::kKept) {
         ++counts.dropped[internal::ReasonOf(fate)];
         continue;
       }
       if (!points.source.empty()) vectors.source.push_back(points.source[i]);
-      vectors.t_s.push_back(internal::AlignWeek(t_s, setup_->path.covered));
+      vectors.t_s.push_back(internal::AlignWeek(t_s, setup_->paths.wanted().covered));
       try {
         vectors.u_s.push_back(setup_->VectorOf(points, i, t_s, counts.own_vectors));
       } catch (const InvalidInput& e) {
@@ -113,7 +84,7 @@ StripCounts StripSource::Read(const fs::path& file,
   if (counts.points == 0) throw InvalidInput("the strip has no points", where);
   if (counts.kept == 0) {
     throw InvalidInput(internal::NothingLeft(counts.dropped.begin()->first, all_begin_s, all_end_s,
-                                             setup_->path.covered),
+                                             setup_->paths.wanted().covered),
                        where);
   }
   return counts;

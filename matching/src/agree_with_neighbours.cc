@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "median_by_axis.h"
+
 namespace dn::internal {
 namespace {
 
@@ -29,13 +31,9 @@ Vector3d NeighboursOf(std::size_t i, const std::vector<PlacedShift>& shifts) {
   std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count),
                     others.end(),
                     [&](std::size_t p, std::size_t q) { return off_m2(p) < off_m2(q); });
-  Vector3d median;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> values;
-    for (std::size_t k = 0; k < count; ++k) values.push_back(shifts[others[k]].shift_m[axis]);
-    median[axis] = Median(std::move(values));
-  }
-  return median;
+  std::vector<Vector3d> nearest;
+  for (std::size_t k = 0; k < count; ++k) nearest.push_back(shifts[others[k]].shift_m);
+  return MedianByAxis(nearest);
 }
 
 }  // namespace

@@ -1,26 +1,15 @@
-#include <dn/median.h>
-
 #include <cmath>
 
 #include "coarse_alignment.h"
+#include "median_by_axis.h"
 
 namespace dn::internal {
 namespace {
 
 using Eigen::Vector3d;
 
-Vector3d MedianOf(const std::vector<Vector3d>& values) {
-  Vector3d median;
-  for (int i = 0; i < 3; ++i) {
-    std::vector<double> of_axis;
-    for (const Vector3d& value : values) of_axis.push_back(value[i]);
-    median[i] = Median(std::move(of_axis));
-  }
-  return median;
-}
-
-/// The shift that most agree with: that of the pair with the most others near it, then the mean of
-/// those.
+/// The shift that most agree with: that of the pair with the most others near it, then the median
+/// of those, by axis.
 Vector3d Consensus(const std::vector<Vector3d>& differences_m, double tolerance_m) {
   std::vector<Vector3d> best;
   for (const Vector3d& centre_m : differences_m) {
@@ -30,7 +19,7 @@ Vector3d Consensus(const std::vector<Vector3d>& differences_m, double tolerance_
     }
     if (near.size() > best.size()) best = std::move(near);
   }
-  return MedianOf(best);
+  return MedianByAxis(best);
 }
 
 }  // namespace

@@ -1,10 +1,8 @@
-#include <dn/parallel.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "patches.h"
-#include "points_per_task.h"
+#include "place_points.h"
 
 namespace dn::internal {
 namespace {
@@ -85,13 +83,7 @@ std::vector<DiscPoints> Gather(const MatchSource& source, std::size_t strip,
   std::vector<Vector3d> p_m;
   std::uint64_t read = 0;
   source.Read(strip, [&](const RawPoints& points) {
-    p_m.resize(points.size());
-    ParallelForChunks(points.size(), kPointsPerTask, threads,
-                      [&](std::size_t, std::size_t first, std::size_t past) {
-                        for (std::size_t i = first; i < past; ++i) {
-                          p_m[i] = source.Position(strip, points.t_s[i], points.x[i]);
-                        }
-                      });
+    PlacePoints(source, strip, points.t_s, points.x, threads, &p_m);
     for (std::size_t i = 0; i < points.size(); ++i) {
       index.ForEachAt(p_m[i].head<2>(), [&](std::size_t k) {
         if (Share(seen[k]++) >= discs[k].keep_share) return;

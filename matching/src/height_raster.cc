@@ -102,12 +102,12 @@ HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Vector3d>& poi
   return raster;
 }
 
-std::optional<PatchShift> FindShift(const HeightRaster& a, const HeightRaster& b,
-                                    const Vector2i& centre, int half, int search) {
+std::optional<Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
+                                  const Vector2i& centre, int half, int search) {
   const std::vector<Sample> piece = PieceOf(a, centre, half);
   if (piece.empty()) return std::nullopt;
   const int across = 2 * search + 1;
-  std::vector<Difference> all(static_cast<std::size_t>(across * across));
+  std::vector<Difference> all(static_cast<std::size_t>(across) * static_cast<std::size_t>(across));
   const auto at = [&](int x, int y) -> Difference& {
     return all[static_cast<std::size_t>((y + search) * across + x + search)];
   };
@@ -128,10 +128,9 @@ std::optional<PatchShift> FindShift(const HeightRaster& a, const HeightRaster& b
       second = std::min(second, at(x, y).mean_square_m2);
     }
   }
-  PatchShift out;
   const double floor_m2 = 1e-12;
-  out.second_ratio = second / std::max(least.mean_square_m2, floor_m2);
-  if (!(out.second_ratio >= kLeastSecondRatio)) return std::nullopt;
+  const double second_ratio = second / std::max(least.mean_square_m2, floor_m2);
+  if (!(second_ratio >= kLeastSecondRatio)) return std::nullopt;
 
   const auto f = [&](int x, int y) { return at(best.x() + x, best.y() + y).mean_square_m2; };
   const Vector2d g(0.5 * (f(1, 0) - f(-1, 0)), 0.5 * (f(0, 1) - f(0, -1)));
@@ -149,10 +148,9 @@ std::optional<PatchShift> FindShift(const HeightRaster& a, const HeightRaster& b
   const double sigma_cells =
       std::sqrt(2.0 * least.mean_square_m2 / independent / eigen.eigenvalues()[0]);
   if (sigma_cells > kMostSigmaCells) return std::nullopt;
-  out.shift_m << a.grid.cell_m * (best.cast<double>() + rest), least.at_centre_m;
-  out.sigma_m = sigma_cells * a.grid.cell_m;
-  out.rms_m = std::sqrt(least.mean_square_m2);
-  return out;
+  Vector3d shift_m;
+  shift_m << a.grid.cell_m * (best.cast<double>() + rest), least.at_centre_m;
+  return shift_m;
 }
 
 }  // namespace dn::internal

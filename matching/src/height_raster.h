@@ -42,21 +42,13 @@ struct HeightRaster {
 HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Eigen::Vector3d>& points_m,
                         int shadow_cells);
 
-/// How a piece of one raster lies in another.
-struct PatchShift {
-  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< of a to b: east, north, up
-  double sigma_m = 0.0;       ///< of the horizontal shift in its weakest direction
-  double rms_m = 0.0;         ///< of the heights' differences
-  double second_ratio = 0.0;  ///< mean square of the next best shift by that of the best
-};
-
-/// Where a piece of `a` fits best into `b`, on the same grid: the mean square of what is left of the
-/// differences of height after their plane (which misalignment tilts) is removed is least. Shifts of
-/// up to `search` cells; the piece has `half` cells on each side of its centre. None where fewer than
+/// Where a piece of `a` fits best into `b`, on the same grid: the shift of a to b (east, north, up,
+/// m) for which the mean square of what is left of the differences of height after their plane (which
+/// misalignment tilts) is removed is least. Shifts of up to `search` cells; the piece has `half` cells on each side of its centre. None where fewer than
 /// 60 % of the piece's cells are in common, the least lies on the border of the search, the shift is
 /// not determined to half a cell, or another one 4 cells away or more fits nearly as well (mean
 /// square below 1.5 times the best).
-std::optional<PatchShift> FindShift(const HeightRaster& a, const HeightRaster& b,
-                                    const Eigen::Vector2i& centre, int half, int search);
+std::optional<Eigen::Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
+                                         const Eigen::Vector2i& centre, int half, int search);
 
 }  // namespace dn::internal

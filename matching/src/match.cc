@@ -1,6 +1,5 @@
 #include <dn/error.h>
 #include <dn/matching/match.h>
-#include <dn/median.h>
 #include <dn/parallel.h>
 #include <fmt/format.h>
 
@@ -13,6 +12,7 @@
 #include "agree_with_neighbours.h"
 #include "coarse_alignment.h"
 #include "height_raster.h"
+#include "median_by_axis.h"
 #include "patches.h"
 #include "register_patches.h"
 #include "strip_sample.h"
@@ -30,7 +30,6 @@ using internal::DiscPoints;
 using internal::HeightRaster;
 using internal::MakeRaster;
 using internal::Patch;
-using internal::PatchShift;
 using internal::RasterGrid;
 using internal::Registration;
 using internal::StripSample;
@@ -67,20 +66,34 @@ constexpr std::size_t kFewestForFactor = 10;
 struct Work {
   Patch patch;
   Vector2d centre_en_m;
-  std::optional<PatchShift> raster;
+  std::optional<Vector3d> raster_shift_m;  ///< of a to b
   std::optional<Registration> registration;
   MatchedPair pair;
 };
 
-double GsdOfDensity(const MatchSource& source) {
+/// How many cells of a horizontal grid have points.
+std::size_t CellsWithPoints(const std::vector<Vector3d>& p_m, double cell_m) {
+  std::vector<std::pair<double, double>> cells;
+  cells.reserve(p_m.size());
+  for (const Vector3d& p : p_m) {
+    cells.emplace_back(std::floor(p.x() / cell_m), std::floor(p.y() / cell_m));
+  }
+  std::sort(cells.begin(), cells.end());
+  return static_cast<std::size_t>(std::unique(cells.begin(), cells.end()) - cells.begin());
+}
+
+double GsdOfDensity(const MatchSource& source, int threads) {
   // Occupied cells of a coarse grid; coarse enough for most cells inside the strip to have points.
   constexpr double kFirstCell_m = 1.0;
   constexpr double kPointsPerCell = 30.0;
+  const StripSample sample =
+      internal::SampleStrip(source, 0, kFirstCell_m, threads, [](std::uint64_t) {});
+  const auto points = static_cast<double>(sample.counts.kept);
   double cell_m = kFirstCell_m;
   for (int round = 0; round < 8; ++round, cell_m *= 2.0) {
-    const StripSample sample = internal::SampleStrip(source, 0, cell_m, 1, [](std::uint64_t) {});
-    const double per_cell = sample.point_density_m2 * cell_m * cell_m;
-    if (per_cell >= kPointsPerCell) return 1.0 / std::sqrt(sample.point_density_m2);
+    const auto cells = static_cast<double>(CellsWithPoints(sample.p_m, cell_m));
+    const double density_m2 = points / (cells * cell_m * cell_m);
+    if (density_m2 * cell_m * cell_m >= kPointsPerCell) return 1.0 / std::sqrt(density_m2);
   }
   throw InvalidInput("the points are too sparse to be matched: fewer than thirty in 128 m",
                      {source.strips().front().files.front().string()});
@@ -135,7 +148,7 @@ class Matcher {
       throw InvalidInput("correspondences need two strips or more, there " +
                          std::string(source_.strips().size() == 1 ? "is one" : "are none"));
     }
-    result_.gsd_m = options_.gsd_m ? *options_.gsd_m : GsdOfDensity(source_);
+    result_.gsd_m = options_.gsd_m ? *options_.gsd_m : GsdOfDensity(source_, options_.threads);
     ReadSamples();
     double search_m = FirstSearch();
     for (int level = 0; level < kMostLevels && search_m > kFineSearch * BaseCell(); ++level) {
@@ -224,7 +237,7 @@ class Matcher {
     const HeightRaster raster_b = MakeRaster(*grid, b.p_m, 0);
     const std::vector<Vector2i> centres = CoarseCentres(raster_a);
     level->places += centres.size();
-    std::vector<std::optional<PatchShift>> shifts(centres.size());
+    std::vector<std::optional<Vector3d>> shifts(centres.size());
     ParallelForChunks(
         centres.size(), 4, options_.threads, [&](std::size_t, std::size_t first, std::size_t past) {
           for (std::size_t k = first; k < past; ++k) {
@@ -251,21 +264,20 @@ class Matcher {
   }
 
   void AddCoarse(std::size_t i, std::size_t j, const HeightRaster& raster_a,
-                 const HeightRaster& raster_b, const Vector2i& centre, const PatchShift& shift,
+                 const HeightRaster& raster_b, const Vector2i& centre, const Vector3d& shift_m,
                  std::vector<CoarsePair>* pairs) const {
     const StripSample& a = samples_[i];
     const StripSample& b = samples_[j];
     const auto at =
         static_cast<std::size_t>(raster_a.point[raster_a.grid.Index(centre.x(), centre.y())]);
-    const Vector3d target_m = a.p_m[at] + shift.shift_m;
+    const Vector3d target_m = a.p_m[at] + shift_m;
     const Vector2i cell = raster_b.grid.CellOf(target_m.head<2>());
     if (!raster_b.grid.Has(cell.x(), cell.y())) return;
     const std::int32_t nearest = raster_b.point[raster_b.grid.Index(cell.x(), cell.y())];
     if (nearest < 0) return;
     const auto to = static_cast<std::size_t>(nearest);
-    pairs->push_back({i, j, a.t_s[at], b.t_s[to],
-                      source_.RawAt(i, a.t_s[at], b.p_m[to] - shift.shift_m),
-                      b.x[to].cast<double>(), -shift.shift_m});
+    pairs->push_back({i, j, a.t_s[at], b.t_s[to], source_.RawAt(i, a.t_s[at], b.p_m[to] - shift_m),
+                      b.x[to].cast<double>(), -shift_m});
   }
 
   void MatchStripPair(std::size_t i, std::size_t j) {
@@ -306,12 +318,12 @@ class Matcher {
             const Patch& patch = patches[k];
             work[k].patch = patch;
             work[k].centre_en_m = grid.Centre(patch.cell.x(), patch.cell.y());
-            work[k].raster = internal::FindShift(
+            work[k].raster_shift_m = internal::FindShift(
                 raster_a, raster_b, patch.cell, std::max(kFineHalf, patch.half_cells), kFineSearch);
           }
         });
     match->found = static_cast<std::size_t>(std::count_if(
-        work.begin(), work.end(), [](const Work& w) { return w.raster.has_value(); }));
+        work.begin(), work.end(), [](const Work& w) { return w.raster_shift_m.has_value(); }));
     StartLikeNeighbours(&work);
     return work;
   }
@@ -321,33 +333,29 @@ class Matcher {
     constexpr std::size_t kNeighboursOfStart = 5;
     std::vector<const Work*> clear;
     for (const Work& w : *work) {
-      if (w.raster) clear.push_back(&w);
+      if (w.raster_shift_m) clear.push_back(&w);
     }
     if (clear.size() < kNeighboursOfStart) {
-      std::erase_if(*work, [](const Work& w) { return !w.raster; });
+      std::erase_if(*work, [](const Work& w) { return !w.raster_shift_m; });
       return;
     }
     std::vector<std::pair<std::size_t, Vector3d>> starts;
     for (std::size_t k = 0; k < work->size(); ++k) {
       const Work& w = (*work)[k];
-      if (w.raster) continue;
+      if (w.raster_shift_m) continue;
       const auto off_m2 = [&](const Work* other) {
         return (other->centre_en_m - w.centre_en_m).squaredNorm();
       };
       std::vector<const Work*> nearest = clear;
       std::partial_sort(nearest.begin(), nearest.begin() + kNeighboursOfStart, nearest.end(),
                         [&](const Work* p, const Work* q) { return off_m2(p) < off_m2(q); });
-      Vector3d start_m;
-      for (int axis = 0; axis < 3; ++axis) {
-        std::vector<double> values;
-        for (std::size_t n = 0; n < kNeighboursOfStart; ++n) {
-          values.push_back(nearest[n]->raster->shift_m[axis]);
-        }
-        start_m[axis] = Median(std::move(values));
+      std::vector<Vector3d> shifts_m;
+      for (std::size_t n = 0; n < kNeighboursOfStart; ++n) {
+        shifts_m.push_back(*nearest[n]->raster_shift_m);
       }
-      starts.emplace_back(k, start_m);
+      starts.emplace_back(k, internal::MedianByAxis(shifts_m));
     }
-    for (const auto& [k, start_m] : starts) (*work)[k].raster = PatchShift{start_m};
+    for (const auto& [k, start_m] : starts) (*work)[k].raster_shift_m = start_m;
   }
 
   double RadiusOf(const Patch& patch) const { return patch.half_cells * BaseCell(); }
@@ -368,7 +376,7 @@ class Matcher {
       const double keep_share = KeepShare(j, radius_m);
       const double reach_m = kReach_gsd * result_.gsd_m / std::sqrt(keep_share);
       discs_b.push_back(
-          {w.centre_en_m + w.raster->shift_m.head<2>(), radius_m + reach_m, keep_share});
+          {w.centre_en_m + w.raster_shift_m->head<2>(), radius_m + reach_m, keep_share});
     }
     const auto gather = [&](std::size_t strip, const std::vector<Disc>& discs) {
       return internal::Gather(source_, strip, discs, options_.threads, [&](std::uint64_t points) {
@@ -393,10 +401,10 @@ class Matcher {
     const internal::PatchSurface a(in_a.p_m, neighbourhood_m), b(in_b.p_m, neighbourhood_m);
     const double spacing_m = gsd_m / std::sqrt(disc.keep_share);
     const auto registration = internal::RegisterPatches(
-        a, b, work->raster->shift_m, {disc.centre_en_m, disc.radius_m, kReach_gsd * spacing_m});
+        a, b, *work->raster_shift_m, {disc.centre_en_m, disc.radius_m, kReach_gsd * spacing_m});
     if (!registration || registration->used_share < kLeastUsedShare ||
         registration->rms_m > kMostRms_gsd * gsd_m ||
-        (registration->shift_m - work->raster->shift_m).norm() > kMostCorrection_gsd * gsd_m) {
+        (registration->shift_m - *work->raster_shift_m).norm() > kMostCorrection_gsd * gsd_m) {
       return;
     }
     work->registration = registration;

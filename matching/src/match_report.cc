@@ -15,15 +15,13 @@ using Eigen::Vector3d;
 
 constexpr double kFirstClass_m = 0.08, kSecondClass_m = 0.16;
 
-Json List(const Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
 Json MisalignmentJson(const Misalignment& m) {
   return {{"mean_m", m.mean_m},
           {"rms_m", m.rms_m},
           {"median_m", m.median_m},
           {"p95_m", m.p95_m},
           {"max_m", m.max_m},
-          {"mean_enu_m", List(m.mean_enu_m)},
+          {"mean_enu_m", ToJson(m.mean_enu_m)},
           {"heading_deg", m.heading_deg},
           {"same_direction", m.same_direction},
           {"separation",
@@ -39,7 +37,7 @@ Json LevelJson(const MatchLevel& level) {
           {"found", level.found},
           {"agreeing", level.agreeing},
           {"rms_m", level.rms_m},
-          {"boresight_deg", List(level.boresight_rad * kDegPerRad)}};
+          {"boresight_deg", ToJson(level.boresight_rad * kDegPerRad)}};
 }
 
 Json StripJson(const std::string& name, const StripCounts& counts) {
@@ -119,10 +117,9 @@ Misalignment MisalignmentOf(const std::vector<Vector3d>& differences_m) {
   out.rms_m = std::sqrt(squares / n);
   out.same_direction = directions.norm() / n;
   out.heading_deg = std::atan2(out.mean_enu_m.x(), out.mean_enu_m.y()) * kDegPerRad;
-  std::sort(norms.begin(), norms.end());
   out.median_m = Quantile(norms, 0.5);
   out.p95_m = Quantile(norms, 0.95);
-  out.max_m = norms.back();
+  out.max_m = *std::max_element(norms.begin(), norms.end());
   return out;
 }
 
@@ -159,7 +156,7 @@ Json MatchJson(const std::string& name, const MatchResult& result, const MatchSo
   return {{"schema", "dn.match/1"},
           {"flight", name},
           {"gsd_m", result.gsd_m},
-          {"boresight_used_deg", List(result.boresight_rad * kDegPerRad)},
+          {"boresight_used_deg", ToJson(result.boresight_rad * kDegPerRad)},
           {"variance_factor", result.variance_factor},
           {"counts", counts},
           {"misalignment", all.ToJson()},

@@ -44,7 +44,7 @@ std::vector<MatchStrip> FindMatchStrips(const std::vector<fs::path>& files) {
   for (const fs::path& file : files) {
     std::set<std::uint16_t> ids;
     const auto reader = OpenStrip(file);
-    for (StripCloud points; reader->Next(&points);) {
+    for (StripCloud points; reader->Next(&points) && !points.source.empty();) {
       ids.insert(points.source.begin(), points.source.end());
     }
     for (const std::uint16_t id : ids) by_source[id].push_back(file);

@@ -1,12 +1,15 @@
 #include <dn/error.h>
 #include <dn/matching/point_cloud.h>
 #include <dn/matching/strip_planes.h>
+#include <dn/median.h>
 #include <dn/parallel.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
+
+#include "place_points.h"
 
 namespace dn {
 namespace {
@@ -38,13 +41,10 @@ Counts CountPoints(const MatchSource& source, std::size_t strip, double side_m) 
   return counts;
 }
 
-double Median(const Counts& counts) {
+double Typical(const Counts& counts) {
   std::vector<double> values;
   for (const auto& [tile, n] : counts) values.push_back(n);
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? 0.0 : Median(std::move(values));
 }
 
 /// What of the ground is looked at.
@@ -61,7 +61,7 @@ Selection Select(const MatchSource& source, const StripPlaneOptions& options) {
   for (std::size_t s = 0; s < source.strips().size(); ++s) {
     if (options.progress) options.progress("cover of strip " + source.strips()[s].name);
     counts.push_back(CountPoints(source, s, options.tile_m));
-    const double typical = Median(counts.back());
+    const double typical = Typical(counts.back());
     for (const auto& [tile, n] : counts.back()) {
       if (n >= kLeastOfTypical * typical) ++covered[tile];
     }
@@ -91,18 +91,20 @@ struct TilePoints {
 };
 
 std::vector<TilePoints> ReadTiles(const MatchSource& source, std::size_t strip,
-                                  const std::vector<SquareKey>& tiles, double side_m) {
+                                  const std::vector<SquareKey>& tiles,
+                                  const StripPlaneOptions& options) {
   std::vector<TilePoints> out(tiles.size());
+  std::vector<Vector3d> p_m;
   source.Read(strip, [&](const RawPoints& points) {
+    internal::PlacePoints(source, strip, points.t_s, points.x, options.threads, &p_m);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vector3d p_m = source.Position(strip, points.t_s[i], points.x[i]);
-      const SquareKey tile = TileOf(p_m, side_m);
+      const SquareKey tile = TileOf(p_m[i], options.tile_m);
       const auto found = std::lower_bound(tiles.begin(), tiles.end(), tile);
       if (found == tiles.end() || *found != tile) continue;
       TilePoints& of_tile = out[static_cast<std::size_t>(found - tiles.begin())];
       of_tile.raw.t_s.push_back(points.t_s[i]);
       of_tile.raw.x.push_back(points.x[i]);
-      of_tile.p_m.push_back(p_m);
+      of_tile.p_m.push_back(p_m[i]);
     }
   });
   return out;
@@ -143,7 +145,7 @@ StripPlanes ExtractStripPlanes(const MatchSource& source, const StripPlaneOption
   out.spacing_m = std::max(options.gsd_m.value_or(0.0), 1.0 / std::sqrt(selection.density_m2));
   for (std::size_t s = 0; s < source.strips().size(); ++s) {
     if (options.progress) options.progress("planes of strip " + source.strips()[s].name);
-    const std::vector<TilePoints> tiles = ReadTiles(source, s, selection.tiles, options.tile_m);
+    const std::vector<TilePoints> tiles = ReadTiles(source, s, selection.tiles, options);
     std::vector<std::vector<StripPlane>> of_tiles(tiles.size());
     ParallelForChunks(
         tiles.size(), 1, options.threads, [&](std::size_t, std::size_t first, std::size_t past) {

@@ -1,11 +1,9 @@
 #include "strip_sample.h"
 
-#include <dn/parallel.h>
-
 #include <cmath>
 #include <unordered_map>
 
-#include "points_per_task.h"
+#include "place_points.h"
 
 namespace dn::internal {
 namespace {
@@ -37,14 +35,7 @@ struct KeptPoint {
 }  // namespace
 
 void Place(const MatchSource& source, std::size_t strip, int threads, StripSample* sample) {
-  sample->p_m.resize(sample->size());
-  ParallelForChunks(sample->size(), kPointsPerTask, threads,
-                    [&](std::size_t, std::size_t first, std::size_t past) {
-                      for (std::size_t i = first; i < past; ++i) {
-                        sample->p_m[i] =
-                            source.Position(strip, sample->t_s[i], sample->x[i].cast<double>());
-                      }
-                    });
+  PlacePoints(source, strip, sample->t_s, sample->x, threads, &sample->p_m);
 }
 
 StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cell_m, int threads,
@@ -54,13 +45,7 @@ StripSample SampleStrip(const MatchSource& source, std::size_t strip, double cel
   std::vector<Vector3d> p_m;
   std::uint64_t read = 0;
   sample.counts = source.Read(strip, [&](const RawPoints& points) {
-    p_m.resize(points.size());
-    ParallelForChunks(points.size(), kPointsPerTask, threads,
-                      [&](std::size_t, std::size_t first, std::size_t past) {
-                        for (std::size_t i = first; i < past; ++i) {
-                          p_m[i] = source.Position(strip, points.t_s[i], points.x[i]);
-                        }
-                      });
+    PlacePoints(source, strip, points.t_s, points.x, threads, &p_m);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vector2d cell = p_m[i].head<2>() / cell_m;
       const Vector2d corner = cell.array().floor();

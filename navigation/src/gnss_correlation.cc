@@ -1,3 +1,4 @@
+#include <dn/median.h>
 #include <dn/navigation/gnss_correlation.h>
 #include <dn/solvers/residual_form.h>
 
@@ -6,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace dn {
@@ -58,10 +60,9 @@ std::vector<double> Taus(const std::vector<PositionInUse>& positions) {
   for (std::size_t k = 1; k < positions.size(); ++k) {
     steps_s.push_back(positions[k].t_s - positions[k - 1].t_s);
   }
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
+  const double step_s = Median(std::move(steps_s));
   std::vector<double> taus_s;
-  for (double tau_s = kShortestInEpochs * *middle; tau_s <= kLongestShareOfFlight * span_s;
+  for (double tau_s = kShortestInEpochs * step_s; tau_s <= kLongestShareOfFlight * span_s;
        tau_s *= 2.0) {
     taus_s.push_back(tau_s);
   }

@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/median.h>
 #include <dn/parallel.h>
 #include <dn/rotation.h>
 #include <dn/solvers/plane_adjustment.h>
@@ -24,7 +25,6 @@ constexpr std::size_t kPlanesPerChunk = 16;  // planes summed at a time
 constexpr long kLeastPoints = 3;             // of a strip in a plane
 constexpr double kLineRatio = 1e-10;         // of the extents squared of points on a line
 constexpr int kMostChoices = 20;             // of planes to keep
-constexpr double kSigmaPerMedian = 1.4826;   // of |x|, x normal
 
 std::string NameOf(std::size_t plane, std::size_t point) {
   return "plane " + std::to_string(plane) + ", point " + std::to_string(point);
@@ -65,12 +65,6 @@ void CheckProblem(const PlaneProblem& problem) {
     }
     for (std::size_t k = 0; k < plane.points.size(); ++k) CheckPoint(plane.points[k], q, k);
   }
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// A plane eliminated from the normal equations.
@@ -335,7 +329,7 @@ class PlaneAdjuster {
     each([&](std::size_t, std::size_t, double w) { sizes.push_back(w); });
     constexpr double kRounding = 1e-9;  // of residuals without noise
     const double limit =
-        std::max(kRounding, options_.point_sigmas * kSigmaPerMedian * Median(std::move(sizes)));
+        std::max(kRounding, options_.point_sigmas * kSigmaOfMedian * Median(std::move(sizes)));
     std::vector<std::pair<std::size_t, std::size_t>> dropped;
     each([&](std::size_t q, std::size_t k, double w) {
       if (w > limit) dropped.emplace_back(q, k);

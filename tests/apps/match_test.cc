@@ -30,6 +30,14 @@ std::string Scenario(const std::string& terrain) {
   return text + "strips: true\n";
 }
 
+int CountOf(const std::string& part, const std::string& text) {
+  int count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
 class Matching : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -80,6 +88,8 @@ TEST_F(Matching, AllMethodsRunFromStripsAlone) {
   EXPECT_TRUE(fs::exists(In("all/match.json")));
   EXPECT_TRUE(fs::exists(In("all/lidar/1_2.txt")));
   EXPECT_THAT(ContentOf(In("all/config.resolved.yaml")), HasSubstr(In("all/lidar/1_2.txt")));
+  // Once without the pairs, for matching and planes, and once with them.
+  EXPECT_EQ(CountOf("dn calibrate: GNSS screening", run.err), 2) << run.err;
 }
 
 TEST_F(Matching, BareStripsGivePositions) {

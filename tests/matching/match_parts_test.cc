@@ -60,8 +60,8 @@ TEST(FindShift, IsFoundToAPartOfACellOverHouses) {
   const HeightRaster b = MakeRaster(grid, town.Points(60000, 150.0, 0.02, kShift_m, 2), 0);
   const auto shift = FindShift(a, b, {75, 75}, 16, 6);
   ASSERT_TRUE(shift);
-  EXPECT_LT((shift->shift_m - kShift_m).head<2>().norm(), 0.7);
-  EXPECT_NEAR(shift->shift_m.z(), kShift_m.z(), 0.5);
+  EXPECT_LT((*shift - kShift_m).head<2>().norm(), 0.7);
+  EXPECT_NEAR(shift->z(), kShift_m.z(), 0.5);
 }
 
 TEST(FindShift, IsNotMadeUpOnFlatGround) {

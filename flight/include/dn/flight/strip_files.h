@@ -12,6 +12,9 @@ namespace dn {
 /// sorted by name; none where there is no such folder.
 std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& flight_folder);
 
+/// The same; throws InvalidInput where there are none.
+std::vector<std::filesystem::path> NeedStripFiles(const std::filesystem::path& flight_folder);
+
 /// Compares what a strip's file says of its coordinate system with strips_crs of flight.yaml.
 /// Throws InvalidConfig where they contradict each other, saying what to write. Returns what a user
 /// should know beside it; empty: nothing.

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <dn/block.h>
+
+#include <Eigen/Core>
+
+namespace dn::internal {
+
+/// The kind of a vector whose size is known only at run time.
+inline BlockKind VectorKind(Eigen::Index size) {
+  const int n = static_cast<int>(size);
+  return {Parametrisation::kVector, n, n};
+}
+
+}  // namespace dn::internal
