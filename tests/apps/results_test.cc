@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "run_program.h"
 
@@ -114,6 +116,27 @@ TEST(CliSmooth, SmoothJson) {
                 IsSupersetOf({"mean", "variance", "expected_variance", "lag1_correlation",
                               "autocorrelation", "worst_epochs"}));
   }
+}
+
+TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
+  const Json residuals = JsonOf(SmoothResult() / "report.json")["residuals"];
+  std::map<std::string, Json> by_name;
+  for (const auto& [sensor, axes] : residuals.items()) {
+    for (const auto& [axis, one] : axes.items()) {
+      std::string name = sensor + " " + axis;
+      std::replace(name.begin(), name.end(), '_', ' ');
+      by_name[name] = one;
+    }
+  }
+  int compared = 0;
+  for (const Json& group : JsonOf(SmoothResult() / "smooth.json")["model_check"]["groups"]) {
+    const auto one = by_name.find(group["name"]);
+    if (one == by_name.end()) continue;
+    ++compared;
+    EXPECT_EQ(group["worst"]["standardised"], one->second["worst"]) << group["name"];
+    EXPECT_EQ(group["worst"]["t_s"], one->second["worst_t_s"]) << group["name"];
+  }
+  EXPECT_EQ(compared, 12) << "GNSS positions and inertial increments, by axis";
 }
 
 TEST(CliCalibrate, TrajectoryFiles) { ExpectTrajectoryFiles(CalibrateResult()); }
