@@ -118,6 +118,26 @@ TEST(CliSmooth, SmoothJson) {
   }
 }
 
+TEST(CliSmooth, ForwardAndReverseFilterAgreeWithinTheirNoise) {
+  const Json separation = JsonOf(SmoothResult() / "smooth.json")["separation"];
+  ASSERT_TRUE(separation.is_object());
+  const TextTable table = ReadTextTable(SmoothResult() / "filter_separation.txt", {7});
+  EXPECT_EQ(separation["epochs"], table.rows());
+  for (std::size_t i = 0; i < 3; ++i) {
+    double sum = 0.0, largest = 0.0;
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      sum += std::pow(table.row(row)[1 + i], 2);
+      largest = std::max(largest, std::abs(table.row(row)[1 + i]));
+    }
+    EXPECT_NEAR(separation["rms_enu_m"][i], std::sqrt(sum / static_cast<double>(table.rows())),
+                1e-9);
+    EXPECT_EQ(separation["max_enu_m"][i], largest);
+    EXPECT_GT(separation["rms_enu_m"][i], 0.0);
+    EXPECT_LT(separation["max_rph_deg"][i], 1.0);
+  }
+  EXPECT_THAT(ContentOf(SmoothResult() / "report.html"), HasSubstr("Forward minus reverse filter"));
+}
+
 TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
   const Json residuals = JsonOf(SmoothResult() / "report.json")["residuals"];
   std::map<std::string, Json> by_name;
