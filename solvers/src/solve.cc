@@ -103,7 +103,7 @@ SolveReport Attempt(Network& network, const ceres::Solver::Options& options,
 SolveReport SolveTwice(Network& network, ceres::Solver::Options options,
                        const IterationObserver& observer) {
   const FlatCheck check(network);
-  const SolveReport first = Attempt(network, options, observer);
+  SolveReport first = Attempt(network, options, observer);
   if (!first.converged || check.FindFlat(network).empty()) return first;
   const NetworkValues first_values(network);
   check.initial().Restore(&network);
