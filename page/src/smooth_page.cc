@@ -3,7 +3,7 @@
 namespace dn::internal {
 namespace {
 
-Table SeparationTable(const Facts& separation) {
+Table FilterSeparationTable(const Facts& separation) {
   Table table{"Forward filter minus reverse filter, after alignment",
               {"", "", "", ""},
               {},
@@ -33,7 +33,7 @@ Headline SmoothHeadline(const Facts& smooth) {
                       {smooth["innovations"]["gnss position"]["nis"].Decimals(3)}),
                   Row("GNSS epochs", {adjustment["gnss_epochs"].Count()})};
   headline.figures = {figures};
-  if (smooth["separation"]) headline.figures.push_back(SeparationTable(smooth["separation"]));
+  if (smooth["separation"]) headline.figures.push_back(FilterSeparationTable(smooth["separation"]));
   headline.next =
       consistent ? std::vector<std::string>{"dn calibrate FLIGHT --out DIR, for the boresight."}
                  : std::vector<std::string>{
