@@ -11,6 +11,7 @@
 #include <limits>
 #include <utility>
 
+#include "open_filter.h"
 #include "residual_statistics.h"
 
 namespace dn {
@@ -38,50 +39,20 @@ TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Margi
   return result;
 }
 
-/// The flight with the tags of GNSS corrected as the calibration says, which then knows of no delay;
-/// nothing where it knows of none.
-std::optional<Flight> AtGnssEpochs(const Flight& flight, CalibrationState* calibration) {
-  constexpr const char* kClock[] = {"gnss_time_offset", "gnss_time_drift"};
-  const auto of_clock = [&](const CalibrationValue& effect) {
-    return effect.name == kClock[0] || effect.name == kClock[1];
-  };
-  auto& effects = calibration->effects;
-  if (std::none_of(effects.begin(), effects.end(), of_clock)) return std::nullopt;
-  Flight corrected = flight;
-  for (MapGnssEpoch& epoch : corrected.gnss->epochs) {
-    epoch.t_s = GnssEpochTime(*calibration, epoch.t_s);
-  }
-  std::erase_if(effects, of_clock);
-  return corrected;
-}
-
 // The innovations of a forward filter that starts at the adjusted trajectory with an open mind
 // about it; the first ones, in which that is still being settled, are left out.
 void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   constexpr double kSettleS = 30.0;
-  const FlightNetwork& network = *adjustment.network;
-  CalibrationState calibration = network.Calibration();
-  const std::optional<Flight> at_epochs = AtGnssEpochs(network.flight(), &calibration);
-  const Flight& flight = at_epochs ? *at_epochs : network.flight();
-  const TimeInterval span = NetworkSpan(flight, false);
-  const std::vector<double> times = NodeTimes(*flight.imu, span, GnssTimes(flight, span), {}, {});
-  const std::size_t k = NodeBefore(network.node_times(), times.front() + 1e-6);
-  const Eigen::Vector3d sigma_attitude(2.0 * kRadPerDeg, 2.0 * kRadPerDeg, 5.0 * kRadPerDeg);
-  const double sigma_m = 3.0 * TypicalGnssSigma(flight);
-  const FilterState start =
-      MakeFilterState(flight, network.NodePose(k), network.GyroBias(times.front()),
-                      network.AccelBias(times.front()), sigma_attitude, sigma_m, 1.0);
-  FilterOptions options;
-  options.skipped_epochs = adjustment.gnss_rejected;
-  options.calibration = calibration;
-  const FilterRun run = RunForwardFilter(flight, times, start, options);
+  const internal::OpenFilter filter(adjustment);
+  const FilterRun run = filter.Run(FilterDirection::kForward);
+  const double settled_s = filter.times().front() + kSettleS;
   const std::vector<std::string> axes{"east", "north", "up"};
   for (const bool velocity : {false, true}) {
     std::vector<double> t_s;
     std::vector<std::vector<double>> values(3);
     double nis = 0.0;
     for (const Innovation& innovation : run.innovations) {
-      if (innovation.velocity != velocity || innovation.t_s < times.front() + kSettleS) continue;
+      if (innovation.velocity != velocity || innovation.t_s < settled_s) continue;
       t_s.push_back(innovation.t_s);
       for (std::size_t a = 0; a < 3; ++a) {
         values[a].push_back(innovation.normalised[static_cast<Eigen::Index>(a)]);

@@ -3,7 +3,7 @@
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/imu/strapdown.h>
 #include <dn/interrupted.h>
-#include <dn/navigation/forward_filter.h>
+#include <dn/navigation/directed_filter.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -25,7 +25,19 @@ Eigen::Vector3d SumOf(const std::vector<Eigen::Vector3d>& biases) {
   return sum;
 }
 
+/// An inertial edge at two poses, linearised: the whitened residual and its derivatives.
+struct LinearEdge {
+  Eigen::VectorXd r;
+  Eigen::Matrix<double, kNav, kNav> J_begin;  ///< attitude (right), position, velocity
+  Eigen::Matrix<double, kNav, kNav> J_end;
+  Eigen::MatrixXd J_biases;  ///< gyro processes, then accelerometer processes
+};
+
 Eigen::Matrix3d Isotropic(double sigma) { return sigma * sigma * Eigen::Matrix3d::Identity(); }
+
+FilterState WithoutCovariance(const FilterState& state) {
+  return {state.pose, state.gyro_bias, state.accel_bias, state.gnss_error, {}};
+}
 
 class Filter {
  public:
@@ -51,6 +63,39 @@ class Filter {
     state_.pose.t_s = t_s;
   }
 
+  void RetraceTo(double t_s) {
+    const double dt_s = state_.pose.t_s - t_s;
+    if (dt_s < 1e-7) return;
+    StepProcesses(dt_s);
+    if (HasGap(*flight_.imu, t_s, state_.pose.t_s)) {
+      PredictOverGap(t_s);
+    } else {
+      RetraceInertially(t_s);
+    }
+    state_.pose.t_s = t_s;
+  }
+
+  /// With the measurements of the epoch at this time, if there is one.
+  void UseEpochAt(double t_s) {
+    const std::vector<MapGnssEpoch>& epochs = flight_.gnss->epochs;
+    const auto at = std::lower_bound(
+        epochs.begin(), epochs.end(), t_s - 1e-6,
+        [](const MapGnssEpoch& epoch, double time_s) { return epoch.t_s < time_s; });
+    if (at == epochs.end() || at->t_s > t_s + 1e-6) return;
+    const auto index = static_cast<std::size_t>(at - epochs.begin());
+    const auto& skipped = options_.skipped_epochs;
+    if (std::binary_search(skipped.begin(), skipped.end(), index)) return;
+    UpdatePosition(*at);
+    if (UsesVelocity(*at, *flight_.config.gnss)) UpdateVelocity(*at);
+  }
+
+  void KeepState() {
+    run.states.push_back(WithoutCovariance(state_));
+    const Eigen::Matrix3d R = state_.pose.q_mb.toRotationMatrix();
+    run.sigma_heading_rad.push_back(
+        std::sqrt(R.row(2).dot(state_.covariance.topLeftCorner<3, 3>() * R.row(2).transpose())));
+  }
+
   void UpdatePosition(const MapGnssEpoch& epoch) {
     const auto factor = MakeGnssPositionFactor(flight_, epoch, calibration_,
                                                InputOf(Isotropic(options_.position_floor_m)));
@@ -64,7 +109,7 @@ class Filter {
   }
 
   const FilterState& state() const { return state_; }
-  FilterRun run;
+  DirectedRun run;
 
  private:
   GnssEdgeInput InputOf(const Eigen::Matrix3d& added_covariance) const {
@@ -105,7 +150,7 @@ class Filter {
   }
 
   void PredictOverGap(double t_s) {
-    const double dt_s = t_s - state_.pose.t_s;
+    const double dt_s = t_s - state_.pose.t_s;  // negative on the way back
     state_.pose.p_mb += dt_s * state_.pose.v_m;
     auto diagonal = state_.covariance.diagonal();
     diagonal.segment<3>(0).array() += std::pow(kGapAttitudeRadps * dt_s, 2);
@@ -113,45 +158,76 @@ class Filter {
     diagonal.segment<3>(6).array() += std::pow(kGapAccelMps2 * dt_s, 2);
   }
 
-  // e(x_i, x_j, b) = 0 linearised: d x_j = -J_j^-1 (J_i d x_i + J_b d b + white), all from the edge
-  // itself.
-  void PredictInertially(double t_s) {
+  LinearEdge Linearise(const Preintegrated& increment, const MapPose& begin, const MapPose& end) {
     const std::size_t ng = state_.gyro_bias.size();
     const std::size_t na = state_.accel_bias.size();
-    const Preintegrated increment =
-        Preintegrate(*flight_.imu, state_.pose.t_s, t_s,
-                     calibration_.ImuAt(state_.TotalGyroBias(), state_.TotalAccelBias()), noise_);
-    const MapPose next = Propagate(flight_.frame, state_.pose, increment,
-                                   calibration_.AttractionAt(state_.pose.p_mb));
-    const PreintegratedInertial factor(increment, flight_.frame, state_.pose.p_mb, next.p_mb,
+    const PreintegratedInertial factor(increment, flight_.frame, begin.p_mb, end.p_mb,
                                        static_cast<int>(ng), static_cast<int>(na),
-                                       AttractionBases(calibration_, state_.pose.p_mb));
-    std::vector<const double*> x{
-        state_.pose.q_mb.coeffs().data(), state_.pose.p_mb.data(), state_.pose.v_m.data(),
-        next.q_mb.coeffs().data(),        next.p_mb.data(),        next.v_m.data()};
+                                       AttractionBases(calibration_, begin.p_mb));
+    std::vector<const double*> x{begin.q_mb.coeffs().data(), begin.p_mb.data(), begin.v_m.data(),
+                                 end.q_mb.coeffs().data(),   end.p_mb.data(),   end.v_m.data()};
     for (const Eigen::Vector3d& bias : state_.gyro_bias) x.push_back(bias.data());
     for (const Eigen::Vector3d& bias : state_.accel_bias) x.push_back(bias.data());
     for (const std::size_t k : EffectsOfInertial(calibration_)) {
       x.push_back(calibration_.effects[k].value.data());
     }
-    Eigen::VectorXd r;
     std::vector<Eigen::MatrixXd> J;
-    EvaluateInTangent(factor, x, &r, &J);
-
-    const Eigen::Index n = state_.covariance.rows();
-    Eigen::MatrixXd J_from(kNav, n);
-    J_from << J[0], J[1], J[2], Eigen::MatrixXd::Zero(kNav, n - kNav);
+    LinearEdge edge;
+    EvaluateInTangent(factor, x, &edge.r, &J);
+    edge.J_begin << J[0], J[1], J[2];
+    edge.J_end << J[3], J[4], J[5];
+    edge.J_biases.resize(kNav, 3 * static_cast<Eigen::Index>(ng + na));
     for (std::size_t b = 0; b < ng + na; ++b) {
-      J_from.middleCols<3>(kNav + 3 * static_cast<Eigen::Index>(b)) = J[6 + b];
+      edge.J_biases.middleCols<3>(3 * static_cast<Eigen::Index>(b)) = J[6 + b];
     }
-    Eigen::Matrix<double, kNav, kNav> J_to;
-    J_to << J[3], J[4], J[5];
-    const Eigen::Matrix<double, kNav, kNav> J_to_inverse = J_to.inverse();
+    return edge;
+  }
+
+  Preintegrated IncrementBetween(double t0_s, double t1_s) const {
+    return Preintegrate(*flight_.imu, t0_s, t1_s,
+                        calibration_.ImuAt(state_.TotalGyroBias(), state_.TotalAccelBias()),
+                        noise_);
+  }
+
+  // e(x_known, x, b) = 0 linearised: d x = -J^-1 (J_known d x_known + J_b d b + white), all from the
+  // edge itself.
+  void CarryCovariance(const Eigen::Matrix<double, kNav, kNav>& J_known,
+                       const Eigen::Matrix<double, kNav, kNav>& J,
+                       const Eigen::MatrixXd& J_biases) {
+    const Eigen::Index n = state_.covariance.rows();
+    const Eigen::Matrix<double, kNav, kNav> inverse = J.inverse();
     Eigen::MatrixXd transition = Eigen::MatrixXd::Identity(n, n);
-    transition.topRows<kNav>() = -J_to_inverse * J_from;
+    transition.topLeftCorner<kNav, kNav>() = -inverse * J_known;
+    transition.block(0, kNav, kNav, J_biases.cols()) = -inverse * J_biases;
     state_.covariance = transition * state_.covariance * transition.transpose();
-    state_.covariance.topLeftCorner<kNav, kNav>() += J_to_inverse * J_to_inverse.transpose();
+    state_.covariance.topLeftCorner<kNav, kNav>() += inverse * inverse.transpose();
+  }
+
+  void PredictInertially(double t_s) {
+    const Preintegrated increment = IncrementBetween(state_.pose.t_s, t_s);
+    const MapPose next = Propagate(flight_.frame, state_.pose, increment,
+                                   calibration_.AttractionAt(state_.pose.p_mb));
+    const LinearEdge edge = Linearise(increment, state_.pose, next);
+    CarryCovariance(edge.J_begin, edge.J_end, edge.J_biases);
     state_.pose = {state_.pose.t_s, next.q_mb, next.p_mb, next.v_m};
+  }
+
+  void RetraceInertially(double t_s) {
+    constexpr int kSteps = 4;  // of Newton; nearly linear, so that the last is one of rounding
+    const Preintegrated increment = IncrementBetween(t_s, state_.pose.t_s);
+    const MapPose& end = state_.pose;
+    MapPose begin{t_s, (end.q_mb * increment.delta_q.conjugate()).normalized(),
+                  end.p_mb - increment.dt_s() * end.v_m, end.v_m};
+    for (int i = 0; i < kSteps; ++i) {
+      const LinearEdge edge = Linearise(increment, begin, end);
+      const Eigen::Matrix<double, kNav, 1> step = -edge.J_begin.inverse() * edge.r;
+      begin.q_mb = (begin.q_mb * Exp(Eigen::Vector3d(step.segment<3>(0)))).normalized();
+      begin.p_mb += step.segment<3>(3);
+      begin.v_m += step.segment<3>(6);
+    }
+    const LinearEdge edge = Linearise(increment, begin, end);
+    CarryCovariance(edge.J_end, edge.J_begin, edge.J_biases);
+    state_.pose = {end.t_s, begin.q_mb, begin.p_mb, begin.v_m};
   }
 
   void StepProcesses(double dt_s) {
@@ -237,10 +313,6 @@ class Filter {
   PreintegrationNoise noise_;
 };
 
-FilterState WithoutCovariance(const FilterState& state) {
-  return {state.pose, state.gyro_bias, state.accel_bias, state.gnss_error, {}};
-}
-
 }  // namespace
 
 Eigen::Vector3d FilterState::TotalGyroBias() const { return SumOf(gyro_bias); }
@@ -281,21 +353,23 @@ FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
 
 FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& times,
                            const FilterState& start, const FilterOptions& options) {
+  return RunFilter(flight, times, start, FilterDirection::kForward, options);
+}
+
+DirectedRun RunFilter(const Flight& flight, const std::vector<double>& times,
+                      const FilterState& start, FilterDirection direction,
+                      const FilterOptions& options) {
+  const bool reverse = direction == FilterDirection::kReverse;
+  const double last_s = reverse ? start.pose.t_s + 1e-7 : options.t_end_s;
+  const auto past = std::upper_bound(times.begin(), times.end(), last_s);
+  std::vector<double> in_order(times.begin(), past);
+  if (reverse) std::reverse(in_order.begin(), in_order.end());
   Filter filter(flight, start, options);
-  const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
-  std::size_t e = 0;
-  for (const double t_s : times) {
-    if (t_s > options.t_end_s) break;
+  for (const double t_s : in_order) {
     if (options.interrupted && options.interrupted()) throw Interrupted();
-    filter.PredictTo(t_s);
-    while (e < epochs.size() && epochs[e].t_s < t_s - 1e-6) ++e;
-    const bool skipped =
-        std::binary_search(options.skipped_epochs.begin(), options.skipped_epochs.end(), e);
-    if (e < epochs.size() && std::abs(epochs[e].t_s - t_s) <= 1e-6 && !skipped) {
-      filter.UpdatePosition(epochs[e]);
-      if (UsesVelocity(epochs[e], *flight.config.gnss)) filter.UpdateVelocity(epochs[e]);
-    }
-    filter.run.states.push_back(WithoutCovariance(filter.state()));
+    reverse ? filter.RetraceTo(t_s) : filter.PredictTo(t_s);
+    filter.UseEpochAt(t_s);
+    filter.KeepState();
   }
   filter.run.last = filter.state();
   return std::move(filter.run);

@@ -93,11 +93,11 @@ Table AdjustmentTable(const Facts& adjustment) {
 Section StatisticsSection(const Facts& innovations, const Facts& residuals) {
   Section section{"Innovations and residuals", {}, true};
   const auto add = [&](const std::string& title, const Facts& sensors, const std::string& note) {
-    Table table{
-        title,
-        {"sensor", "axis", "count", "mean", "variance", "expected", "lag-1", "worst", "at [s]"},
-        {},
-        note};
+    Table table{title,
+                {"sensor", "axis", "count", "mean", "variance", "expected", "lag-1",
+                 "worst [sigma]", "at [s]"},
+                {},
+                note};
     for (const std::string& sensor : sensors.keys()) {
       for (const std::string& axis : sensors[sensor].keys()) {
         const Facts one = sensors[sensor][axis];

@@ -3,6 +3,18 @@
 namespace dn::internal {
 namespace {
 
+Table FilterSeparationTable(const Facts& separation) {
+  Table table{"Forward filter minus reverse filter, after alignment",
+              {"", "", "", ""},
+              {},
+              "Each is blind for half of the data; the smoothed trajectory is better than either."};
+  table.rows = {Row("rms, east, north, up [m]", Three(separation["rms_enu_m"], 4)),
+                Row("largest, east, north, up [m]", Three(separation["max_enu_m"], 4)),
+                Row("rms, roll, pitch, heading [deg]", Three(separation["rms_rph_deg"], 4)),
+                Row("largest, roll, pitch, heading [deg]", Three(separation["max_rph_deg"], 4))};
+  return table;
+}
+
 Headline SmoothHeadline(const Facts& smooth) {
   const Facts assessment = smooth["assessment"];
   Headline headline;
@@ -21,6 +33,7 @@ Headline SmoothHeadline(const Facts& smooth) {
                       {smooth["innovations"]["gnss position"]["nis"].Decimals(3)}),
                   Row("GNSS epochs", {adjustment["gnss_epochs"].Count()})};
   headline.figures = {figures};
+  if (smooth["separation"]) headline.figures.push_back(FilterSeparationTable(smooth["separation"]));
   headline.next =
       consistent ? std::vector<std::string>{"dn calibrate FLIGHT --out DIR, for the boresight."}
                  : std::vector<std::string>{

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kSigmaColumns = 10;
 constexpr std::size_t kBiasColumns = 13;
+constexpr std::size_t kSeparationColumns = 7;
 // Spacing of the path on the map: no bend of an aircraft is shorter.
 constexpr double kMapSpacingS = 0.5;
 
@@ -77,6 +78,15 @@ SeriesChart WithBands(const std::string& title, const std::string& y_label, cons
   return chart;
 }
 
+void AddSeparation(const ResultFolder& folder, Section* section) {
+  const auto separation = folder.Numbers("filter_separation.txt", kSeparationColumns);
+  if (!separation || separation->rows() == 0) return;
+  section->contents.emplace_back(
+      Chart{OverTime("Forward minus reverse filter, position", "[m]", *separation, kEnu, 1)});
+  section->contents.emplace_back(Chart{OverTime("Forward minus reverse filter, attitude", "[deg]",
+                                                *separation, {"roll", "pitch", "heading"}, 4)});
+}
+
 }  // namespace
 
 Section TrajectorySection(const ResultFolder& folder) {
@@ -88,6 +98,7 @@ Section TrajectorySection(const ResultFolder& folder) {
     section.contents.emplace_back(Chart{OverTime("Standard deviation of the attitude", "[deg]",
                                                  *sigma, {"roll", "pitch", "heading"}, 7)});
   }
+  AddSeparation(folder, &section);
   const Facts errors = folder.report()["reference_errors"];
   if (!errors) return section;
   Table table{"Differences from the reference trajectory (root mean squares at the nodes)",

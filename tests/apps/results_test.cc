@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "run_program.h"
 
@@ -114,6 +116,47 @@ TEST(CliSmooth, SmoothJson) {
                 IsSupersetOf({"mean", "variance", "expected_variance", "lag1_correlation",
                               "autocorrelation", "worst_epochs"}));
   }
+}
+
+TEST(CliSmooth, ForwardAndReverseFilterAgreeWithinTheirNoise) {
+  const Json separation = JsonOf(SmoothResult() / "smooth.json")["separation"];
+  ASSERT_TRUE(separation.is_object());
+  const TextTable table = ReadTextTable(SmoothResult() / "filter_separation.txt", {7});
+  EXPECT_EQ(separation["epochs"], table.rows());
+  for (std::size_t i = 0; i < 3; ++i) {
+    double sum = 0.0, largest = 0.0;
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      sum += std::pow(table.row(row)[1 + i], 2);
+      largest = std::max(largest, std::abs(table.row(row)[1 + i]));
+    }
+    EXPECT_NEAR(separation["rms_enu_m"][i], std::sqrt(sum / static_cast<double>(table.rows())),
+                1e-9);
+    EXPECT_EQ(separation["max_enu_m"][i], largest);
+    EXPECT_GT(separation["rms_enu_m"][i], 0.0);
+    EXPECT_LT(separation["max_rph_deg"][i], 1.0);
+  }
+  EXPECT_THAT(ContentOf(SmoothResult() / "report.html"), HasSubstr("Forward minus reverse filter"));
+}
+
+TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
+  const Json residuals = JsonOf(SmoothResult() / "report.json")["residuals"];
+  std::map<std::string, Json> by_name;
+  for (const auto& [sensor, axes] : residuals.items()) {
+    for (const auto& [axis, one] : axes.items()) {
+      std::string name = sensor + " " + axis;
+      std::replace(name.begin(), name.end(), '_', ' ');
+      by_name[name] = one;
+    }
+  }
+  int compared = 0;
+  for (const Json& group : JsonOf(SmoothResult() / "smooth.json")["model_check"]["groups"]) {
+    const auto one = by_name.find(group["name"]);
+    if (one == by_name.end()) continue;
+    ++compared;
+    EXPECT_EQ(group["worst"]["standardised"], one->second["worst"]) << group["name"];
+    EXPECT_EQ(group["worst"]["t_s"], one->second["worst_t_s"]) << group["name"];
+  }
+  EXPECT_EQ(compared, 12) << "GNSS positions and inertial increments, by axis";
 }
 
 TEST(CliCalibrate, TrajectoryFiles) { ExpectTrajectoryFiles(CalibrateResult()); }

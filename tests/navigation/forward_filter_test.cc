@@ -1,5 +1,5 @@
 #include <dn/navigation/alignment.h>
-#include <dn/navigation/forward_filter.h>
+#include <dn/navigation/directed_filter.h>
 #include <dn/sim/random.h>
 #include <gtest/gtest.h>
 
@@ -139,6 +139,30 @@ TEST_F(ForwardFilter, ConvergesToTheTruthAsItsCovarianceSays) {
   const Eigen::Vector3d gyro_error = run.last.TotalGyroBias() - sim_.gyro_bias_radps.back();
   const double gyro_constant = sim_.flight.config.imu->model.gyro.processes.front().sigma;
   EXPECT_LT(gyro_error.head<2>().norm(), gyro_constant) << "the level gyros are calibrated";
+}
+
+// From the end of the flight, with a start as wrong as that of the forward filter.
+TEST_F(ForwardFilter, ReverseFilterConvergesToTheTruthAsItsCovarianceSays) {
+  Random random(12, "start");
+  MapPose pose = sim_.truth->Pose(times_.back());
+  pose.q_mb = pose.q_mb * Exp(Eigen::Vector3d(kSigmaAttitudeRad * random.Normal3()));
+  pose.p_mb += kSigmaPositionM * random.Normal3();
+  pose.v_m += kSigmaVelocityMps * random.Normal3();
+  const DirectedRun run =
+      RunFilter(sim_.flight, times_,
+                MakeFilterState(sim_.flight, pose, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                                Eigen::Vector3d::Constant(kSigmaAttitudeRad), kSigmaPositionM,
+                                kSigmaVelocityMps),
+                FilterDirection::kReverse);
+  ASSERT_EQ(run.states.size(), times_.size());
+  EXPECT_EQ(run.last.pose.t_s, times_.front());
+  const double scatter = std::sqrt(2.0 / (3.0 * static_cast<double>(times_.size())));
+  EXPECT_NEAR(MeanSquare(run), 1.0, kSigmas * scatter);
+  const Eigen::Matrix<double, 9, 9> P = run.last.covariance.topLeftCorner<9, 9>();
+  const Eigen::Matrix<double, 9, 1> e = NavError(run.last);
+  EXPECT_LT(e.dot(P.ldlt().solve(e)), kNavBound);
+  for (int i = 0; i < 3; ++i) EXPECT_LT(std::sqrt(P(i, i)), 0.1 * kSigmaAttitudeRad);
+  EXPECT_LT(run.sigma_heading_rad.back(), 0.1 * kSigmaAttitudeRad);
 }
 
 TEST_F(ForwardFilter, StopsAtTheEndTime) {

@@ -49,8 +49,10 @@ TEST(Statistics, WorstEpochsAreByStandardisedSize) {
   EXPECT_NEAR(s.expected_variance, 11.0 / 4.0, kRounding);
   ASSERT_EQ(s.worst_epochs.size(), 3U) << "a value without redundancy tells nothing";
   EXPECT_EQ(s.worst_epochs[0].t_s, 3.0);
-  EXPECT_EQ(s.worst_epochs[1].standardised * s.worst_epochs[2].standardised, -1.0);
-  EXPECT_EQ(s.worst, -3.0);
+  EXPECT_EQ(s.worst_epochs[1].t_s, 1.0) << "the earlier one of equal size";
+  EXPECT_EQ(s.worst_epochs[2].t_s, 2.0);
+  EXPECT_EQ(s.worst, 2.0) << "in its own sigmas, not the largest value";
+  EXPECT_EQ(s.worst_t_s, 3.0);
 }
 
 TEST(Statistics, LengthsThatDifferAreRefused) {

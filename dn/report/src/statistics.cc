@@ -35,7 +35,8 @@ void AddAutocorrelation(const std::vector<double>& values, SeriesStatistics* s) 
 std::vector<SeriesEpoch> WorstEpochs(std::vector<SeriesEpoch> epochs) {
   const std::size_t n = std::min(kWorstEpochs, epochs.size());
   const auto worse = [](const SeriesEpoch& a, const SeriesEpoch& b) {
-    return std::abs(a.standardised) > std::abs(b.standardised);
+    const double size_a = std::abs(a.standardised), size_b = std::abs(b.standardised);
+    return size_a != size_b ? size_a > size_b : a.t_s < b.t_s;
   };
   std::partial_sort(epochs.begin(), epochs.begin() + static_cast<std::ptrdiff_t>(n), epochs.end(),
                     worse);
@@ -88,16 +89,15 @@ SeriesStatistics DescribeSeries(const std::string& sensor, const std::string& ax
     s.mean += values[i] / n;
     s.mean_square += values[i] * values[i] / n;
     s.expected_variance += variance / n;
-    if (std::abs(values[i]) > std::abs(s.worst)) {
-      s.worst = values[i];
-      s.worst_t_s = t_s[i];
-    }
     if (variance > kSmallestVariance) {
       epochs.push_back({t_s[i], values[i], values[i] / std::sqrt(variance)});
     }
   }
   AddAutocorrelation(values, &s);
   s.worst_epochs = WorstEpochs(std::move(epochs));
+  if (s.worst_epochs.empty()) return s;
+  s.worst = s.worst_epochs.front().standardised;
+  s.worst_t_s = s.worst_epochs.front().t_s;
   return s;
 }
 

@@ -28,7 +28,7 @@ struct SeriesStatistics {
   /// Correlation about the mean at lags of 1, 2, 5, 10, 20 and 50 values, as far as a quarter of
   /// the series reaches. Of a white series, each has a standard deviation of 1/sqrt(count).
   std::vector<std::pair<int, double>> autocorrelation;
-  double worst = 0.0;  ///< largest absolute value, and when
+  double worst = 0.0;  ///< standardised: the first of worst_epochs, as in the model check
   double worst_t_s = 0.0;
   std::vector<SeriesEpoch> worst_epochs;  ///< at most five, by their standardised size
 };

@@ -1,0 +1,76 @@
+#include "open_filter.h"
+
+#include <dn/builder/edge_factors.h>
+#include <dn/builder/flight_network.h>
+#include <dn/navigation/alignment.h>
+#include <dn/rotation.h>
+
+#include <algorithm>
+
+namespace dn::internal {
+namespace {
+
+/// The flight with the tags of GNSS corrected as the calibration says, which then knows of no delay;
+/// nothing where it knows of none.
+std::optional<Flight> AtGnssEpochs(const Flight& flight, CalibrationState* calibration) {
+  constexpr const char* kClock[] = {"gnss_time_offset", "gnss_time_drift"};
+  const auto of_clock = [&](const CalibrationValue& effect) {
+    return effect.name == kClock[0] || effect.name == kClock[1];
+  };
+  auto& effects = calibration->effects;
+  if (std::none_of(effects.begin(), effects.end(), of_clock)) return std::nullopt;
+  Flight corrected = flight;
+  for (MapGnssEpoch& epoch : corrected.gnss->epochs) {
+    epoch.t_s = GnssEpochTime(*calibration, epoch.t_s);
+  }
+  std::erase_if(effects, of_clock);
+  return corrected;
+}
+
+/// A random walk is known at the begin of the flight; here is what it may have become at its end.
+void OpenRandomWalks(const ImuModel& model, double duration_s, FilterState* state) {
+  constexpr Eigen::Index kFirstProcess = 9;
+  Eigen::Index row = kFirstProcess;
+  for (const auto* processes : {&model.gyro.processes, &model.accel.processes}) {
+    for (const BiasProcess& process : *processes) {
+      if (process.type == BiasProcess::Type::kRandomWalk) {
+        state->covariance.diagonal().segment<3>(row).array() +=
+            process.sigma * process.sigma * duration_s;
+      }
+      row += 3;
+    }
+  }
+}
+
+}  // namespace
+
+Eigen::Vector3d OpenAttitudeSigma() {
+  return {2.0 * kRadPerDeg, 2.0 * kRadPerDeg, 5.0 * kRadPerDeg};
+}
+
+OpenFilter::OpenFilter(const Adjustment& adjustment) : network_(*adjustment.network) {
+  CalibrationState calibration = network_.Calibration();
+  at_epochs_ = AtGnssEpochs(network_.flight(), &calibration);
+  options_.skipped_epochs = adjustment.gnss_rejected;
+  options_.calibration = calibration;
+  const TimeInterval span = NetworkSpan(flight(), false);
+  times_ = NodeTimes(*flight().imu, span, GnssTimes(flight(), span), {}, {});
+}
+
+FilterState OpenFilter::StartAt(double t_s) const {
+  const std::size_t k = NodeBefore(network_.node_times(), t_s + 1e-6);
+  return MakeFilterState(flight(), network_.NodePose(k), network_.GyroBias(t_s),
+                         network_.AccelBias(t_s), OpenAttitudeSigma(),
+                         3.0 * TypicalGnssSigma(flight()), 1.0);
+}
+
+DirectedRun OpenFilter::Run(FilterDirection direction) const {
+  const bool reverse = direction == FilterDirection::kReverse;
+  FilterState start = StartAt(reverse ? times_.back() : times_.front());
+  if (reverse) {
+    OpenRandomWalks(flight().config.imu->model, times_.back() - times_.front(), &start);
+  }
+  return RunFilter(flight(), times_, start, direction, options_);
+}
+
+}  // namespace dn::internal
