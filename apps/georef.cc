@@ -260,6 +260,7 @@ void Print(const FlightConfig& config, const Vector3d& boresight_rad, const Json
 
 void RunGeoref(const GeorefOptions& given, Run& run) {
   Georef georef = Prepare(given, run);
+  run.ReadsStrips();
   const FlightConfig& config = georef.config;
   const std::vector<fs::path> files = Strips(config);
   const Vector3d boresight_rad = georef.options.mounting.boresight_rad;

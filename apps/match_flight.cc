@@ -105,6 +105,7 @@ std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
 
 MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory, Run& run) {
   ExpectMatchable(config);
+  run.ReadsStrips();
   const std::vector<fs::path> files = StripsOf(config);
   CheckSystems(files, config.strips_crs, run);
   MatchedFlight matched;

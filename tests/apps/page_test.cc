@@ -132,6 +132,33 @@ TEST(CliPage, SeveralResultsSideBySide) {
   EXPECT_THAT(again.out, HasSubstr("independent"));
 }
 
+// The hash is that of sha256sum for the ten bytes.
+TEST(CliPage, NamesItsInputsByTheirHashes) {
+  const std::string hash = "bb3f6e853581c6e91d279993712aab3c699befcad00ad93f8b375590ac395472";
+  const TempFolder flight, out;
+  flight.Write("flight.yaml", "name: abc\n");
+  flight.Write("strips/1.txt", "no point cloud\n");  // which no check reads
+  ASSERT_EQ(RunProgram({"check", flight.path().string(), "--out", out.path().string()}).exit_code,
+            0);
+  const Json expected = {{{"file", "flight.yaml"}, {"bytes", 10}, {"sha256", hash}}};
+  EXPECT_EQ(Json::parse(ContentOf(out.path() / "report.json"))["inputs"], expected);
+  EXPECT_THAT(PageIn(out.path()),
+              AllOf(HasSubstr("<td class=\"plain\">" + hash.substr(0, 12) + "</td>"),
+                    HasSubstr(hash + "  flight.yaml")));
+}
+
+TEST(CliPage, ListsEveryInputOfACalibration) {
+  const Json report = Json::parse(ContentOf(CalibrateResult() / "report.json"));
+  std::vector<std::string> files;
+  for (const Json& input : report["inputs"]) {
+    const std::string file = input["file"];
+    files.push_back(file);
+    EXPECT_EQ(input["bytes"], fs::file_size(ShortFlight() / file)) << file;
+  }
+  EXPECT_THAT(files,
+              ::testing::IsSupersetOf({"flight.yaml", "IMU.txt", "GPS.txt", "lidar/1_2.txt"}));
+}
+
 TEST(CliPage, WhatIsNoResultIsRefused) {
   const TempFolder folder;
   const std::string page = (folder.path() / "page.html").string();
