@@ -35,6 +35,16 @@ Curve OnScreen(Curve curve);
 /// range, heading and time. `suffix` as in the names of the files.
 Section PairSection(const ResultFolder& folder, const Facts& result, const std::string& suffix);
 
+/// Shares of the pairs of two strips by difference of height; `when`: before or after what.
+struct Separation {
+  std::string strips;
+  std::string when;
+  Facts shares;
+};
+
+/// Those that are there, in a table.
+Section SeparationSection(const std::vector<Separation>& separations);
+
 /// The path of the flight, its strips, and standard deviations over time; without contents where
 /// the folder has none of them.
 Section TrajectorySection(const ResultFolder& folder);

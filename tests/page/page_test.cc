@@ -162,11 +162,47 @@ TEST(Page, OfMatchingSaysHowManyPairsThereAreAndHowFarApart) {
   EXPECT_EQ(page.headlines[0].tone, Tone::kGood);
   EXPECT_EQ(NumberAt(page.headlines[0].figures[0], 0, 1), 6.0);
   const Section& apart = page.sections.at(0);
-  const Table& separation = std::get<Table>(apart.contents.at(1));
-  EXPECT_EQ(NumberAt(separation, 0, 3), 0.5);
-  ASSERT_EQ(apart.contents.size(), 5u);
-  const auto& map = std::get<MapChart>(std::get<Chart>(apart.contents[2]));
+  ASSERT_EQ(apart.contents.size(), 4u);
+  const auto& map = std::get<MapChart>(std::get<Chart>(apart.contents[1]));
   EXPECT_EQ(map.points.at(0).x, (std::vector<double>{1.0, 5.0}));
+}
+
+TEST(Page, OfMatchingHasTheSwathSeparationBeforeAndAfter) {
+  const Document page = PageOf(Folder("match.json", Match(6)).path());
+  const Section& section = page.sections.at(1);
+  EXPECT_EQ(section.title, "Swath separation");
+  const Table& table = std::get<Table>(section.contents.at(0));
+  ASSERT_EQ(table.rows.size(), 4u);  // of two strips and of all
+  EXPECT_EQ(TextAt(table, 0, 0), "1-2");
+  EXPECT_EQ(TextAt(table, 2, 0), "all");
+  EXPECT_EQ(NumberAt(table, 0, 4), 0.5);
+  EXPECT_EQ(std::get<Number>(table.rows[0][4].content).scale, 100.0);
+}
+
+Json StripPairs(double before, double after) {
+  return {{{"strips", "1-2"},
+           {"pairs", 9},
+           {"before", {{"separation", {{"to_8_cm", before}}}}},
+           {"after", {{"separation", {{"to_8_cm", after}}}}}}};
+}
+
+// Before is of the trajectory that was given, which the Gauss-Helmert adjustment keeps.
+TEST(Page, OfAllMethodsHasTheirSwathSeparationsSideBySide) {
+  Json dn = Result("dn", 0.2, 0.001), gh = Result("gh", 0.2, 0.001);
+  dn["strip_pairs"] = StripPairs(0.2, 0.9);
+  gh["strip_pairs"] = StripPairs(0.1, 0.7);
+  const Folder folder("result_dn.json", dn);
+  folder.Write("result_gh.json", gh.dump());
+  const Document page = PageOf(folder.path());
+  const Section& section = page.sections.at(1);
+  const Table& table = std::get<Table>(section.contents.at(0));
+  ASSERT_EQ(table.rows.size(), 3u);
+  EXPECT_EQ(TextAt(table, 0, 1), "before");
+  EXPECT_EQ(NumberAt(table, 0, 2), 0.1);
+  EXPECT_EQ(TextAt(table, 1, 1), "after, dynamic network");
+  EXPECT_EQ(NumberAt(table, 1, 2), 0.9);
+  EXPECT_EQ(TextAt(table, 2, 1), "after, Gauss-Helmert adjustment");
+  EXPECT_EQ(NumberAt(table, 2, 2), 0.7);
 }
 
 TEST(Page, OfMatchingWithoutPairsSaysSoFirst) {
