@@ -1,3 +1,4 @@
+#include <dn/calibration/swaths.h>
 #include <dn/error.h>
 #include <dn/flight/accuracy_files.h>
 #include <dn/flight/flight.h>
@@ -217,7 +218,7 @@ Json CovarianceJson(const GeorefOptions& given, const FlightConfig& config) {
 
 /// Georeferences one strip into the output; adds to the report.
 Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
-                const std::string& strips_crs, Run& run) {
+                const std::string& strips_crs, std::vector<Swath>* swaths, Run& run) {
   const std::string name = file.filename().string();
   const std::string stage = "strip " + name;
   run.progress.Stage(stage);
@@ -226,11 +227,13 @@ Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
   const std::string all = reader->points() ? fmt::format(" of {}", *reader->points()) : "";
   const std::string warning = CheckStripCrs(crs, strips_crs, file);
   if (!warning.empty()) run.progress.Warn(warning);
-  const GeoreferencedStrip strip =
+  GeoreferencedStrip strip =
       georeferencer.Run(file, run.files().Stage("strips/" + name), [&](std::uint64_t points) {
         if (Interrupted()) throw dn::Interrupted();
         run.progress.Stage(stage, fmt::format("{}{} points", points, all));
       });
+  strip.swath.strip = file.stem().string();
+  swaths->push_back(std::move(strip.swath));
   return StripJson(name, crs, strip);
 }
 
@@ -267,9 +270,10 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
   const StripGeoreferencer georeferencer(std::move(georef.options), georef.frame,
                                          PointCrs(config.strips_crs, georef.frame));
   Json strips = Json::array();
+  std::vector<Swath> swaths;
   Json& counts = run.report["counts"] = Json::object();
   for (const fs::path& file : files) {
-    strips.push_back(RenewStrip(georeferencer, file, config.strips_crs, run));
+    strips.push_back(RenewStrip(georeferencer, file, config.strips_crs, &swaths, run));
     AddCounts(strips.back(), &counts);
   }
   run.report["flight"] = config.name;
@@ -282,6 +286,7 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
                           {"boresight_before_deg", DegreesOf(config.lidar->mounting.boresight_rad)},
                           {"covariance", CovarianceJson(given, config)},
                           {"strips", strips}}));
+  run.AddFile("swaths.json", FormatSwaths(swaths));
   run.AddFile("config.resolved.yaml", FormatFlightConfig(config));
   Print(config, boresight_rad, strips);
 }

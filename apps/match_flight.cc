@@ -1,5 +1,6 @@
 #include "match_flight.h"
 
+#include <dn/calibration/swaths.h>
 #include <dn/error.h>
 #include <dn/flight/flight.h>
 #include <dn/flight/strip_files.h>
@@ -159,6 +160,7 @@ void AddMatchFiles(const std::string& name, const MatchResult& result, const Mat
         FormatMatches(pair));
   }
   run.AddFile("match.json", FormatJson(match));
+  run.AddFile("swaths.json", FormatSwaths(result.swaths));
   run.report["flight"] = name;
   run.report["matching"] = match["counts"];
   Print(match);

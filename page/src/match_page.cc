@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sections.h"
+#include "swath_map.h"
 
 namespace dn::internal {
 namespace {
@@ -127,18 +128,31 @@ Curve CloudOf(const std::string& label, const TextTable& pairs, std::size_t colu
   return cloud;
 }
 
-void AddPictures(const std::vector<PairsOfStrips>& all, Section* section) {
-  MapChart map{"Where the pairs lie", {}};
+double Length(const double* v) { return std::hypot(v[0], v[1], v[2]); }
+
+void Place(const TextTable& pairs, PlacedPairs* placed) {
+  for (std::size_t k = 0; k < pairs.rows(); ++k) {
+    const double* row = pairs.row(k);
+    placed->Add(row[kPlaceOfPair], row[kPlaceOfPair + 1], Length(row + kApartBefore),
+                Length(row + kApartAfter));
+  }
+}
+
+void AddPictures(const ResultFolder& folder, const std::vector<PairsOfStrips>& all,
+                 Section* section) {
+  PlacedPairs placed;
   ScatterChart before{"Differences before, seen from above", "east [m]", "north [m]", {}};
   ScatterChart after{"Differences after", "east [m]", "north [m]", {}};
   for (const PairsOfStrips& of : all) {
     if (of.pairs.rows() == 0) continue;
-    map.points.push_back(CloudOf("strips " + of.strips, of.pairs, kPlaceOfPair));
+    Place(of.pairs, &placed);
     before.clouds.push_back(CloudOf(of.strips, of.pairs, kApartBefore));
     after.clouds.push_back(CloudOf(of.strips, of.pairs, kApartAfter));
   }
-  if (map.points.empty()) return;
-  section->contents.emplace_back(Chart{std::move(map)});
+  if (before.clouds.empty()) return;
+  for (MapChart& map : MapsOf(folder, placed)) {
+    section->contents.emplace_back(Chart{std::move(map)});
+  }
   section->contents.emplace_back(Chart{std::move(before)});
   section->contents.emplace_back(Chart{std::move(after)});
 }
@@ -168,7 +182,7 @@ Document MatchPage(const ResultFolder& folder) {
   Section apart{"Strip against strip", {}};
   if (match["misalignment"]) {
     apart.contents.emplace_back(MisalignmentTable(match));
-    AddPictures(ReadPairs(folder, match), &apart);
+    AddPictures(folder, ReadPairs(folder, match), &apart);
   }
   Append(std::move(apart), &document);
   Append(SeparationOfMatch(match), &document);

@@ -95,7 +95,10 @@ Document StudyPage(const ResultFolder& folder);
 Document MonteCarloPage(const ResultFolder& folder);
 Document AllanPage(const ResultFolder& folder);
 Document MatchPage(const ResultFolder& folder);
-/// Of commands without a verdict: simulate, check, sweeps, the blind check.
+Document GeorefPage(const ResultFolder& folder);
+Document BlindPage(const ResultFolder& folder);
+Document SweepPage(const ResultFolder& folder);
+/// Of commands without a verdict: simulate, check.
 Document OtherPage(const ResultFolder& folder);
 
 }  // namespace dn::internal
