@@ -304,17 +304,29 @@ void FlightNetwork::AddInertialEdges() {
   const std::vector<std::size_t> of_edge = EffectsOfInertial(calibration);
   for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
     if (HasGap(*flight_->imu, node_t_s_[i], node_t_s_[i + 1])) continue;
+    inertial_edges.push_back({i, -1});
+    linearised_gyro_bias_.push_back(GyroBias(node_t_s_[i]));
+    linearised_accel_bias_.push_back(AccelBias(node_t_s_[i]));
+  }
+  const auto factors = InertialFactors(calibration);
+  for (std::size_t e = 0; e < inertial_edges.size(); ++e) {
+    const std::size_t i = inertial_edges[e].node_i;
     std::vector<BlockId> blocks = StateBlocks(i);
     blocks.insert(blocks.begin() + 3,
                   {nodes[i + 1].q_mb.id, nodes[i + 1].p_mb.id, nodes[i + 1].v_m.id});
     AppendEffects(of_edge, &blocks);
-    InertialEdge edge{i, -1};
-    edge.id =
-        AddEdge(InertialFactor(edge, calibration), blocks, internal::InertialGroup(), node_t_s_[i]);
-    inertial_edges.push_back(edge);
-    linearised_gyro_bias_.push_back(GyroBias(node_t_s_[i]));
-    linearised_accel_bias_.push_back(AccelBias(node_t_s_[i]));
+    inertial_edges[e].id = AddEdge(factors[e], blocks, internal::InertialGroup(), node_t_s_[i]);
   }
+}
+
+std::vector<std::shared_ptr<const PreintegratedInertial>> FlightNetwork::InertialFactors(
+    const CalibrationState& calibration) const {
+  std::vector<std::shared_ptr<const PreintegratedInertial>> factors(inertial_edges.size());
+  ParallelFor(static_cast<int>(factors.size()), options_.threads, [&](int e) {
+    const auto k = static_cast<std::size_t>(e);
+    factors[k] = InertialFactor(inertial_edges[k], calibration);
+  });
+  return factors;
 }
 
 std::shared_ptr<const FactorBase> FlightNetwork::GnssPositionFactor(
@@ -425,7 +437,8 @@ void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& 
                              const Work& work) const {
   for (std::size_t first = 0; first < edges.size(); first += kPairsAtOnce) {
     const auto some = edges.subspan(first, std::min(kPairsAtOnce, edges.size() - first));
-    const std::vector<PairIncrements> increments = IncrementsOf(some, calibration);
+    const std::vector<PairIncrements> increments =
+        IncrementsOf(some, calibration, options_.threads);
     for (std::size_t k = 0; k < some.size(); ++k) work(some[k], increments[k]);
   }
 }
@@ -583,10 +596,13 @@ void FlightNetwork::Renew(FactorId id, const Make& make) {
 void FlightNetwork::Relinearise() {
   linearised_ = Calibration();
   for (std::size_t e = 0; e < inertial_edges.size(); ++e) {
-    const InertialEdge& edge = inertial_edges[e];
-    linearised_gyro_bias_[e] = GyroBias(node_t_s_[edge.node_i]);
-    linearised_accel_bias_[e] = AccelBias(node_t_s_[edge.node_i]);
-    Renew(edge.id, [&] { return InertialFactor(edge, linearised_); });
+    const double t_s = node_t_s_[inertial_edges[e].node_i];
+    linearised_gyro_bias_[e] = GyroBias(t_s);
+    linearised_accel_bias_[e] = AccelBias(t_s);
+  }
+  const auto inertial = InertialFactors(linearised_);
+  for (std::size_t e = 0; e < inertial_edges.size(); ++e) {
+    Renew(inertial_edges[e].id, [&] { return inertial[e]; });
   }
   const bool with_effects = !EffectsOfGnss(linearised_).empty();
   for (const GnssEdge& edge : gnss_edges) {

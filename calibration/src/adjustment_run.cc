@@ -24,18 +24,25 @@ FlightNetwork& AdjustmentRun::network() {
   return *result_.network;
 }
 
+FlightNetworkOptions AdjustmentRun::network_options() const {
+  FlightNetworkOptions network = options_.network;
+  network.threads = options_.threads;
+  return network;
+}
+
 void AdjustmentRun::Announce(const std::string& step) const {
   if (options_.progress) options_.progress(step, 0);
   if (options_.interrupted && options_.interrupted()) throw Interrupted();
 }
 
-void AdjustmentRun::Solve(const std::string& name, int max_iterations) {
+void AdjustmentRun::Solve(const std::string& name, int max_iterations, double sigma_tolerance) {
   Announce(name);
   SolveOptions options;
   options.threads = options_.threads;
   options.max_iterations = max_iterations;
   options.initial_trust_region_radius = kTrustRegionRadius;
   options.function_tolerance = kCostTolerance;
+  options.sigma_tolerance = sigma_tolerance;
   options.second_attempt = false;  // the initial values are those of a filter
   options.on_iteration = [&](const IterationProgress& progress) {
     if (options_.progress) options_.progress(name, progress.iteration);

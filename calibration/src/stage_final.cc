@@ -14,11 +14,11 @@ constexpr double kRelinearised = 0.02;
 void SolveFinally(AdjustmentRun& run) {
   run.SetGnssLoss({});
   run.SetPairLoss({});
-  run.network().Relinearise();
-  for (int k = 0; k < internal::kMaxRelinearisations; ++k) {
-    run.Solve(kName, run.options().max_iterations);
-    if (run.network().BiasChange() < kRelinearised) break;
-    run.network().Relinearise();
+  for (int k = 0; k <= internal::kMaxRelinearisations; ++k) {
+    const bool as_linearised = run.network().BiasChange() < kRelinearised;
+    if (k > 0 && as_linearised) break;
+    if (!as_linearised) run.network().Relinearise();
+    run.Solve(kName, run.options().max_iterations, AdjustmentRun::kFinalSigmas);
   }
   if (run.result().converged) return;
   const StageReport& last = run.result().stages.back();

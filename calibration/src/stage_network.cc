@@ -64,7 +64,7 @@ std::unique_ptr<FlightNetwork> NetworkAt(AdjustmentRun& run, const CalibrationSt
       flight, NetworkSpan(flight, with_pairs, calibration), with_pairs, calibration);
   InitialStates initial = StatesAtNodes(flight, node_t_s, StatesOf(before));
   initial.calibration = calibration;
-  auto network = std::make_unique<FlightNetwork>(flight, node_t_s, initial, run.options().network);
+  auto network = std::make_unique<FlightNetwork>(flight, node_t_s, initial, run.network_options());
   for (const EffectBlock& effect : before.effects) {
     network->net.Hold(network->net.Find(effect.name), before.net.block(effect.id).held);
   }
@@ -87,7 +87,7 @@ void MakeNetwork(AdjustmentRun& run) {
   run.result().node_rate_hz = NodeRateHz(flight, with_pairs);
   run.result().network = std::make_unique<FlightNetwork>(
       flight, node_t_s, StatesAtNodes(flight, node_t_s, alignment.run.states),
-      run.options().network);
+      run.network_options());
 }
 
 }  // namespace dn

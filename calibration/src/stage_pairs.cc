@@ -44,7 +44,7 @@ void AddPairs(AdjustmentRun& run) {
 
 void SolvePairsRobustly(AdjustmentRun& run) {
   run.SetPairLoss(internal::LossOf(run.flight().config.lidar->robust, kUsualPairLoss));
-  run.Solve("lidar, robust", kRobustIterations);
+  run.Solve("lidar, robust", kRobustIterations, AdjustmentRun::kRoughSigmas);
 }
 
 void RejectPairs(AdjustmentRun& run) {

@@ -69,9 +69,9 @@ AtTau Judge(const FlightNetwork& network, const std::string& effect, double tau_
   const Marginals marginals(network.net, {.threads = threads});
   const Eigen::VectorXd share =
       RowsOfChain(network, marginals.linearized(), NewestChain(network, effect));
-  constexpr double kStep = 0.25;
+  constexpr double kLogStep = 0.25;
   std::vector<double> thetas{kAbsent * kAbsent - 1.0};
-  for (double power = -1.5; power <= 1.5 + 1e-9; power += kStep) {
+  for (double power = -1.5; power <= 1.5 + 1e-9; power += kLogStep) {
     thetas.push_back(std::pow(10.0, 2.0 * power) - 1.0);
   }
   const VarianceProfile profile = ProfileVariance(marginals.linearized(), share, thetas, threads);
@@ -83,11 +83,11 @@ AtTau Judge(const FlightNetwork& network, const std::string& effect, double tau_
   at.tau_s = tau_s;
   const auto best = static_cast<std::size_t>(std::max_element(l.begin(), l.end()) - l.begin());
   at.best_log_likelihood = l[best];
-  at.size = std::pow(10.0, -1.5 + kStep * static_cast<double>(best));
-  RefineSize(l, best, kStep, &at);
+  at.size = std::pow(10.0, -1.5 + kLogStep * static_cast<double>(best));
+  RefineSize(l, best, kLogStep, &at);
   double sum = 0.0;
   for (int g = 0; g < 5; ++g) {
-    const auto k = static_cast<std::size_t>(std::lround((kPowers[g] + 1.5) / kStep));
+    const auto k = static_cast<std::size_t>(std::lround((kPowers[g] + 1.5) / kLogStep));
     sum += kWeights[g] * std::exp(l[k] - l[best]);
   }
   // Between the five sizes the likelihood may have its peak: they are taken as wide as their steps.

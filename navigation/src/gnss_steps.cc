@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -190,6 +191,55 @@ double Moved(const EffectModel& effect, const Eigen::VectorXd& estimate) {
   return std::sqrt(sum / static_cast<double>(effect.size()));
 }
 
+// The same of an offset of the positions of a run.
+double Moved(const std::vector<ActivePosition>& positions, const Run& run,
+             const Eigen::Vector3d& offset_m) {
+  double sum = 0.0;
+  for (std::size_t k = run.first; k < run.past; ++k) {
+    sum += (positions[k].whitening * offset_m).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(run.past - run.first));
+}
+
+/// Tests of a common offset of the positions of each run. An offset during a run is one from its
+/// begin on less one from its end on: of n places the n offsets answer for all n (n - 1) / 2 runs.
+class OffsetsFromPlaces {
+ public:
+  OffsetsFromPlaces(const Marginals& marginals, const std::vector<ActivePosition>& positions,
+                    const std::vector<Run>& runs) {
+    for (const Run& run : runs) {
+      for (const std::size_t place : {run.first, run.past}) component_.emplace(place, 0);
+    }
+    std::vector<EffectModel> effects;
+    for (auto& [place, component] : component_) {
+      component = 3 * static_cast<Eigen::Index>(effects.size());
+      EffectModel effect;
+      for (std::size_t k = place; k < positions.size(); ++k) {
+        effect.push_back({positions[k].id, Eigen::MatrixXd(positions[k].whitening)});
+      }
+      if (!effect.empty()) effects.push_back(std::move(effect));
+    }
+    of_offsets_ = ScoreEffects(marginals, effects, {});
+  }
+
+  ScoreTest During(const Run& run) const {
+    const Eigen::Index a = component_.at(run.first), b = component_.at(run.past);
+    const JointScore& all = of_offsets_;
+    Eigen::Vector3d s = all.s.segment<3>(a), signature2 = all.signature2.segment<3>(a);
+    Eigen::Matrix3d A = all.A.block<3, 3>(a, a);
+    if (b < all.s.size()) {
+      s -= all.s.segment<3>(b);
+      signature2 -= all.signature2.segment<3>(b);
+      A += all.A.block<3, 3>(b, b) - all.A.block<3, 3>(a, b) - all.A.block<3, 3>(b, a);
+    }
+    return TestScore(s, A, signature2);
+  }
+
+ private:
+  std::map<std::size_t, Eigen::Index> component_;  // the first of a place
+  JointScore of_offsets_;
+};
+
 /// The run whose common offset is the most significant one.
 class JumpSearch {
  public:
@@ -201,22 +251,15 @@ class JumpSearch {
         real_(kRealSigmas * std::sqrt(noise_ratio)) {}
 
   void Try(const std::vector<Run>& runs) {
-    std::vector<EffectModel> effects;
+    const OffsetsFromPlaces offsets(marginals_, positions_, runs);
     for (const Run& run : runs) {
-      EffectModel effect;
-      for (std::size_t k = run.first; k < run.past; ++k) {
-        effect.push_back({positions_[k].id, Eigen::MatrixXd(positions_[k].whitening)});
-      }
-      effects.push_back(std::move(effect));
-    }
-    const std::vector<ScoreTest> tests = TestEffects(marginals_, effects);
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      const bool real = Moved(effects[i], tests[i].estimate) > real_;
-      if (tests[i].statistic <= least_ || !real) continue;
-      least_ = tests[i].statistic;
-      run_ = runs[i];
-      best_ = GnssJump{positions_[run_.first].edge, positions_[run_.past - 1].edge,
-                       tests[i].estimate, tests[i].statistic};
+      const ScoreTest test = offsets.During(run);
+      const bool real = Moved(positions_, run, test.estimate) > real_;
+      if (test.statistic <= least_ || !real) continue;
+      least_ = test.statistic;
+      run_ = run;
+      best_ = GnssJump{positions_[run_.first].edge, positions_[run_.past - 1].edge, test.estimate,
+                       test.statistic};
     }
   }
 

@@ -37,7 +37,7 @@ void MarginalsOptions::Validate() const {
 }
 
 Marginals::Impl::Impl(LinearizedNetwork snapshot, const MarginalsOptions& options)
-    : linearized(std::move(snapshot)) {
+    : linearized(std::move(snapshot)), threads(options.threads) {
   if (layout().size() > 0) Factor(options);
 }
 
@@ -122,8 +122,7 @@ Eigen::MatrixXd Marginals::Impl::Solve(const BlockColumns& rhs) const {
 
 Eigen::MatrixXd Marginals::Impl::SolveScaled(Eigen::MatrixXd B) const {
   if (B.size() == 0) return B;
-  const SerialBlas serial;
-  B = cholesky->Solve(B);
+  B = cholesky->Solve(B, threads);
   B.array().colwise() *= scale.array();
   return B;
 }

@@ -38,6 +38,7 @@ struct Marginals::Impl {
   void RequireSelected() const;
 
   LinearizedNetwork linearized;
+  int threads = 1;
   Eigen::VectorXd scale;  ///< of the unknowns: N is factored as scale N scale
   std::unique_ptr<SparseCholesky> cholesky;
   std::unique_ptr<SelectedInverse> selected;

@@ -160,6 +160,27 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
   return touched;
 }
 
+// `width` columns of g from the first on.
+BlockColumns Batch(const BlockColumns& g, Eigen::Index first, Eigen::Index width) {
+  BlockColumns batch;
+  for (const auto& [block, columns] : g) batch[block] = columns.middleCols(first, width);
+  return batch;
+}
+
+// Puts the rows of the watched blocks into columns of the shift from the first on.
+void PutShift(const Marginals::Columns& Z, const std::vector<BlockId>& watched, Eigen::Index first,
+              JointScore* score) {
+  Eigen::Index row = 0;
+  for (const BlockId block : watched) {
+    const Eigen::MatrixXd rows = Z.Rows(block);
+    if (score->shift.rows() < row + rows.rows()) {
+      score->shift.conservativeResize(row + rows.rows(), score->s.size());
+    }
+    score->shift.block(row, first, rows.rows(), rows.cols()) = rows;
+    row += rows.rows();
+  }
+}
+
 Eigen::MatrixXd Submatrix(const Eigen::MatrixXd& A, const std::vector<Eigen::Index>& rows,
                           const std::vector<Eigen::Index>& columns) {
   return A(rows, columns);
@@ -222,14 +243,15 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
     }
     return score;
   }
-  const Marginals::Columns Z = marginals.Solve(G);
-  for (const auto& [block, g] : G) score.A.noalias() -= g.transpose() * Z.Rows(block);
-  score.A = 0.5 * (score.A + Eigen::MatrixXd(score.A.transpose()));
-  for (const BlockId block : watched) {
-    const Eigen::MatrixXd rows = Z.Rows(block);
-    score.shift.conservativeResize(score.shift.rows() + rows.rows(), q);
-    score.shift.bottomRows(rows.rows()) = rows;
+  for (Eigen::Index first = 0; first < q; first += kBatchColumns) {
+    const Eigen::Index width = std::min(kBatchColumns, q - first);
+    const Marginals::Columns Z = marginals.Solve(Batch(G, first, width));
+    for (const auto& [block, g] : G) {
+      score.A.middleCols(first, width).noalias() -= g.transpose() * Z.Rows(block);
+    }
+    PutShift(Z, watched, first, &score);
   }
+  score.A = 0.5 * (score.A + Eigen::MatrixXd(score.A.transpose()));
   return score;
 }
 

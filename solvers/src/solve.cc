@@ -21,19 +21,27 @@ namespace {
 /// Steps in a row to where a factor is undefined, each a half of the one before or less.
 constexpr int kInvalidSteps = 20;
 
-/// Passes the progress on, and the wish to stop back.
-class ProgressCallback final : public ceres::IterationCallback {
+/// Passes the progress on, and the wish to stop back; ends where steps have become short.
+class IterationObserver final : public ceres::IterationCallback {
  public:
-  explicit ProgressCallback(const std::function<bool(const IterationProgress&)>& on_iteration)
-      : on_iteration_(on_iteration) {}
+  explicit IterationObserver(const SolveOptions& options)
+      : options_(options), least_change_(0.5 * options.sigma_tolerance * options.sigma_tolerance) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
-    const bool go_on = on_iteration_({s.iteration, s.cost, s.cost_change, s.step_norm});
-    return go_on ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    settled_ = s.iteration > 0 && s.step_is_successful && s.cost_change < least_change_;
+    const bool go_on = !options_.on_iteration ||
+                       options_.on_iteration({s.iteration, s.cost, s.cost_change, s.step_norm});
+    if (!go_on) settled_ = false;
+    return go_on && !settled_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
 
+  /// The last step was shorter than the tolerance.
+  bool settled() const { return settled_; }
+
  private:
-  const std::function<bool(const IterationProgress&)>& on_iteration_;
+  const SolveOptions& options_;
+  double least_change_;
+  bool settled_ = false;
 };
 
 ceres::Solver::Options CeresOptions(const SolveOptions& options) {
@@ -62,22 +70,26 @@ CostSummary CountNetwork(const Network& network) {
   return summary;
 }
 
-/// One run of Ceres from the values of the network.
-SolveReport Attempt(Network& network, const ceres::Solver::Options& options) {
+/// One run of Ceres from the values of the network, watched by the observer among its options.
+SolveReport Attempt(Network& network, const ceres::Solver::Options& options,
+                    const IterationObserver& observer) {
   internal::CeresProblem problem(network);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem.problem(), &summary);
   problem.RethrowFactorException();
 
   SolveReport report;
-  report.converged = summary.termination_type == ceres::CONVERGENCE;
-  report.interrupted = summary.termination_type == ceres::USER_SUCCESS;
+  const bool ended_here = summary.termination_type == ceres::USER_SUCCESS;
+  report.converged =
+      summary.termination_type == ceres::CONVERGENCE || (ended_here && observer.settled());
+  report.interrupted = ended_here && !observer.settled();
   report.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
   report.initial_cost = summary.initial_cost;
   report.final_cost = summary.final_cost;
   report.time_s = summary.total_time_in_seconds;
   report.message = summary.message;
   if (report.interrupted) report.message = "stopped on request";
+  if (ended_here && observer.settled()) report.message = "the last step was short in sigmas";
   if (summary.termination_type == ceres::FAILURE) {
     const FactorId undefined = FindUndefinedFactor(network);
     report.message = undefined >= 0 ? UndefinedFactorMessage(network, undefined)
@@ -88,14 +100,15 @@ SolveReport Attempt(Network& network, const ceres::Solver::Options& options) {
 
 /// Solves, and where that ends on a flat once more from the initial values with a step that an
 /// unknown does not lengthen by losing its influence.
-SolveReport SolveTwice(Network& network, ceres::Solver::Options options) {
+SolveReport SolveTwice(Network& network, ceres::Solver::Options options,
+                       const IterationObserver& observer) {
   const FlatCheck check(network);
-  const SolveReport first = Attempt(network, options);
+  SolveReport first = Attempt(network, options, observer);
   if (!first.converged || check.FindFlat(network).empty()) return first;
   const NetworkValues first_values(network);
   check.initial().Restore(&network);
   options.min_lm_diagonal = 1.0;
-  SolveReport second = Attempt(network, options);
+  SolveReport second = Attempt(network, options, observer);
   second.iterations += first.iterations;
   second.time_s += first.time_s;
   const bool better = second.converged || second.final_cost <= first.final_cost;
@@ -126,6 +139,7 @@ void SolveOptions::Validate() const {
   Require(function_tolerance >= 0.0, "function_tolerance", function_tolerance, "at least 0");
   Require(parameter_tolerance >= 0.0, "parameter_tolerance", parameter_tolerance, "at least 0");
   Require(gradient_tolerance >= 0.0, "gradient_tolerance", gradient_tolerance, "at least 0");
+  Require(sigma_tolerance >= 0.0, "sigma_tolerance", sigma_tolerance, "at least 0");
   Require(initial_trust_region_radius > 0.0 && initial_trust_region_radius <= 1e16,
           "initial_trust_region_radius", initial_trust_region_radius, "in (0, 1e16]");
 }
@@ -135,10 +149,12 @@ SolveReport Solve(Network& network, const SolveOptions& options) {
   const QuietLog quiet;
   const SerialBlas serial;
   ceres::Solver::Options ceres_options = CeresOptions(options);
-  ProgressCallback progress(options.on_iteration);
-  if (options.on_iteration) ceres_options.callbacks.push_back(&progress);
-  SolveReport report =
-      options.second_attempt ? SolveTwice(network, ceres_options) : Attempt(network, ceres_options);
+  IterationObserver observer(options);
+  if (options.on_iteration || options.sigma_tolerance > 0.0) {
+    ceres_options.callbacks.push_back(&observer);
+  }
+  SolveReport report = options.second_attempt ? SolveTwice(network, ceres_options, observer)
+                                              : Attempt(network, ceres_options, observer);
   report.adjusted = CountNetwork(network);
   report.adjusted.cost = report.final_cost;
   return report;

@@ -1,8 +1,14 @@
 #include "sparse_cholesky.h"
 
+#include <dn/parallel.h>
+
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <new>
 #include <string>
+
+#include "serial_blas.h"
 
 namespace dn {
 namespace {
@@ -34,6 +40,27 @@ std::vector<int> ExpandOrder(const std::vector<int>& block_order, const UnknownL
   }
   return order;
 }
+
+/// Fewer right-hand sides than this are not worth a thread.
+constexpr Eigen::Index kFewestColumns = 8;
+
+/// What a thread needs for a solution of its own.
+class Workspace {
+ public:
+  Workspace() : common_(std::make_unique<cholmod_common>()) {
+    cholmod_start(common_.get());
+    common_->print = 0;
+    common_->try_catch = 1;
+  }
+  ~Workspace() { cholmod_finish(common_.get()); }
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
+
+  cholmod_common* common() const { return common_.get(); }
+
+ private:
+  std::unique_ptr<cholmod_common> common_;
+};
 
 }  // namespace
 
@@ -84,14 +111,14 @@ std::vector<int> SparseCholesky::BlockOrder(const SymmetricCsc& blocks) {
   return order;
 }
 
-void SparseCholesky::CheckStatus(const char* step) const {
-  if (common_.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
-  if (common_.status == CHOLMOD_TOO_LARGE) {
+void SparseCholesky::CheckStatus(const cholmod_common& common, const char* step) {
+  if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (common.status == CHOLMOD_TOO_LARGE) {
     throw InvalidInput("marginals: the factor of the normal matrix is too large; use fewer nodes");
   }
-  if (common_.status < CHOLMOD_OK) {
+  if (common.status < CHOLMOD_OK) {
     throw std::runtime_error(std::string("marginals: CHOLMOD failed while ") + step + ", status " +
-                             std::to_string(common_.status));
+                             std::to_string(common.status));
   }
 }
 
@@ -103,20 +130,34 @@ bool SparseCholesky::Factorize(const SymmetricCsc& A, double shift) {
   return common_.status == CHOLMOD_OK && factor_->minor == factor_->n;
 }
 
-Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& B) const {
+Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& B, int threads) const {
+  Eigen::MatrixXd X = B;
+  const Eigen::Index shares =
+      std::clamp<Eigen::Index>(B.cols() / kFewestColumns, 1, std::max(threads, 1));
+  ParallelFor(static_cast<int>(shares), static_cast<int>(shares), [&](int k) {
+    const Eigen::Index first = B.cols() * k / shares, past = B.cols() * (k + 1) / shares;
+    SolveColumns(X.middleCols(first, past - first));
+  });
+  return X;
+}
+
+void SparseCholesky::SolveColumns(Eigen::Ref<Eigen::MatrixXd> B) const {
+  const SerialBlas serial;
+  const Workspace workspace;
+  cholmod_common* common = workspace.common();
   cholmod_dense view{};
-  view.nrow = view.d = static_cast<std::size_t>(B.rows());
+  view.nrow = static_cast<std::size_t>(B.rows());
+  view.d = static_cast<std::size_t>(B.outerStride());
   view.ncol = static_cast<std::size_t>(B.cols());
-  view.nzmax = view.nrow * view.ncol;
-  view.x = const_cast<double*>(B.data());
+  view.nzmax = view.d * view.ncol;
+  view.x = B.data();
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, factor_, &view, &common_);
-  CheckStatus("solving");
-  Eigen::MatrixXd X = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(solution->x),
-                                                        B.rows(), B.cols());
-  cholmod_free_dense(&solution, &common_);
-  return X;
+  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, factor_, &view, common);
+  CheckStatus(*common, "solving");
+  B = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(solution->x), B.rows(),
+                                        B.cols());
+  cholmod_free_dense(&solution, common);
 }
 
 double SparseCholesky::LogDeterminant() const {

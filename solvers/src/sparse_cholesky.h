@@ -37,8 +37,8 @@ class SparseCholesky {
   /// positive definite.
   [[nodiscard]] bool Factorize(const SymmetricCsc& A, double shift = 0.0);
 
-  /// A^-1 B.
-  Eigen::MatrixXd Solve(const Eigen::MatrixXd& B) const;
+  /// A^-1 B. Threads take columns side by side.
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& B, int threads = 1) const;
 
   /// log |A|, of what was factored last.
   double LogDeterminant() const;
@@ -51,9 +51,11 @@ class SparseCholesky {
  private:
   void Start();
   std::vector<int> BlockOrder(const SymmetricCsc& blocks);
-  void CheckStatus(const char* step) const;
+  void CheckStatus(const char* step) const { CheckStatus(common_, step); }
+  static void CheckStatus(const cholmod_common& common, const char* step);
+  void SolveColumns(Eigen::Ref<Eigen::MatrixXd> B) const;
 
-  mutable cholmod_common common_;
+  cholmod_common common_;
   cholmod_factor* factor_ = nullptr;
   std::vector<int> permuted_index_;
 };

@@ -162,6 +162,36 @@ TEST(Solve, StopsWhenTheCallbackSaysSo) {
   EXPECT_EQ(report.final_cost, seen[1].cost);
 }
 
+// Under Cauchy's loss the steps shrink from one to the next by a factor: the first short one ends.
+TEST(Solve, EndsWhereAStepIsShortInSigmas) {
+  const auto solve = [](double sigmas) {
+    PoseGraph graph = MakePoseGraph(11, {.noise = 1.0});
+    for (const FactorId id : graph.relative) graph.network.SetLoss(id, {Loss::Type::kCauchy, 2.0});
+    std::vector<double> changes;
+    SolveOptions options;
+    options.initial_trust_region_radius = 1e13;
+    options.second_attempt = false;
+    options.function_tolerance = 1e-10;
+    options.sigma_tolerance = sigmas;
+    options.on_iteration = [&](const IterationProgress& progress) {
+      changes.push_back(progress.cost_change);
+      return true;
+    };
+    const SolveReport report = Solve(graph.network, options);
+    EXPECT_TRUE(report.converged) << report.message;
+    EXPECT_FALSE(report.interrupted);
+    EXPECT_EQ(report.iterations + 1, static_cast<int>(changes.size()));
+    return std::pair(report, changes);
+  };
+  constexpr double kSigmas = 0.01, kLeast = 0.5 * kSigmas * kSigmas;
+  const auto [whole, all] = solve(0.0);
+  const auto [report, changes] = solve(kSigmas);
+  EXPECT_LT(report.iterations, whole.iterations);
+  EXPECT_NEAR(report.final_cost, whole.final_cost, kLeast);
+  for (std::size_t k = 1; k + 1 < changes.size(); ++k) EXPECT_GE(changes[k], kLeast);
+  EXPECT_LT(changes.back(), kLeast);
+}
+
 TEST(Solve, NamesAnUndefinedFactorAndPrintsNothing) {
   Network net;
   const auto x = net.AddVector<1>("range offset", Scalar(-1.0));
@@ -211,6 +241,7 @@ TEST(Solve, RejectsBadOptions) {
   EXPECT_THROW((void)Solve(net, {.function_tolerance = -1e-9}), InvalidConfig);
   EXPECT_THROW((void)Solve(net, {.parameter_tolerance = nan}), InvalidConfig);
   EXPECT_THROW((void)Solve(net, {.gradient_tolerance = nan}), InvalidConfig);
+  EXPECT_THROW((void)Solve(net, {.sigma_tolerance = nan}), InvalidConfig);
   EXPECT_THROW((void)Solve(net, {.initial_trust_region_radius = 0.0}), InvalidConfig);
 }
 

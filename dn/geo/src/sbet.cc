@@ -83,23 +83,20 @@ std::vector<Eigen::Vector3d> VelocitiesNed(const std::vector<SbetRecord>& record
 /// Fills the points' velocities from the file or, failing that, from the positions.
 void SettleVelocities(const std::vector<SbetRecord>& records, std::vector<NavPoint>& points,
                       TrajectoryNotes& notes) {
-  std::vector<Eigen::Vector3d> best_v_ned;
-  const char* best_text = nullptr;
-  double best_misfit_mps = 0.0;
+  std::vector<std::vector<Eigen::Vector3d>> v_ned;
   for (const VelocityConvention& convention : kConventions) {
-    std::vector<Eigen::Vector3d> v_ned = VelocitiesNed(records, convention);
-    const double misfit_mps = VelocityMisfit(points, v_ned);
-    if (best_text == nullptr || misfit_mps < best_misfit_mps) {
-      best_misfit_mps = misfit_mps;
-      best_v_ned = std::move(v_ned);
-      best_text = convention.text;
-    }
+    v_ned.push_back(VelocitiesNed(records, convention));
   }
+  const std::vector<double> misfits_mps = VelocityMisfits(points, v_ned);
+  const auto best = static_cast<std::size_t>(
+      std::min_element(misfits_mps.begin(), misfits_mps.end()) - misfits_mps.begin());
+  const double best_misfit_mps = misfits_mps[best];
+  std::vector<Eigen::Vector3d> best_v_ned = std::move(v_ned[best]);
   notes.velocity_from_file = best_misfit_mps <= kVelocityAgreementMps;
   const std::string misfit = FormatDouble(best_misfit_mps) + " m/s";
   if (notes.velocity_from_file) {
-    notes.text = std::string("velocities of the file, wander frame with ") + best_text +
-                 "; they differ from the positions by " + misfit;
+    notes.text = std::string("velocities of the file, wander frame with ") +
+                 kConventions[best].text + "; they differ from the positions by " + misfit;
   } else {
     best_v_ned = DifferentiatedVelocities(points);
     notes.text =

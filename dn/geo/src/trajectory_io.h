@@ -16,9 +16,9 @@ Trajectory ReadTrajectoryText(const std::filesystem::path& file, bool body_is_fl
 /// with increasing times: the parabola through each point and its neighbours.
 std::vector<Eigen::Vector3d> DifferentiatedVelocities(const std::vector<NavPoint>& points);
 
-/// Difference in m/s between velocities north, east, down and the positions: both averaged over
-/// windows of a second, the 95 % quantile over the windows.
-double VelocityMisfit(const std::vector<NavPoint>& points,
-                      const std::vector<Eigen::Vector3d>& v_ned_mps);
+/// Difference in m/s between each of several lists of velocities north, east, down and the
+/// positions: both averaged over windows of a second, the 95 % quantile over the windows.
+std::vector<double> VelocityMisfits(const std::vector<NavPoint>& points,
+                                    const std::vector<std::vector<Eigen::Vector3d>>& v_ned_mps);
 
 }  // namespace dn::internal

@@ -35,6 +35,28 @@ Eigen::Vector3d ParabolaSlope(double x0, const Eigen::Vector3d& y0, double x1,
   return slope_01 + slope_12 - slope_02;
 }
 
+double Misfit(const std::vector<NavPoint>& points, const MapTrack& track,
+              const std::vector<Eigen::Vector3d>& v_ned_mps) {
+  std::vector<double> misfits;
+  std::size_t window_begin = 0;
+  Eigen::Vector3d integral_m = Eigen::Vector3d::Zero();
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    integral_m += 0.5 * (points[i].t_s - points[i - 1].t_s) *
+                  (track.R_mn[i - 1] * v_ned_mps[i - 1] + track.R_mn[i] * v_ned_mps[i]);
+    const double duration_s = points[i].t_s - points[window_begin].t_s;
+    const bool last = i + 1 == points.size();
+    if (duration_s < kWindowS && !(last && misfits.empty())) continue;
+    const Eigen::Vector3d moved_m = track.p_m[i] - track.p_m[window_begin];
+    misfits.push_back((moved_m - integral_m).norm() / duration_s);
+    window_begin = i;
+    integral_m.setZero();
+  }
+  const auto rank =
+      static_cast<std::ptrdiff_t>(std::ceil(kQuantile * static_cast<double>(misfits.size())) - 1.0);
+  std::nth_element(misfits.begin(), misfits.begin() + rank, misfits.end());
+  return misfits[static_cast<std::size_t>(rank)];
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> DifferentiatedVelocities(const std::vector<NavPoint>& points) {
@@ -57,27 +79,12 @@ std::vector<Eigen::Vector3d> DifferentiatedVelocities(const std::vector<NavPoint
   return v_ned;
 }
 
-double VelocityMisfit(const std::vector<NavPoint>& points,
-                      const std::vector<Eigen::Vector3d>& v_ned_mps) {
+std::vector<double> VelocityMisfits(const std::vector<NavPoint>& points,
+                                    const std::vector<std::vector<Eigen::Vector3d>>& v_ned_mps) {
   const MapTrack track = ToMapTrack(points);
-  std::vector<double> misfits;
-  std::size_t window_begin = 0;
-  Eigen::Vector3d integral_m = Eigen::Vector3d::Zero();
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    integral_m += 0.5 * (points[i].t_s - points[i - 1].t_s) *
-                  (track.R_mn[i - 1] * v_ned_mps[i - 1] + track.R_mn[i] * v_ned_mps[i]);
-    const double duration_s = points[i].t_s - points[window_begin].t_s;
-    const bool last = i + 1 == points.size();
-    if (duration_s < kWindowS && !(last && misfits.empty())) continue;
-    const Eigen::Vector3d moved_m = track.p_m[i] - track.p_m[window_begin];
-    misfits.push_back((moved_m - integral_m).norm() / duration_s);
-    window_begin = i;
-    integral_m.setZero();
-  }
-  const auto rank =
-      static_cast<std::ptrdiff_t>(std::ceil(kQuantile * static_cast<double>(misfits.size())) - 1.0);
-  std::nth_element(misfits.begin(), misfits.begin() + rank, misfits.end());
-  return misfits[static_cast<std::size_t>(rank)];
+  std::vector<double> misfits_mps;
+  for (const auto& list : v_ned_mps) misfits_mps.push_back(Misfit(points, track, list));
+  return misfits_mps;
 }
 
 }  // namespace dn::internal

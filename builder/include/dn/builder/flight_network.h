@@ -68,6 +68,7 @@ struct FlightNetworkOptions {
   /// Called once, before the first pairs are added, to add unknowns to the network and say how the
   /// factor of a pair is made. Pairs then go without bridges, and without effects of `estimate`.
   std::function<PairModel(FlightNetwork&)> pair_model = {};
+  int threads = 1;  ///< of the increments of inertial edges and pairs; no result depends on it
 };
 
 /// The network of one flight: what `dn smooth` and `dn calibrate` solve. `net` is an ordinary
@@ -241,6 +242,9 @@ class FlightNetwork {
   PairEdge HangOnNodes(const LidarPair& pair, double margin_s) const;
   void Bridge(PairEdge* edge) const;
   std::vector<BlockId> PairBlocks(const PairEdge& edge) const;
+  /// Of all inertial edges.
+  std::vector<std::shared_ptr<const PreintegratedInertial>> InertialFactors(
+      const CalibrationState& calibration) const;
   std::shared_ptr<const PreintegratedInertial> InertialFactorInUse(std::size_t edge) const;
   PairEdgeInput InputOf(const PairEdge& edge, const InertialFactorOf& inertial,
                         const PairIncrements& increments) const;

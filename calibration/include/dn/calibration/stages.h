@@ -19,6 +19,9 @@ class AdjustmentRun {
   const Flight& flight() const { return flight_; }
   const AdjustOptions& options() const { return options_; }
 
+  /// Those of the network, on the threads of the run.
+  FlightNetworkOptions network_options() const;
+
   /// Throws InvalidConfig where no stage has made it yet.
   FlightNetwork& network();
 
@@ -28,9 +31,16 @@ class AdjustmentRun {
   /// Tells the progress that a step begins. Throws Interrupted where that is wished.
   void Announce(const std::string& step) const;
 
-  /// Solves the network as it stands and adds a StageReport of that name; ending at the iteration
-  /// limit is no error. Throws NotConverged where the cost is not finite, Interrupted.
-  void Solve(const std::string& name, int max_iterations);
+  /// Last steps of a stage, in standard deviations of all unknowns together: of the last one, of one
+  /// after which the next goes on, and of one that only decides what is left out.
+  static constexpr double kFinalSigmas = 1e-3;
+  static constexpr double kStageSigmas = 0.1;
+  static constexpr double kRoughSigmas = 1.0;
+
+  /// Solves the network as it stands until a step is shorter than `sigma_tolerance`, and adds a
+  /// StageReport of that name; ending at the iteration limit is no error. Throws NotConverged where
+  /// the cost is not finite, Interrupted.
+  void Solve(const std::string& name, int max_iterations, double sigma_tolerance = kStageSigmas);
 
   /// Of every GNSS position and velocity, of every pair.
   void SetGnssLoss(const Loss& loss);

@@ -25,6 +25,9 @@ struct SolveOptions {
   double function_tolerance = 1e-15;
   double parameter_tolerance = 1e-12;
   double gradient_tolerance = 1e-15;
+  /// Ends also where an iteration lowers the cost by less than half the square of this: the step was
+  /// shorter than so many standard deviations, all unknowns taken together. 0: never.
+  double sigma_tolerance = 0.0;
   /// Of the first step, in units of the Jacobi-scaled unknowns; larger is nearer to Gauss-Newton,
   /// for good initial values.
   double initial_trust_region_radius = 1e4;
