@@ -1,14 +1,11 @@
 #include <fmt/format.h>
 
-#include <limits>
 #include <utility>
 
 #include "sections.h"
 
 namespace dn::internal {
 namespace {
-
-const double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<Cell> ShareRow(const std::string& name, const Facts& share) {
   return Row(name, {share["hits"].Count(), share["of"].Count(), share["share"].Decimals(1, 100.0),

@@ -7,7 +7,7 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kMostDots = 1800;
+constexpr std::size_t kMostPlaces = 1800;
 constexpr double kOfAll = 0.98;  // share of the pairs whose colour differs from that of the limit
 
 Curve Points(const std::string& label, const Facts& list) {
@@ -27,7 +27,7 @@ double QuantileOf(std::vector<double> values, double share) {
 }
 
 void AddDots(const PlacedPairs& pairs, const std::vector<double>& apart_m, MapChart* map) {
-  const std::size_t step = pairs.east_m.size() / kMostDots + 1;
+  const std::size_t step = pairs.east_m.size() / kMostPlaces + 1;
   for (std::size_t k = 0; k < pairs.east_m.size(); k += step) {
     map->valued.x.push_back(pairs.east_m[k]);
     map->valued.y.push_back(pairs.north_m[k]);

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "sections.h"
@@ -8,7 +7,6 @@ namespace dn::internal {
 namespace {
 
 constexpr std::size_t kMostDesigns = 30;
-const double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double Largest(const Facts& design) { return design["sigma_deg"].vector3().maxCoeff(); }
 
