@@ -1,4 +1,5 @@
 #include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/calibration/swaths.h>
 #include <dn/calibration/words.h>
 #include <dn/flight/truth.h>
 #include <fmt/format.h>
@@ -261,10 +262,20 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
   return out;
 }
 
+/// Those of matched point clouds, if any, stay: they show more than pairs do.
+void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
+               const Trajectory& trajectory, Run* run) {
+  const std::vector<std::string>& staged = run->files().staged();
+  if (std::find(staged.begin(), staged.end(), "swaths.json") != staged.end()) return;
+  run->AddFile("swaths.json",
+               FormatSwaths(SwathsOfPairs(FindStrips(flight), pairs, trajectory, flight.frame)));
+}
+
 /// `suffix` tells the method where a run has several.
 void AddNetworkFiles(const NetworkRun& network, const std::string& suffix, Run* run) {
   const FlightRun& flight_run = *network.flight_run;
   AddTrajectoryFiles(flight_run, run);
+  AddSwaths(flight_run.flight, network.pairs, Trajectory(flight_run.trajectory), run);
   run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(network.pairs));
   run->AddFile("result" + suffix + ".json",
                FormatJson(CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
@@ -295,6 +306,7 @@ Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double
 void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
                           const std::string& suffix, Run* run) {
   const std::vector<PairResidual> pairs = PairResiduals(flight, gh.calibration);
+  AddSwaths(flight, pairs, *flight.trajectory, run);
   run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(pairs));
   run->AddFile("result" + suffix + ".json",
                FormatJson(CalibrationJson(flight.config.name, gh.calibration, pairs, gh.timings)));

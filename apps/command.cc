@@ -16,6 +16,7 @@
 #include <system_error>
 #include <thread>
 
+#include "input_files.h"
 #include "option_checks.h"
 #include "shown_text.h"
 
@@ -196,7 +197,7 @@ void Run::TakeOutput() {
   if (options_.out.empty()) return;
   ExpectHarmless(options_.out, options_.inputs, options_.makes_flight);
   files_ = std::make_unique<OutputDirectory>(options_.out);
-  files_->Protect(options_.inputs.files);
+  files_->Protect(options_.inputs.All());
   PrepareForcedEnd(command_, options_.out, files_->staging(),
                    FormatJson(FailureReport(EmptyReport(), "interrupted", kInterruptedText)));
   files_->Remove(EarlierResults(options_.out));
@@ -216,7 +217,13 @@ void Run::AddPage() {
   }
 }
 
+void Run::ReadsStrips() {
+  options_.inputs.files = options_.inputs.All();
+  options_.inputs.strips.clear();
+}
+
 void Run::Publish() {
+  if (files_ && !report.contains("inputs")) report["inputs"] = InputFilesJson(options_.inputs);
   if (!BeginPublishing()) throw dn::Interrupted();
   report["timings_s"]["total"] = SecondsSince(start_);
   if (!files_) return;

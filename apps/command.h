@@ -85,6 +85,9 @@ class Run {
   /// and removes the files of an earlier result.
   void TakeOutput();
 
+  /// The point clouds of the flight are among what this run reads.
+  void ReadsStrips();
+
   /// Publishes what was staged, report.json and report.html. Throws Interrupted when a signal came
   /// before.
   void Publish();

@@ -1,3 +1,4 @@
+#include <dn/calibration/swaths.h>
 #include <dn/error.h>
 #include <dn/flight/accuracy_files.h>
 #include <dn/flight/flight.h>
@@ -208,7 +209,7 @@ Json CovarianceJson(const GeorefOptions& given, const FlightConfig& config) {
 
 /// Georeferences one strip into the output; adds to the report.
 Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
-                const std::string& strips_crs, Run& run) {
+                const std::string& strips_crs, std::vector<Swath>* swaths, Run& run) {
   const std::string name = file.filename().string();
   const std::string stage = "strip " + name;
   run.progress.Stage(stage);
@@ -217,11 +218,13 @@ Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
   const std::string all = reader->points() ? fmt::format(" of {}", *reader->points()) : "";
   const std::string warning = CheckStripCrs(crs, strips_crs, file);
   if (!warning.empty()) run.progress.Warn(warning);
-  const GeoreferencedStrip strip =
+  GeoreferencedStrip strip =
       georeferencer.Run(file, run.files().Stage("strips/" + name), [&](std::uint64_t points) {
         if (Interrupted()) throw dn::Interrupted();
         run.progress.Stage(stage, fmt::format("{}{} points", points, all));
       });
+  strip.swath.strip = file.stem().string();
+  swaths->push_back(std::move(strip.swath));
   return StripJson(name, crs, strip);
 }
 
@@ -251,15 +254,17 @@ void Print(const FlightConfig& config, const Vector3d& boresight_rad, const Json
 
 void RunGeoref(const GeorefOptions& given, Run& run) {
   Georef georef = Prepare(given, run);
+  run.ReadsStrips();
   const FlightConfig& config = georef.config;
   const std::vector<fs::path> files = NeedStripFiles(config.folder);
   const Vector3d boresight_rad = georef.options.mounting.boresight_rad;
   const StripGeoreferencer georeferencer(std::move(georef.options), georef.frame,
                                          PointCrs(config.strips_crs, georef.frame));
   Json strips = Json::array();
+  std::vector<Swath> swaths;
   Json& counts = run.report["counts"] = Json::object();
   for (const fs::path& file : files) {
-    strips.push_back(RenewStrip(georeferencer, file, config.strips_crs, run));
+    strips.push_back(RenewStrip(georeferencer, file, config.strips_crs, &swaths, run));
     AddCounts(strips.back(), &counts);
   }
   run.report["flight"] = config.name;
@@ -272,6 +277,7 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
                           {"boresight_before_deg", DegreesOf(config.lidar->mounting.boresight_rad)},
                           {"covariance", CovarianceJson(given, config)},
                           {"strips", strips}}));
+  run.AddFile("swaths.json", FormatSwaths(swaths));
   run.AddFile("config.resolved.yaml", FormatFlightConfig(config));
   Print(config, boresight_rad, strips);
 }

@@ -1,5 +1,6 @@
 #include "match_flight.h"
 
+#include <dn/calibration/swaths.h>
 #include <dn/error.h>
 #include <dn/flight/flight.h>
 #include <dn/flight/strip_files.h>
@@ -97,6 +98,7 @@ std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
 
 MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory, Run& run) {
   ExpectMatchable(config);
+  run.ReadsStrips();
   const std::vector<fs::path> files = NeedStripFiles(config.folder);
   CheckSystems(files, config.strips_crs, run);
   MatchedFlight matched;
@@ -154,6 +156,7 @@ void AddMatchFiles(const std::string& name, const MatchResult& result, const Mat
         FormatMatches(pair));
   }
   run.AddFile("match.json", FormatJson(match));
+  run.AddFile("swaths.json", FormatSwaths(result.swaths));
   run.report["flight"] = name;
   run.report["matching"] = match["counts"];
   Print(match);

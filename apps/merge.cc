@@ -19,11 +19,17 @@ struct MergeArguments {
   std::vector<std::string> folders;
 };
 
+fs::path ReportFile(const fs::path& folder) { return folder / "report.json"; }
+
+Json ReportOf(const fs::path& folder) {
+  std::ifstream in(ReportFile(folder), std::ios::binary);
+  return Json::parse(in, nullptr, false);
+}
+
 /// The series that the run in a folder has flown, or a shard of it.
 Series SeriesOf(const fs::path& folder) {
-  const fs::path file = folder / "report.json";
-  std::ifstream in(file, std::ios::binary);
-  const Json report = Json::parse(in, nullptr, false);
+  const fs::path file = ReportFile(folder);
+  const Json report = ReportOf(folder);
   if (!report.is_object() || !report.contains("series")) {
     throw InvalidInput(
         "it tells of no finished run of dn monte-carlo, dn blind-check or dn study --sweep",
@@ -114,6 +120,7 @@ void Merge(const MergeArguments& options, Run& run) {
   run.progress.Stage("merging", fmt::format("{} flights", shards.series.flights));
   const RecordFolder merged(options.common.out / RecordFolderName(command), shards.made_from);
   run.report["series"] = SeriesToJson(shards.series);
+  run.report["inputs"] = ReportOf(options.folders.front()).value("inputs", Json::array());
   if (command == "monte-carlo") {
     AddMonteCarloResults(shards.made_from,
                          Records<FlightRecord>(shards, merged, &FlightRecordFromJson), &run);

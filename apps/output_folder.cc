@@ -1,6 +1,7 @@
 #include "output_folder.h"
 
 #include <dn/error.h>
+#include <dn/flight/accuracy_files.h>
 #include <dn/flight/flight.h>
 #include <dn/flight/strip_files.h>
 #include <dn/report/json.h>
@@ -29,6 +30,13 @@ void AddData(const fs::path& file, Inputs* inputs) {
   inputs->folders.push_back(file.parent_path());
 }
 
+void AddAccuracy(const FlightConfig& config, Inputs* inputs) {
+  const AccuracyFiles accuracy = FindAccuracyFiles(config);
+  for (const auto& file : {accuracy.covariance, accuracy.series}) {
+    if (file) AddData(*file, inputs);
+  }
+}
+
 void AddFolder(const fs::path& folder, Inputs* inputs) {
   for (const fs::path& each : {folder, folder / "lidar", folder / "strips"}) {
     inputs->folders.push_back(each);
@@ -45,7 +53,8 @@ void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>
     if (config.imu) AddData(folder / config.imu->file, inputs);
     if (config.gnss) AddData(folder / config.gnss->file, inputs);
     if (config.trajectory) AddData(folder / config.trajectory->file, inputs);
-    for (const fs::path& file : FindStripFiles(folder)) AddData(file, inputs);
+    inputs->strips = FindStripFiles(folder);
+    if (config.trajectory) AddAccuracy(config, inputs);
     if (!config.lidar) return;
     for (const fs::path& file : FindPairFiles(folder, config.lidar->p2p)) AddData(file, inputs);
   } catch (const std::exception&) {
@@ -54,6 +63,12 @@ void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>
 }
 
 }  // namespace
+
+std::vector<fs::path> Inputs::All() const {
+  std::vector<fs::path> all = files;
+  all.insert(all.end(), strips.begin(), strips.end());
+  return all;
+}
 
 Inputs FlightInputs(const fs::path& folder_or_file, const std::vector<std::string>& changes,
                     const std::string& trajectory) {
@@ -101,7 +116,7 @@ void ExpectHarmless(const fs::path& out, const Inputs& inputs, bool makes_flight
   }
   const std::vector<std::string> earlier = EarlierResults(out);
   for (const std::string& name : earlier) {
-    for (const fs::path& input : inputs.files) {
+    for (const fs::path& input : inputs.All()) {
       if (!Same(out / name, input)) continue;
       throw InvalidConfig(fmt::format(
           "--out {} holds an earlier result, which would be removed, and the input {} is part of "

@@ -10,6 +10,9 @@ namespace dn::apps {
 struct Inputs {
   std::vector<std::filesystem::path> folders;  ///< of the flight and of the data it names
   std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> strips = {};  ///< point clouds, which few commands read
+
+  std::vector<std::filesystem::path> All() const;  ///< files and strips
 };
 
 /// The flight's YAML file with `changes` of it (ReadFlightConfig), its folder of data, and the files that are named as far as they can be

@@ -72,6 +72,7 @@ void AddSweepResults(const Json& made_from, const std::vector<SweepRecord>& reco
   run->AddFile("config.resolved.yaml", made_from.at("sweep").get<std::string>());
   run->AddFile("base.yaml", made_from.at("base").get<std::string>());
   run->AddFile("sweep.csv", SweepCsv(paths, records));
+  run->AddFile("sweep.json", FormatJson(SweepJson(paths, records)));
   const std::string table = SweepTable(paths, records);
   run->AddFile("summary.txt", table);
   for (const StudyPlot& plot : SweepPlots(paths, records)) {

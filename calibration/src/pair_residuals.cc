@@ -1,5 +1,6 @@
 #include <dn/calibration/pair_residuals.h>
 #include <dn/calibration/pose_interpolator.h>
+#include <dn/calibration/swath_separation.h>
 #include <dn/flight/scan_angle.h>
 #include <dn/flight/strip_at.h>
 #include <dn/geo/text_table.h>
@@ -46,6 +47,7 @@ struct Sums {
   Vector3d sum[2] = {Vector3d::Zero(), Vector3d::Zero()};  // before, after
   Vector3d squares[2] = {Vector3d::Zero(), Vector3d::Zero()};
   double lengths[2] = {0.0, 0.0};
+  SwathSeparation separation[2];
 
   void Add(const PairResidual& residual) {
     ++pairs;
@@ -54,6 +56,7 @@ struct Sums {
       sum[k] += *differences[k];
       squares[k] += differences[k]->cwiseAbs2();
       lengths[k] += differences[k]->norm();
+      separation[k].Add(differences[k]->z());
     }
   }
 
@@ -61,7 +64,8 @@ struct Sums {
     const auto n = static_cast<double>(pairs);
     return {{"mean_enu_m", dn::ToJson(sum[k] / n)},
             {"rms_enu_m", dn::ToJson((squares[k] / n).cwiseSqrt())},
-            {"mean_m", lengths[k] / n}};
+            {"mean_m", lengths[k] / n},
+            {"separation", separation[k].ToJson()}};
   }
 };
 

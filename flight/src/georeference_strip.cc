@@ -21,6 +21,7 @@ using Eigen::Vector3d;
 using internal::PointFate;
 
 constexpr std::size_t kPointsPerTask = 2048;
+constexpr std::size_t kPosesOfLine = 60;
 
 }  // namespace
 
@@ -75,14 +76,26 @@ class StripGeoreferencer::Work {
     ExpectPoints();
     result_.shift_rms_m = std::sqrt(shift2_m2_ / static_cast<double>(result_.kept));
     writer->Finish();
+    result_.swath = {"", Line(), outline_.Corners()};
     return result_;
   }
 
  private:
   FileLocation Where() const { return {in_.string()}; }
 
+  std::vector<Eigen::Vector2d> Line() const {
+    std::vector<Eigen::Vector2d> line_en_m;
+    for (const double tag_s : EvenTimes(result_.t_begin_s, result_.t_end_s, kPosesOfLine)) {
+      const double t_s = tag_s - setup_.options.time_offset_s;
+      if (setup_.FateOf(t_s, result_.own_vectors) != PointFate::kKept) continue;
+      line_en_m.emplace_back(setup_.path.At(t_s).p_mb.head<2>());
+    }
+    return line_en_m;
+  }
+
   void Renew(StripCloud* points) {
     const std::size_t n = points->size();
+    p_m_.resize(n);
     fates_.assign(n, PointFate::kKept);
     shifts_m_.assign(n, 0.0);
     if (setup_.options.errors) points->covariance_c_m2.resize(n);
@@ -108,6 +121,7 @@ class StripGeoreferencer::Work {
                                                                setup_.options.made_with, old_m);
       const Vector3d p_m = Georeference(pose, setup_.options.mounting, u_s);
       points->p_c[i] = setup_.crs.FromMap(p_m);
+      p_m_[i] = p_m;
       shifts_m_[i] = (p_m - old_m).norm();
       if (!setup_.options.errors) return;
       const Matrix3d J = setup_.crs.J_c_m(p_m);
@@ -128,6 +142,7 @@ class StripGeoreferencer::Work {
         continue;
       }
       ++result_.kept;
+      outline_.Add(points.t_s[i], p_m_[i]);
       shift2_m2_ += shifts_m_[i] * shifts_m_[i];
       result_.shift_max_m = std::max(result_.shift_max_m, shifts_m_[i]);
     }
@@ -149,6 +164,8 @@ class StripGeoreferencer::Work {
   double shift2_m2_ = 0.0;
   std::vector<PointFate> fates_;
   std::vector<double> shifts_m_;
+  std::vector<Vector3d> p_m_;
+  SwathOutline outline_;
 };
 
 StripGeoreferencer::StripGeoreferencer(GeoreferenceOptions options, const LocalFrame& frame,

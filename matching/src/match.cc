@@ -61,6 +61,7 @@ constexpr std::size_t kPatchesAtOnce = 800;
 constexpr double kLeastInformation = 0.3;
 constexpr double kLeastUsedShare = 0.4;
 constexpr std::size_t kFewestForFactor = 10;
+constexpr std::size_t kPosesOfLine = 60;
 
 /// A patch of two strips on its way to a pair.
 struct Work {
@@ -448,7 +449,22 @@ class Matcher {
     return std::max(1.0, sum / static_cast<double>(ratios.size() - 2 * cut));
   }
 
+  Swath SwathOf(std::size_t strip) const {
+    Swath swath{source_.strips()[strip].name, {}, {}};
+    SwathOutline outline;
+    const StripSample& sample = samples_[strip];
+    for (std::size_t k = 0; k < sample.size(); ++k) outline.Add(sample.t_s[k], sample.p_m[k]);
+    swath.outline_en_m = outline.Corners();
+    const StripCounts& counts = result_.strips[strip];
+    for (const double t_s : EvenTimes(counts.t_begin_s, counts.t_end_s, kPosesOfLine)) {
+      const std::optional<Vector3d> place_m = source_.PlaceOfBody(t_s);
+      if (place_m) swath.line_en_m.emplace_back(place_m->head<2>());
+    }
+    return swath;
+  }
+
   void Finish() {
+    for (std::size_t s = 0; s < samples_.size(); ++s) result_.swaths.push_back(SwathOf(s));
     result_.variance_factor = VarianceFactor();
     const double most_m = kMostSigma_gsd * result_.gsd_m;
     for (std::size_t k = 0; k < registered_.size(); ++k) {

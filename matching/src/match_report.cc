@@ -13,8 +13,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kFirstClass_m = 0.08, kSecondClass_m = 0.16;
-
 Json MisalignmentJson(const Misalignment& m) {
   return {{"mean_m", m.mean_m},
           {"rms_m", m.rms_m},
@@ -24,10 +22,7 @@ Json MisalignmentJson(const Misalignment& m) {
           {"mean_enu_m", ToJson(m.mean_enu_m)},
           {"heading_deg", m.heading_deg},
           {"same_direction", m.same_direction},
-          {"separation",
-           {{"to_8_cm", m.separation[0]},
-            {"8_to_16_cm", m.separation[1]},
-            {"above_16_cm", m.separation[2]}}}};
+          {"separation", m.separation.ToJson()}};
 }
 
 Json LevelJson(const MatchLevel& level) {
@@ -107,11 +102,9 @@ Misalignment MisalignmentOf(const std::vector<Vector3d>& differences_m) {
     out.mean_enu_m += d_m;
     const double horizontal_m = d_m.head<2>().norm();
     if (horizontal_m > 0.0) directions += d_m.head<2>() / horizontal_m;
-    const double up_m = std::abs(d_m.z());
-    out.separation[up_m <= kFirstClass_m ? 0 : up_m <= kSecondClass_m ? 1 : 2] += 1.0;
+    out.separation.Add(d_m.z());
   }
   const auto n = static_cast<double>(differences_m.size());
-  out.separation /= n;
   out.mean_m /= n;
   out.mean_enu_m /= n;
   out.rms_m = std::sqrt(squares / n);

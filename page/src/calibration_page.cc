@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -105,6 +106,28 @@ std::string MethodName(const Facts& result) {
   return method == "planes" ? "plane adjustment" : method;
 }
 
+/// Before and after by each method. Of several, before is what the first shows that has a given
+/// trajectory: the assumed mounting on the trajectory of the user.
+Section SeparationOf(const std::vector<Calibrated>& all) {
+  const auto given = std::find_if(all.begin(), all.end(), [](const Calibrated& one) {
+    return one.result["method"].text() == "gh" && one.result["strip_pairs"];
+  });
+  const Facts first = (given == all.end() ? all.front() : *given).result["strip_pairs"];
+  std::vector<Separation> separations;
+  for (std::size_t k = 0; k < first.elements().size(); ++k) {
+    const std::string strips = first[k]["strips"].text();
+    separations.push_back({strips, "before", first[k]["before"]["separation"]});
+    for (const Calibrated& one : all) {
+      for (const Facts& of : one.result["strip_pairs"].elements()) {
+        if (of["strips"].text() != strips) continue;
+        separations.push_back(
+            {strips, "after, " + MethodName(one.result), of["after"]["separation"]});
+      }
+    }
+  }
+  return SeparationSection(separations);
+}
+
 void AppendAll(const ResultFolder& folder, const Calibrated& one, bool several,
                Document* document) {
   const std::string of = several ? ", " + MethodName(one.result) : "";
@@ -152,6 +175,7 @@ Document CalibrationPage(const ResultFolder& folder) {
     named.emplace_back(MethodName(one.result), one.result);
   }
   if (several) Append({"Do the methods agree?", {DifferenceTable(named)}}, &document);
+  Append(SeparationOf(all), &document);
   for (const Calibrated& one : all) AppendAll(folder, one, several, &document);
   Append(TrajectorySection(folder), &document);
   Append(BiasSection(folder), &document);

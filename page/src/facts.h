@@ -4,6 +4,7 @@
 #include <dn/report/json.h>
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,6 +48,9 @@ class Facts {
   std::shared_ptr<const Json> root_;
   const Json* json_ = nullptr;
 };
+
+/// What a chart leaves out.
+inline const double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// A cell of a text.
 Cell Text(std::string text, Tone tone = Tone::kPlain);

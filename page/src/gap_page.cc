@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -14,7 +13,6 @@ namespace {
 constexpr std::size_t kMostCauses = 15;
 constexpr std::size_t kMostStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
-const double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // As docs/gap.md says.
 const std::map<std::string, Meaning>& MeaningsOfGap() {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sections.h"
+#include "swath_map.h"
 
 namespace dn::internal {
 namespace {
@@ -21,6 +22,10 @@ struct PairsOfStrips {
   std::string strips;  ///< "1-2"
   TextTable pairs;
 };
+
+std::string StripsOf(const Facts& of) {
+  return of["strips"][0].text() + "-" + of["strips"][1].text();
+}
 
 std::vector<PairsOfStrips> ReadPairs(const ResultFolder& folder, const Facts& match) {
   std::vector<PairsOfStrips> all;
@@ -69,7 +74,7 @@ Table StagesTable(const Facts& match) {
   for (const Facts& of : match["strip_pairs"].elements()) {
     const Facts counts = of["counts"];
     table.rows.push_back(
-        Row(of["strips"][0].text() + "-" + of["strips"][1].text(),
+        Row(StripsOf(of),
             {of["overlap_m2"].Decimals(0), counts["candidates"].Count(), counts["found"].Count(),
              counts["registered"].Count(), counts["pairs"].Count(), of["evenness"].Decimals(2),
              of["sigma_3d_median_m"].Decimals(3)}));
@@ -93,26 +98,24 @@ Table MisalignmentTable(const Facts& match) {
       for (const Cell& cell : Three(apart["mean_enu_m"], 3)) row.push_back(cell);
       row.push_back(apart["heading_deg"].Decimals(0));
       row.push_back(apart["same_direction"].Decimals(2));
-      table.rows.push_back(
-          Row(of["strips"][0].text() + "-" + of["strips"][1].text(), std::move(row)));
+      table.rows.push_back(Row(StripsOf(of), std::move(row)));
     }
   }
   return table;
 }
 
-Table SeparationTable(const Facts& all) {
-  Table table{
-      "Swath separation of the pairs",
-      {"", "up to 8 cm", "8 to 16 cm", "above 16 cm"},
-      {},
-      "Shares by difference of height, in the classes of the USGS. After: with one alignment "
-      "of all strips."};
-  for (const char* when : {"before", "after"}) {
-    const Facts shares = all[when]["separation"];
-    table.rows.push_back(Row(when, {shares["to_8_cm"].Decimals(3), shares["8_to_16_cm"].Decimals(3),
-                                    shares["above_16_cm"].Decimals(3)}));
+Section SeparationOfMatch(const Facts& match) {
+  std::vector<Separation> separations;
+  const auto add = [&](const std::string& strips, const Facts& misalignment) {
+    separations.push_back({strips, "before", misalignment["before"]["separation"]});
+    separations.push_back(
+        {strips, "after one alignment of all strips", misalignment["after"]["separation"]});
+  };
+  for (const Facts& of : match["strip_pairs"].elements()) {
+    add(StripsOf(of), of["misalignment"]);
   }
-  return table;
+  add("all", match["misalignment"]);
+  return SeparationSection(separations);
 }
 
 Curve CloudOf(const std::string& label, const TextTable& pairs, std::size_t column) {
@@ -125,18 +128,31 @@ Curve CloudOf(const std::string& label, const TextTable& pairs, std::size_t colu
   return cloud;
 }
 
-void AddPictures(const std::vector<PairsOfStrips>& all, Section* section) {
-  MapChart map{"Where the pairs lie", {}};
+double Length(const double* v) { return std::hypot(v[0], v[1], v[2]); }
+
+void Place(const TextTable& pairs, PlacedPairs* placed) {
+  for (std::size_t k = 0; k < pairs.rows(); ++k) {
+    const double* row = pairs.row(k);
+    placed->Add(row[kPlaceOfPair], row[kPlaceOfPair + 1], Length(row + kApartBefore),
+                Length(row + kApartAfter));
+  }
+}
+
+void AddPictures(const ResultFolder& folder, const std::vector<PairsOfStrips>& all,
+                 Section* section) {
+  PlacedPairs placed;
   ScatterChart before{"Differences before, seen from above", "east [m]", "north [m]", {}};
   ScatterChart after{"Differences after", "east [m]", "north [m]", {}};
   for (const PairsOfStrips& of : all) {
     if (of.pairs.rows() == 0) continue;
-    map.points.push_back(CloudOf("strips " + of.strips, of.pairs, kPlaceOfPair));
+    Place(of.pairs, &placed);
     before.clouds.push_back(CloudOf(of.strips, of.pairs, kApartBefore));
     after.clouds.push_back(CloudOf(of.strips, of.pairs, kApartAfter));
   }
-  if (map.points.empty()) return;
-  section->contents.emplace_back(Chart{std::move(map)});
+  if (before.clouds.empty()) return;
+  for (MapChart& map : MapsOf(folder, placed)) {
+    section->contents.emplace_back(Chart{std::move(map)});
+  }
   section->contents.emplace_back(Chart{std::move(before)});
   section->contents.emplace_back(Chart{std::move(after)});
 }
@@ -166,10 +182,10 @@ Document MatchPage(const ResultFolder& folder) {
   Section apart{"Strip against strip", {}};
   if (match["misalignment"]) {
     apart.contents.emplace_back(MisalignmentTable(match));
-    apart.contents.emplace_back(SeparationTable(match["misalignment"]));
-    AddPictures(ReadPairs(folder, match), &apart);
+    AddPictures(folder, ReadPairs(folder, match), &apart);
   }
   Append(std::move(apart), &document);
+  Append(SeparationOfMatch(match), &document);
   Append({"Stages", {StagesTable(match), LevelsTable(match)}}, &document);
   return document;
 }

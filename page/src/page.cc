@@ -43,6 +43,9 @@ Document PageWithoutRun(const ResultFolder& folder) {
   if (folder.Has("monte_carlo.json")) return MonteCarloPage(folder);
   if (folder.Has("allan.json")) return AllanPage(folder);
   if (folder.Has("match.json")) return MatchPage(folder);
+  if (folder.Has("georef.json")) return GeorefPage(folder);
+  if (folder.Has("blind_check.json")) return BlindPage(folder);
+  if (folder.Has("sweep.json")) return SweepPage(folder);
   return OtherPage(folder);
 }
 

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <utility>
 
 #include "sections.h"
+#include "swath_map.h"
 
 namespace dn::internal {
 namespace {
@@ -16,8 +16,8 @@ namespace {
 // Columns of pair_residuals.txt.
 enum PairColumn : std::size_t {
   kTime = 0,
-  kStrips = 2,
   kGround = 3,
+  kBefore = 5,
   kAfter = 8,
   kScanAngle = 11,
   kRange = 13,
@@ -129,22 +129,15 @@ ScatterChart Against(const std::string& what, const TextTable& pairs, std::size_
   return chart;
 }
 
-MapChart MapOf(const TextTable& pairs, const Facts& list) {
-  MapChart map{"Where the pairs lie", {}};
-  const std::size_t step = pairs.rows() / (3 * kMostDots) + 1;
-  std::map<double, Curve> clouds;
-  for (std::size_t k = 0; k < pairs.rows(); k += step) {
+PlacedPairs Placed(const TextTable& pairs) {
+  PlacedPairs placed;
+  for (std::size_t k = 0; k < pairs.rows(); ++k) {
     const double* row = pairs.row(k);
-    Curve& cloud = clouds[row[kStrips]];
-    cloud.x.push_back(row[kGround]);
-    cloud.y.push_back(row[kGround + 1]);
+    placed.Add(row[kGround], row[kGround + 1],
+               std::hypot(row[kBefore], row[kBefore + 1], row[kBefore + 2]),
+               std::hypot(row[kAfter], row[kAfter + 1], row[kAfter + 2]));
   }
-  for (auto& [strips, cloud] : clouds) {
-    const auto number = static_cast<std::size_t>(std::max(1.0, strips));
-    cloud.label = "strips " + list[number - 1]["strips"].text();
-    map.points.push_back(std::move(cloud));
-  }
-  return map;
+  return placed;
 }
 
 }  // namespace
@@ -159,7 +152,9 @@ Section PairSection(const ResultFolder& folder, const Facts& result, const std::
   if (!pairs) return section;
   const std::vector<double> t_s = Column(*pairs, kTime);
   const double start_s = *std::min_element(t_s.begin(), t_s.end());
-  section.contents.emplace_back(Chart{MapOf(*pairs, list)});
+  for (MapChart& map : MapsOf(folder, Placed(*pairs))) {
+    section.contents.emplace_back(Chart{std::move(map)});
+  }
   section.contents.emplace_back(Paragraph{
       "A mean (line) that leaves zero along one of these is what a calibration should have "
       "taken away."});

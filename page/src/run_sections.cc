@@ -28,6 +28,27 @@ Table Pairs(const std::string& title, const Facts& object) {
   return table;
 }
 
+/// The first digits of a hash: two files share them by chance once in 2^48.
+std::string Brief(const std::string& hash) { return hash.substr(0, 12); }
+
+Table Inputs(const Facts& inputs) {
+  Table table{"Inputs", {"file", "bytes", "SHA-256 begins"}, {}};
+  for (const Facts& input : inputs.elements()) {
+    table.rows.push_back(
+        Row(input["file"].text(), {input["bytes"].Count(), Text(Brief(input["sha256"].text()))}));
+  }
+  return table;
+}
+
+/// What sha256sum -c reads in the folder of the flight.
+Listing Hashes(const Facts& inputs) {
+  Listing listing{"SHA-256 of the inputs", ""};
+  for (const Facts& input : inputs.elements()) {
+    listing.text += input["sha256"].text() + "  " + input["file"].text() + "\n";
+  }
+  return listing;
+}
+
 }  // namespace
 
 std::vector<Cell> Row(std::string name, std::vector<Cell> cells) {
@@ -127,6 +148,10 @@ std::vector<Section> RunSections(const ResultFolder& folder) {
   Section run{"Data, settings and versions", {}, true};
   if (report["counts"]) {
     run.contents.emplace_back(Pairs("Kept and dropped", report["counts"]));
+  }
+  if (const Facts inputs = report["inputs"]; !inputs.elements().empty()) {
+    run.contents.emplace_back(Inputs(inputs));
+    run.contents.emplace_back(Hashes(inputs));
   }
   run.contents.emplace_back(Pairs("Versions", report["versions"]));
   const std::string settings = folder.Text("config.resolved.yaml");

@@ -35,6 +35,16 @@ Curve OnScreen(Curve curve);
 /// range, heading and time. `suffix` as in the names of the files.
 Section PairSection(const ResultFolder& folder, const Facts& result, const std::string& suffix);
 
+/// Shares of the pairs of two strips by difference of height; `when`: before or after what.
+struct Separation {
+  std::string strips;
+  std::string when;
+  Facts shares;
+};
+
+/// Those that are there, in a table.
+Section SeparationSection(const std::vector<Separation>& separations);
+
 /// The path of the flight, its strips, and standard deviations over time; without contents where
 /// the folder has none of them.
 Section TrajectorySection(const ResultFolder& folder);
@@ -85,7 +95,10 @@ Document StudyPage(const ResultFolder& folder);
 Document MonteCarloPage(const ResultFolder& folder);
 Document AllanPage(const ResultFolder& folder);
 Document MatchPage(const ResultFolder& folder);
-/// Of commands without a verdict: simulate, check, sweeps, the blind check.
+Document GeorefPage(const ResultFolder& folder);
+Document BlindPage(const ResultFolder& folder);
+Document SweepPage(const ResultFolder& folder);
+/// Of commands without a verdict: simulate, check.
 Document OtherPage(const ResultFolder& folder);
 
 }  // namespace dn::internal

@@ -71,6 +71,21 @@ std::string SweepCsv(const std::vector<std::string>& paths,
   return text;
 }
 
+Json SweepJson(const std::vector<std::string>& paths, const std::vector<SweepRecord>& records) {
+  Json designs = Json::array();
+  for (const SweepRecord& record : records) {
+    Json design = {
+        {"number", record.number}, {"labels", record.labels}, {"singular", record.failure}};
+    const std::vector<double> numbers = NumbersOf(record);
+    if (!numbers.empty()) {
+      design["sigma_deg"] = {numbers[0], numbers[1], numbers[2]};
+      for (std::size_t k = 3; k < numbers.size(); ++k) design[kColumns[k]] = numbers[k];
+    }
+    designs.push_back(std::move(design));
+  }
+  return {{"schema", "dn.sweep/1"}, {"keys", paths}, {"designs", designs}};
+}
+
 std::string SweepTable(const std::vector<std::string>& paths,
                        const std::vector<SweepRecord>& records) {
   constexpr std::size_t kMostShown = 24;

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "damaged_flight.h"
+#include "page_numbers.h"
 #include "testing/las_bytes.h"
 
 namespace dn::testing {
@@ -87,8 +88,10 @@ TEST(CliGeoref, TheBoresightPutsThePointsWhereTheyAre) {
       EXPECT_LT((points.p_c[static_cast<std::size_t>(i)] - flight.Truth(i)).norm(), 3 * kGridM);
     }
   }
-  EXPECT_THAT(NamesIn(flight.out()), ElementsAre("config.resolved.yaml", "georef.json",
-                                                 "report.html", "report.json", "strips"));
+  EXPECT_THAT(NamesIn(flight.out()),
+              ElementsAre("config.resolved.yaml", "georef.json", "report.html", "report.json",
+                          "strips", "swaths.json"));
+  ExpectPageOfItsFiles(flight.out(), 14);
   const Json json = Json::parse(ContentOf(flight.out() / "georef.json"));
   EXPECT_EQ(json["schema"], "dn.georef/1");
   EXPECT_NEAR(json["boresight_deg"][2], 0.35, 1e-12);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "page_numbers.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
@@ -65,7 +66,12 @@ TEST_F(Matching, PairsOfStripsCalibrateTheFlight) {
   EXPECT_GT(counts["pairs"].get<int>(), 20);
   EXPECT_GE(counts["registered"].get<int>(), counts["pairs"].get<int>());
   EXPECT_TRUE(fs::exists(In("matched/lidar/1_2.txt")));
-  EXPECT_TRUE(fs::exists(In("matched/report.html")));
+  ExpectPageOfItsFiles(In("matched"), 40);
+  const Json swaths = Read("matched/swaths.json")["swaths"];
+  ASSERT_EQ(swaths.size(), 2u);
+  EXPECT_EQ(swaths[0]["line_en_m"].size(), 60u);
+  EXPECT_GT(swaths[0]["outline_en_m"].size(), 6u);
+  EXPECT_EQ(Read("matched/report.json")["inputs"].back()["file"], "strips/2.las");
 
   const ProgramRun calibrate =
       RunProgram({"calibrate", In("matched/flight.matched.yaml"), "--out", In("calibrated")});
@@ -87,6 +93,7 @@ TEST_F(Matching, AllMethodsRunFromStripsAlone) {
   EXPECT_TRUE(fs::exists(In("all/result_gh.json")));
   EXPECT_TRUE(fs::exists(In("all/match.json")));
   EXPECT_TRUE(fs::exists(In("all/lidar/1_2.txt")));
+  ExpectPageOfItsFiles(In("all"), 200);
   EXPECT_THAT(ContentOf(In("all/config.resolved.yaml")), HasSubstr(In("all/lidar/1_2.txt")));
   // Once without the pairs, for matching and planes, and once with them.
   EXPECT_EQ(CountOf("dn calibrate: GNSS screening", run.err), 2) << run.err;
@@ -98,6 +105,7 @@ TEST_F(Matching, BareStripsGivePositions) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(fs::exists(In("bare/pairs_xyz.txt")));
   EXPECT_GT(Read("bare/match.json")["counts"]["pairs"].get<int>(), 5);
+  EXPECT_TRUE(Read("bare/swaths.json")["swaths"][0]["line_en_m"].empty());
 }
 
 TEST_F(Matching, AFlightWithoutStripsIsToldWhereTheyBelong) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "page_numbers.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
@@ -58,6 +59,7 @@ TEST_F(SeriesOfThree, MergedShardsAreTheBytesOfOneRun) {
   const fs::path merged = Path("merged"), whole = Path("whole");
   const ProgramRun merge = Merge({Two(), One()}, merged);
   ASSERT_EQ(merge.exit_code, 0) << merge.err;
+  ExpectPageOfItsFiles(merged, 30);
   fs::create_directories(whole);
   fs::copy(merged / "flights", whole / "flights");
   const ProgramRun one_run = Fly(whole, "1/1");  // only sums up: all flights are there

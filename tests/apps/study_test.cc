@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "page_numbers.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
@@ -24,6 +25,7 @@ TEST(CliStudy, OfAScenarioWritesWhatTheContractNames) {
   EXPECT_THAT(NamesIn(out),
               IsSupersetOf({"config.resolved.yaml", "report.json", "study.json", "summary.txt"}));
   EXPECT_EQ(run.out, ContentOf(out / "summary.txt"));
+  ExpectPageOfItsFiles(out, 20);
   const Json study = JsonIn(out / "study.json");
   EXPECT_EQ(study["schema"], "dn.study/1");
   for (const char* key : {"sigma_deg", "covariance_deg2", "correlation"}) {
@@ -124,9 +126,12 @@ TEST(CliStudy, MergedShardsOfASweepAreTheBytesOfOneRun) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(merge.out, run.out);
   EXPECT_EQ(NamesIn(both), NamesIn(whole));
-  for (const char* name : {"sweep.csv", "summary.txt", "config.resolved.yaml", "base.yaml"}) {
+  for (const char* name : {"sweep.csv", "sweep.json", "summary.txt", "config.resolved.yaml",
+                           "base.yaml", "report.html"}) {
     EXPECT_EQ(ContentOf(both / name), ContentOf(whole / name)) << name;
   }
+  ExpectPageOfItsFiles(whole, 12);
+  EXPECT_THAT(ContentOf(whole / "report.html"), HasSubstr("2 of them would determine"));
   const std::string csv = ContentOf(whole / "sweep.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
   EXPECT_EQ(RunProgram({"merge", one, "--out", folder.path() / "part"}).exit_code, 2);

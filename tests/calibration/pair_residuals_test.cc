@@ -77,6 +77,8 @@ TEST_F(PairResidualsOfADrone, SumsByPairsOfStrips) {
   EXPECT_EQ(list.back()["pairs"], pairs);
   EXPECT_NEAR(list.back()["after"]["mean_m"], calibration_->adjustment.residual_final_m, 1e-12);
   EXPECT_GT(list.back()["before"]["mean_m"], list.back()["after"]["mean_m"]);
+  EXPECT_GT(list.back()["before"]["separation"]["above_16_cm"],
+            list.back()["after"]["separation"]["above_16_cm"]);
   EXPECT_TRUE(StripPairsJson({}).empty());
 }
 

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "testing/temp_folder.h"
 
 namespace dn {
@@ -156,17 +158,147 @@ TEST(Page, OfMatchingSaysHowManyPairsThereAreAndHowFarApart) {
   folder.Write("matches/1_2.txt",
                "10, 20, 1, 2, 3, 1, 0.5, 0.1, 0.01, 0, 0, 0.05, 0.05, 0.01, 5\n"
                "11, 21, 5, 2, 3, 1, 0.5, 0.1, 0, 0.01, 0, 0.05, 0.05, 0.01, 5\n");
+  folder.Write("swaths.json", R"({"swaths": [{"strip": "1", "line_en_m": [[2, 1], [3, 1]],
+      "outline_en_m": [[0, 0], [9, 0], [9, 9]]}]})");
   const Document page = PageOf(folder.path());
   ASSERT_EQ(page.headlines.size(), 1u);
   EXPECT_EQ(page.headlines[0].word, "matched");
   EXPECT_EQ(page.headlines[0].tone, Tone::kGood);
   EXPECT_EQ(NumberAt(page.headlines[0].figures[0], 0, 1), 6.0);
   const Section& apart = page.sections.at(0);
-  const Table& separation = std::get<Table>(apart.contents.at(1));
-  EXPECT_EQ(NumberAt(separation, 0, 3), 0.5);
   ASSERT_EQ(apart.contents.size(), 5u);
-  const auto& map = std::get<MapChart>(std::get<Chart>(apart.contents[2]));
-  EXPECT_EQ(map.points.at(0).x, (std::vector<double>{1.0, 5.0}));
+  const auto& map = std::get<MapChart>(std::get<Chart>(apart.contents[1]));
+  EXPECT_EQ(map.valued.x, (std::vector<double>{1.0, 5.0}));
+  EXPECT_DOUBLE_EQ(map.valued.value.at(0), std::hypot(1.0, 0.5, 0.1));
+  ASSERT_EQ(map.areas.size(), 1u);
+  EXPECT_EQ(map.areas[0].label, "strip 1");
+  EXPECT_EQ(map.areas[0].y, (std::vector<double>{0.0, 0.0, 9.0}));
+  EXPECT_EQ(map.lines.at(0).x, (std::vector<double>{2.0, 3.0}));
+}
+
+TEST(Page, OfMatchingHasTheSwathSeparationBeforeAndAfter) {
+  const Document page = PageOf(Folder("match.json", Match(6)).path());
+  const Section& section = page.sections.at(1);
+  EXPECT_EQ(section.title, "Swath separation");
+  const Table& table = std::get<Table>(section.contents.at(0));
+  ASSERT_EQ(table.rows.size(), 4u);  // of two strips and of all
+  EXPECT_EQ(TextAt(table, 0, 0), "1-2");
+  EXPECT_EQ(TextAt(table, 2, 0), "all");
+  EXPECT_EQ(NumberAt(table, 0, 4), 0.5);
+  EXPECT_EQ(std::get<Number>(table.rows[0][4].content).scale, 100.0);
+}
+
+Json StripPairs(double before, double after) {
+  return {{{"strips", "1-2"},
+           {"pairs", 9},
+           {"before", {{"separation", {{"to_8_cm", before}}}}},
+           {"after", {{"separation", {{"to_8_cm", after}}}}}}};
+}
+
+// Before is of the trajectory that was given, which the Gauss-Helmert adjustment keeps.
+TEST(Page, OfAllMethodsHasTheirSwathSeparationsSideBySide) {
+  Json dn = Result("dn", 0.2, 0.001), gh = Result("gh", 0.2, 0.001);
+  dn["strip_pairs"] = StripPairs(0.2, 0.9);
+  gh["strip_pairs"] = StripPairs(0.1, 0.7);
+  const Folder folder("result_dn.json", dn);
+  folder.Write("result_gh.json", gh.dump());
+  const Document page = PageOf(folder.path());
+  const Section& section = page.sections.at(1);
+  const Table& table = std::get<Table>(section.contents.at(0));
+  ASSERT_EQ(table.rows.size(), 3u);
+  EXPECT_EQ(TextAt(table, 0, 1), "before");
+  EXPECT_EQ(NumberAt(table, 0, 2), 0.1);
+  EXPECT_EQ(TextAt(table, 1, 1), "after, dynamic network");
+  EXPECT_EQ(NumberAt(table, 1, 2), 0.9);
+  EXPECT_EQ(TextAt(table, 2, 1), "after, Gauss-Helmert adjustment");
+  EXPECT_EQ(NumberAt(table, 2, 2), 0.7);
+}
+
+TEST(Page, OfNewStripsSaysHowFarTheyMovedAndMapsThem) {
+  const Folder folder("georef.json", {{"flight", "lar3"},
+                                      {"boresight_deg", {0.2, 0.03, 0.35}},
+                                      {"strips", {{{"name", "1.las"}, {"shift_rms_m", 1.25}}}}});
+  folder.Write("swaths.json", R"({"swaths": [{"strip": "1", "line_en_m": [],
+      "outline_en_m": [[0, 0], [9, 0], [9, 9]]}]})");
+  const Document page = PageOf(folder.path());
+  EXPECT_EQ(page.headlines.at(0).word, "georeferenced");
+  const Section& strips = page.sections.at(0);
+  EXPECT_EQ(NumberAt(std::get<Table>(strips.contents.at(0)), 0, 3), 1.25);
+  const auto& map = std::get<MapChart>(std::get<Chart>(strips.contents.at(1)));
+  EXPECT_EQ(map.areas.size(), 1u);
+}
+
+/// Rows of `columns` numbers, the first the time.
+std::string Rows(int rows, int columns, double step_s) {
+  std::string text;
+  for (int k = 0; k < rows; ++k) {
+    text += std::to_string(300000.0 + step_s * k);
+    for (int c = 1; c < columns; ++c) text += " " + std::to_string(std::sin(0.7 * k + c) + 2.0);
+    text += "\n";
+  }
+  return text;
+}
+
+TEST(Page, OfAnHourOfFlightIsSmallEnoughToSend) {
+  constexpr std::size_t kMostBytes = 3000000;
+  Json result = Result("dn", 0.2, 0.001);
+  for (int k = 0; k < 190; ++k) {  // pairs of twenty strips
+    result["strip_pairs"].push_back(StripPairs(0.1, 0.9)[0]);
+    result["strip_pairs"].back()["strips"] = std::to_string(k);
+  }
+  const Folder folder("result.json", result);
+  folder.Write("trajectory_sigma.txt", Rows(36000, 10, 0.1));
+  folder.Write("biases.txt", Rows(36000, 13, 0.1));
+  folder.Write("pair_residuals.txt", Rows(40000, 17, 0.09));
+  const std::string html = ToHtml(PageOf(folder.path()));
+  EXPECT_THAT(html, HasSubstr("Where the pairs lie, after"));
+  EXPECT_THAT(html, HasSubstr("Gyro, with a band"));
+  EXPECT_LT(html.size(), kMostBytes);
+}
+
+Json Hits(int hits, int of) {
+  return {{"hits", hits}, {"of", of}, {"share", 1.0 * hits / of}, {"interval_95", {0.1, 0.9}}};
+}
+
+TEST(Page, OfABlindCheckSaysWhetherThereAreTooManyFalseAlarms) {
+  const auto page = [](int alarms) {
+    const Json size = {{"from", 0.0},
+                       {"detected", Hits(3, 4)},
+                       {"named", Hits(2, 4)},
+                       {"named_with_group", Hits(2, 4)}};
+    const Json bin = {{"low", 0.9}, {"high", 1.0}, {"stated", 0.97}, {"true", Hits(9, 10)}};
+    const Folder folder(
+        "blind_check.json",
+        {{"nothing", {{"false_alarms", Hits(alarms, 10)}, {"allowed_95", {0.0, 0.2}}}},
+         {"by_size", {size}},
+         {"reliability", {bin}}});
+    return PageOf(folder.path());
+  };
+  EXPECT_EQ(page(1).headlines.at(0).tone, Tone::kGood);
+  EXPECT_EQ(page(5).headlines.at(0).tone, Tone::kBad);
+  const Document document = page(1);
+  const auto& power = std::get<BarChart>(std::get<Chart>(document.sections.at(0).contents.at(0)));
+  ASSERT_EQ(power.bars.size(), 3u);
+  EXPECT_EQ(power.bars[0].value, 75.0);
+  const auto& reliability =
+      std::get<SeriesChart>(std::get<Chart>(document.sections.at(1).contents.at(1)));
+  EXPECT_EQ(reliability.curves.at(1).x, std::vector<double>{0.97});
+  EXPECT_EQ(reliability.curves.at(1).high, std::vector<double>{0.9});
+}
+
+TEST(Page, OfASweepHasTheBestDesignFirst) {
+  const Json designs = {
+      {{"labels", {"one"}}, {"singular", "the boresight is not observable"}},
+      {{"labels", {"two"}}, {"singular", ""}, {"sigma_deg", {0.003, 0.002, 0.009}}},
+      {{"labels", {"cross"}}, {"singular", ""}, {"sigma_deg", {0.001, 0.001, 0.002}}}};
+  const Document page =
+      PageOf(Folder("sweep.json", {{"keys", {"plan.lines"}}, {"designs", designs}}).path());
+  EXPECT_EQ(page.headlines.at(0).answer,
+            "2 of them would determine the boresight. The best: cross");
+  const Table& table = std::get<Table>(page.sections.at(0).contents.at(1));
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(TextAt(table, 1, 0), "two");
+  EXPECT_EQ(page.sections.at(2).title, "Designs that determine nothing");
 }
 
 TEST(Page, OfMatchingWithoutPairsSaysSoFirst) {

@@ -42,6 +42,7 @@ Document OneSection(Content content) {
 TEST(Number, ShowsItsDigits) {
   EXPECT_EQ(ToText(Number{0.123456, 3}), "0.123");
   EXPECT_EQ(ToText(Number{0.123456, 2, Number::Style::kDecimals, 1e3}), "123.46");
+  EXPECT_EQ(ToText(Number{-0.0004, 3, Number::Style::kDecimals}), "0.000");
   EXPECT_EQ(ToText(Number{kNone}), "–");
 }
 

@@ -104,21 +104,38 @@
     }));
   }
 
+  // Names near where the lines of strips begin, or in the middle of what has no line.
+  function namesOnMap(chart) {
+    const middle = (curve) => ({ x: d3.mean(curve.x), y: d3.mean(curve.y), label: curve.label });
+    const lined = new Set(chart.lines.map((curve) => curve.label));
+    return [...chart.lines.map((curve) => pointsOf(curve)[Math.floor(curve.x.length / 12)]), ...chart.areas.filter((area) => !lined.has(area.label)).map(middle)];
+  }
+
+  function valuedMarks(valued) {
+    const dots = valued.x.map((x, k) => ({ x, y: valued.y[k], value: valued.value[k] }));
+    return [Plot.dot(dots, { x: "x", y: "y", fill: "value", r: dots.length < kFewPoints ? 3.5 : 2 })];
+  }
+
   function drawMap(chart, place, width) {
-    const lines = chart.lines.flatMap(pointsOf);
-    const points = chart.points.flatMap(pointsOf);
-    const extent = (key) => d3.extent([...lines, ...points], (point) => point[key]);
+    const labels = unique([...chart.areas, ...chart.lines, ...chart.points].map((curve) => curve.label));
+    const paint = (curve) => (chart.valued ? "var(--soft)" : colour(labels.indexOf(curve.label)));
+    const curves = [...chart.areas, ...chart.lines, ...chart.points, ...(chart.valued ? [chart.valued] : [])];
+    const extent = (key) => d3.extent(curves.flatMap((curve) => curve[key]));
     const [west, east] = extent("x");
     const [south, north] = extent("y");
-    const labels = unique([...chart.lines, ...chart.points].map((curve) => curve.label));
     const high = Math.max(north - south, 1) / Math.max(east - west, 1);
-    place.append(swatches(labels), Plot.plot({
+    if (!chart.valued) place.append(swatches(labels));
+    const xy = { x: "x", y: "y" };
+    place.append(Plot.plot({
       ...base(Math.max(240, Math.min(width, kTallestMap / high))), aspectRatio: 1, marginLeft: 60, inset: 8,
       x: { label: "east [m]" }, y: { label: "north [m]" },
-      color: { domain: labels, range: labels.map((_, k) => colour(k)) },
+      ...(chart.valued ? { color: { type: "log", domain: [chart.valued.low, chart.valued.high], clamp: true, scheme: "Turbo", legend: true, ticks: 4, tickFormat: "~g", label: chart.valued.label } } : {}),
       marks: [
-        Plot.line(lines, { x: "x", y: "y", z: "label", stroke: "label", strokeWidth: 1.5 }),
-        Plot.dot(points, { x: "x", y: "y", fill: "label", r: 1.8, fillOpacity: 0.6 }),
+        ...chart.areas.map((area) => Plot.line(pointsOf(area), { ...xy, curve: "linear-closed", fill: paint(area), fillOpacity: 0.1, stroke: paint(area), strokeWidth: 0.7 })),
+        ...chart.lines.map((line) => Plot.line(pointsOf(line), { ...xy, stroke: paint(line), strokeWidth: 1.5 })),
+        ...chart.points.map((cloud) => Plot.dot(pointsOf(cloud), { ...xy, fill: paint(cloud), r: 1.8, fillOpacity: 0.6 })),
+        ...(chart.valued ? valuedMarks(chart.valued) : []),
+        ...(chart.areas.length ? [Plot.text(namesOnMap(chart), { ...xy, text: "label", fill: "var(--text)", stroke: "var(--surface)", strokeWidth: 4 })] : []),
       ],
     }));
   }

@@ -67,11 +67,19 @@ Json Drawn(const BarChart& chart) {
       {"type", "bars"}, {"title", chart.title}, {"x", chart.x_label}, {"bars", List(chart.bars)}};
 }
 
+Json Drawn(const ValuedPoints& points) {
+  if (points.x.empty()) return nullptr;
+  return {{"label", points.label},        {"x", Drawn(points.x)},     {"y", Drawn(points.y)},
+          {"value", Drawn(points.value)}, {"low", Drawn(points.low)}, {"high", Drawn(points.high)}};
+}
+
 Json Drawn(const MapChart& chart) {
   return {{"type", "map"},
           {"title", chart.title},
           {"lines", List(chart.lines)},
-          {"points", List(chart.points)}};
+          {"points", List(chart.points)},
+          {"areas", List(chart.areas)},
+          {"valued", Drawn(chart.valued)}};
 }
 
 Json Drawn(const HeatMap& chart) {

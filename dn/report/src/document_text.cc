@@ -51,8 +51,11 @@ std::string TextOf(const Table& table) {
 std::string ToText(const Number& number) {
   const double shown = number.scale * number.value;
   if (!std::isfinite(shown)) return "–";
-  return number.style == Number::Style::kDecimals ? fmt::format("{:.{}f}", shown, number.digits)
-                                                  : fmt::format("{:.{}g}", shown, number.digits);
+  const std::string text = number.style == Number::Style::kDecimals
+                               ? fmt::format("{:.{}f}", shown, number.digits)
+                               : fmt::format("{:.{}g}", shown, number.digits);
+  const bool zero = text.find_first_of("123456789") == std::string::npos;
+  return zero && text.front() == '-' ? text.substr(1) : text;
 }
 
 std::string ToText(const Document& document) {

@@ -41,7 +41,8 @@ std::vector<PairResidual> PairResiduals(const Flight& flight,
 std::string FormatPairResiduals(const std::vector<PairResidual>& residuals);
 
 /// Per pair of strips, in order of their first pair: `strips`, `pairs`, and of `before` and `after`
-/// the `mean_enu_m`, the `rms_enu_m`, and the mean length of the differences `mean_m`. Last, "all".
+/// the `mean_enu_m`, the `rms_enu_m`, the mean length of the differences `mean_m` and the
+/// `separation` (SwathSeparation). Last, "all".
 Json StripPairsJson(const std::vector<PairResidual>& residuals);
 
 }  // namespace dn

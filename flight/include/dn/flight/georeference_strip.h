@@ -5,6 +5,7 @@
 #include <dn/geo/trajectory.h>
 #include <dn/lidar/mounting.h>
 #include <dn/lidar/strip_io.h>
+#include <dn/lidar/swath.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -48,6 +49,7 @@ struct GeoreferencedStrip {
   double t_begin_s = 0.0, t_end_s = 0.0;  ///< of all points
   double shift_rms_m = 0.0;               ///< by which the points that were kept moved
   double shift_max_m = 0.0;
+  Swath swath;  ///< by the new coordinates; without the name
 };
 
 /// Computes points anew:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/lidar/pairs.h>
+#include <dn/lidar/swath.h>
 #include <dn/matching/match_source.h>
 
 #include <Eigen/Core>
@@ -66,6 +67,7 @@ struct MatchLevel {
 struct MatchResult {
   double gsd_m = 0.0;
   std::vector<StripCounts> strips;
+  std::vector<Swath> swaths;  ///< without the path for bare strips
   std::vector<MatchLevel> levels;
   std::vector<StripPairMatch> strip_pairs;
   /// Of a flight: that of the pairs.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/calibration/swath_separation.h>
 #include <dn/matching/match.h>
 #include <dn/report/json.h>
 
@@ -16,9 +17,7 @@ struct Misalignment {
   /// Length of the mean horizontal direction: 1 where all differences point the same way, near 0
   /// where they point anywhere.
   double same_direction = 0.0;
-  /// Shares of the pairs whose heights differ by up to 8 cm, by 8 to 16 cm, by more: the classes of
-  /// swath separation images (USGS Lidar Base Specification).
-  Eigen::Vector3d separation = Eigen::Vector3d::Zero();
+  SwathSeparation separation;
 };
 
 /// differences_m: p_i - p_j in m, at least one.

@@ -48,6 +48,9 @@ class MatchSource {
   virtual Eigen::Vector3d Position(std::size_t strip, double t_s,
                                    const Eigen::Vector3d& x) const = 0;
 
+  /// Place of the body; nothing for strips without a trajectory. Thread-safe.
+  virtual std::optional<Eigen::Vector3d> PlaceOfBody(double /*t_s*/) const { return std::nullopt; }
+
   /// What x has to be for the point to lie at p_m.
   virtual Eigen::Vector3d RawAt(std::size_t strip, double t_s,
                                 const Eigen::Vector3d& p_m) const = 0;
@@ -65,6 +68,7 @@ class FlightMatchSource : public MatchSource {
   Eigen::Vector3d Position(std::size_t strip, double t_s, const Eigen::Vector3d& x) const override;
   Eigen::Vector3d RawAt(std::size_t strip, double t_s, const Eigen::Vector3d& p_m) const override;
 
+  std::optional<Eigen::Vector3d> PlaceOfBody(double t_s) const override { return PoseAt(t_s).p_mb; }
   MapPose PoseAt(double t_s) const { return source_.PoseAt(t_s); }
   const LocalFrame& frame() const { return frame_; }
   const Mounting& mounting() const { return mounting_; }

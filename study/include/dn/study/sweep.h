@@ -82,6 +82,10 @@ SweepRecord SweepRecordFromJson(const Json& json);
 std::string SweepCsv(const std::vector<std::string>& paths,
                      const std::vector<SweepRecord>& records);
 
+/// sweep.json: `keys`, and per design `number`, `labels`, `singular` (why, else empty) and the columns
+/// of sweep.csv, the sigmas of the boresight in `sigma_deg`.
+Json SweepJson(const std::vector<std::string>& paths, const std::vector<SweepRecord>& records);
+
 /// The same as a table for the eye.
 std::string SweepTable(const std::vector<std::string>& paths,
                        const std::vector<SweepRecord>& records);

@@ -94,11 +94,24 @@ struct BarChart {
   std::vector<Bar> bars;
 };
 
-/// Lines and points seen from above, one scale for both axes, m.
+/// Points whose colour is a value, between `low` and `high` by its logarithm.
+struct ValuedPoints {
+  std::string label = {};
+  std::vector<double> x = {};
+  std::vector<double> y = {};
+  std::vector<double> value = {};
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// Areas, lines and points seen from above, one scale for both axes, m. Where there are valued
+/// points, these alone are coloured.
 struct MapChart {
   std::string title;
   std::vector<Curve> lines;
   std::vector<Curve> points = {};
+  std::vector<Curve> areas = {};  ///< corners of polygons
+  ValuedPoints valued = {};
 };
 
 /// A matrix in colours from -1 to 1.

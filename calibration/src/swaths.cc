@@ -1,0 +1,91 @@
+#include <dn/calibration/pose_interpolator.h>
+#include <dn/calibration/swaths.h>
+#include <dn/flight/strip_at.h>
+#include <dn/report/json.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dn {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t kPosesOfLine = 60;
+
+/// To the right of the course of the body.
+Vector2d RightOf(const MapPose& pose) {
+  const Eigen::Vector3d ahead_m = pose.q_mb * Eigen::Vector3d::UnitX();
+  return Vector2d(ahead_m.y(), -ahead_m.x()).normalized();
+}
+
+/// How far the pairs of a strip reach to its right, m.
+struct Reach {
+  double least_m = 0.0;
+  double most_m = 0.0;
+  bool any = false;
+
+  void Add(double right_m) {
+    least_m = any ? std::min(least_m, right_m) : right_m;
+    most_m = any ? std::max(most_m, right_m) : right_m;
+    any = true;
+  }
+};
+
+Json Rounded(const std::vector<Vector2d>& points_en_m) {
+  Json list = Json::array();
+  const auto to_cm = [](double value_m) { return std::round(value_m * 100.0) / 100.0; };
+  for (const Vector2d& p : points_en_m) list.push_back({to_cm(p.x()), to_cm(p.y())});
+  return list;
+}
+
+}  // namespace
+
+std::vector<Swath> SwathsOfPairs(const std::vector<StripInterval>& strips,
+                                 const std::vector<PairResidual>& pairs,
+                                 const Trajectory& trajectory, const LocalFrame& frame) {
+  const PoseInterpolator poses(trajectory.InMap(frame));
+  const auto pose_at = [&](double t_s) {
+    return poses.At(std::clamp(t_s, trajectory.t_begin_s(), trajectory.t_end_s()));
+  };
+  std::vector<Reach> reaches(strips.size());
+  for (const PairResidual& pair : pairs) {
+    for (const double t_s : {pair.i.t_s, pair.j.t_s}) {
+      const StripInterval* strip = StripAt(strips, t_s);
+      if (strip == nullptr) continue;
+      const MapPose pose = pose_at(t_s);
+      reaches[static_cast<std::size_t>(strip - strips.data())].Add(
+          RightOf(pose).dot(pair.ground_en_m - pose.p_mb.head<2>()));
+    }
+  }
+  std::vector<Swath> swaths;
+  for (std::size_t s = 0; s < strips.size(); ++s) {
+    Swath swath{strips[s].name, {}, {}};
+    std::vector<Vector2d> right;
+    for (const double t_s : EvenTimes(strips[s].t0_s, strips[s].t1_s, kPosesOfLine)) {
+      const MapPose pose = pose_at(t_s);
+      const Vector2d place_en_m = pose.p_mb.head<2>();
+      swath.line_en_m.push_back(place_en_m);
+      if (!reaches[s].any) continue;
+      swath.outline_en_m.emplace_back(place_en_m + reaches[s].least_m * RightOf(pose));
+      right.emplace_back(place_en_m + reaches[s].most_m * RightOf(pose));
+    }
+    swath.outline_en_m.insert(swath.outline_en_m.end(), right.rbegin(), right.rend());
+    swaths.push_back(std::move(swath));
+  }
+  return swaths;
+}
+
+std::string FormatSwaths(const std::vector<Swath>& swaths) {
+  Json list = Json::array();
+  for (const Swath& swath : swaths) {
+    list.push_back({{"strip", swath.strip},
+                    {"line_en_m", Rounded(swath.line_en_m)},
+                    {"outline_en_m", Rounded(swath.outline_en_m)}});
+  }
+  return Json{{"schema", "dn.swaths/1"}, {"swaths", list}}.dump(-1, ' ', false,
+                                                                Json::error_handler_t::replace) +
+         "\n";
+}
+
+}  // namespace dn

@@ -1,0 +1,49 @@
+#include <utility>
+
+#include "sections.h"
+#include "swath_map.h"
+
+namespace dn::internal {
+namespace {
+
+Headline GeorefHeadline(const Facts& georef) {
+  Headline headline{"georeferenced",
+                    "The point clouds of this folder have the coordinates that this boresight and "
+                    "this trajectory give.",
+                    Tone::kGood};
+  Table table{"Boresight [deg]", {"", "roll", "pitch", "yaw"}, {}};
+  table.rows = {Row("of the new points", Three(georef["boresight_deg"], 5)),
+                Row("of the old points", Three(georef["boresight_before_deg"], 5))};
+  headline.figures = {std::move(table)};
+  headline.next = {"dn match FLIGHT --out DIR: how far the strips are apart"};
+  return headline;
+}
+
+Table StripsTable(const Facts& strips) {
+  Table table{"",
+              {"strip", "points", "kept", "moved, rms [m]", "at most [m]", "laser vectors"},
+              {},
+              "Not kept: points without a pose. report.json has their number by reason."};
+  for (const Facts& strip : strips.elements()) {
+    table.rows.push_back(
+        Row(strip["name"].text(),
+            {strip["points"].Count(), strip["kept"].Count(), strip["shift_rms_m"].Decimals(3),
+             strip["shift_max_m"].Decimals(3), Text(strip["laser_vectors"].text())}));
+  }
+  return table;
+}
+
+}  // namespace
+
+Document GeorefPage(const ResultFolder& folder) {
+  const Facts georef = folder.Read("georef.json");
+  Document document = Begin(folder, georef["flight"].text(), "georeferenced strips");
+  document.headlines = {GeorefHeadline(georef)};
+  Section strips{"Strips", {StripsTable(georef["strips"])}};
+  MapChart map = SwathMap(folder, "Swaths and paths");
+  if (!map.areas.empty()) strips.contents.emplace_back(Chart{std::move(map)});
+  Append(std::move(strips), &document);
+  return document;
+}
+
+}  // namespace dn::internal
