@@ -87,8 +87,8 @@ class StripGeoreferencer::Work {
     std::vector<Eigen::Vector2d> line_en_m;
     for (const double tag_s : EvenTimes(result_.t_begin_s, result_.t_end_s, kPosesOfLine)) {
       const double t_s = tag_s - setup_.options.time_offset_s;
-      if (setup_.FateOf(t_s, result_.own_vectors) != PointFate::kKept) continue;
-      line_en_m.emplace_back(setup_.path.At(t_s).p_mb.head<2>());
+      if (setup_.paths.FateOf(t_s, result_.own_vectors) != PointFate::kKept) continue;
+      line_en_m.emplace_back(setup_.paths.wanted().At(t_s).p_mb.head<2>());
     }
     return line_en_m;
   }
