@@ -149,7 +149,8 @@ TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
     }
   }
   int compared = 0;
-  for (const Json& group : JsonOf(SmoothResult() / "smooth.json")["model_check"]["groups"]) {
+  const Json check = JsonOf(SmoothResult() / "smooth.json")["model_check"];
+  for (const Json& group : check["groups"]) {
     const auto one = by_name.find(group["name"]);
     if (one == by_name.end()) continue;
     ++compared;
