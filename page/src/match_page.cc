@@ -31,8 +31,8 @@ std::vector<PairsOfStrips> ReadPairs(const ResultFolder& folder, const Facts& ma
   std::vector<PairsOfStrips> all;
   for (const Facts& of : match["strip_pairs"].elements()) {
     const std::string a = of["strips"][0].text(), b = of["strips"][1].text();
-    auto pairs = folder.Numbers("matches/" + a + "_" + b + ".txt", kMatchColumns);
-    if (pairs) all.push_back({a + "-" + b, std::move(*pairs)});
+    auto pairs = folder.Numbers(fmt::format("matches/{}_{}.txt", a, b), kMatchColumns);
+    if (pairs) all.push_back({fmt::format("{}-{}", a, b), std::move(*pairs)});
   }
   return all;
 }

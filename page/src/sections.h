@@ -29,7 +29,7 @@ HeatMap Correlations(const std::string& title, const std::vector<std::string>& r
 std::vector<double> Column(const TextTable& table, std::size_t column, double minus = 0.0);
 
 /// The points of a curve that a screen shows.
-Curve OnScreen(Curve curve);
+Curve OnScreen(const Curve& curve);
 
 /// Before and after per pair of strips, where the pairs lie, and what is left of them by scan angle,
 /// range, heading and time. `suffix` as in the names of the files.
