@@ -2,6 +2,7 @@
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <dn/report/json.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -143,7 +144,7 @@ TEST(CliSmooth, WorstOfTheModelCheckIsThatOfTheResiduals) {
   std::map<std::string, Json> by_name;
   for (const auto& [sensor, axes] : residuals.items()) {
     for (const auto& [axis, one] : axes.items()) {
-      std::string name = sensor + " " + axis;
+      std::string name = fmt::format("{} {}", sensor, axis);
       std::replace(name.begin(), name.end(), '_', ' ');
       by_name[name] = one;
     }
