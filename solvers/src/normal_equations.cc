@@ -4,44 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 
 namespace dn {
 namespace {
-
-/// The sorted, distinct (column, row) pairs of blocks with row >= column.
-std::vector<std::uint64_t> BlockPairs(const Linearization& linearization) {
-  std::vector<std::uint64_t> pairs;
-  for (const Linearization::Edge& edge : linearization.edges()) {
-    const int* position = linearization.positions(edge);
-    for (int a = 0; a < edge.num_blocks; ++a) {
-      for (int b = 0; b < edge.num_blocks; ++b) {
-        if (position[a] < position[b]) continue;
-        pairs.push_back(static_cast<std::uint64_t>(position[b]) << 32 |
-                        static_cast<std::uint64_t>(position[a]));
-      }
-    }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
-}
-
-SymmetricCsc BlockPattern(int num_blocks, const std::vector<std::uint64_t>& pairs) {
-  SymmetricCsc pattern;
-  pattern.n = num_blocks;
-  pattern.column_start.assign(AsSize(num_blocks) + 1, 0);
-  pattern.row.reserve(pairs.size());
-  for (const std::uint64_t pair : pairs) {
-    ++pattern.column_start[(pair >> 32) + 1];
-    pattern.row.push_back(static_cast<int>(pair & 0xffffffffU));
-  }
-  for (std::size_t c = 1; c < pattern.column_start.size(); ++c) {
-    pattern.column_start[c] += pattern.column_start[c - 1];
-  }
-  return pattern;
-}
 
 /// Scalar rows above each entry within its block column; the diagonal block is first.
 std::vector<int> Heights(const UnknownLayout& layout, const SymmetricCsc& blocks) {
@@ -114,8 +80,7 @@ class Assembler {
 }  // namespace
 
 NormalEquations::NormalEquations(const UnknownLayout& layout, const Linearization& linearization)
-    : blocks(BlockPattern(layout.num_blocks(), BlockPairs(linearization))),
-      height_(Heights(layout, blocks)) {
+    : blocks(BlockPattern(layout, linearization)), height_(Heights(layout, blocks)) {
   N = ScalarPattern(layout, blocks);
   Assemble(layout, linearization, Eigen::VectorXd::Ones(linearization.residual().size()));
 }

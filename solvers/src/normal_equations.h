@@ -2,17 +2,9 @@
 
 #include <vector>
 
-#include "linearization.h"
+#include "block_pattern.h"
 
 namespace dn {
-
-/// A symmetric matrix, its lower triangle by compressed columns with ascending rows.
-struct SymmetricCsc {
-  int n = 0;
-  std::vector<int> column_start;
-  std::vector<int> row;
-  std::vector<double> value;
-};
 
 /// N = J^T W J, with the pattern of its blocks beside it.
 struct NormalEquations {

@@ -1,14 +1,18 @@
 #include <ceres/iteration_callback.h>
+#include <ceres/ordered_groups.h>
+#include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <dn/parallel.h>
 #include <dn/solvers/robust_loss.h>
 #include <dn/solvers/solve.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "ceres_problem.h"
+#include "elimination_order.h"
 #include "factor_text.h"
 #include "flat_check.h"
 #include "linearization.h"
@@ -70,10 +74,43 @@ CostSummary CountNetwork(const Network& network) {
   return summary;
 }
 
+/// Networks of fewer blocks are left to the ordering of Ceres.
+constexpr int kLargeNetwork = 20000;
+
+EliminationOrder OrderLargeNetwork(const Network& network, const UnknownLayout& layout) {
+  if (layout.num_blocks() < kLargeNetwork) return {};
+  return FindEliminationOrder(BlockPattern(layout, network), layout.size());
+}
+
+/// Every block of the problem in a group of its own, so that Ceres has no choice; blocks that it
+/// holds come last.
+std::shared_ptr<ceres::ParameterBlockOrdering> OrderingForCeres(const Network& network,
+                                                                const UnknownLayout& layout,
+                                                                const EliminationOrder& order,
+                                                                const ceres::Problem& problem) {
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  int group = 0;
+  for (const int position : order.position) {
+    ordering->AddElementToGroup(network.block(layout.blocks[AsSize(position)]).value.get(),
+                                group++);
+  }
+  std::vector<double*> all;
+  problem.GetParameterBlocks(&all);
+  for (double* block : all) {
+    if (!ordering->IsMember(block)) ordering->AddElementToGroup(block, group);
+  }
+  return ordering;
+}
+
 /// One run of Ceres from the values of the network, watched by the observer among its options.
-SolveReport Attempt(Network& network, const ceres::Solver::Options& options,
+SolveReport Attempt(Network& network, ceres::Solver::Options options,
                     const IterationObserver& observer) {
   internal::CeresProblem problem(network);
+  const UnknownLayout layout(network);
+  const EliminationOrder order = OrderLargeNetwork(network, layout);
+  if (order.dissected) {
+    options.linear_solver_ordering = OrderingForCeres(network, layout, order, problem.problem());
+  }
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem.problem(), &summary);
   problem.RethrowFactorException();

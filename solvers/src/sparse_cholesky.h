@@ -1,11 +1,9 @@
 #pragma once
 
-#include <cholmod.h>
-
 #include <Eigen/Core>
 #include <vector>
 
-#include "normal_equations.h"
+#include "cholmod_support.h"
 
 namespace dn {
 
@@ -25,8 +23,8 @@ struct SupernodalView {
 /// Supernodal Cholesky factorisation A = P^T L L^T P of a sparse symmetric matrix.
 class SparseCholesky {
  public:
-  /// Orders the graph of the blocks by approximate minimum degree, expands the order to the scalar
-  /// unknowns and analyses the pattern of A. layout gives the sizes of the blocks.
+  /// Orders the blocks (FindEliminationOrder), expands the order to the scalar unknowns and analyses
+  /// the pattern of A. layout gives the sizes of the blocks.
   SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks, const UnknownLayout& layout);
   /// Another factor of a pattern that is analysed already.
   explicit SparseCholesky(const SparseCholesky& analysed);
@@ -50,12 +48,9 @@ class SparseCholesky {
 
  private:
   void Start();
-  std::vector<int> BlockOrder(const SymmetricCsc& blocks);
-  void CheckStatus(const char* step) const { CheckStatus(common_, step); }
-  static void CheckStatus(const cholmod_common& common, const char* step);
   void SolveColumns(Eigen::Ref<Eigen::MatrixXd> B) const;
 
-  cholmod_common common_;
+  CholmodCommon common_;
   cholmod_factor* factor_ = nullptr;
   std::vector<int> permuted_index_;
 };
