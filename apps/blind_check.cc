@@ -198,6 +198,7 @@ void AddBlindCheck(CLI::App* program, Action* action) {
         std::copy(inputs.files.begin(), inputs.files.end(),
                   std::back_inserter(options->common.inputs.files));
       }
+      options->common.keeps_records = true;
       return Execute("blind-check", options->common, [&](Run& run) { BlindCheck(*options, run); });
     };
   });

@@ -6,7 +6,6 @@
 #include <dn/page/page.h>
 #include <dn/seconds_since.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <Eigen/Core>
 #include <chrono>
@@ -25,7 +24,14 @@ namespace {
 
 constexpr const char* kReportName = "report.json";
 constexpr const char* kPageName = "report.html";
-constexpr const char* kInterruptedText = "interrupted; no result was written";
+
+std::string InterruptedText(const CommonOptions& options) {
+  std::string text = "interrupted; no result was written";
+  if (options.keeps_records) {
+    text += "; what is finished is kept, the same command goes on from there";
+  }
+  return text;
+}
 
 Json& CommandLine() {
   static Json arguments = Json::array();
@@ -50,9 +56,9 @@ std::string OutputText(const std::filesystem::filesystem_error& error) {
   return fmt::format("{}: {}", error.path1().string(), error.code().message());
 }
 
-Failure Classify(const std::exception& error) {
+Failure Classify(const std::exception& error, const CommonOptions& options) {
   if (dynamic_cast<const dn::Interrupted*>(&error) != nullptr || Interrupted()) {
-    return {130, "interrupted", kInterruptedText};
+    return {130, "interrupted", InterruptedText(options)};
   }
   if (const auto* config = dynamic_cast<const InvalidConfig*>(&error)) {
     return {2, "configuration", WithLocation(*config)};
@@ -80,15 +86,6 @@ Failure Classify(const std::exception& error) {
   return {1, "internal", error.what()};
 }
 
-/// What was printed may wait in a buffer that cannot be written, on a full disk say.
-bool FlushStandardOutput(const std::string& command) {
-  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
-  if (!written) {
-    Say("dn " + command + ": error: the standard output cannot be written");
-  }
-  return written;
-}
-
 Json Versions() {
   return {{"dn", DN_VERSION},
           {"ceres", CERES_VERSION_STRING},
@@ -98,6 +95,14 @@ Json Versions() {
 }
 
 }  // namespace
+
+bool FlushStandardOutput(const std::string& command) {
+  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (!written) {
+    Say("dn " + command + ": error: the standard output cannot be written");
+  }
+  return written;
+}
 
 std::string WithLocation(const InvalidInput& error) {
   const std::string where = error.where().ToString();
@@ -112,37 +117,6 @@ void RememberCommandLine(int argc, char** argv) {
 void Say(const std::string& line) {
   const std::string text = Printable(line) + "\n";
   std::fwrite(text.data(), 1, text.size(), stderr);  // nobody is left to be told of a failure
-}
-
-Progress::Progress(std::string command)
-    : command_(std::move(command)), terminal_(isatty(STDERR_FILENO) != 0) {}
-
-Progress::~Progress() { EndLine(); }
-
-void Progress::EndLine() {
-  if (line_open_) std::fputc('\n', stderr);
-  line_open_ = false;
-}
-
-void Progress::Stage(const std::string& stage, const std::string& detail) {
-  const bool entered = stage != stage_;
-  stage_ = stage;
-  const std::string text = Printable("dn " + command_ + ": " + stage +
-                                     (detail.empty() ? std::string() : " (" + detail + ")"));
-  if (terminal_) {
-    if (entered) EndLine();
-    const std::string line = "\r\033[K" + text;
-    std::fwrite(line.data(), 1, line.size(), stderr);
-    std::fflush(stderr);
-    line_open_ = true;
-  } else if (entered) {
-    Say(text);
-  }
-}
-
-void Progress::Warn(const std::string& message) {
-  EndLine();
-  Say("dn " + command_ + ": warning: " + message);
 }
 
 namespace {
@@ -166,7 +140,7 @@ int StartableThreads(int wanted) {
 }  // namespace
 
 Run::Run(std::string command, const CommonOptions& options)
-    : progress(command), command_(std::move(command)), options_(options) {
+    : progress(command, options.json_progress), command_(std::move(command)), options_(options) {
   if (options_.threads > 1) options_.threads = StartableThreads(options_.threads);
   report = EmptyReport();
   if (options_.threads == options.threads) return;
@@ -198,8 +172,9 @@ void Run::TakeOutput() {
   ExpectHarmless(options_.out, options_.inputs, options_.makes_flight);
   files_ = std::make_unique<OutputDirectory>(options_.out);
   files_->Protect(options_.inputs.All());
-  PrepareForcedEnd(command_, options_.out, files_->staging(),
-                   FormatJson(FailureReport(EmptyReport(), "interrupted", kInterruptedText)));
+  const std::string interrupted = InterruptedText(options_);
+  PrepareForcedEnd(command_, interrupted, options_.out, files_->staging(),
+                   FormatJson(FailureReport(EmptyReport(), "interrupted", interrupted)));
   files_->Remove(EarlierResults(options_.out));
 }
 
@@ -271,7 +246,7 @@ int EndFailed(Run& run, const Failure& failure) {
 
 int Execute(const std::string& command, const CommonOptions& options,
             const std::function<void(Run&)>& body) {
-  PrepareForcedEnd(command, {}, {}, {});
+  PrepareForcedEnd(command, InterruptedText(options), {}, {}, {});
   Run run(command, options);
   Failure failure;
   try {
@@ -280,7 +255,7 @@ int Execute(const std::string& command, const CommonOptions& options,
     run.Publish();
     return FlushStandardOutput(command) ? exit_code : 1;
   } catch (const std::exception& error) {
-    failure = Classify(error);
+    failure = Classify(error, options);
   }
   return EndFailed(run, failure);
 }
@@ -303,6 +278,8 @@ void AddThreads(CLI::App* app, CommonOptions* options) {
                   "the last digit")
       ->check(WholeNumber(1, 1024))
       ->capture_default_str();
+  app->add_flag("--json-progress", options->json_progress,
+                "Progress on stderr as lines of JSON: stage, done, of, elapsed_s, left_s");
 }
 
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) {

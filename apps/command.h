@@ -16,37 +16,19 @@
 
 #include "interruption.h"
 #include "output_folder.h"
+#include "progress.h"
 
 namespace dn::apps {
 
 /// Options that every subcommand takes.
 struct CommonOptions {
   int threads = 1;
+  bool json_progress = false;
   std::filesystem::path out;
   std::vector<std::string> changes;  ///< --set, of a command that reads a flight
   Inputs inputs;                     ///< what the command reads; filled in before it runs
   bool makes_flight = false;         ///< its result is a flight folder
-};
-
-/// Progress on stderr: a live line on a terminal, else a line per stage.
-class Progress {
- public:
-  explicit Progress(std::string command);
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  /// Enters a stage, or updates the detail of the one it is in.
-  void Stage(const std::string& stage, const std::string& detail = "");
-  void Warn(const std::string& message);
-
- private:
-  void EndLine();
-
-  std::string command_;
-  std::string stage_;
-  bool terminal_;
-  bool line_open_ = false;
+  bool keeps_records = false;        ///< the same command goes on where it was interrupted
 };
 
 /// The work ended with results that must not pass for a success: they are written, the exit code
@@ -66,6 +48,10 @@ std::string WithLocation(const InvalidInput& error);
 
 /// A line on stderr, where it can be written.
 void Say(const std::string& line);
+
+/// What was printed may wait in a buffer that cannot be written, on a full disk say: false, and an
+/// error line.
+bool FlushStandardOutput(const std::string& command);
 
 /// Keeps the command line for report.json.
 void RememberCommandLine(int argc, char** argv);
@@ -116,10 +102,10 @@ class Run {
 int Execute(const std::string& command, const CommonOptions& options,
             const std::function<void(Run&)>& body);
 
-/// Adds --threads to a subcommand.
+/// Adds --threads and --json-progress to a subcommand.
 void AddThreads(CLI::App* app, CommonOptions* options);
 
-/// Adds --threads and --out to a subcommand. out_required: as for commands whose result is files.
+/// Adds --out to them. out_required: as for commands whose result is files.
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required);
 
 /// Adds the argument FLIGHT and --set.
@@ -141,5 +127,6 @@ void AddStudy(CLI::App* program, Action* action);
 void AddBlindCheck(CLI::App* program, Action* action);
 void AddMerge(CLI::App* program, Action* action);
 void AddReport(CLI::App* program, Action* action);
+void AddCompletion(CLI::App* program, Action* action);
 
 }  // namespace dn::apps

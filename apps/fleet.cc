@@ -44,7 +44,8 @@ class Fleet {
         fly_(k);
         const std::lock_guard lock(mutex_);
         landed_(k);
-        run_->progress.Stage(what_, fmt::format("{} of {}", ++done_, count_));
+        run_->progress.Stage(what_,
+                             Share{static_cast<double>(++done_), static_cast<double>(count_), ""});
       } catch (const dn::Interrupted&) {
         return;
       } catch (...) {

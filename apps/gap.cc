@@ -47,7 +47,7 @@ GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
   gap.effects = SplitAtCommas(options.effects);
   gap.left_out = SplitAtCommas(options.without);
   gap.progress = [run](const std::string& stage, double fraction) {
-    run->progress.Stage(stage, fmt::format("{:.0f} %", 100.0 * fraction));
+    run->progress.Stage(stage, Share{fraction, 1.0, {}});
   };
   gap.interrupted = [] { return apps::Interrupted(); };
   gap.Validate();

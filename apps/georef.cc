@@ -215,13 +215,18 @@ Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
   run.progress.Stage(stage);
   const auto reader = OpenStrip(file);
   const StripCrs crs = reader->crs();
-  const std::string all = reader->points() ? fmt::format(" of {}", *reader->points()) : "";
+  const std::optional<std::uint64_t> all = reader->points();
   const std::string warning = CheckStripCrs(crs, strips_crs, file);
   if (!warning.empty()) run.progress.Warn(warning);
   GeoreferencedStrip strip =
       georeferencer.Run(file, run.files().Stage("strips/" + name), [&](std::uint64_t points) {
         if (Interrupted()) throw dn::Interrupted();
-        run.progress.Stage(stage, fmt::format("{}{} points", points, all));
+        if (all) {
+          run.progress.Stage(
+              stage, Share{static_cast<double>(points), static_cast<double>(*all), "points"});
+        } else {
+          run.progress.Stage(stage, fmt::format("{} points", points));
+        }
       });
   strip.swath.strip = file.stem().string();
   swaths->push_back(std::move(strip.swath));

@@ -160,12 +160,13 @@ void InstallSignalHandlers() {
   ::sigprocmask(SIG_UNBLOCK, &ours, nullptr);
 }
 
-void PrepareForcedEnd(const std::string& command, const std::filesystem::path& directory,
-                      const std::filesystem::path& staging, const std::string& report) {
+void PrepareForcedEnd(const std::string& command, const std::string& message,
+                      const std::filesystem::path& directory, const std::filesystem::path& staging,
+                      const std::string& report) {
   static ForcedEnd end;
   g_forced_end = nullptr;
   end = {directory.string(), staging.filename().string(), report,
-         "dn " + command + ": error: interrupted; no result was written\n"};
+         "dn " + command + ": error: " + message + "\n"};
   g_forced_end = &end;
 }
 

@@ -15,9 +15,10 @@ bool Interrupted();
 void InstallSignalHandlers();
 
 /// What an end by force leaves in the output directory: its staging directory is removed, and this
-/// report.json put into it. Empty paths: nothing.
-void PrepareForcedEnd(const std::string& command, const std::filesystem::path& directory,
-                      const std::filesystem::path& staging, const std::string& report);
+/// report.json put into it. Empty paths: nothing. The error line says `message`.
+void PrepareForcedEnd(const std::string& command, const std::string& message,
+                      const std::filesystem::path& directory, const std::filesystem::path& staging,
+                      const std::string& report);
 
 /// From here on results are published, which no signal interrupts any more. False when one came
 /// before.

@@ -50,6 +50,7 @@ int ParseAndRun(int argc, char** argv) {
   dn::apps::AddMerge(&program, &action);
   dn::apps::AddAllan(&program, &action);
   dn::apps::AddReport(&program, &action);
+  dn::apps::AddCompletion(&program, &action);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

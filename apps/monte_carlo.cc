@@ -163,6 +163,7 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
   app->callback([options, action] {
     *action = [options] {
       options->common.inputs = ScenarioInputs(options->scenario);
+      options->common.keeps_records = true;
       return Execute("monte-carlo", options->common, [&](Run& run) { MonteCarlo(*options, run); });
     };
   });

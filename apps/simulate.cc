@@ -22,12 +22,12 @@ struct SimulateArguments {
 
 /// The point clouds; what became of their pulses.
 Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
-  const std::vector<CloudCounts> counts = WriteClouds(
-      simulated, run.options().threads, run.files(),
-      [&](const StripInterval& strip, double fraction) {
-        if (Interrupted()) throw dn::Interrupted();
-        run.progress.Stage("strip " + strip.name, fmt::format("{:.0f} %", 100.0 * fraction));
-      });
+  const std::vector<CloudCounts> counts =
+      WriteClouds(simulated, run.options().threads, run.files(),
+                  [&](const StripInterval& strip, double fraction) {
+                    if (Interrupted()) throw dn::Interrupted();
+                    run.progress.Stage("strip " + strip.name, Share{fraction, 1.0, {}});
+                  });
   Json strips = Json::array();
   for (std::size_t i = 0; i < counts.size(); ++i) {
     strips.push_back({{"name", simulated.strips[i].name},
@@ -45,7 +45,7 @@ void RunSimulate(const SimulateArguments& options, Run& run) {
   simulate.noise = !options.noise_free;
   simulate.progress = [&](const std::string& stage, double fraction) {
     if (Interrupted()) throw dn::Interrupted();
-    run.progress.Stage(stage, fmt::format("{:.0f} %", 100.0 * fraction));
+    run.progress.Stage(stage, Share{fraction, 1.0, {}});
   };
   const SimulatedFlight simulated = Simulate(scenario, simulate);
   run.progress.Stage("writing " + options.common.out.string());

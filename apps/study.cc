@@ -183,6 +183,7 @@ void AddStudy(CLI::App* program, Action* action) {
     }
     *action = [options] {
       options->common.inputs = InputsOf(*options);
+      options->common.keeps_records = !options->sweep.file.empty();
       return Execute("study", options->common, [&](Run& run) { RunOne(*options, run); });
     };
   });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "command_names.h"
 #include "shown_text.h"
 
 namespace dn::apps {
@@ -14,33 +15,17 @@ std::string Nearest(const std::string& word, const std::vector<std::string>& kno
   return known.empty() ? std::string() : "; the nearest one is '" + NearestName(word, known) + "'";
 }
 
-std::vector<std::string> CommandsOf(const CLI::App& program) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) {
-    names.push_back(command->get_name());
-  }
-  return names;
-}
-
-std::vector<std::string> OptionsOf(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  return names;
-}
-
 std::string UnknownOption(const CLI::App& app, const std::string& word) {
   const std::string name = word.substr(0, word.find('='));
-  return Quoted(name) + " is no option" + Nearest(name, OptionsOf(app));
+  return Quoted(name) + " is no option" + Nearest(name, OptionNames(app));
 }
 
 std::string NoCommand(const CLI::App& program) {
   const std::vector<std::string> words = program.remaining();
-  if (words.empty()) return "a command is required: " + JoinNames(CommandsOf(program));
+  if (words.empty()) return "a command is required: " + JoinNames(CommandNames(program));
   const std::string& word = words.front();
   if (word.rfind("--", 0) == 0) return UnknownOption(program, word);
-  return Quoted(word) + " is no command" + Nearest(word, CommandsOf(program));
+  return Quoted(word) + " is no command" + Nearest(word, CommandNames(program));
 }
 
 std::string OptionIn(const std::string& text) {

@@ -156,7 +156,8 @@ TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
   ExpectUsageError(
       RunProgram(std::vector<std::string>{}),
       "dn: error: a command is required: init, check, calibrate, smooth, simulate, study, "
-      "match, georef, gap, monte-carlo, blind-check, merge, allan, report; see dn --help");
+      "match, georef, gap, monte-carlo, blind-check, merge, allan, report, completion; see dn "
+      "--help");
   ExpectUsageError(RunProgram({"calibrat", "x"}),
                    "dn: error: 'calibrat' is no command; the nearest one is 'calibrate'; see dn "
                    "--help");
