@@ -162,7 +162,7 @@ Georef Prepare(const GeorefOptions& given, Run& run) {
   options.trajectory = std::move(*flight.trajectory);
   if (own && !given.trajectory.empty()) {
     options.made_by =
-        std::exchange(options.trajectory, ReadTrajectory(given.trajectory, config.body_is_flu));
+        std::exchange(options.trajectory, ReadTrajectory(given.trajectory, TextColumns(config)));
   }
   options.made_with = config.lidar->mounting;
   options.mounting = options.made_with;

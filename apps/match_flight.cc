@@ -56,7 +56,7 @@ FlightPath PathOf(FlightConfig* config, const std::string& trajectory, Run& run)
     *config = WithTrajectory(flight.config, trajectory);
     if (own && !trajectory.empty()) {
       path.options.made_by =
-          std::exchange(path.options.trajectory, ReadTrajectory(trajectory, config->body_is_flu));
+          std::exchange(path.options.trajectory, ReadTrajectory(trajectory, TextColumns(*config)));
     }
     return path;
   }

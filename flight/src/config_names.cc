@@ -67,6 +67,20 @@ const Words<bool>& GhRotationWords() {
   return words;
 }
 
+const Words<TrajectoryColumns::Attitude>& AttitudeWords() {
+  using Attitude = TrajectoryColumns::Attitude;
+  static const Words<Attitude> words{{"quaternion_ned", Attitude::kQuaternionNed},
+                                     {"quaternion_enu", Attitude::kQuaternionEnu},
+                                     {"roll_pitch_heading_deg", Attitude::kRollPitchHeading},
+                                     {"roll_pitch_yaw_enu_deg", Attitude::kRollPitchYawEnu}};
+  return words;
+}
+
+const Words<bool>& NorthWords() {
+  static const Words<bool> words{{"geodetic", false}, {"grid", true}};
+  return words;
+}
+
 const Words<bool>& BodyWords() {
   static const Words<bool> words{{"FRD", false}, {"FLU", true}};
   return words;

@@ -24,6 +24,8 @@ const Words<BiasProcess::Type>& ProcessWords();
 /// The kinds of process that an error of GNSS positions may be.
 const Words<BiasProcess::Type>& GnssProcessWords();
 const Words<bool>& GhRotationWords();
+const Words<TrajectoryColumns::Attitude>& AttitudeWords();
+const Words<bool>& NorthWords();
 const Words<bool>& BodyWords();
 const Words<NetworkConfig::Inertial>& InertialWords();
 

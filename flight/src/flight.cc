@@ -170,7 +170,7 @@ class FolderReader {
     if (!HasSection(flight_.config.trajectory.has_value(), "trajectory")) return;
     const fs::path file = InFolder(flight_.config.trajectory->file);
     if (!HasFile(file, "trajectory.file")) return;
-    flight_.trajectory = ReadTrajectory(file, flight_.config.body_is_flu);
+    flight_.trajectory = ReadTrajectory(file, TextColumns(flight_.config));
     flight_.counts["trajectory points"] = static_cast<long>(flight_.trajectory->points().size());
     Count("trajectory repeated rows", flight_.trajectory->notes().repeated_rows_dropped);
   }
@@ -265,7 +265,9 @@ class FolderReader {
   std::optional<Trajectory> ReadIfPresent(const std::string& stem) {
     for (const char* extension : {".out", ".txt"}) {
       const fs::path file = InFolder(stem + extension);
-      if (internal::IsThere(file)) return ReadTrajectory(file, flight_.config.body_is_flu);
+      if (internal::IsThere(file)) {
+        return ReadTrajectory(file, {.body_is_flu = flight_.config.body_is_flu});
+      }
     }
     return std::nullopt;
   }

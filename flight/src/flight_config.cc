@@ -165,6 +165,14 @@ FlightConfig ParseFlightConfig(const std::string& text, const fs::path& folder) 
   return ParseFile(text, folder / "flight.yaml");
 }
 
+TrajectoryColumns TextColumns(const FlightConfig& config) {
+  TrajectoryColumns columns;
+  if (config.trajectory) columns = config.trajectory->columns;
+  columns.body_is_flu = config.body_is_flu;
+  columns.map_origin = config.origin;
+  return columns;
+}
+
 FlightConfig ReadFlightConfig(const fs::path& folder_or_file,
                               const std::vector<std::string>& changes) {
   const fs::path file = ConfigFile(folder_or_file);

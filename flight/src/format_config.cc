@@ -158,6 +158,10 @@ void WriteLidar(const LidarConfig& lidar, Writer& out) {
 void WriteTrajectory(const TrajectoryConfig& trajectory, Writer& out) {
   out.Line(0, "trajectory:");
   out.Key(1, "file", QuoteYaml(trajectory.file));
+  const TrajectoryColumns& columns = trajectory.columns;
+  out.Key(1, "crs", QuoteYaml(columns.crs));
+  out.Key(1, "attitude", WordOf(columns.attitude, internal::AttitudeWords()));
+  out.Key(1, "north", WordOf(columns.grid_north, internal::NorthWords()));
   out.Key(1, "sigma_xy_m", Number(trajectory.sigma_xy_m));
   out.Key(1, "sigma_z_m", Number(trajectory.sigma_z_m));
   out.Key(1, "sigma_rp_deg", Number(trajectory.sigma_rp_rad, &RadFromDeg));

@@ -64,21 +64,4 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
   return gnss;
 }
 
-TrajectoryConfig ReadTrajectorySection(const YamlValue& section) {
-  section.ExpectMap(
-      {"file", "sigma_xy_m", "sigma_z_m", "sigma_rp_deg", "sigma_y_deg", "sigma_file"});
-  TrajectoryConfig trajectory;
-  if (section["file"]) trajectory.file = section["file"].Text();
-  if (section["sigma_file"]) trajectory.sigma_file = section["sigma_file"].Text();
-  if (section["sigma_xy_m"]) trajectory.sigma_xy_m = section["sigma_xy_m"].Positive();
-  if (section["sigma_z_m"]) trajectory.sigma_z_m = section["sigma_z_m"].Positive();
-  if (section["sigma_rp_deg"]) {
-    trajectory.sigma_rp_rad = RadFromDeg(section["sigma_rp_deg"].Positive());
-  }
-  if (section["sigma_y_deg"]) {
-    trajectory.sigma_y_rad = RadFromDeg(section["sigma_y_deg"].Positive());
-  }
-  return trajectory;
-}
-
 }  // namespace dn::internal

@@ -1,4 +1,8 @@
+#include <dn/geo/point_crs.h>
+#include <dn/geo/text_table.h>
+#include <dn/geo/trajectory.h>
 #include <dn/report/json.h>
+#include <dn/rotation.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,6 +44,46 @@ void ExpectNear(const Json& boresight, double sigmas) {
     EXPECT_NEAR(sigma, std::sqrt(boresight["covariance_deg2"][i][i].get<double>()), 1e-12 * sigma);
     EXPECT_GT(sigma, boresight["sigma_scaled_deg"][i].get<double>());
     EXPECT_GT(boresight["sigma_apriori_deg"][i].get<double>(), 0.0);
+  }
+}
+
+/// A trajectory as text in grid coordinates, with angles from grid north.
+std::string InUtm(const Trajectory& trajectory, const std::string& crs) {
+  const LocalFrame frame(trajectory.points().front().position);
+  const PointCrs grid(crs, frame);
+  std::string text;
+  for (const NavPoint& point : trajectory.points()) {
+    const Eigen::Vector3d p_m = frame.ToMap(point.position);
+    const Eigen::Vector3d p_c = grid.FromMap(p_m);
+    const Eigen::Vector3d north_c = grid.J_c_m(p_m) * frame.R_mn(p_m).col(0);
+    Eigen::Vector3d rph_rad = RollPitchHeading(point.q_nb);
+    rph_rad.z() += std::atan2(north_c.x(), north_c.y());
+    text += FormatDouble(point.t_s);
+    for (const double x : p_c) text += ' ' + FormatDouble(x);
+    for (const double angle : rph_rad) text += ' ' + FormatDouble(kDegPerRad * angle);
+    text += '\n';
+  }
+  return text;
+}
+
+TEST(CliGaussHelmert, TakesATrajectoryInTheConventionsOfOthers) {
+  const DamagedFlight flight;
+  const ProgramRun sbet =
+      flight.Run("calibrate", {"--method", "gh", "--trajectory", SmoothedTrajectory()});
+  ASSERT_EQ(sbet.exit_code, 0) << sbet.err;
+  const Json expected = JsonOf(flight.out() / "result.json")["boresight"]["angles_deg"];
+
+  flight.Write("grid.txt", InUtm(ReadTrajectory(SmoothedTrajectory()), "utm:32n"));
+  fs::copy_file(SmoothResult() / "trajectory_covariance.txt",
+                flight.path() / "trajectory_covariance.txt");
+  const ProgramRun run = flight.Run(
+      "calibrate",
+      {"--method", "gh", "--set", "trajectory.file=grid.txt", "--set", "trajectory.crs=utm:32n",
+       "--set", "trajectory.attitude=roll_pitch_heading_deg", "--set", "trajectory.north=grid"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Json angles_deg = JsonOf(flight.out() / "result.json")["boresight"]["angles_deg"];
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(angles_deg[i].get<double>(), expected[i].get<double>(), 1e-6);
   }
 }
 

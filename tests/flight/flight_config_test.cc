@@ -72,7 +72,7 @@ lidar:
   gsd_m: 0.2
   sigma_p_m: 0.057735
   robust: cauchy
-trajectory: {file: t.txt, sigma_xy_m: 0.0022, sigma_z_m: 0.0039, sigma_rp_deg: 0.00022, sigma_y_deg: 0.00058}
+trajectory: {file: t.txt, crs: "utm:32n", attitude: roll_pitch_heading_deg, north: grid, sigma_xy_m: 0.0022, sigma_z_m: 0.0039, sigma_rp_deg: 0.00022, sigma_y_deg: 0.00058}
 gh: {rotation: small_angle, libor_compat: true}
 estimate: [boresight, {unknown: gnss_lever_arm, sigma: 0.05}, lidar_time_offset,
            {unknown: boresight_step, t0_s: 381500, sigma: [0.01, 0.02, 0.03]},
@@ -161,6 +161,9 @@ void ExpectSameRest(const FlightConfig& a, const FlightConfig& b) {
   ASSERT_EQ(a.trajectory.has_value(), b.trajectory.has_value());
   if (a.trajectory) {
     EXPECT_EQ(a.trajectory->file, b.trajectory->file);
+    EXPECT_EQ(a.trajectory->columns.crs, b.trajectory->columns.crs);
+    EXPECT_EQ(a.trajectory->columns.attitude, b.trajectory->columns.attitude);
+    EXPECT_EQ(a.trajectory->columns.grid_north, b.trajectory->columns.grid_north);
     EXPECT_EQ(a.trajectory->sigma_xy_m, b.trajectory->sigma_xy_m);
     EXPECT_EQ(a.trajectory->sigma_z_m, b.trajectory->sigma_z_m);
     EXPECT_EQ(a.trajectory->sigma_rp_rad, b.trajectory->sigma_rp_rad);

@@ -36,7 +36,7 @@ void Set(std::string& sbet, std::size_t record, std::size_t column, double value
 
 Trajectory Read(const std::string& sbet, bool body_is_flu = false) {
   const TempFile file("trajectory.out", sbet);
-  return ReadTrajectory(file.path(), body_is_flu);
+  return ReadTrajectory(file.path(), {.body_is_flu = body_is_flu});
 }
 
 double AngleRad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {

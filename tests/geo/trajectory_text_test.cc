@@ -1,4 +1,6 @@
 #include <dn/error.h>
+#include <dn/geo/point_crs.h>
+#include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <dn/rotation.h>
 #include <gtest/gtest.h>
@@ -7,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "geo/moving_points.h"
 #include "testing/expect_invalid.h"
@@ -21,7 +24,19 @@ using testing::TempFile;
 
 Trajectory Read(const std::string& text, bool body_is_flu = false) {
   const TempFile file("trajectory.txt", text);
-  return ReadTrajectory(file.path(), body_is_flu);
+  return ReadTrajectory(file.path(), {.body_is_flu = body_is_flu});
+}
+
+Trajectory Read(const std::string& text, const TrajectoryColumns& columns) {
+  const TempFile file("trajectory.txt", text);
+  return ReadTrajectory(file.path(), columns);
+}
+
+std::string Row(double t_s, const Eigen::Vector3d& position, const std::vector<double>& attitude) {
+  std::string row = FormatDouble(t_s);
+  for (const double x : position) row += ' ' + FormatDouble(x);
+  for (const double x : attitude) row += ' ' + FormatDouble(x);
+  return row + '\n';
 }
 
 double AngleRad(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
@@ -82,6 +97,80 @@ TEST(TrajectoryText, RejectsBadFilesEachByItsOwnMessage) {
   ExpectInvalid([&] { Read(ok + "0.5 46 6 500 1 0 0 0\n"); }, "does not increase", 2);
   ExpectInvalid([&] { Read(ok); }, "only one epoch", 0);
   ExpectInvalid([&] { Read("1 46 6 500 0.1 0.2 0.3\n"); }, "7 columns, must have 8", 1);
+}
+
+using Attitude = TrajectoryColumns::Attitude;
+
+// The same points in every system of coordinates.
+TEST(TrajectoryText, ReadsProjectedLocalAndGeocentricPositions) {
+  const std::vector<NavPoint> points = MovingPoints(20, 1.0);
+  const Geodetic origin{points[0].position.lat_rad - 0.001, points[0].position.lon_rad, 300.0};
+  const LocalFrame frame(origin);
+  for (const char* crs : {"map", "utm:32n", "ecef"}) {
+    const PointCrs points_crs(crs, frame);
+    std::string text;
+    for (const NavPoint& p : points) {
+      text += Row(p.t_s, points_crs.FromMap(frame.ToMap(p.position)),
+                  {p.q_nb.w(), p.q_nb.x(), p.q_nb.y(), p.q_nb.z()});
+    }
+    const Trajectory trajectory = Read(text, {.crs = crs, .map_origin = origin});
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const NavPoint& read = trajectory.points()[i];
+      EXPECT_LE((frame.ToMap(read.position) - frame.ToMap(points[i].position)).norm(), 1e-7) << crs;
+      EXPECT_LE(AngleRad(read.q_nb, points[i].q_nb), 1e-14) << crs;
+    }
+  }
+}
+
+// A body that looks north-east (heading 30 deg), nose up 10 deg, right wing down 5 deg: axes
+// forward, right, down in north, east, down, written out.
+TEST(TrajectoryText, ReadsAttitudesOfOtherConventions) {
+  const Eigen::Vector3d rph_deg(5.0, 10.0, 30.0);
+  const Eigen::Quaterniond q_n_frd = QuaternionFromRollPitchHeading(kRadPerDeg * rph_deg);
+  const Eigen::Matrix3d R_n_frd = q_n_frd.toRotationMatrix();
+  EXPECT_GT(R_n_frd(0, 0), 0.8);   // forward is north,
+  EXPECT_LT(R_n_frd(2, 0), -0.1);  // and up
+  EXPECT_GT(R_n_frd(2, 1), 0.05);  // right is down
+  Eigen::Matrix3d R_enu_ned;
+  R_enu_ned << 0, 1, 0, 1, 0, 0, 0, 0, -1;
+  const Eigen::Matrix3d R_frd_flu = Eigen::Vector3d(1, -1, -1).asDiagonal();
+  const Eigen::Quaterniond q_enu_frd(R_enu_ned * R_n_frd);
+  const Eigen::Quaterniond q_enu_flu(R_enu_ned * R_n_frd * R_frd_flu);
+  const auto expect = [&](const std::vector<double>& attitude, const TrajectoryColumns& columns) {
+    const Eigen::Vector3d p(46.0, 6.0, 500.0);
+    const Trajectory t = Read(Row(1.0, p, attitude) + Row(2.0, p, attitude), columns);
+    EXPECT_LE(AngleRad(t.points()[0].q_nb, q_n_frd), 1e-14);
+  };
+  const auto wxyz = [](const Eigen::Quaterniond& q) {
+    return std::vector<double>{q.w(), q.x(), q.y(), q.z()};
+  };
+  expect(wxyz(q_enu_frd), {.attitude = Attitude::kQuaternionEnu});
+  expect(wxyz(q_enu_flu), {.attitude = Attitude::kQuaternionEnu, .body_is_flu = true});
+  expect({5.0, 10.0, 30.0}, {.attitude = Attitude::kRollPitchHeading});
+  // Nose up is a negative turn about the left axis; east is 90 deg from north the other way.
+  expect({5.0, -10.0, 60.0}, {.attitude = Attitude::kRollPitchYawEnu});
+}
+
+// Meridians converge by the difference of longitude times the sine of the latitude, nearly.
+TEST(TrajectoryText, TurnsGridNorth) {
+  const LocalFrame frame({46.0 * kRadPerDeg, 6.0 * kRadPerDeg, 500.0});
+  const Eigen::Vector3d p_utm = PointCrs("utm:32n", frame).FromMap(Eigen::Vector3d::Zero());
+  const TrajectoryColumns columns{
+      .crs = "utm:32n", .attitude = Attitude::kRollPitchHeading, .grid_north = true};
+  const Trajectory t =
+      Read(Row(1.0, p_utm, {0.0, 0.0, 30.0}) + Row(2.0, p_utm, {0.0, 0.0, 30.0}), columns);
+  const double heading_deg = kDegPerRad * RollPitchHeading(t.points()[0].q_nb).z();
+  const double convergence_deg = (6.0 - 9.0) * std::sin(46.0 * kRadPerDeg);
+  EXPECT_NEAR(heading_deg, 30.0 + convergence_deg, 0.002);
+}
+
+TEST(TrajectoryText, ErrorsOfOtherColumnsSayWhatIsWrong) {
+  const TrajectoryColumns angles{.attitude = Attitude::kRollPitchHeading};
+  ExpectInvalid([&] { Read("1 46 6 500 1 0 0 0\n", angles); }, "8 columns, must have 7", 1);
+  ExpectInvalid([&] { Read("1 46 6 500 0 91 0\n2 46 6 500 0 9 0\n", angles); }, "must be within 180, 90", 1);
+  ExpectInvalid([&] { Read("1 46 6 500 1 0 0 0\n2 46 6 5 1 0 0 0\n", {.crs = "utm:32n"}); },
+                "degrees have trajectory.crs: geographic", 1);
+  EXPECT_THROW(Read("1 0 0 500 1 0 0 0\n2 1 0 500 1 0 0 0\n", {.crs = "map"}), InvalidConfig);
 }
 
 struct RealFile {

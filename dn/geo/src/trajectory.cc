@@ -100,12 +100,12 @@ MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame) {
   return pose;
 }
 
-Trajectory ReadTrajectory(const std::filesystem::path& file, bool body_is_flu) {
+Trajectory ReadTrajectory(const std::filesystem::path& file, const TrajectoryColumns& columns) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension == ".out" || extension == ".sbet") return internal::ReadSbet(file);
-  return internal::ReadTrajectoryText(file, body_is_flu);
+  return internal::ReadTrajectoryText(file, columns);
 }
 
 }  // namespace dn

@@ -10,7 +10,7 @@ namespace dn::internal {
 
 /// See ReadTrajectory; one function per format.
 Trajectory ReadSbet(const std::filesystem::path& file);
-Trajectory ReadTrajectoryText(const std::filesystem::path& file, bool body_is_flu);
+Trajectory ReadTrajectoryText(const std::filesystem::path& file, const TrajectoryColumns& columns);
 
 /// Velocities north, east, down in m/s by differentiating the positions of at least two points
 /// with increasing times: the parabola through each point and its neighbours.

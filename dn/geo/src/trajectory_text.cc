@@ -1,7 +1,12 @@
 #include <dn/error.h>
+#include <dn/geo/point_crs.h>
 #include <dn/geo/text_table.h>
+#include <dn/geo/trajectory.h>
+#include <dn/rotation.h>
 
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include "trajectory_io.h"
 
@@ -9,29 +14,104 @@ namespace dn {
 namespace internal {
 namespace {
 
+using Attitude = TrajectoryColumns::Attitude;
+
 /// A quaternion further from unit norm than this is another quantity, not a rounded quaternion.
 constexpr double kNormTolerance = 0.01;
 
-const Eigen::Quaterniond& q_flu_frd() {
-  static const Eigen::Quaterniond q(0.0, 1.0, 0.0, 0.0);  // half a turn about the forward axis
-  return q;
-}
+/// Half a turn about the forward axis, FLU <-> FRD.
+const Eigen::Quaterniond kFluFrd(0.0, 1.0, 0.0, 0.0);
+/// Half a turn about north-east, ENU <-> NED.
+const Eigen::Quaterniond kNedEnu(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
 
 Eigen::Quaterniond ReadQuaternion(const double* wxyz, const FileLocation& where) {
   const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
   if (q.norm() == 0.0) throw InvalidInput("attitude quaternion has zero norm", where);
   if (!(std::abs(q.norm() - 1.0) <= kNormTolerance)) {
     throw InvalidInput("attitude quaternion has norm " + FormatDouble(q.norm()) +
-                           ", must be 1; columns are t, lat, lon [deg], h, w, x, y, z",
+                           ", must be 1; columns are t, position (3), w, x, y, z: see "
+                           "trajectory.crs and trajectory.attitude",
                        where);
   }
   return q.normalized();
 }
 
+void CheckAngles(const double* deg, const FileLocation& where) {
+  if (std::abs(deg[0]) <= 180.0 && std::abs(deg[1]) <= 90.0 && std::abs(deg[2]) <= 360.0) return;
+  throw InvalidInput("roll, pitch, heading are " + FormatDouble(deg[0]) + ", " +
+                         FormatDouble(deg[1]) + ", " + FormatDouble(deg[2]) +
+                         " deg, must be within 180, 90 and 360 deg",
+                     where);
+}
+
+/// Grid coordinates that small are none that anybody flies at.
+void ExpectNoDegrees(const double* c, const FileLocation& where) {
+  if (std::abs(c[0]) > 360.0 || std::abs(c[1]) > 360.0) return;
+  throw InvalidInput("easting, northing are " + FormatDouble(c[0]) + ", " + FormatDouble(c[1]) +
+                         " m; degrees have trajectory.crs: geographic",
+                     where);
+}
+
+/// Body (FRD) -> the north-east-down in which the attitude is given.
+Eigen::Quaterniond ReadAttitude(const double* c, const TrajectoryColumns& columns,
+                                const FileLocation& where) {
+  if (columns.has_quaternion()) {
+    Eigen::Quaterniond q = ReadQuaternion(c, where);
+    if (columns.attitude == Attitude::kQuaternionEnu) q = kNedEnu * q;
+    return columns.body_is_flu ? q * kFluFrd : q;
+  }
+  CheckAngles(c, where);
+  const Eigen::Quaterniond q =
+      QuaternionFromRollPitchHeading(kRadPerDeg * Eigen::Vector3d(c[0], c[1], c[2]));
+  return columns.attitude == Attitude::kRollPitchHeading ? q : kNedEnu * q * kFluFrd;
+}
+
+/// Positions of one coordinate system as geodetic ones.
+class PositionReader {
+ public:
+  explicit PositionReader(const TrajectoryColumns& columns)
+      : frame_(columns.map_origin.value_or(Geodetic())) {
+    if (columns.crs == "geographic") return;
+    if (columns.crs == "map" && !columns.map_origin) {
+      throw InvalidConfig("a trajectory in the mapping frame needs frame.origin_deg_m");
+    }
+    crs_.emplace(columns.crs, frame_);
+    utm_ = columns.crs.rfind("utm:", 0) == 0;
+  }
+
+  Geodetic Read(const double* c, const FileLocation& where) const {
+    if (crs_) {
+      if (utm_) ExpectNoDegrees(c, where);
+      try {
+        return frame_.ToGeodetic(crs_->ToMap({c[0], c[1], c[2]}));
+      } catch (const InvalidInput& error) {
+        throw InvalidInput(error.what(), where);
+      }
+    }
+    const Geodetic point{c[0] * kRadPerDeg, c[1] * kRadPerDeg, c[2]};
+    CheckGeodetic(point, where);
+    return point;
+  }
+
+  /// True azimuth of grid north.
+  double Convergence_rad(const Geodetic& point) const {
+    const Eigen::Vector3d p_m = frame_.ToMap(point);
+    const Eigen::Vector3d north_c = crs_->J_c_m(p_m) * frame_.R_mn(p_m).col(0);
+    return -std::atan2(north_c.x(), north_c.y());
+  }
+
+ private:
+  LocalFrame frame_;
+  std::optional<PointCrs> crs_;
+  bool utm_ = false;
+};
+
 }  // namespace
 
-Trajectory ReadTrajectoryText(const std::filesystem::path& file, bool body_is_flu) {
-  TextTable table = ReadTextTable(file, {8});
+Trajectory ReadTrajectoryText(const std::filesystem::path& file, const TrajectoryColumns& columns) {
+  const PositionReader positions(columns);
+  TextTable table =
+      ReadTextTable(file, {columns.has_quaternion() ? std::size_t{8} : std::size_t{7}});
   std::vector<std::size_t> keep;
   TrajectoryNotes notes;
   notes.repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
@@ -46,10 +126,12 @@ Trajectory ReadTrajectoryText(const std::filesystem::path& file, bool body_is_fl
     const FileLocation where{file.string(), table.lines[i], 0};
     NavPoint point;
     point.t_s = c[0];
-    point.position = {c[1] * kRadPerDeg, c[2] * kRadPerDeg, c[3]};
-    CheckGeodetic(point.position, where);
-    point.q_nb = ReadQuaternion(c + 4, where);
-    if (body_is_flu) point.q_nb = point.q_nb * q_flu_frd();
+    point.position = positions.Read(c + 1, where);
+    point.q_nb = ReadAttitude(c + 4, columns, where);
+    if (columns.grid_north) {
+      const Eigen::Vector3d turn(0.0, 0.0, positions.Convergence_rad(point.position));
+      point.q_nb = Exp(turn) * point.q_nb;
+    }
     points.push_back(point);
   }
   const std::vector<Eigen::Vector3d> v_ned = DifferentiatedVelocities(points);

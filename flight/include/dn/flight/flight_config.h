@@ -68,7 +68,8 @@ struct LidarConfig {
 /// Section `trajectory`: a given trajectory and what is known of its accuracy.
 struct TrajectoryConfig {
   std::string file = "trajectory.out";
-  std::string sigma_file;  ///< of its accuracy; empty: what lies beside the trajectory
+  std::string sigma_file;     ///< of its accuracy; empty: what lies beside the trajectory
+  TrajectoryColumns columns;  ///< as declared; see TextColumns
   double sigma_xy_m = 0.03;
   double sigma_z_m = 0.05;
   double sigma_rp_rad = 0.003 * 3.14159265358979323846 / 180.0;
@@ -113,6 +114,10 @@ struct FlightConfig {
   std::vector<EstimateEntry> estimate{{.unknown = "boresight"}};
   NetworkConfig network;
 };
+
+/// The columns of a text trajectory of the flight, as `trajectory` declares them, with the body and
+/// the origin of the flight.
+TrajectoryColumns TextColumns(const FlightConfig& config);
 
 /// Reads and checks flight.yaml of a flight folder, or a file of that kind under another name. The
 /// data lie beside it, else in its `data_folder`. Throws InvalidConfig with file:line for a missing

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/geo/local_frame.h>
+#include <dn/geo/trajectory_columns.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -75,10 +76,9 @@ MapPose InterpolatePose(const std::vector<MapPose>& poses, double t_s);
 NavPoint ToNavPoint(const MapPose& pose, const LocalFrame& frame);
 MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 
-/// Reads SBET (17 float64, little endian) when the extension is .out or .sbet, else ODyN text (t,
-/// lat, lon [deg], h, quaternion w, x, y, z body -> NED). body_is_flu: the attitudes of a text file
-/// refer to forward-left-up and are converted to forward-right-down; SBET is forward-right-down by
-/// its definition and is taken as it is.
+/// Reads SBET (17 float64, little endian) when the extension is .out or .sbet, else text of t and
+/// the columns, by default those of ODyN: latitude, longitude [deg], height, quaternion w, x, y, z
+/// body -> NED. SBET is what it is, whatever the columns.
 ///
 /// SBET headings are made true by subtracting the wander angle. Its velocities are used where they
 /// agree within 0.1 m/s with the positions under one of the sign conventions in use (y right or
@@ -88,8 +88,8 @@ MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 ///
 /// Throws InvalidInput naming file and line or record: an incomplete last record, values that are
 /// not finite or out of range, a quaternion whose norm is not 1 within 1 %, times that do not
-/// increase.
-Trajectory ReadTrajectory(const std::filesystem::path& file, bool body_is_flu = false);
+/// increase. Throws InvalidConfig for a coordinate system that is none, or without its origin.
+Trajectory ReadTrajectory(const std::filesystem::path& file, const TrajectoryColumns& columns = {});
 
 /// Serialised SBET: wander angle 0, velocities north, east, down, specific force and rate in body
 /// (FRD). SBET has no header: where the trajectory was adjusted together with lidar pairs, the zero

@@ -1,0 +1,48 @@
+#include <dn/geo/point_crs.h>
+
+#include "config_names.h"
+#include "config_sections.h"
+
+namespace dn::internal {
+namespace {
+
+TrajectoryColumns ReadColumns(const YamlValue& section) {
+  TrajectoryColumns columns;
+  if (const YamlValue crs = section["crs"]) {
+    columns.crs = crs.Name();
+    if (columns.crs == "none" || (columns.crs != "geographic" && !IsPointCrsName(columns.crs))) {
+      crs.Fail("'" + columns.crs +
+               "' is none of geographic, map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef");
+    }
+  }
+  if (section["attitude"]) columns.attitude = section["attitude"].Choice(AttitudeWords());
+  if (const YamlValue north = section["north"]) {
+    columns.grid_north = north.Choice(NorthWords());
+    if (columns.grid_north && columns.crs.rfind("utm:", 0) != 0) {
+      north.Fail("grid needs positions in a grid: crs: utm:ZONEn or utm:ZONEs");
+    }
+  }
+  return columns;
+}
+
+}  // namespace
+
+TrajectoryConfig ReadTrajectorySection(const YamlValue& section) {
+  section.ExpectMap({"file", "crs", "attitude", "north", "sigma_xy_m", "sigma_z_m", "sigma_rp_deg",
+                     "sigma_y_deg", "sigma_file"});
+  TrajectoryConfig trajectory;
+  if (section["file"]) trajectory.file = section["file"].Text();
+  trajectory.columns = ReadColumns(section);
+  if (section["sigma_file"]) trajectory.sigma_file = section["sigma_file"].Text();
+  if (section["sigma_xy_m"]) trajectory.sigma_xy_m = section["sigma_xy_m"].Positive();
+  if (section["sigma_z_m"]) trajectory.sigma_z_m = section["sigma_z_m"].Positive();
+  if (section["sigma_rp_deg"]) {
+    trajectory.sigma_rp_rad = RadFromDeg(section["sigma_rp_deg"].Positive());
+  }
+  if (section["sigma_y_deg"]) {
+    trajectory.sigma_y_rad = RadFromDeg(section["sigma_y_deg"].Positive());
+  }
+  return trajectory;
+}
+
+}  // namespace dn::internal
