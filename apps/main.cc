@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <array>
@@ -24,6 +25,13 @@ void OpenStandardStreams() {
 void BufferStandardOutput() {
   static std::array<char, std::size_t{1} << 20> buffer;
   std::setvbuf(stdout, buffer.data(), _IOFBF, buffer.size());
+}
+
+// Large matrices come and go with every step of an adjustment: what they leave is kept for the next
+// one, instead of being returned to the system and cleared by it again.
+void KeepFreedMemory() {
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that there is
+  ::mallopt(M_TRIM_THRESHOLD, 1 << 30);
 }
 
 int ParseAndRun(int argc, char** argv) {
@@ -69,6 +77,7 @@ int ParseAndRun(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   OpenStandardStreams();
+  KeepFreedMemory();
   dn::apps::InstallSignalHandlers();
   BufferStandardOutput();
   try {

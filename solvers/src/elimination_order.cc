@@ -1,5 +1,6 @@
 #include "elimination_order.h"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 
@@ -8,8 +9,10 @@
 namespace dn {
 namespace {
 
-/// From here on a dissection takes less time than it can save (half a second of factorisation).
+/// From here on a dissection takes less time than it can save: half a second of factorisation, and
+/// for each block ten times what it takes to dissect it.
 constexpr double kWorthDissecting = 1e10;
+constexpr double kWorthDissectingPerBlock = 2e5;
 
 // METIS draws from the one generator of the C library, which it seeds itself.
 std::mutex g_metis_mutex;
@@ -72,7 +75,8 @@ EliminationOrder FindEliminationOrder(const SymmetricCsc& blocks, int unknowns) 
   Graph graph(blocks);
   best.position = graph.MinimumDegree();
   best.block_operations = graph.Operations(best.position);
-  if (best.operations(unknowns) < kWorthDissecting) return best;
+  const double worth = std::max(kWorthDissecting, kWorthDissectingPerBlock * blocks.n);
+  if (best.operations(unknowns) < worth) return best;
   EliminationOrder dissected{graph.Dissection(), 0.0, true};
   dissected.block_operations = graph.Operations(dissected.position);
   return dissected.block_operations < best.block_operations ? dissected : best;
