@@ -130,7 +130,7 @@ class GaussHelmertDiagnosis {
   /// Of the pairs left out, those that errors of the trajectory do not explain.
   void AddOutliers(const ErrorScale& scale, std::vector<ScreenedEffect>* effects) {
     const GaussHelmertProblem& problem = calibration_.problem;
-    double largest_m = 0.0;
+    std::vector<double> lengths_m;
     gross_ = 0;
     for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
       if (calibration_.adjustment.weights[k] > 0.0) continue;
@@ -140,10 +140,10 @@ class GaussHelmertDiagnosis {
       const Eigen::Matrix3d covariance = MisclosureCovariance(problem.pairs[k], at, OfEnds(scale));
       if (at.w.dot(covariance.llt().solve(at.w)) < kGrossPairNorm * kGrossPairNorm) continue;
       ++gross_;
-      largest_m = std::max(largest_m, at.w.norm());
+      lengths_m.push_back(at.w.norm());
     }
     const ScreenedEffect outliers = OutlierEffect(
-        "p2p_outliers", gross_, static_cast<long>(problem.pairs.size()), kGoodPairsLost, largest_m);
+        "p2p_outliers", gross_, static_cast<long>(problem.pairs.size()), kGoodPairsLost, lengths_m);
     const auto at = std::find_if(effects->begin(), effects->end(), [&](const auto& effect) {
       return effect.log_evidence < outliers.log_evidence;
     });

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "evidence_adjustment.h"
 #include "outlier_evidence.h"
@@ -65,32 +66,31 @@ ExplainedFlight Explainer::Explain(const std::vector<GapCause>& causes) const {
 
 void Explainer::AddOutliers(ExplainedFlight* explained) const {
   const auto add = [&](const std::string& name, long found, long of_all, double usual,
-                       double size_m) {
+                       const std::vector<double>& lengths_m) {
     const LibraryOptions wanted{options_.effects, options_.left_out, 1};
     const bool there = std::any_of(explained->causes.begin(), explained->causes.end(),
                                    [&](const GapCause& cause) { return cause.effect == name; });
     if (there || of_all == 0 || !wanted.Wanted(name)) return;
-    explained->effects.push_back(OutlierEffect(name, found, of_all, usual, size_m));
+    explained->effects.push_back(OutlierEffect(name, found, of_all, usual, lengths_m));
   };
   const Adjustment& adjustment = explained->solution->adjustment();
   const FlightNetwork& network = *adjustment.network;
-  double largest_m = 0.0;
+  std::vector<double> pairs_m, positions_m;
   for (std::size_t k = 0; k < network.pair_edges.size(); ++k) {
     if (network.net.factor(network.pair_edges[k].id).active) continue;
-    largest_m = std::max(largest_m, network.PairDifference(k).norm());
+    pairs_m.push_back(network.PairDifference(k).norm());
   }
   add("p2p_outliers", adjustment.outliers, static_cast<long>(network.pair_edges.size()),
-      kGoodPairsLost, largest_m);
-  double largest_gnss_m = 0.0;
+      kGoodPairsLost, pairs_m);
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
     if (network.net.factor(edge.position).active) continue;
     const Eigen::Vector3d p_m = network.flight().gnss->epochs[edge.epoch].p_m;
     const MapPose pose = network.NodePose(edge.node);
     const Eigen::Vector3d arm_b_m = network.net.Value(network.gnss_lever_arm);
-    largest_gnss_m = std::max(largest_gnss_m, (pose.p_mb + pose.q_mb * arm_b_m - p_m).norm());
+    positions_m.push_back((pose.p_mb + pose.q_mb * arm_b_m - p_m).norm());
   }
   add("gnss_outliers", explained->gnss_left_out, static_cast<long>(network.gnss_edges.size()),
-      kGoodEpochsLost, largest_gnss_m);
+      kGoodEpochsLost, positions_m);
 }
 
 void Explainer::JudgeProcesses(ExplainedFlight* explained) const {

@@ -26,18 +26,34 @@ double Evidence(long found, long of_all, double usual) {
   return sum.Value() - std::log(kShares);
 }
 
+/// Of lengths that are uniform from nothing up to the largest, the part that is seen where those
+/// below a threshold c are not: the mean of the others is (c + largest) / 2.
+double PartSeen(double largest_m, double mean_m) {
+  constexpr double kLeastPart = 0.1;  // a few alike tell nothing of the others
+  return std::clamp(2.0 * (largest_m - mean_m) / largest_m, kLeastPart, 1.0);
+}
+
 }  // namespace
 
 ScreenedEffect OutlierEffect(const std::string& name, long found, long of_all, double usual,
-                             double size_m) {
+                             const std::vector<double>& lengths_m) {
   ScreenedEffect effect;
   effect.name = name;
   effect.log_evidence = Evidence(found, of_all, usual);
   effect.p_value = std::min(1.0, std::exp(-effect.log_evidence));
-  const double all = static_cast<double>(of_all);
-  effect.estimate = Eigen::Vector2d(static_cast<double>(found) / all, size_m);
-  const double sigma = std::sqrt(std::max(1.0, static_cast<double>(found))) / all;
-  effect.sigma = Eigen::Vector2d(sigma, 0.5 * size_m);
+  double largest_m = 0.0, sum_m = 0.0;
+  for (const double length_m : lengths_m) {
+    largest_m = std::max(largest_m, length_m);
+    sum_m += length_m;
+  }
+  const auto all = static_cast<double>(of_all), n = static_cast<double>(found);
+  const double part =
+      largest_m > 0.0 ? PartSeen(largest_m, sum_m / static_cast<double>(lengths_m.size())) : 1.0;
+  const double share = std::min(n / all / part, 1.0);
+  // The number found is Poisson's; the mean of n uniform lengths adds a third of its variance.
+  const double sigma = std::max(share, 1.0 / all) * std::sqrt(4.0 / 3.0 / std::max(1.0, n));
+  effect.estimate = Eigen::Vector2d(share, largest_m);
+  effect.sigma = Eigen::Vector2d(sigma, 0.5 * largest_m);
   return effect;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "screen.h"
 
@@ -8,7 +9,11 @@ namespace dn::internal {
 
 /// Gross errors: of `of_all` measurements `found` were left out, where good data lose the share
 /// `usual`. Log evidence by Poisson's distribution, the expected number likely of any size.
+///
+/// lengths_m: misclosures of what was left out. Gross errors are taken to be of any length up to
+/// their size, the largest seen; those too short to stand out are added to the share that is
+/// estimated, by how far the mean of the lengths lies above half of the size.
 ScreenedEffect OutlierEffect(const std::string& name, long found, long of_all, double usual,
-                             double size_m);
+                             const std::vector<double>& lengths_m);
 
 }  // namespace dn::internal
