@@ -12,9 +12,6 @@ namespace {
 
 constexpr Loss kUsualPairLoss{Loss::Type::kCauchy, 3.0};
 constexpr int kRobustIterations = 6;
-// Largest norm of a whitened 3-vector that belongs to the data: the quantile of chi_3 that leaves
-// as much outside as four sigmas of a normal variable do (6.3e-5).
-constexpr double kRejectNorm = 4.68;
 
 void ExpectSeveralEpochs(const std::vector<LidarPair>& pairs) {
   const bool one = std::all_of(pairs.begin(), pairs.end(), [&](const LidarPair& pair) {
@@ -61,7 +58,7 @@ void RejectPairs(AdjustmentRun& run) {
   if (in_use.empty()) return;
   const double scale2 = RobustVariance(norm2);
   for (std::size_t k = 0; k < norm2.size(); ++k) {
-    if (norm2[k] <= kRejectNorm * kRejectNorm * scale2) continue;
+    if (norm2[k] <= kGrossPairNorm * kGrossPairNorm * scale2) continue;
     net.SetActive(in_use[k], false);
     ++run.result().outliers;
   }

@@ -153,20 +153,20 @@ class Diagnosis {
 
   double Threshold() const { return ThresholdNats(before_.test.evidence_95); }
 
-  /// What the twins cannot show: raw inertial noise, gross errors.
-  static double POutsideTwins(const ExplainedFlight& explained) {
-    double p = std::exp(-std::max(0.0, explained.coloured_imu_nats));
+  /// Of what the twins cannot show, raw inertial noise and gross errors.
+  static double NatsOutsideTwins(const ExplainedFlight& explained) {
+    double nats = std::max(0.0, explained.coloured_imu_nats);
     for (const ScreenedEffect& effect : explained.effects) {
       const bool outside = effect.name == "imu_vibration" || effect.name == "gyro_noise_scale" ||
                            effect.name == "accel_noise_scale" || effect.name == "p2p_outliers" ||
                            effect.name == "gnss_outliers";
-      if (outside) p = std::min(p, std::exp(-std::max(0.0, effect.log_evidence)));
+      if (outside) nats = std::max(nats, effect.log_evidence);
     }
-    return p;
+    return nats;
   }
 
   void JudgeGap(const ExplainedFlight& base) {
-    const double outside = POutsideTwins(base);
+    const double outside = std::exp(-NatsOutsideTwins(base));
     out_.p_value =
         outside < kCertain ? std::min(outside, before_.test.p_value) : before_.test.p_value;
     out_.detected = out_.p_value <= options_.alpha;
@@ -275,7 +275,8 @@ class Diagnosis {
 
   void MeasureShrinkage(const Attribution& attribution) {
     if (!out_.detected || out_.verdict.effects.empty()) return;
-    GapShrinkage shrinkage = OmnibusShrinkage(before_.test, after_.test);
+    GapShrinkage shrinkage = OmnibusShrinkage({before_.test, NatsOutsideTwins(*attribution.base)},
+                                              {after_.test, NatsOutsideTwins(*attribution.final)});
     shrinkage.before.p_value = out_.p_value;
     shrinkage.before.size_nats_per_obs = out_.size.value;
     shrinkage.after.p_value = after_.test.p_value;

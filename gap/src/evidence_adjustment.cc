@@ -12,14 +12,21 @@
 namespace dn::internal {
 namespace {
 
-// A gross error stands by itself: an effect of the flight or the receiver shows in its neighbours.
-constexpr double kNeighbourShare = 0.25;
+// A gross error stands by itself: of an effect of the flight or the receiver its neighbours have
+// this share at least, the same way.
+constexpr double kNeighbourShare = 0.5;
 constexpr int kMostPasses = 8;
 
 struct Judged {
   FactorId id = -1;
   double statistic = 0.0;
+  Eigen::VectorXd error;  ///< of the prediction, whitened by the sigmas of the measurement
 };
+
+/// How much of an error its neighbour has.
+double SharedPart(const Judged& one, const Judged& neighbour) {
+  return one.error.dot(neighbour.error) / one.error.squaredNorm();
+}
 
 std::vector<Judged> Judge(const FlightNetwork& network, const Marginals& marginals,
                           FactorId FlightNetwork::GnssEdge::*which) {
@@ -28,7 +35,7 @@ std::vector<Judged> Judge(const FlightNetwork& network, const Marginals& margina
     const FactorId id = edge.*which;
     if (id < 0 || !network.net.factor(id).active) continue;
     const Prediction prediction = PredictFactor(marginals, id);
-    if (prediction.determined) judged.push_back({id, prediction.statistic});
+    if (prediction.determined) judged.push_back({id, prediction.statistic, prediction.residual});
   }
   return judged;
 }
@@ -38,15 +45,12 @@ long TakeOutSingles(const std::vector<Judged>& judged, Network* net) {
   std::vector<double> statistics;
   for (const Judged& one : judged) statistics.push_back(one.statistic);
   const double gross = kGrossNorm * kGrossNorm * RobustVariance(statistics);
-  const auto near = [&](std::size_t k, std::ptrdiff_t step) {
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(k) + step;
-    const bool inside = at >= 0 && at < static_cast<std::ptrdiff_t>(judged.size());
-    return inside ? judged[static_cast<std::size_t>(at)].statistic : 0.0;
-  };
   long taken_out = 0;
   for (std::size_t k = 0; k < judged.size(); ++k) {
-    const double alone = kNeighbourShare * judged[k].statistic;
-    if (judged[k].statistic < gross || near(k, -1) > alone || near(k, 1) > alone) continue;
+    const bool shared =
+        (k > 0 && SharedPart(judged[k], judged[k - 1]) > kNeighbourShare) ||
+        (k + 1 < judged.size() && SharedPart(judged[k], judged[k + 1]) > kNeighbourShare);
+    if (judged[k].statistic < gross || shared) continue;
     net->SetActive(judged[k].id, false);
     ++taken_out;
   }

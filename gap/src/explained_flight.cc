@@ -2,6 +2,7 @@
 
 #include <dn/effects/effect_table.h>
 #include <dn/gap/adapt.h>
+#include <dn/navigation/robust_scale.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "evidence_adjustment.h"
+#include "median_sigmas.h"
 #include "outlier_evidence.h"
 #include "processes.h"
 
@@ -24,6 +26,23 @@ constexpr double kWorthJudgingNats = 3.0;
 bool IsProcess(const std::string& name) {
   return name == "gnss_correlated_noise" || name == "gyro_bias_process" ||
          name == "accel_bias_process";
+}
+
+/// Gross errors are left out where they stand out; the others are a larger noise of their sensor.
+void AllowForShortGrossErrors(const Flight& flight, const std::vector<GapCause>& causes,
+                              FlightConfig* config) {
+  const auto times = [](const GapCause& cause, double sigma_m, double norm) {
+    return std::sqrt(1.0 +
+                     VarianceOfShortOnes(cause.estimate[0], cause.estimate[1], sigma_m, norm));
+  };
+  for (const GapCause& cause : causes) {
+    if (cause.effect == "p2p_outliers") {
+      config->lidar->sigma_p_m *= times(cause, MedianPairSigma(flight), kGrossPairNorm);
+    } else if (cause.effect == "gnss_outliers") {
+      const double sigma_m = std::cbrt(MedianGnssSigma(flight).prod());
+      config->gnss->sigma_scale *= times(cause, sigma_m, kGrossNorm);
+    }
+  }
 }
 
 }  // namespace
@@ -48,6 +67,7 @@ ExplainedFlight Explainer::Explain(const std::vector<GapCause>& causes) const {
   out.causes = causes;
   out.flight = std::make_unique<Flight>(flight_);
   out.flight->config = Adapted(flight_, causes);
+  AllowForShortGrossErrors(flight_, causes, &out.flight->config);
   out.solution =
       std::make_unique<Solution>(AdjustWith(*out.flight, &out.gnss_left_out), options_.threads);
   LibraryOptions library{options_.effects, options_.left_out, options_.threads};

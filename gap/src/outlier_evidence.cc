@@ -57,4 +57,10 @@ ScreenedEffect OutlierEffect(const std::string& name, long found, long of_all, d
   return effect;
 }
 
+double VarianceOfShortOnes(double share, double size_m, double sigma_m, double norm) {
+  if (!(size_m > 0.0)) return 0.0;
+  const double size = size_m / sigma_m, longest = std::min(norm, size);
+  return share * longest / size * longest * longest / 9.0;
+}
+
 }  // namespace dn::internal

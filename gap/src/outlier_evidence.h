@@ -16,4 +16,10 @@ namespace dn::internal {
 ScreenedEffect OutlierEffect(const std::string& name, long found, long of_all, double usual,
                              const std::vector<double>& lengths_m);
 
+/// Variance that gross errors which are too short to be left out add to the measurements in use, per
+/// axis, in squares of sigma_m: of lengths uniform up to size_m, those below c = norm * sigma_m stay,
+///
+///   share * c / size * c^2 / 3 / 3 / sigma^2.
+double VarianceOfShortOnes(double share, double size_m, double sigma_m, double norm);
+
 }  // namespace dn::internal

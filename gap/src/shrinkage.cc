@@ -11,24 +11,28 @@ constexpr double kVisible = 0.05;
 
 }  // namespace
 
-GapShrinkage OmnibusShrinkage(const TwinTest& before, const TwinTest& after) {
-  const double excess = std::max(before.omnibus - before.omnibus_mean, 1e-9);
-  GapShrinkage shrinkage;
-  shrinkage.fraction = 1.0 - std::max(0.0, after.omnibus - after.omnibus_mean) / excess;
+GapShrinkage OmnibusShrinkage(const Departure& before, const Departure& after) {
+  const double outside = 2.0 * before.outside_nats;
+  const double excess = std::max(before.test.omnibus - before.test.omnibus_mean, 1e-9) + outside;
+  const double left = after.test.omnibus - after.test.omnibus_mean + 2.0 * after.outside_nats;
   std::vector<double> off;
-  for (const double twin : after.omnibus_of_twins) off.push_back(twin - after.omnibus_mean);
+  for (const double twin : after.test.omnibus_of_twins) {
+    off.push_back(twin - after.test.omnibus_mean);
+  }
   std::sort(off.begin(), off.end());
-  const auto at = [&](double p) {
-    return off[static_cast<std::size_t>(p * static_cast<double>(off.size() - 1))];
+  const auto closed = [&](double p) {
+    const double usual = off[static_cast<std::size_t>(p * static_cast<double>(off.size() - 1))];
+    return 1.0 - std::max(0.0, left - usual) / excess;
   };
+  GapShrinkage shrinkage;
   // What shows in raw data and gross errors only leaves the locations as twins have them.
-  if (before.p_omnibus > kVisible && after.p_omnibus > kVisible) {
+  if (before.test.p_omnibus > kVisible && after.test.p_omnibus > kVisible) {
     shrinkage.fraction = shrinkage.interval_high = 1.0;
     return shrinkage;
   }
-  const double left = after.omnibus - after.omnibus_mean;
-  shrinkage.interval_low = 1.0 - std::max(0.0, left - at(0.025)) / excess;
-  shrinkage.interval_high = 1.0 - std::max(0.0, left - at(0.975)) / excess;
+  shrinkage.fraction = 1.0 - std::max(0.0, left) / excess;
+  shrinkage.interval_low = closed(0.025);
+  shrinkage.interval_high = closed(0.975);
   return shrinkage;
 }
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "median_sigmas.h"
 #include "scanned_ground.h"
 
 namespace dn {
@@ -69,14 +70,6 @@ std::vector<Effect> VibrationOf(const Flight& flight) {
   return effects;
 }
 
-/// Of an epoch, as the estimator takes it.
-Vector3d SigmaOf(const MapGnssEpoch& epoch, const GnssConfig& config) {
-  const Vector3d sigma_enu_m = epoch.covariance_enu_m2
-                                   ? Vector3d(epoch.covariance_enu_m2->diagonal().cwiseSqrt())
-                                   : config.sigma_enu_m;
-  return config.sigma_scale * sigma_enu_m;
-}
-
 GnssScenario GnssOf(const Flight& flight) {
   const GnssConfig& config = *flight.config.gnss;
   const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
@@ -86,27 +79,13 @@ GnssScenario GnssOf(const Flight& flight) {
     step_s.push_back(epochs[i].t_s - epochs[i - 1].t_s);
   }
   if (!step_s.empty()) gnss.rate_hz = RateOf(Median(step_s));
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> sigma_m;
-    for (const MapGnssEpoch& epoch : epochs) sigma_m.push_back(SigmaOf(epoch, config)[axis]);
-    gnss.sigma_enu_m[axis] = Median(sigma_m);
-  }
+  gnss.sigma_enu_m = internal::MedianGnssSigma(flight);
   gnss.lever_arm_b_m = config.lever_arm_b_m;
   gnss.velocity = std::any_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
     return UsesVelocity(epoch, config);
   });
   gnss.processes = config.processes;
   return gnss;
-}
-
-/// Per coordinate of a pair's difference, the median where the pairs bring their own.
-double PairSigma(const Flight& flight) {
-  std::vector<double> sigma_m;
-  for (const LidarPair& pair : flight.pairs->pairs) {
-    if (pair.covariance_m2) sigma_m.push_back(std::sqrt(pair.covariance_m2->trace() / 3.0));
-  }
-  return 2 * sigma_m.size() > flight.pairs->pairs.size() ? Median(sigma_m)
-                                                         : flight.config.lidar->sigma_p_m;
 }
 
 void AddLidar(const Flight& flight, const Trajectory& trajectory, const Vector3d& boresight_rad,
@@ -116,7 +95,7 @@ void AddLidar(const Flight& flight, const Trajectory& trajectory, const Vector3d
   scenario->lidar = ScannerOf(flight, mounting);
   scenario->terrain = GroundOf(flight, trajectory, mounting, scenario->plan.strips);
   scenario->pairs.count = static_cast<long>(flight.pairs->pairs.size());
-  scenario->pairs.sigma_p_m = PairSigma(flight);
+  scenario->pairs.sigma_p_m = internal::MedianPairSigma(flight);
 }
 
 /// Nothing is seen, but the ground must lie below the path.

@@ -191,11 +191,21 @@ class Variances {
     const NoiseCheck check = CheckNoise(MeasureHighBand(*flight.imu, model, high_band));
     const NoiseCauses noise = CausesOf(check.evidence);
     out_.coloured_imu = std::max(noise.not_white[kGyroTriad], noise.not_white[kAccelTriad]);
-    AddScale("gyro_noise_scale", check, kGyroTriad, noise.scale[kGyroTriad]);
-    AddScale("accel_noise_scale", check, kAccelTriad, noise.scale[kAccelTriad]);
+    AddScale("gyro_noise_scale", check, kGyroTriad, EvidenceOfScale(check, noise, kGyroTriad));
+    AddScale("accel_noise_scale", check, kAccelTriad, EvidenceOfScale(check, noise, kAccelTriad));
     const bool beside = check.evidence.window_and_scale > check.evidence.window;
     const auto& window = beside ? check.window_beside_scale : check.window;
-    if (window) AddVibration(*window, noise.window);
+    if (window) AddVibration(*window, EvidenceOfWindow(check, noise));
+  }
+
+  /// White accounts compete with all other effects by what they explain; noise that is not white has
+  /// no name, and what looks like a size there only by what it is ahead of colour.
+  static double EvidenceOfScale(const NoiseCheck& check, const NoiseCauses& noise, ImuTriad triad) {
+    return noise.not_white[triad] > 0.0 ? noise.scale[triad] : check.evidence.scale[triad];
+  }
+
+  double EvidenceOfWindow(const NoiseCheck& check, const NoiseCauses& noise) const {
+    return out_.coloured_imu > 0.0 ? noise.window : check.evidence.window;
   }
 
   void AddVibration(const NoiseWindow& window, double log_evidence) {

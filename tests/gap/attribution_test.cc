@@ -11,6 +11,8 @@ namespace dn::internal {
 namespace {
 
 using testing::AircraftScenario;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 
 constexpr double kThresholdNats = 6.0;
@@ -43,6 +45,38 @@ TEST(Attribute, FindsBothOfTwoEffects) {
     EXPECT_NEAR(unknown.value[0], 0.15, 4.0 * unknown.sigma[0]);
   }
   EXPECT_LT(attribution.final->effects.front().log_evidence, kThresholdNats);
+}
+
+/// Of flights that differ in their seeds, each with the same effect.
+std::vector<Attribution> OfSeeds(const std::string& effect) {
+  std::vector<Attribution> all;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SimulateOptions options;
+    options.seed = seed;
+    all.push_back(
+        Attributed(Simulate(AircraftScenario("effects: [" + effect + "]"), options).flight));
+  }
+  return all;
+}
+
+// Those that are too short to stand out, or stand beside another one, are no noise of another size.
+TEST(Attribute, GrossErrorsAreNotALargerNoiseAsWell) {
+  for (const char* effect : {"{effect: gnss_outliers, value: [0.08, 0.2]}",
+                             "{effect: p2p_outliers, value: [0.08, 1.0]}"}) {
+    for (const Attribution& attribution : OfSeeds(effect)) {
+      ASSERT_EQ(attribution.causes.size(), 1u) << effect;
+      const GapCause& cause = attribution.causes[0];
+      EXPECT_THAT(effect, HasSubstr(cause.effect));
+      EXPECT_NEAR(cause.estimate[0], 0.08, 3.0 * cause.sigma[0]) << effect;
+    }
+  }
+}
+
+// Whatever else could stand behind what it does to the trajectory: the raw data show it itself.
+TEST(Attribute, RawNoiseIsNoProcess) {
+  for (const Attribution& attribution : OfSeeds("{effect: gyro_noise_scale, value: 2.4}")) {
+    EXPECT_THAT(Names(attribution), ElementsAre("gyro_noise_scale"));
+  }
 }
 
 TEST(Attribute, FindsNothingInNoise) {

@@ -59,5 +59,22 @@ TEST(OutlierEvidence, ACoupleOfThemHasAWideSigma) {
   EXPECT_LT(none.log_evidence, 0.0);
 }
 
+TEST(OutlierEvidence, ShortOnesAddTheirVariance) {
+  constexpr double kShare = 0.1, kSigma = 0.02, kNorm = 5.0;
+  constexpr int kAll = 400000;
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (const double size_m : {0.05, 0.4}) {
+    double squares = 0.0;
+    for (int i = 0; i < kAll; ++i) {
+      const double length_m = unit(random) < kShare ? size_m * unit(random) : 0.0;
+      if (length_m < kNorm * kSigma) squares += length_m * length_m;
+    }
+    const double per_axis = squares / kAll / 3.0 / (kSigma * kSigma);
+    EXPECT_NEAR(VarianceOfShortOnes(kShare, size_m, kSigma, kNorm), per_axis, 0.05 * per_axis);
+  }
+  EXPECT_EQ(VarianceOfShortOnes(0.0, 0.0, kSigma, kNorm), 0.0);
+}
+
 }  // namespace
 }  // namespace dn::internal
