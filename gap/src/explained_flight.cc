@@ -2,6 +2,7 @@
 
 #include <dn/effects/effect_table.h>
 #include <dn/gap/adapt.h>
+#include <dn/interrupted.h>
 #include <dn/navigation/robust_scale.h>
 
 #include <algorithm>
@@ -121,10 +122,8 @@ void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
     // Noise of another size is also what a process looks like to it: any process may stand behind.
     const bool beside_noise = explained->effects.front().name == "gnss_noise_scale";
     if (effect.log_evidence < kWithinReach * best && !beside_noise) continue;
-    JudgeProcess(
-        flight_, explained->causes,
-        [&](const Flight& flight) { return AdjustWith(flight, nullptr); }, options_.threads,
-        &effect);
+    if (options_.interrupted && options_.interrupted()) throw Interrupted();
+    JudgeProcess(explained->solution->network(), options_.threads, &effect);
   }
   SortByEvidence(&explained->effects);
 }

@@ -3,7 +3,6 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/gap/adapt.h>
-#include <dn/interrupted.h>
 #include <dn/log_sum.h>
 #include <dn/solvers/restricted_likelihood.h>
 
@@ -13,6 +12,8 @@
 #include <optional>
 #include <set>
 #include <utility>
+
+#include "network_beside.h"
 
 namespace dn::internal {
 namespace {
@@ -120,15 +121,13 @@ std::optional<LikeliestTau> BetweenTaus(const std::vector<AtTau>& all) {
   return LikeliestTau{best->tau_s * std::exp(move), 1.0 / std::sqrt(curvature), slope_of_ln_size};
 }
 
-/// A process of the usual size beside other effects, at one time constant after another.
+/// A process of the usual size beside what the flight has, at one time constant after another.
 class Trial {
  public:
-  Trial(const Flight& flight, const std::vector<GapCause>& beside,
-        const std::function<Adjustment(const Flight&)>& adjust, int threads,
-        const std::string& effect)
-      : flight_(flight), beside_(beside), adjust_(adjust), threads_(threads), effect_(effect) {}
+  Trial(const FlightNetwork& solved, int threads, const std::string& effect)
+      : solved_(solved), threads_(threads), effect_(effect) {}
 
-  /// Nothing where the flight cannot be adjusted so.
+  /// Nothing where there is no such network.
   std::optional<AtTau> At(double tau_s) const {
     const EffectSpec& spec = *FindEffect(effect_);
     GapCause process;
@@ -138,34 +137,27 @@ class Trial {
       process.estimate[static_cast<Eigen::Index>(k)] = spec.components[k].typical;
     }
     process.estimate[process.estimate.size() - 1] = tau_s;
-    std::vector<GapCause> causes = beside_;
-    causes.push_back(process);
-    Flight with = flight_;
-    with.config = Adapted(flight_, causes);
+    Flight with = solved_.flight();
+    with.config = Adapted(solved_.flight(), {process});
     try {
-      const Adjustment adjustment = adjust_(with);
-      return Judge(*adjustment.network, effect_, tau_s, threads_);
-    } catch (const Interrupted&) {
-      throw;
-    } catch (const std::exception&) {
+      return Judge(NetworkBeside(solved_, with, threads_), effect_, tau_s, threads_);
+    } catch (const InvalidInput&) {
+      return std::nullopt;
+    } catch (const RankDeficient&) {
       return std::nullopt;
     }
   }
 
  private:
-  const Flight& flight_;
-  const std::vector<GapCause>& beside_;
-  const std::function<Adjustment(const Flight&)>& adjust_;
+  const FlightNetwork& solved_;
   int threads_;
   const std::string& effect_;
 };
 
 }  // namespace
 
-void JudgeProcess(const Flight& flight, const std::vector<GapCause>& beside,
-                  const std::function<Adjustment(const Flight&)>& adjust, int threads,
-                  ScreenedEffect* effect) {
-  const Trial trial(flight, beside, adjust, threads, effect->name);
+void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
+  const Trial trial(solved, threads, effect->name);
   std::vector<AtTau> all;
   for (const double tau_s : kProcessTausS) {
     if (const std::optional<AtTau> at = trial.At(tau_s)) all.push_back(*at);

@@ -125,8 +125,8 @@ ScreenedEffect Judged(const std::string& effects) {
   ScreenedEffect effect;
   effect.name = "gnss_correlated_noise";
   effect.estimate = effect.sigma = Eigen::VectorXd::Zero(4);
-  JudgeProcess(
-      flight, {}, [](const Flight& of) { return Adjust(of); }, 1, &effect);
+  const Adjustment adjustment = Adjust(flight);
+  JudgeProcess(*adjustment.network, 1, &effect);
   return effect;
 }
 
