@@ -53,15 +53,19 @@ void PrintAngles(const FlightConfig& config, const BoresightResult& boresight,
 }
 
 void PrintAssessment(const BoresightResult& boresight) {
-  fmt::print("assessment: {}", Word(boresight.verdict));
-  const bool contradicted = boresight.verdict == Verdict::kContradicted;
-  for (const std::string& reason : Words(boresight.reasons)) {
-    fmt::print("{}{}", contradicted ? "\n  " : "; ", reason);
+  const std::vector<std::string> reasons = Words(boresight.reasons);
+  if (boresight.verdict == Verdict::kContradicted) {
+    fmt::print("assessment: {}\n", Word(boresight.verdict));
+    PrintReasons(reasons, "result.json");
+    return;
   }
+  fmt::print("assessment: {}", Word(boresight.verdict));
+  for (const std::string& reason : reasons) fmt::print("; {}", reason);
+  fmt::print("\n");
 }
 
 void PrintTimes(const RunTimings& timings) {
-  fmt::print("\ntime: reading {:.2f} s, solving {:.2f} s, covariances {:.2f} s\n", timings.read_s,
+  fmt::print("time: reading {:.2f} s, solving {:.2f} s, covariances {:.2f} s\n", timings.read_s,
              timings.solve_s, timings.covariance_s);
 }
 

@@ -239,26 +239,19 @@ void PrintClocks(const Clocks& clocks) {
   print("lidar", clocks.lidar);
 }
 
-void PrintFindings(const ModelCheck& check) {
-  fmt::print("assessment: {}\n", Word(check));
-  for (const std::string& text : Words(check.findings)) fmt::print("  {}\n", text);
+void PrintReasons(const std::vector<std::string>& reasons, const std::string& file) {
+  constexpr std::size_t kMostTold = 5;
+  for (std::size_t k = 0; k < std::min(kMostTold, reasons.size()); ++k) {
+    fmt::print("  {}\n", reasons[k]);
+  }
+  if (reasons.size() <= kMostTold) return;
+  fmt::print("  and {} more: {}, report.html\n", reasons.size() - kMostTold, file);
 }
 
 void ThrowContradicted(const std::string& first_finding, const std::string& file) {
   throw FailedWithResults(
       "contradicted", fmt::format("the data contradict the assumed model: {}; {} has all findings",
                                   first_finding, file));
-}
-
-void PrintStatistics(const std::string& title, const std::vector<SeriesStatistics>& statistics) {
-  if (statistics.empty()) return;
-  fmt::print("{}\n  {:<18} {:<12} {:>8} {:>8} {:>9} {:>9} {:>7} {:>8} {:>12}\n", title, "sensor",
-             "axis", "count", "mean", "variance", "expected", "lag-1", "worst", "at [s]");
-  for (const SeriesStatistics& s : statistics) {
-    fmt::print("  {:<18} {:<12} {:>8} {:>8.3f} {:>9.3f} {:>9.3f} {:>7.3f} {:>8.2f} {:>12.3f}\n",
-               s.sensor, s.axis, s.count, s.mean, s.variance, s.expected_variance,
-               s.lag1_correlation, s.worst, s.worst_t_s);
-  }
 }
 
 }  // namespace dn::apps

@@ -36,14 +36,11 @@ void FillReport(const FlightRun& flight_run, Run* run);
 /// Prints offset and drift of the clocks with their sigmas.
 void PrintClocks(const Clocks& clocks);
 
-/// Prints what the model check found, a line each.
-void PrintFindings(const ModelCheck& check);
+/// Prints the first reasons of an assessment, a line each, and where the others are.
+void PrintReasons(const std::vector<std::string>& reasons, const std::string& file);
 
 /// Ends the work with its results and the error that the data contradict the assumed model, by its
 /// first finding; `file` has all of them.
 [[noreturn]] void ThrowContradicted(const std::string& first_finding, const std::string& file);
-
-/// Prints a table of the statistics of innovations and residuals.
-void PrintStatistics(const std::string& title, const std::vector<SeriesStatistics>& statistics);
 
 }  // namespace dn::apps

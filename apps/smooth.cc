@@ -1,11 +1,11 @@
 #include <dn/calibration/filter_separation.h>
 #include <dn/calibration/words.h>
-#include <fmt/format.h>
 
 #include <utility>
 #include <vector>
 
 #include "flight_run.h"
+#include "smooth_summary.h"
 
 namespace dn::apps {
 namespace {
@@ -32,24 +32,6 @@ void AddCovarianceFile(const FlightRun& flight_run, Run* run) {
   run->AddFile("trajectory_covariance.txt", FormatTrajectoryCovariance(covariance));
 }
 
-void PrintSeparation(const FilterSeparation& separation) {
-  if (separation.epochs.empty()) {
-    fmt::print(
-        "forward/reverse separation: none; no time at which both filters know the heading\n");
-    return;
-  }
-  const SeparationAt rms = separation.Rms(), max = separation.Max();
-  const auto print = [](const char* name, const char* axes, const Eigen::Vector3d& of_rms,
-                        const Eigen::Vector3d& of_max) {
-    fmt::print("  {:<26} rms {:.4f}, {:.4f}, {:.4f}; largest {:.4f}, {:.4f}, {:.4f} {}\n", name,
-               of_rms.x(), of_rms.y(), of_rms.z(), of_max.x(), of_max.y(), of_max.z(), axes);
-  };
-  fmt::print("forward/reverse separation at {} GNSS epochs after alignment\n",
-             separation.epochs.size());
-  print("position east, north, up", "m", rms.position_enu_m, max.position_enu_m);
-  print("roll, pitch, heading", "deg", rms.rph_rad * kDegPerRad, max.rph_rad * kDegPerRad);
-}
-
 void Smooth(const SmoothOptions& options, Run& run) {
   const std::unique_ptr<FlightRun> flight_run =
       AdjustFlight(ReadFlightConfig(options.flight, options.common.changes), false, &run);
@@ -67,20 +49,7 @@ void Smooth(const SmoothOptions& options, Run& run) {
   smooth["separation"] = SeparationJson(separation);
   run.AddFile("smooth.json", FormatJson(smooth));
   FillReport(*flight_run, &run);
-  const AdjustmentFigures& figures = trajectory.figures;
-  fmt::print("flight {}: {} nodes, {} inertial and {} GNSS epochs, alignment {}\n",
-             flight_run->flight.config.name, figures.nodes, figures.imu_epochs, figures.gnss_epochs,
-             flight_run->adjustment().alignment_method);
-  fmt::print("converged in {} iterations, sigma0 {:.3f}, chi2 {:.1f} with redundancy {}\n",
-             figures.iterations, figures.sigma0, figures.chi2, figures.redundancy);
-  PrintSeparation(separation);
-  PrintStatistics("innovations of the forward filter (expected mean 0, variance 1, NIS 1)",
-                  trajectory.innovations);
-  PrintStatistics("residuals after the adjustment", trajectory.residuals);
-  const Json& errors = run.report["reference_errors"];
-  if (!errors.is_null()) fmt::print("differences from the reference: {}\n", errors.dump());
-  PrintClocks(check.clocks);
-  PrintFindings(check);
+  PrintSmoothSummary(*flight_run, separation, run.report["reference_errors"]);
   if (check.contradicted()) ThrowContradicted(Words(check.findings.front()), "smooth.json");
 }
 

@@ -1,3 +1,4 @@
+#include <dn/calibration/achieved_accuracy.h>
 #include <dn/calibration/result_files.h>
 #include <dn/calibration/words.h>
 #include <dn/geo/text_table.h>
@@ -217,6 +218,7 @@ Json SmoothJson(const std::string& flight, const TrajectoryResult& trajectory,
   json["schema"] = "dn.smooth/1";
   json["flight"] = flight;
   json["assessment"] = {{"verdict", Word(check)}, {"reasons", Words(check.findings)}};
+  if (!trajectory.sigma.empty()) json["accuracy"] = AccuracyJson(AccuracyOf(trajectory.sigma));
   json["adjustment"] = AdjustmentJson(trajectory.figures);
   json["innovations"] = StatisticsToJson(trajectory.innovations);
   if (!trajectory.innovations.empty()) {

@@ -159,7 +159,7 @@ Headline HeadlineOf(const Calibrated& calibrated, bool with_name) {
   const std::string verdict = assessment["verdict"].text();
   Headline headline;
   headline.word = verdict + (with_name ? " (" + MethodName(calibrated.result) + ")" : "");
-  headline.reasons = assessment["reasons"].texts();
+  headline.reasons = FirstReasons(assessment);
   headline.figures = {Angles(calibrated.result["boresight"])};
   Explain(MeaningsOfVerdict(), verdict, &headline);
   return headline;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "sections.h"
@@ -83,6 +84,16 @@ std::string SizeOf(const Facts& effect) {
     if (unit != "1") text += " " + unit;
   }
   return text;
+}
+
+std::vector<std::string> FirstReasons(const Facts& assessment) {
+  constexpr std::size_t kMostTold = 5;
+  std::vector<std::string> reasons = assessment["reasons"].texts();
+  if (reasons.size() <= kMostTold) return reasons;
+  const std::size_t more = reasons.size() - kMostTold;
+  reasons.resize(kMostTold);
+  reasons.push_back(fmt::format("and {} more, below", more));
+  return reasons;
 }
 
 Section ModelCheckSection(const Facts& result) {

@@ -55,6 +55,9 @@ Section BiasSection(const ResultFolder& folder);
 /// The value of an effect with its sigma, in the units of the table of effects.
 std::string SizeOf(const Facts& effect);
 
+/// The reasons that decide, and how many more there are: ModelCheckSection has all findings.
+std::vector<std::string> FirstReasons(const Facts& assessment);
+
 /// Groups, effects, clocks, findings.
 Section ModelCheckSection(const Facts& result);
 

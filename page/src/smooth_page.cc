@@ -15,11 +15,21 @@ Table FilterSeparationTable(const Facts& separation) {
   return table;
 }
 
+Table AccuracyTable(const Facts& accuracy, bool consistent) {
+  Table table{"Accuracy: sigmas of the adjustment over the nodes", {"", "", "", ""}, {}};
+  if (!consistent) table.note = "They hold for the assumed model, which the data contradict.";
+  table.rows = {Row("median, east, north, up [m]", Three(accuracy["median_enu_m"], 4)),
+                Row("largest, east, north, up [m]", Three(accuracy["largest_enu_m"], 4)),
+                Row("median, roll, pitch, heading [deg]", Three(accuracy["median_rph_deg"], 4)),
+                Row("largest, roll, pitch, heading [deg]", Three(accuracy["largest_rph_deg"], 4))};
+  return table;
+}
+
 Headline SmoothHeadline(const Facts& smooth) {
   const Facts assessment = smooth["assessment"];
   Headline headline;
   headline.word = assessment["verdict"].text();
-  headline.reasons = assessment["reasons"].texts();
+  headline.reasons = FirstReasons(assessment);
   const bool consistent = headline.word == "consistent";
   headline.tone = consistent ? Tone::kGood : Tone::kBad;
   headline.answer =
@@ -32,8 +42,11 @@ Headline SmoothHeadline(const Facts& smooth) {
                   Row("NIS of the GNSS positions (1: as stated)",
                       {smooth["innovations"]["gnss position"]["nis"].Decimals(3)}),
                   Row("GNSS epochs", {adjustment["gnss_epochs"].Count()})};
-  headline.figures = {figures};
+  if (smooth["accuracy"]) {
+    headline.figures.push_back(AccuracyTable(smooth["accuracy"], consistent));
+  }
   if (smooth["separation"]) headline.figures.push_back(FilterSeparationTable(smooth["separation"]));
+  headline.figures.push_back(figures);
   headline.next =
       consistent ? std::vector<std::string>{"dn calibrate FLIGHT --out DIR, for the boresight."}
                  : std::vector<std::string>{

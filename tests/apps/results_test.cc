@@ -11,6 +11,7 @@
 #include <map>
 
 #include "run_program.h"
+#include "testing/temp_folder.h"
 
 namespace dn::testing {
 namespace {
@@ -20,6 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
 using ::testing::Not;
+using ::testing::StartsWith;
 using ::testing::UnorderedElementsAre;
 namespace fs = std::filesystem;
 
@@ -117,6 +119,38 @@ TEST(CliSmooth, SmoothJson) {
                 IsSupersetOf({"mean", "variance", "expected_variance", "lag1_correlation",
                               "autocorrelation", "worst_epochs"}));
   }
+}
+
+TEST(CliSmooth, AccuracyIsThatOfTheSigmas) {
+  const Json accuracy = JsonOf(SmoothResult() / "smooth.json")["accuracy"];
+  const TextTable table = ReadTextTable(SmoothResult() / "trajectory_sigma.txt", {10});
+  for (const auto& [key, first] : {std::pair{"enu_m", 1}, std::pair{"rph_deg", 7}}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> sigma;
+      for (std::size_t row = 0; row < table.rows(); ++row) {
+        sigma.push_back(table.row(row)[first + axis]);
+      }
+      std::sort(sigma.begin(), sigma.end());
+      const double median = accuracy[std::string("median_") + key][axis];
+      EXPECT_GE(median, sigma[(sigma.size() - 1) / 2] * (1.0 - 1e-6));
+      EXPECT_LE(median, sigma[sigma.size() / 2] * (1.0 + 1e-6));
+      EXPECT_NEAR(accuracy[std::string("largest_") + key][axis], sigma.back(), 1e-6 * sigma.back());
+    }
+  }
+}
+
+TEST(CliSmooth, SaysWhetherToRelyOnItAndHowAccurateItIsFirst) {
+  const TempFolder out;
+  const ProgramRun run =
+      RunProgram({"smooth", ShortFlight().string(), "--out", (out.path() / "smooth").string()});
+  EXPECT_THAT(run.out, StartsWith("flight short: consistent"));
+  const std::size_t accuracy = run.out.find("accuracy, sigmas of the adjustment\n");
+  const std::size_t tables = run.out.find("innovations of the forward filter");
+  ASSERT_NE(accuracy, std::string::npos);
+  EXPECT_LT(accuracy, tables);
+  EXPECT_LT(
+      std::count(run.out.begin(), run.out.begin() + static_cast<std::ptrdiff_t>(accuracy), '\n'),
+      8);
 }
 
 TEST(CliSmooth, ForwardAndReverseFilterAgreeWithinTheirNoise) {
