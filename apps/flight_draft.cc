@@ -62,6 +62,28 @@ const char* WordOfGnssFormat(GnssFormat format) {
   return "odyn";
 }
 
+const char* WordOfAttitude(TrajectoryColumns::Attitude attitude) {
+  switch (attitude) {
+    case TrajectoryColumns::Attitude::kQuaternionNed:
+      break;
+    case TrajectoryColumns::Attitude::kQuaternionEnu:
+      return "quaternion_enu";
+    case TrajectoryColumns::Attitude::kRollPitchHeading:
+      return "roll_pitch_heading_deg";
+    case TrajectoryColumns::Attitude::kRollPitchYawEnu:
+      return "roll_pitch_yaw_enu_deg";
+  }
+  return "quaternion_ned";
+}
+
+bool IsInGrid(const FileContent& file) { return file.trajectory && file.trajectory->crs == "utm:"; }
+
+std::string ZoneOf(const Geodetic& place) {
+  const double lon_deg = place.lon_rad * kDegPerRad;
+  const int zone = static_cast<int>(std::floor((lon_deg + 180.0) / 6.0)) % 60 + 1;
+  return fmt::format("{}{}", zone, place.lat_rad < 0.0 ? 's' : 'n');
+}
+
 /// Two digits.
 std::string Short(double value) { return fmt::format("{:.2g}", value); }
 
@@ -138,6 +160,9 @@ void FlightDraft::Take(const FileContent& content) {
     case FileKind::kPairs:
       pairs_.push_back(content);
       break;
+    case FileKind::kPointCloud:
+      notes_.push_back(name + " is a point cloud: those of the strips belong into strips/");
+      break;
     case FileKind::kUnknown:
       notes_.push_back(name + " is left out: " + content.why);
       break;
@@ -149,7 +174,7 @@ void FlightDraft::Settle() {
   if (gnss_) gnss_offset_s_ = gnss_->time_offset_s;
   const auto read = [&] {
     FlightNeeds needs{.imu = imu_.has_value(), .gnss = gnss_.has_value()};
-    return ReadFlight(ParseFlightConfig(Text(), folder_), needs);
+    return ReadFlight(ParseFlightConfig(SensorsText(), folder_), needs);
   };
   // Clocks first: axes are told by course and gyros together.
   for (int pass = 0; pass < 3; ++pass) {
@@ -177,7 +202,10 @@ void FlightDraft::Settle() {
       white_gyro_ = kWhiteMargin * white.gyro_rad_per_sqrt_s;
       white_accel_ = kWhiteMargin * white.accel_mps_per_sqrt_s;
     }
-    if (flight.gnss) gnss_summary_ = GnssSummary(*flight.gnss);
+    if (flight.gnss) {
+      gnss_summary_ = GnssSummary(*flight.gnss);
+      utm_zone_ = ZoneOf(flight.frame.origin());
+    }
     if (!changed) break;
   }
   SettleScanner();
@@ -271,23 +299,43 @@ std::string FlightDraft::TrajectoryText() const {
   if (!trajectory_) return {};
   std::string text =
       fmt::format("\ntrajectory:\n  file: {}\n", QuoteYaml(Named(trajectory_->file)));
+  text += ColumnsText();
   if (smrmsg_) return text + fmt::format("  sigma_file: {}\n", QuoteYaml(Named(smrmsg_->file)));
   return text +
          "  sigma_xy_m: 0.03              # assumed, as the other three\n  sigma_z_m: 0.05\n"
          "  sigma_rp_deg: 0.003\n  sigma_y_deg: 0.005\n";
 }
 
-std::string FlightDraft::Text() const {
+std::string FlightDraft::ColumnsText() const {
+  if (!trajectory_->trajectory) return {};
+  const TrajectoryColumns& columns = *trajectory_->trajectory;
+  std::string text;
+  if (IsInGrid(*trajectory_)) {
+    text += utm_zone_.empty()
+                ? "  crs: utm:ZONEn                # MISSING: the zone, as utm:32n or utm:19s\n"
+                : fmt::format("  crs: utm:{}                  # the zone by the GNSS positions\n",
+                              utm_zone_);
+  } else if (columns.crs != "geographic") {
+    text += fmt::format("  crs: {:<25} # by the size of the coordinates\n", columns.crs);
+  }
+  if (columns.attitude != TrajectoryColumns::Attitude::kQuaternionNed) {
+    text += fmt::format("  attitude: {:<20} # by the course\n", WordOfAttitude(columns.attitude));
+  }
+  return text;
+}
+
+std::string FlightDraft::SensorsText() const {
   std::string text =
       "# Written by dn init from what the files of this folder hold; every key: docs/flight.yaml.\n"
       "# What the data do not tell is marked MISSING, assumed or GUESS.\n"
       "body: FRD                       # of lever arms and mounting: forward, right, down\n";
-  return text + ImuText() + GnssText() + LidarText() + TrajectoryText();
+  return text + ImuText() + GnssText() + LidarText();
 }
 
+std::string FlightDraft::Text() const { return SensorsText() + TrajectoryText(); }
+
 std::vector<std::string> FlightDraft::Missing() const {
-  std::vector<std::string> missing = notes_;
-  missing.insert(missing.end(), axes_notes_.begin(), axes_notes_.end());
+  std::vector<std::string> missing = axes_notes_;
   if (!imu_) missing.emplace_back("no inertial data: smooth and calibrate --method dn need them");
   if (!gnss_) missing.emplace_back("no GNSS positions: smooth and calibrate --method dn need them");
   if (gnss_) missing.emplace_back("gnss.lever_arm_m: the antenna in body; 0 is assumed");
@@ -297,6 +345,17 @@ std::vector<std::string> FlightDraft::Missing() const {
   if (imu_) missing.emplace_back("imu.gyro and imu.accel: biases of the data sheet");
   if (imu_ && !axes_known_) {
     missing.emplace_back("imu.R_imu_to_body: no course that tells which axis points forward");
+  }
+  if (trajectory_ && IsInGrid(*trajectory_) && utm_zone_.empty()) {
+    missing.emplace_back("trajectory.crs: the zone of the grid");
+  }
+  if (trajectory_ && trajectory_->trajectory && trajectory_->trajectory->crs == "map") {
+    missing.emplace_back("frame.origin_deg_m: where the coordinates of the trajectory are zero");
+  }
+  if (trajectory_ && trajectory_->trajectory && trajectory_->trajectory->body_is_flu) {
+    missing.emplace_back(
+        "the attitude of the trajectory is that of a body with axes forward, left, up: write body: "
+        "FLU, and lever arms and mounting in it");
   }
   if (pairs_.empty()) missing.emplace_back("no pairs: calibrate needs them");
   if (!pairs_.empty()) {

@@ -27,16 +27,20 @@ class FlightDraft {
 
   /// What was found, a line each.
   const std::vector<std::string>& found() const { return found_; }
+  /// Files that are not used, and why.
+  const std::vector<std::string>& notes() const { return notes_; }
   /// What the data do not tell, or what is not there.
   std::vector<std::string> Missing() const;
 
  private:
   void Take(const FileContent& content);
   void SettleScanner();
+  std::string SensorsText() const;
   std::string ImuText() const;
   std::string GnssText() const;
   std::string LidarText() const;
   std::string TrajectoryText() const;
+  std::string ColumnsText() const;
   std::string Named(const std::filesystem::path& file) const;
 
   std::filesystem::path folder_;
@@ -45,6 +49,7 @@ class FlightDraft {
   std::vector<std::string> found_, notes_, axes_notes_;
   Eigen::Matrix3d R_imu_to_body_ = Eigen::Matrix3d::Identity();
   bool axes_known_ = false;
+  std::string utm_zone_;  ///< "32n", where the GNSS positions tell it
   double imu_offset_s_ = 0.0, gnss_offset_s_ = 0.0;
   std::string imu_summary_, gnss_summary_;
   double white_gyro_ = 0.0, white_accel_ = 0.0;  ///< rad/sqrt(s), m/s/sqrt(s)

@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/flight/atomic_file.h>
+#include <dn/flight/strip_files.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,6 +32,8 @@ const char* KindName(FileKind kind) {
       return "a trajectory";
     case FileKind::kSmrmsg:
       return "standard deviations of a trajectory";
+    case FileKind::kPointCloud:
+      return "a point cloud";
     case FileKind::kUnknown:
       break;
   }
@@ -70,10 +73,14 @@ void Init(const InitArguments& options, Run& run) {
   draft.Settle();
   WriteFileAtomically(folder / "flight.yaml", draft.Text());
   for (const FileContent& content : contents) {
-    if (content.kind == FileKind::kUnknown) continue;
+    if (content.kind == FileKind::kUnknown || content.kind == FileKind::kPointCloud) continue;
     fmt::print("found    {:<22} {}\n", Printable(content.file.lexically_relative(folder).string()),
                KindName(content.kind));
   }
+  for (const fs::path& strip : FindStripFiles(folder)) {
+    fmt::print("found    {:<22} a strip\n", Printable(strip.lexically_relative(folder).string()));
+  }
+  for (const std::string& text : draft.notes()) fmt::print("note     {}\n", Printable(text));
   for (const std::string& text : draft.found()) fmt::print("settled  {}\n", Printable(text));
   for (const std::string& text : draft.Missing()) fmt::print("missing  {}\n", Printable(text));
   fmt::print("wrote    {}\nnext     dn check {}\n", (folder / "flight.yaml").string(),

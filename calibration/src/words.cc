@@ -16,11 +16,17 @@ std::string P(double p_value) {
   return p_value < 1e-12 ? "p < 1e-12" : fmt::format("p = {:.1g}", p_value);
 }
 
+/// A value with its sigma, to the second digit of that.
+std::string WithSigma(double value, double sigma) {
+  const double last = std::pow(10.0, std::floor(std::log10(sigma)) - 1.0);
+  const bool round = std::isfinite(last) && last > 0.0;
+  return fmt::format("{:.10g} +- {:.2g}", round ? last * std::round(value / last) : value, sigma);
+}
+
 std::string Values(const EffectCheck& effect) {
   std::string text;
   for (Eigen::Index i = 0; i < effect.estimate.size(); ++i) {
-    text +=
-        fmt::format("{}{:.4g} +- {:.2g}", i > 0 ? ", " : "", effect.estimate[i], effect.sigma[i]);
+    text += (i > 0 ? ", " : "") + WithSigma(effect.estimate[i], effect.sigma[i]);
   }
   return text + " " + effect.unit;
 }
@@ -161,13 +167,14 @@ std::string Say(const facts::GnssTimeOff& fact) {
                                       : fact.clock.WithoutOffset();
   std::vector<std::string> off, names;
   if (late) {
-    off.push_back(fmt::format("are {:.6g} +- {:.2g} s {}", std::abs(clock.offset_s),
-                              clock.sigma_offset_s, clock.offset_s > 0.0 ? "late" : "early"));
+    off.push_back(fmt::format("are {} s {}",
+                              WithSigma(std::abs(clock.offset_s), clock.sigma_offset_s),
+                              clock.offset_s > 0.0 ? "late" : "early"));
     names.push_back("gnss_time_offset");
   }
   if (drifts) {
     off.push_back(
-        fmt::format("drift by {:.6g} +- {:.2g} ppm", clock.drift * 1e6, clock.sigma_drift * 1e6));
+        fmt::format("drift by {} ppm", WithSigma(clock.drift * 1e6, clock.sigma_drift * 1e6)));
     names.push_back("gnss_time_drift");
   }
   return fmt::format(

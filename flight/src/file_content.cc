@@ -13,6 +13,9 @@
 #include <fstream>
 #include <numbers>
 
+#include "plausible_motion.h"
+#include "trajectory_content.h"
+
 namespace dn {
 namespace {
 
@@ -22,9 +25,6 @@ constexpr std::size_t kRowsLookedAt = 4000;
 constexpr double kMostSigmaM = 1000.0;
 // No GNSS receiver writes more rows, no inertial sensor fewer.
 constexpr double kMostGnssHz = 25.0;
-// Nothing that surveys moves faster.
-constexpr double kMostSpeedMps = 1000.0;
-constexpr double kMetresPerDeg = 111000.0;
 // Of a specific force that is 1 g, with what flight adds to its mean.
 constexpr double kLeastForce = 7.0, kMostForce = 14.0;
 constexpr double kMostRmsRateRadps = 2.0;
@@ -63,12 +63,6 @@ bool EveryRow(const TextTable& table, const Test& test) {
 
 bool IsTime(double t_s) { return IsSecondsOfWeek(t_s) || TimeOffset(t_s) != 0.0; }
 
-bool IsTrajectory(const TextTable& table) {
-  return table.columns == 8 && EveryRow(table, [](const double* row) {
-           return std::abs(Eigen::Map<const Eigen::Vector4d>(row + 4).norm() - 1.0) < 0.01;
-         });
-}
-
 bool IsPairs(const TextTable& table) {
   if (table.columns != 8 && table.columns != 14) return false;
   return EveryRow(table, [](const double* row) {
@@ -86,7 +80,7 @@ bool ArePositive(const double* values, std::size_t count) {
 bool AreCoordinates(const TextTable& table) {
   double lat = table.row(0)[1], lon = table.row(0)[2];
   return EveryRow(table, [&](const double* row) {
-    const double limit = 0.01 + 60.0 * kMostSpeedMps / kMetresPerDeg;
+    const double limit = 0.01 + 60.0 * internal::kMostSpeedMps / internal::kMetresPerDeg;
     const bool near = std::abs(row[1] - lat) < limit && std::abs(row[2] - lon) < limit;
     lat = row[1];
     lon = row[2];
@@ -195,13 +189,19 @@ void DescribeText(FileContent* content) {
   content->columns = table.columns;
   content->time_offset_s = TimeOffset(table.row(0)[0]);
   const double step_s = StepOf(table);
-  if (IsTrajectory(table)) {
-    content->kind = FileKind::kTrajectory;
-  } else if (IsPairs(table)) {
+  const auto take_trajectory = [content](const TextTable& rows) {
+    content->trajectory = internal::TrajectoryColumnsOf(rows);
+    if (content->trajectory) content->kind = FileKind::kTrajectory;
+    return content->trajectory.has_value();
+  };
+  if (table.columns == 8 && take_trajectory(table)) return;
+  if (IsPairs(table)) {
     content->kind = FileKind::kPairs;
   } else if (table.columns >= 4 && IsGnss(table, step_s)) {
     DescribeGnss(table, content);
-  } else if (!DescribeImu(table, step_s, content)) {
+  } else if (!take_trajectory(table) && !DescribeImu(table, step_s, content) &&
+             // The first rows may stand on the ground, where no course is.
+             !take_trajectory(ReadTextTable(content->file, {}))) {
     content->why = std::to_string(table.columns) + " columns, of no kind that is known";
   }
 }
@@ -227,6 +227,8 @@ FileContent LookAtFile(const fs::path& file) {
     const std::string beginning = Beginning(file, 4096);
     if (beginning.empty()) {
       content.why = "empty";
+    } else if (beginning.starts_with("LASF")) {
+      content.kind = FileKind::kPointCloud;
     } else if (IsBinary(beginning)) {
       DescribeBinary(beginning, fs::file_size(file), &content);
     } else if (beginning.starts_with('$')) {

@@ -1,4 +1,5 @@
 // Data of somebody else: what is unusual about them is named, with what mends it.
+#include <dn/geo/point_crs.h>
 #include <dn/geo/text_table.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -216,6 +217,51 @@ TEST(CliInit, SettlesAxesUnitsAndClocks) {
   const ProgramRun check = RunProgram({"check", raw.path()});
   EXPECT_EQ(check.exit_code, 0) << check.err;
   EXPECT_THAT(check.out, Not(HasSubstr("look at")));
+}
+
+/// What somebody else's program writes: grid coordinates, roll, pitch, yaw counter-clockwise from east.
+std::string GridTrajectory(const std::string& gps, std::size_t rows) {
+  const TextTable table = ReadTextTable(gps, {});
+  const LocalFrame frame({46.57 / kDegPerRad, 6.52 / kDegPerRad, 400.0});
+  const PointCrs grid("utm:32n", frame);
+  std::vector<Eigen::Vector3d> p_m;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const double* row = table.row(i);
+    p_m.push_back(grid.FromMap(frame.ToMap({row[1] / kDegPerRad, row[2] / kDegPerRad, row[3]})));
+  }
+  std::string text;
+  for (std::size_t i = 0; i + 1 < rows; ++i) {
+    const Eigen::Vector3d by_m = p_m[i + 1] - p_m[i];
+    text += FormatDouble(table.row(i)[0]);
+    for (const double x : p_m[i]) text += ", " + FormatDouble(x);
+    text += ", 1, 2, " + FormatDouble(std::atan2(by_m.y(), by_m.x()) * kDegPerRad) + "\n";
+  }
+  return text;
+}
+
+TEST(CliInit, SaysWhatTheColumnsOfATrajectoryAre) {
+  const RawFolder raw([](const DamagedFlight& flight) {
+    flight.Write("IMU.txt", GridTrajectory((flight.path() / "GPS.txt").string(), 250));
+  });
+  const ProgramRun init = RunProgram({"init", raw.path()});
+  EXPECT_EQ(init.exit_code, 0) << init.err;
+  EXPECT_THAT(raw.Yaml(),
+              AllOf(HasSubstr("crs: utm:32n"), HasSubstr("attitude: roll_pitch_yaw_enu_deg")));
+  const ProgramRun check = RunProgram({"check", raw.path()});
+  EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+  EXPECT_THAT(check.out, HasSubstr("trajectory points: 249"));
+}
+
+TEST(CliInit, AGridWithoutAZoneIsNoFlightYet) {
+  const RawFolder raw([](const DamagedFlight& flight) {
+    flight.Write("IMU.txt", GridTrajectory((flight.path() / "GPS.txt").string(), 250));
+  });
+  fs::remove(fs::path(raw.path()) / "GPS.txt");
+  const ProgramRun init = RunProgram({"init", raw.path()});
+  EXPECT_THAT(init.out, HasSubstr("missing  trajectory.crs: the zone of the grid"));
+  const ProgramRun check = RunProgram({"check", raw.path()});
+  EXPECT_EQ(check.exit_code, 2);
+  EXPECT_THAT(check.err, AllOf(HasSubstr("flight.yaml:"), HasSubstr("utm:ZONEn")));
 }
 
 TEST(CliInit, LeavesAFlightYamlAsItIs) {

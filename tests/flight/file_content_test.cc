@@ -1,8 +1,12 @@
 #include <dn/flight/file_content.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
+#include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
@@ -67,6 +71,85 @@ TEST(FileContent, PairsAndTrajectories) {
   EXPECT_EQ(Look(sbet, "a.out").kind, FileKind::kTrajectory);
   EXPECT_EQ(Look(sbet, "a.bin").kind, FileKind::kUnknown);
   EXPECT_EQ(Look(sbet.substr(1), "a.out").kind, FileKind::kUnknown);
+}
+
+using Attitude = TrajectoryColumns::Attitude;
+
+/// Quaternion or angles of a level body that heads so, drifting a little to the side.
+std::string AttitudeText(double heading_rad, Attitude attitude, bool flu) {
+  const double heading_deg = (heading_rad + 0.1) * kDegPerRad;
+  if (attitude == Attitude::kRollPitchHeading) return fmt::format("1, -2, {}", heading_deg);
+  if (attitude == Attitude::kRollPitchYawEnu) return fmt::format("1, -2, {}", 90.0 - heading_deg);
+  const bool enu = attitude == Attitude::kQuaternionEnu;
+  const double turn = enu ? std::numbers::pi / 2.0 - heading_rad - 0.1 : heading_rad + 0.1;
+  Eigen::Quaterniond q(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+  if (enu != flu) q = q * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX());
+  return fmt::format("{}, {}, {}, {}", q.w(), q.x(), q.y(), q.z());
+}
+
+std::string PositionText(const std::string& crs, double east_m, double north_m) {
+  if (crs == "utm:") return fmt::format("{:.3f}, {:.3f}, 900", 431000 + east_m, 5190000 + north_m);
+  if (crs == "map") return fmt::format("{:.3f}, {:.3f}, 900", east_m, north_m);
+  const Geodetic at{0.82 + north_m / 6.38e6, 0.11 + east_m / 6.38e6 / std::cos(0.82), 900.0};
+  if (crs == "geographic") {
+    return fmt::format("{:.9f}, {:.9f}, 900", at.lat_rad * kDegPerRad, at.lon_rad * kDegPerRad);
+  }
+  const Eigen::Vector3d p = ToEcef(at);
+  return fmt::format("{:.3f}, {:.3f}, {:.3f}", p.x(), p.y(), p.z());
+}
+
+/// Some time on the ground, then a curve of 60 m/s.
+std::string TrajectoryText(const std::string& crs, Attitude attitude, bool flu, int still = 0) {
+  std::string text;
+  double east_m = 10.0, north_m = 20.0;
+  for (int i = 0; i < still + 400; ++i) {
+    const double heading = 0.7 + 0.01 * std::max(0, i - still);
+    if (i > still) {
+      east_m += 6.0 * std::sin(heading);
+      north_m += 6.0 * std::cos(heading);
+    }
+    text += fmt::format("{:.2f}, {}, {}\n", 3000.0 + 0.1 * i, PositionText(crs, east_m, north_m),
+                        AttitudeText(heading, attitude, flu));
+  }
+  return text;
+}
+
+TEST(FileContent, CoordinatesAndAttitudeOfATrajectory) {
+  for (const char* crs : {"geographic", "utm:", "map", "ecef"}) {
+    for (const Attitude attitude : {Attitude::kQuaternionNed, Attitude::kQuaternionEnu,
+                                    Attitude::kRollPitchHeading, Attitude::kRollPitchYawEnu}) {
+      SCOPED_TRACE(std::string(crs) + std::to_string(static_cast<int>(attitude)));
+      const FileContent content = Look(TrajectoryText(crs, attitude, false));
+      ASSERT_EQ(content.kind, FileKind::kTrajectory);
+      EXPECT_EQ(content.trajectory->crs, crs);
+      EXPECT_EQ(content.trajectory->attitude, attitude);
+      EXPECT_FALSE(content.trajectory->body_is_flu);
+    }
+  }
+  for (const Attitude attitude : {Attitude::kQuaternionNed, Attitude::kQuaternionEnu}) {
+    const FileContent content = Look(TrajectoryText("geographic", attitude, true));
+    EXPECT_EQ(content.trajectory->attitude, attitude);
+    EXPECT_TRUE(content.trajectory->body_is_flu);
+  }
+}
+
+// More rows than are looked at otherwise.
+TEST(FileContent, ATrajectoryThatStandsAtFirst) {
+  const FileContent content = Look(TrajectoryText("utm:", Attitude::kRollPitchYawEnu, false, 5000));
+  ASSERT_EQ(content.kind, FileKind::kTrajectory);
+  EXPECT_EQ(content.trajectory->attitude, Attitude::kRollPitchYawEnu);
+}
+
+TEST(FileContent, PositionsWithSigmasThatMoveNorthAreNoTrajectory) {
+  std::string text;
+  for (int i = 0; i < 400; ++i) {
+    text += fmt::format("{}, {:.9f}, 6.5, 900, 0.01, 0.01, 0.02\n", 3000 + i, 46.5 + 5e-4 * i);
+  }
+  EXPECT_EQ(Look(text).kind, FileKind::kGnss);
+}
+
+TEST(FileContent, PointClouds) {
+  EXPECT_EQ(Look(std::string("LASF\0\0\1\2", 8), "strip.las").kind, FileKind::kPointCloud);
 }
 
 TEST(FileContent, TimeSince1980And1970) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/geo/trajectory_columns.h>
 #include <dn/gnss/gnss_data.h>
 #include <dn/imu/imu_data.h>
 
@@ -12,7 +13,7 @@
 namespace dn {
 
 /// What a data file may hold.
-enum class FileKind { kUnknown, kImu, kGnss, kPairs, kTrajectory, kSmrmsg };
+enum class FileKind { kUnknown, kImu, kGnss, kPairs, kTrajectory, kSmrmsg, kPointCloud };
 
 /// What the first rows of a file show, whatever its name.
 struct FileContent {
@@ -26,6 +27,8 @@ struct FileContent {
   GnssFormat gnss_format = GnssFormat::kOdyn;
   bool has_sigma = false;     ///< of kGnss: of the positions
   bool has_velocity = false;  ///< of kGnss
+  /// Of text of kTrajectory. The zone of a grid does not show: crs "utm:".
+  std::optional<TrajectoryColumns> trajectory = {};
   /// Of text: known error of the tags, where they are seconds since 1980 or 1970 instead of GPS seconds
   /// of week: tag = t + value.
   double time_offset_s = 0.0;
@@ -38,7 +41,9 @@ struct FileContent {
 ///   kGnss        4, 7, 10 or 13 columns with latitude, longitude and positive sigmas; or a header of
 ///                RTKLIB, or sentences of NMEA
 ///   kPairs       8 or 14 columns that begin with two times
-///   kTrajectory  8 columns that end with a unit quaternion; or records of an SBET
+///   kTrajectory  8 columns that end with a unit quaternion, or 7 that end with three angles of which
+///                the last follows the course; or records of an SBET
+///   kPointCloud  the signature of LAS or LAZ
 ///   kSmrmsg      records of POSPac's smrmsg
 ///
 /// Never throws for what a file holds.

@@ -1,0 +1,166 @@
+#include "trajectory_content.h"
+
+#include <dn/median.h>
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "plausible_motion.h"
+
+namespace dn::internal {
+namespace {
+
+using Attitude = TrajectoryColumns::Attitude;
+
+// What moves slower has no course.
+constexpr double kLeastSpeedMps = 3.0;
+constexpr double kLeastMoveM = 1.0;
+// A heading is within this of the course, wind and sensor mounting included, in most of the rows.
+constexpr double kNearCourse = std::numbers::pi / 4.0, kMostRows = 0.7;
+constexpr std::size_t kFewestRows = 20;
+constexpr double kMostHeightM = 2e4;
+constexpr double kLeastEarthRadiusM = 6.33e6, kMostEarthRadiusM = 6.40e6;
+// Eastings of UTM have six digits before the point, northings six or seven.
+constexpr double kLeastEastingM = 1e5, kMostEastingM = 9e5, kMostNorthingM = 1e7;
+constexpr double kMostMapM = 1e5;
+
+Eigen::Vector3d Position(const TextTable& table, std::size_t i) {
+  return Eigen::Map<const Eigen::Vector3d>(table.row(i) + 1);
+}
+
+/// What is added to a position, in metres east, north, up, for the systems that a trajectory may have.
+Eigen::Vector3d MoveEnu(const std::string& crs, const Eigen::Vector3d& from,
+                        const Eigen::Vector3d& to) {
+  const Eigen::Vector3d by = to - from;
+  if (crs == "geographic") {
+    const double cos_lat = std::cos(from.x() / 180.0 * std::numbers::pi);
+    return {by.y() * kMetresPerDeg * cos_lat, by.x() * kMetresPerDeg, by.z()};
+  }
+  if (crs != "ecef") return by;
+  const Eigen::Vector3d up = from.normalized();
+  const Eigen::Vector3d east = Eigen::Vector3d::UnitZ().cross(up).normalized();
+  return {by.dot(east), by.dot(up.cross(east)), by.dot(up)};
+}
+
+/// Whether all positions have the size that they have in a system.
+bool HasSizeOf(const std::string& crs, const Eigen::Vector3d& p) {
+  if (crs == "ecef") return p.norm() > kLeastEarthRadiusM && p.norm() < kMostEarthRadiusM;
+  if (std::abs(p.z()) > kMostHeightM) return false;
+  if (crs == "geographic") return std::abs(p.x()) <= 90.0 && std::abs(p.y()) <= 360.0;
+  if (crs == "utm:") {
+    return p.x() > kLeastEastingM && p.x() < kMostEastingM && p.y() >= 0.0 &&
+           p.y() < kMostNorthingM;
+  }
+  return std::abs(p.x()) < kMostMapM && std::abs(p.y()) < kMostMapM;
+}
+
+bool IsPossible(const std::string& crs, const TextTable& table) {
+  std::vector<double> speeds_mps;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    if (!HasSizeOf(crs, Position(table, i))) return false;
+    if (i == 0) continue;
+    const double step_s = table.row(i)[0] - table.row(i - 1)[0];
+    if (!(step_s > 0.0)) continue;
+    speeds_mps.push_back(MoveEnu(crs, Position(table, i - 1), Position(table, i)).norm() / step_s);
+  }
+  return !speeds_mps.empty() && Median(speeds_mps) < kMostSpeedMps;
+}
+
+std::optional<std::string> CrsOf(const TextTable& table) {
+  for (const char* crs : {"geographic", "ecef", "utm:", "map"}) {
+    if (IsPossible(crs, table)) return crs;
+  }
+  return std::nullopt;
+}
+
+/// Forward in east and north by the attitude of a row.
+Eigen::Vector2d ForwardEn(const double* attitude, Attitude convention) {
+  constexpr double kRad = std::numbers::pi / 180.0;
+  if (convention == Attitude::kRollPitchHeading) {
+    return {std::sin(attitude[2] * kRad), std::cos(attitude[2] * kRad)};
+  }
+  if (convention == Attitude::kRollPitchYawEnu) {
+    return {std::cos(attitude[2] * kRad), std::sin(attitude[2] * kRad)};
+  }
+  const Eigen::Quaterniond q(attitude[0], attitude[1], attitude[2], attitude[3]);
+  const Eigen::Vector3d forward = q * Eigen::Vector3d::UnitX();
+  if (convention == Attitude::kQuaternionEnu) return {forward.x(), forward.y()};
+  return {forward.y(), forward.x()};
+}
+
+/// Share of the rows that move whose forward axis is near the course; nothing where too few move.
+std::optional<double> ShareNearCourse(const TextTable& table, const std::string& crs,
+                                      Attitude convention) {
+  std::size_t moving = 0, near = 0, from = 0;
+  for (std::size_t i = 1; i < table.rows(); ++i) {
+    const Eigen::Vector2d move_m =
+        MoveEnu(crs, Position(table, from), Position(table, i)).head<2>();
+    const double step_s = table.row(i)[0] - table.row(from)[0];
+    if (move_m.norm() < kLeastMoveM) continue;
+    const double speed_mps = move_m.norm() / step_s;
+    from = i;
+    if (!(speed_mps > kLeastSpeedMps)) continue;
+    ++moving;
+    const Eigen::Vector2d forward = ForwardEn(table.row(i) + 4, convention);
+    if (forward.dot(move_m) > std::cos(kNearCourse) * forward.norm() * move_m.norm()) ++near;
+  }
+  if (moving < kFewestRows) return std::nullopt;
+  return static_cast<double>(near) / static_cast<double>(moving);
+}
+
+bool EndsWithUnitQuaternion(const TextTable& table) {
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const double norm = Eigen::Map<const Eigen::Vector4d>(table.row(i) + 4).norm();
+    if (std::abs(norm - 1.0) >= 0.01) return false;
+  }
+  return true;
+}
+
+/// The one of two conventions that the course agrees with.
+std::optional<Attitude> ByCourse(const TextTable& table, const std::string& crs,
+                                 const std::array<Attitude, 2>& conventions) {
+  double most = kMostRows;
+  std::optional<Attitude> best;
+  for (const Attitude convention : conventions) {
+    const double share = ShareNearCourse(table, crs, convention).value_or(0.0);
+    if (share < most) continue;
+    most = share;
+    best = convention;
+  }
+  return best;
+}
+
+bool PointsUp(const TextTable& table, Attitude convention) {
+  double z = 0.0;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const double* q = table.row(i) + 4;
+    z += (Eigen::Quaterniond(q[0], q[1], q[2], q[3]) * Eigen::Vector3d::UnitZ()).z();
+  }
+  return convention == Attitude::kQuaternionEnu ? z > 0.0 : z < 0.0;
+}
+
+}  // namespace
+
+std::optional<TrajectoryColumns> TrajectoryColumnsOf(const TextTable& table) {
+  if (table.columns != 7 && table.columns != 8) return std::nullopt;
+  const bool quaternions = table.columns == 8 && EndsWithUnitQuaternion(table);
+  if (table.columns == 8 && !quaternions) return std::nullopt;
+  const std::optional<std::string> crs = CrsOf(table);
+  if (!crs) return quaternions ? std::optional(TrajectoryColumns{}) : std::nullopt;
+  TrajectoryColumns columns;
+  columns.crs = *crs;
+  const std::optional<Attitude> moving =
+      quaternions
+          ? ByCourse(table, *crs, {Attitude::kQuaternionNed, Attitude::kQuaternionEnu})
+          : ByCourse(table, *crs, {Attitude::kRollPitchHeading, Attitude::kRollPitchYawEnu});
+  if (!moving && !quaternions) return std::nullopt;
+  columns.attitude = moving.value_or(Attitude::kQuaternionNed);
+  columns.body_is_flu = quaternions && PointsUp(table, columns.attitude);
+  return columns;
+}
+
+}  // namespace dn::internal
