@@ -1,14 +1,31 @@
+#include <array>
+#include <cstddef>
+
 #include "sections.h"
 
 namespace dn::internal {
 namespace {
 
+// LP360's trajectory report takes less as good, m; others are marked.
+constexpr std::array<double, 3> kUsualSeparationM{0.02, 0.02, 0.05};
+
+/// Cells of the root mean squares, those marked that are larger than usual.
+std::vector<Cell> Judged(const Facts& rms_enu_m) {
+  std::vector<Cell> cells = Three(rms_enu_m, 4);
+  for (std::size_t axis = 0; axis < cells.size(); ++axis) {
+    if (rms_enu_m[axis].number() > kUsualSeparationM[axis]) cells[axis].tone = Tone::kDoubtful;
+  }
+  return cells;
+}
+
 Table FilterSeparationTable(const Facts& separation) {
   Table table{"Forward filter minus reverse filter, after alignment",
               {"", "", "", ""},
               {},
-              "Each is blind for half of the data; the smoothed trajectory is better than either."};
-  table.rows = {Row("rms, east, north, up [m]", Three(separation["rms_enu_m"], 4)),
+              "Each is blind for half of the data; the smoothed trajectory is better than either. "
+              "Marked: above 2 cm east or north, 5 cm up, which LP360's trajectory report takes as "
+              "the limit of good ones."};
+  table.rows = {Row("rms, east, north, up [m]", Judged(separation["rms_enu_m"])),
                 Row("largest, east, north, up [m]", Three(separation["max_enu_m"], 4)),
                 Row("rms, roll, pitch, heading [deg]", Three(separation["rms_rph_deg"], 4)),
                 Row("largest, roll, pitch, heading [deg]", Three(separation["max_rph_deg"], 4))};
