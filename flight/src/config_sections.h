@@ -22,6 +22,11 @@ inline void FlipBody(Eigen::Matrix3d* R_b) {
 
 /// Sections of flight.yaml. body_is_flu: body quantities of the file are forward-left-up.
 ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu);
+/// A coordinate system of a text file.
+std::string ReadTextCrs(const YamlValue& crs);
+/// True: the north of a grid, which the positions must be in.
+bool ReadNorth(const YamlValue& north, const std::string& crs);
+
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu);
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);

@@ -203,6 +203,9 @@ void DescribeText(FileContent* content) {
              // The first rows may stand on the ground, where no course is.
              !take_trajectory(ReadTextTable(content->file, {}))) {
     content->why = std::to_string(table.columns) + " columns, of no kind that is known";
+    if (table.columns >= 4 && internal::CoordinatesOf(table) == "utm:") {
+      content->why += "; GNSS positions in a grid are declared by gnss.file and gnss.crs";
+    }
   }
 }
 

@@ -26,6 +26,12 @@ FileLocation PlaceOfMaxGap(const fs::path& file) {
   return root["imu"]["max_gap_s"].where();
 }
 
+GnssData ReadGnssFile(const FlightConfig& config) {
+  const GnssConfig& gnss = *config.gnss;
+  const GnssColumns columns{TextCoordinates(gnss.crs, config.origin, "gnss.crs"), gnss.grid_north};
+  return ReadGnss(config.folder / gnss.file, gnss.format, gnss.time_offset_s, columns);
+}
+
 /// Reads the parts of one folder into one Flight.
 class FolderReader {
  public:
@@ -100,7 +106,7 @@ class FolderReader {
     if (!HasSection(flight_.config.gnss.has_value(), "gnss")) return;
     const fs::path file = InFolder(flight_.config.gnss->file);
     if (!HasFile(file, "gnss.file")) return;
-    GnssData gnss = ReadGnss(file, flight_.config.gnss->format, flight_.config.gnss->time_offset_s);
+    GnssData gnss = ReadGnssFile(flight_.config);
     if (gnss.epochs.empty()) {
       throw InvalidInput("no GNSS epoch in the file", FileLocation{file.string(), 0, 0});
     }
@@ -278,8 +284,7 @@ class FolderReader {
     if (config.origin) return *config.origin;
     if (first_gnss_) return *first_gnss_;
     if (config.gnss && IsFile(InFolder(config.gnss->file))) {
-      const GnssData gnss =
-          ReadGnss(InFolder(config.gnss->file), config.gnss->format, config.gnss->time_offset_s);
+      const GnssData gnss = ReadGnssFile(config);
       if (!gnss.epochs.empty()) return gnss.epochs.front().antenna;
     }
     if (flight_.trajectory) return flight_.trajectory->points().front().position;

@@ -121,6 +121,8 @@ void WriteGnss(const GnssConfig& gnss, Writer& out) {
   out.Key(1, "file", QuoteYaml(gnss.file));
   out.Key(1, "format", WordOf(gnss.format, internal::GnssFormatWords()));
   out.Key(1, "time_offset_s", Number(gnss.time_offset_s));
+  out.Key(1, "crs", gnss.crs);
+  out.Key(1, "north", WordOf(gnss.grid_north, internal::NorthWords()));
   out.Key(1, "lever_arm_m", List(gnss.lever_arm_b_m));
   out.Key(1, "sigma_enu_m", List(gnss.sigma_enu_m));
   out.Key(1, "sigma_scale", Number(gnss.sigma_scale));

@@ -42,11 +42,17 @@ double ReadTimeOffset(const YamlValue& section) {
 }
 
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
-  section.ExpectMap({"file", "format", "time_offset_s", "lever_arm_m", "sigma_enu_m", "sigma_scale",
-                     "use_velocity", "processes", "robust"});
+  section.ExpectMap({"file", "format", "crs", "north", "time_offset_s", "lever_arm_m",
+                     "sigma_enu_m", "sigma_scale", "use_velocity", "processes", "robust"});
   GnssConfig gnss;
   if (section["file"]) gnss.file = section["file"].Text();
   if (section["format"]) gnss.format = section["format"].Choice(GnssFormatWords());
+  if (section["crs"]) gnss.crs = ReadTextCrs(section["crs"]);
+  if (section["north"]) gnss.grid_north = ReadNorth(section["north"], gnss.crs);
+  const bool own = gnss.format == GnssFormat::kRtklib || gnss.format == GnssFormat::kNmea;
+  if (own && gnss.crs != "geographic") {
+    section["crs"].Fail("files of rtklib and nmea say themselves what their coordinates are");
+  }
   gnss.time_offset_s = ReadTimeOffset(section);
   if (section["lever_arm_m"]) {
     const Eigen::Vector3d lever_arm_m = section["lever_arm_m"].Vector3();

@@ -70,13 +70,6 @@ bool IsPossible(const std::string& crs, const TextTable& table) {
   return !speeds_mps.empty() && Median(speeds_mps) < kMostSpeedMps;
 }
 
-std::optional<std::string> CrsOf(const TextTable& table) {
-  for (const char* crs : {"geographic", "ecef", "utm:", "map"}) {
-    if (IsPossible(crs, table)) return crs;
-  }
-  return std::nullopt;
-}
-
 /// Forward in east and north by the attitude of a row.
 Eigen::Vector2d ForwardEn(const double* attitude, Attitude convention) {
   constexpr double kRad = std::numbers::pi / 180.0;
@@ -145,11 +138,18 @@ bool PointsUp(const TextTable& table, Attitude convention) {
 
 }  // namespace
 
+std::optional<std::string> CoordinatesOf(const TextTable& table) {
+  for (const char* crs : {"geographic", "ecef", "utm:", "map"}) {
+    if (IsPossible(crs, table)) return crs;
+  }
+  return std::nullopt;
+}
+
 std::optional<TrajectoryColumns> TrajectoryColumnsOf(const TextTable& table) {
   if (table.columns != 7 && table.columns != 8) return std::nullopt;
   const bool quaternions = table.columns == 8 && EndsWithUnitQuaternion(table);
   if (table.columns == 8 && !quaternions) return std::nullopt;
-  const std::optional<std::string> crs = CrsOf(table);
+  const std::optional<std::string> crs = CoordinatesOf(table);
   if (!crs) return quaternions ? std::optional(TrajectoryColumns{}) : std::nullopt;
   TrajectoryColumns columns;
   columns.crs = *crs;

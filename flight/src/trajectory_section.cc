@@ -1,27 +1,33 @@
-#include <dn/geo/point_crs.h>
+#include <dn/geo/text_coordinates.h>
 
 #include "config_names.h"
 #include "config_sections.h"
 
 namespace dn::internal {
+
+std::string ReadTextCrs(const YamlValue& crs) {
+  std::string name = crs.Name();
+  if (!TextCoordinates::IsName(name)) {
+    crs.Fail("'" + name + "' is none of geographic, map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef");
+  }
+  return name;
+}
+
+bool ReadNorth(const YamlValue& north, const std::string& crs) {
+  const bool grid = north.Choice(NorthWords());
+  if (grid && crs.rfind("utm:", 0) != 0) {
+    north.Fail("grid needs positions in a grid: crs: utm:ZONEn or utm:ZONEs");
+  }
+  return grid;
+}
+
 namespace {
 
 TrajectoryColumns ReadColumns(const YamlValue& section) {
   TrajectoryColumns columns;
-  if (const YamlValue crs = section["crs"]) {
-    columns.crs = crs.Name();
-    if (columns.crs == "none" || (columns.crs != "geographic" && !IsPointCrsName(columns.crs))) {
-      crs.Fail("'" + columns.crs +
-               "' is none of geographic, map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef");
-    }
-  }
+  if (section["crs"]) columns.crs = ReadTextCrs(section["crs"]);
   if (section["attitude"]) columns.attitude = section["attitude"].Choice(AttitudeWords());
-  if (const YamlValue north = section["north"]) {
-    columns.grid_north = north.Choice(NorthWords());
-    if (columns.grid_north && columns.crs.rfind("utm:", 0) != 0) {
-      north.Fail("grid needs positions in a grid: crs: utm:ZONEn or utm:ZONEs");
-    }
-  }
+  if (section["north"]) columns.grid_north = ReadNorth(section["north"], columns.crs);
   return columns;
 }
 

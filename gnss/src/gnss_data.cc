@@ -2,6 +2,7 @@
 #include <dn/gnss/gnss_data.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "gnss_readers.h"
@@ -43,6 +44,19 @@ Eigen::Matrix3d CovarianceOfSigmasEnu(const Eigen::Vector3d& sigma_enu, const st
   return sigma_enu.cwiseAbs2().asDiagonal();
 }
 
+void TurnToTrueNorth(const GnssColumns& columns, GnssEpoch* epoch) {
+  if (!columns.grid_north) return;
+  const double azimuth_rad = columns.position.Convergence_rad(epoch->antenna);
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(-azimuth_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const auto turn = [&R](std::optional<Eigen::Matrix3d>* covariance) {
+    if (*covariance) *covariance = R * **covariance * R.transpose();
+  };
+  turn(&epoch->covariance_enu_m2);
+  turn(&epoch->velocity_covariance_enu);
+  if (epoch->velocity_enu_mps) epoch->velocity_enu_mps = R * *epoch->velocity_enu_mps;
+}
+
 Eigen::Matrix3d R_e_enu(const Geodetic& point) {
   const Eigen::Matrix3d ned = R_en(point);
   Eigen::Matrix3d enu;
@@ -72,14 +86,15 @@ Eigen::Matrix3d CovarianceOfSignedRoots(const Eigen::Vector3d& sigma,
 
 }  // namespace internal
 
-GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s) {
+GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s,
+                  const GnssColumns& columns) {
   switch (format) {
     case GnssFormat::kOdyn:
-      return internal::ReadOdynGnss(file, time_offset_s);
+      return internal::ReadOdynGnss(file, time_offset_s, columns);
     case GnssFormat::kRtklib:
       return internal::ReadRtklibPos(file, time_offset_s);
     case GnssFormat::kObGins:
-      return internal::ReadObGinsGnss(file, time_offset_s);
+      return internal::ReadObGinsGnss(file, time_offset_s, columns);
     case GnssFormat::kNmea:
       return internal::ReadNmea(file, time_offset_s);
   }

@@ -10,11 +10,16 @@
 namespace dn::internal {
 
 /// See ReadGnss; one function per format.
-GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s);
+GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
+                      const GnssColumns& columns);
 GnssData ReadRtklibPos(const std::filesystem::path& file, double time_offset_s);
-GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s);
+GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s,
+                        const GnssColumns& columns);
 
 GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s);
+
+/// Turns velocity and covariances from the grid of the columns to true east and north.
+void TurnToTrueNorth(const GnssColumns& columns, GnssEpoch* epoch);
 
 /// Throws InvalidInput for a velocity that nothing flies at.
 void CheckVelocity(const Eigen::Vector3d& velocity_mps, const FileLocation& where);

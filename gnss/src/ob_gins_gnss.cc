@@ -14,7 +14,8 @@ Eigen::Matrix3d CovarianceOfSigmasNed(const double* ned, const std::string& what
 
 }  // namespace
 
-GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s) {
+GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s,
+                        const GnssColumns& columns) {
   TextTable table = ReadTextTable(file, {7, 13});
   const bool has_velocity = table.columns == 13;
   std::vector<std::size_t> keep;
@@ -26,9 +27,8 @@ GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s)
     const FileLocation where{file.string(), table.lines[i], 0};
     GnssEpoch epoch;
     epoch.t_s = row[0];
-    epoch.antenna = {row[1] * kRadPerDeg, row[2] * kRadPerDeg, row[3]};
+    epoch.antenna = columns.position.Read(row + 1, where);
     epoch.line = table.lines[i];
-    CheckGeodetic(epoch.antenna, where);
     epoch.covariance_enu_m2 =
         CovarianceOfSigmasNed(row + (has_velocity ? 7 : 4), "position", where);
     if (has_velocity) {
@@ -36,6 +36,7 @@ GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s)
       CheckVelocity(*epoch.velocity_enu_mps, where);
       epoch.velocity_covariance_enu = CovarianceOfSigmasNed(row + 10, "velocity", where);
     }
+    TurnToTrueNorth(columns, &epoch);
     data.epochs.push_back(epoch);
   }
   return data;

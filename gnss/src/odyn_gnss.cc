@@ -25,7 +25,8 @@ Layout LayoutOf(std::size_t columns) {
 
 }  // namespace
 
-GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s) {
+GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
+                      const GnssColumns& columns) {
   TextTable table = ReadTextTable(file, {4, 7, 10, 13});
   const Layout layout = LayoutOf(table.columns);
   std::vector<std::size_t> keep;
@@ -38,9 +39,8 @@ GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s) {
     const auto triple = [row](std::size_t at) { return Eigen::Vector3d(row + at); };
     GnssEpoch epoch;
     epoch.t_s = row[0];
-    epoch.antenna = {row[1] * kRadPerDeg, row[2] * kRadPerDeg, row[3]};
+    epoch.antenna = columns.position.Read(row + 1, where);
     epoch.line = table.lines[i];
-    CheckGeodetic(epoch.antenna, where);
     if (layout.sigma > 0) {
       epoch.covariance_enu_m2 = CovarianceOfSigmasEnu(triple(layout.sigma), "position", where);
     }
@@ -50,6 +50,7 @@ GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s) {
       epoch.velocity_covariance_enu =
           CovarianceOfSigmasEnu(triple(layout.velocity_sigma), "velocity", where);
     }
+    TurnToTrueNorth(columns, &epoch);
     data.epochs.push_back(epoch);
   }
   return data;

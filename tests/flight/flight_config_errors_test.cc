@@ -77,6 +77,9 @@ TEST(FlightConfigErrors, OutOfRange) {
   ExpectBad("time_span_s: [2, 1]\n", "must begin before it ends", 1);
   ExpectBad("trajectory: {sigma_rp_deg: -1}\n", "trajectory.sigma_rp_deg: must be greater", 1);
   ExpectBad("trajectory: {crs: utm:61n}\n", "is none of geographic, map, utm:ZONEn", 1);
+  ExpectBad("gnss: {crs: utm:61n}\n", "is none of geographic, map, utm:ZONEn", 1);
+  ExpectBad("gnss: {north: grid}\n", "grid needs positions in a grid", 1);
+  ExpectBad("gnss: {format: rtklib, crs: utm:32n}\n", "say themselves", 1);
   ExpectBad("trajectory: {north: grid}\n", "grid needs positions in a grid", 1);
   ExpectBad("network: {node_rate_hz: -1}\n", "greater than 0", 1);
   ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: max, count: 0}}\n", "at least 1", 1);

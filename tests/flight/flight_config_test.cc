@@ -49,7 +49,9 @@ imu:
     - {window_s: [381140, 381200], sigma_accel_m_s2: 0.07}
 gnss:
   file: rover.pos
-  format: rtklib
+  format: ob_gins
+  crs: utm:32n
+  north: grid
   time_offset_s: -18
   lever_arm_m: [0.4, -0.1, -1.1]
   sigma_enu_m: [0.01, 0.02, 0.03]
@@ -113,6 +115,8 @@ void ExpectSameSensors(const FlightConfig& a, const FlightConfig& b) {
   if (a.gnss) {
     EXPECT_EQ(a.gnss->file, b.gnss->file);
     EXPECT_EQ(a.gnss->format, b.gnss->format);
+    EXPECT_EQ(a.gnss->crs, b.gnss->crs);
+    EXPECT_EQ(a.gnss->grid_north, b.gnss->grid_north);
     EXPECT_EQ(a.gnss->time_offset_s, b.gnss->time_offset_s);
     EXPECT_EQ(a.gnss->lever_arm_b_m, b.gnss->lever_arm_b_m);
     EXPECT_EQ(a.gnss->sigma_enu_m, b.gnss->sigma_enu_m);

@@ -1,6 +1,9 @@
+#include <dn/geo/point_crs.h>
+#include <dn/geo/text_table.h>
 #include <dn/gnss/gnss_data.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 
@@ -65,6 +68,57 @@ TEST(OdynGnss, ThirteenColumnsHaveAll) {
   ExpectDiagonal(epoch.covariance_enu_m2, {0.01, 0.02, 0.03});
   EXPECT_EQ(epoch.velocity_enu_mps, Eigen::Vector3d(1, -2, 3));
   ExpectDiagonal(epoch.velocity_covariance_enu, {0.1, 0.2, 0.3});
+}
+
+const Geodetic kPlace{47.05 * kRadPerDeg, 8.3 * kRadPerDeg, 500.0};
+
+std::string Row(double t_s, const Eigen::Vector3d& p, const std::string& rest) {
+  std::string text = FormatDouble(t_s);
+  for (const double x : p) text += ", " + FormatDouble(x);
+  return text + rest + "\n";
+}
+
+void ExpectPlace(const GnssEpoch& epoch) {
+  EXPECT_NEAR(epoch.antenna.lat_rad, kPlace.lat_rad, 1e-12);
+  EXPECT_NEAR(epoch.antenna.lon_rad, kPlace.lon_rad, 1e-12);
+  EXPECT_NEAR(epoch.antenna.h_m, kPlace.h_m, 1e-6);
+}
+
+TEST(OdynGnss, OtherCoordinatesAreDeclared) {
+  const LocalFrame frame({47.0 * kRadPerDeg, 8.0 * kRadPerDeg, 300.0});
+  for (const char* crs : {"utm:32n", "map", "ecef"}) {
+    SCOPED_TRACE(crs);
+    const Eigen::Vector3d p = PointCrs(crs, frame).FromMap(frame.ToMap(kPlace));
+    const TempFile file("GPS.txt", Row(10, p, ""));
+    const GnssColumns columns{TextCoordinates(crs, frame.origin(), "gnss.crs")};
+    ExpectPlace(ReadGnss(file.path(), GnssFormat::kOdyn, 0.0, columns).epochs.at(0));
+    const TempFile other("GNSS.pos", Row(10, p, ", 0.1, 0.1, 0.1"));
+    ExpectPlace(ReadGnss(other.path(), GnssFormat::kObGins, 0.0, columns).epochs.at(0));
+  }
+}
+
+// A second of flight along grid north, as its two positions show it.
+TEST(OdynGnss, VelocitiesOfAGridAreTurnedToTrueNorth) {
+  const LocalFrame frame(kPlace);
+  const PointCrs utm("utm:32n", frame);
+  const Eigen::Vector3d from = utm.FromMap(Eigen::Vector3d::Zero());
+  const Eigen::Vector3d moved_m = utm.ToMap(from + Eigen::Vector3d(0, 1, 0)).normalized();
+  ASSERT_GT(std::abs(moved_m.x()), 0.005);
+  const TempFile file("GPS.txt", Row(10, from, ", 0.1, 0.3, 0.5, 0, 1, 0, 0.1, 0.3, 0.5"));
+  const GnssColumns grid{TextCoordinates("utm:32n", {}, "gnss.crs"), true};
+  const GnssEpoch epoch = ReadGnss(file.path(), GnssFormat::kOdyn, 0.0, grid).epochs.at(0);
+  EXPECT_LE((*epoch.velocity_enu_mps - moved_m).norm(), 1e-6);
+  for (const auto& covariance : {epoch.covariance_enu_m2, epoch.velocity_covariance_enu}) {
+    EXPECT_NEAR(std::sqrt(moved_m.dot(*covariance * moved_m)), 0.3, 1e-6);
+    EXPECT_NEAR((*covariance)(2, 2), 0.25, 1e-12);
+  }
+}
+
+TEST(OdynGnss, DegreesAreNoGrid) {
+  const TempFile file("GPS.txt", "10, 47.05, 8.3, 500\n");
+  const GnssColumns grid{TextCoordinates("utm:32n", {}, "gnss.crs")};
+  ExpectInvalid([&] { ReadGnss(file.path(), GnssFormat::kOdyn, 0.0, grid); },
+                "degrees have gnss.crs: geographic", 1);
 }
 
 TEST(OdynGnss, DropsRepeatsAndContinuesOverTheWeek) {

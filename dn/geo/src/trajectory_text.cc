@@ -1,11 +1,10 @@
 #include <dn/error.h>
-#include <dn/geo/point_crs.h>
+#include <dn/geo/text_coordinates.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <dn/rotation.h>
 
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include "trajectory_io.h"
@@ -44,14 +43,6 @@ void CheckAngles(const double* deg, const FileLocation& where) {
                      where);
 }
 
-/// Grid coordinates that small are none that anybody flies at.
-void ExpectNoDegrees(const double* c, const FileLocation& where) {
-  if (std::abs(c[0]) > 360.0 || std::abs(c[1]) > 360.0) return;
-  throw InvalidInput("easting, northing are " + FormatDouble(c[0]) + ", " + FormatDouble(c[1]) +
-                         " m; degrees have trajectory.crs: geographic",
-                     where);
-}
-
 /// Body (FRD) -> the north-east-down in which the attitude is given.
 Eigen::Quaterniond ReadAttitude(const double* c, const TrajectoryColumns& columns,
                                 const FileLocation& where) {
@@ -66,50 +57,10 @@ Eigen::Quaterniond ReadAttitude(const double* c, const TrajectoryColumns& column
   return columns.attitude == Attitude::kRollPitchHeading ? q : kNedEnu * q * kFluFrd;
 }
 
-/// Positions of one coordinate system as geodetic ones.
-class PositionReader {
- public:
-  explicit PositionReader(const TrajectoryColumns& columns)
-      : frame_(columns.map_origin.value_or(Geodetic())) {
-    if (columns.crs == "geographic") return;
-    if (columns.crs == "map" && !columns.map_origin) {
-      throw InvalidConfig("a trajectory in the mapping frame needs frame.origin_deg_m");
-    }
-    crs_.emplace(columns.crs, frame_);
-    utm_ = columns.crs.rfind("utm:", 0) == 0;
-  }
-
-  Geodetic Read(const double* c, const FileLocation& where) const {
-    if (crs_) {
-      if (utm_) ExpectNoDegrees(c, where);
-      try {
-        return frame_.ToGeodetic(crs_->ToMap({c[0], c[1], c[2]}));
-      } catch (const InvalidInput& error) {
-        throw InvalidInput(error.what(), where);
-      }
-    }
-    const Geodetic point{c[0] * kRadPerDeg, c[1] * kRadPerDeg, c[2]};
-    CheckGeodetic(point, where);
-    return point;
-  }
-
-  /// True azimuth of grid north.
-  double Convergence_rad(const Geodetic& point) const {
-    const Eigen::Vector3d p_m = frame_.ToMap(point);
-    const Eigen::Vector3d north_c = crs_->J_c_m(p_m) * frame_.R_mn(p_m).col(0);
-    return -std::atan2(north_c.x(), north_c.y());
-  }
-
- private:
-  LocalFrame frame_;
-  std::optional<PointCrs> crs_;
-  bool utm_ = false;
-};
-
 }  // namespace
 
 Trajectory ReadTrajectoryText(const std::filesystem::path& file, const TrajectoryColumns& columns) {
-  const PositionReader positions(columns);
+  const TextCoordinates positions(columns.crs, columns.map_origin, "trajectory.crs");
   TextTable table =
       ReadTextTable(file, {columns.has_quaternion() ? std::size_t{8} : std::size_t{7}});
   std::vector<std::size_t> keep;

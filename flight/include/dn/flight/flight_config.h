@@ -32,7 +32,9 @@ struct ImuConfig {
 struct GnssConfig {
   std::string file = "GPS.txt";
   GnssFormat format = GnssFormat::kOdyn;
-  double time_offset_s = 0.0;  ///< of the file's tags, tag = t + value; removed on reading
+  std::string crs = "geographic";  ///< of the positions of kOdyn and kObGins, as TextCoordinates
+  bool grid_north = false;         ///< velocities and sigmas are along the UTM grid
+  double time_offset_s = 0.0;      ///< of the file's tags, tag = t + value; removed on reading
   Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();          ///< antenna in body, FRD
   Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);  ///< where the file has none
   double sigma_scale = 1.0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/geo/local_frame.h>
+#include <dn/geo/text_coordinates.h>
 
 #include <Eigen/Core>
 #include <filesystem>
@@ -32,6 +33,12 @@ struct GnssData {
   long unusable_sentences = 0;  ///< kNmea: GGA without a fix, or with a wrong checksum
 };
 
+/// What the columns of kOdyn and kObGins are where they are not geographic ones and true north.
+struct GnssColumns {
+  TextCoordinates position = {};
+  bool grid_north = false;  ///< north and east of velocities and sigmas are those of the UTM grid
+};
+
 /// Reads a file of GNSS solutions, sorted by time; identical repeated rows are dropped and counted,
 /// a backward jump of a week is continued.
 ///
@@ -53,6 +60,7 @@ struct GnssData {
 ///
 /// Throws InvalidInput naming file:line: sigmas that are not positive, coordinates out of range,
 /// values that are not finite, wrong numbers of columns, times that do not increase.
-GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s = 0.0);
+GnssData ReadGnss(const std::filesystem::path& file, GnssFormat format, double time_offset_s = 0.0,
+                  const GnssColumns& columns = {});
 
 }  // namespace dn
