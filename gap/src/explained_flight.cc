@@ -126,6 +126,10 @@ void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
     JudgeProcess(explained->solution->network(), options_.threads, &effect);
   }
   SortByEvidence(&explained->effects);
+  ScreenedEffect& likeliest = explained->effects.front();
+  if (IsProcess(likeliest.name) && likeliest.log_evidence >= kWorthJudgingNats) {
+    RefineProcess(explained->solution->network(), options_.threads, &likeliest);
+  }
 }
 
 TwinTest Explainer::Test(const ExplainedFlight& explained, int count, Appearance* appearance,

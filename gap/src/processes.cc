@@ -7,8 +7,10 @@
 #include <dn/solvers/restricted_likelihood.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -22,6 +24,7 @@ constexpr double kProcessTausS[] = {4.0, 15.0, 60.0, 240.0};
 // Powers of ten of the size, relative to the usual one, and how likely each is.
 constexpr double kPowers[] = {-1.0, -0.5, 0.0, 0.5, 1.0};
 constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
+constexpr int kMostTauSteps = 6;
 // Share of the sigma at which a process is as good as absent.
 constexpr double kAbsent = 1e-3;
 
@@ -56,36 +59,62 @@ struct AtTau {
   double relative_sigma = 0.3;
 };
 
-/// The parabola through the best of equally spaced points and its neighbours.
-void RefineSize(const std::vector<double>& l, std::size_t best, double step, AtTau* at) {
-  if (best == 0 || best + 1 >= l.size()) return;
-  const double slope = (l[best + 1] - l[best - 1]) / (2.0 * step);
-  const double curvature = (2.0 * l[best] - l[best - 1] - l[best + 1]) / (step * step);
-  if (!(curvature > 0.0)) return;
-  at->size *= std::pow(10.0, std::clamp(slope / curvature, -step, step));
-  at->relative_sigma = std::log(10.0) / std::sqrt(curvature);
+/// Where the parabola through three values, `step` apart, has its maximum: from the middle one; and
+/// the standard deviation of a normal likelihood there.
+struct Vertex {
+  double move = 0.0, sigma = 0.0;
+};
+
+std::optional<Vertex> VertexOf(const std::array<double, 3>& l, double step) {
+  const double slope = (l[2] - l[0]) / (2.0 * step);
+  const double curvature = (2.0 * l[1] - l[0] - l[2]) / (step * step);
+  if (!(curvature > 0.0)) return std::nullopt;
+  return Vertex{std::clamp(slope / curvature, -step, step), 1.0 / std::sqrt(curvature)};
 }
 
-AtTau Judge(const FlightNetwork& network, const std::string& effect, double tau_s, int threads) {
-  const Marginals marginals(network.net, {.threads = threads});
-  const Eigen::VectorXd share =
-      RowsOfChain(network, marginals.linearized(), NewestChain(network, effect));
-  constexpr double kLogStep = 0.25;
+/// Log likelihoods of the sizes 10^power, against a process that is as good as absent.
+std::vector<double> ProfileOf(const LinearizedNetwork& linearized, const Eigen::VectorXd& share,
+                              const std::vector<double>& powers, int threads) {
   std::vector<double> thetas{kAbsent * kAbsent - 1.0};
-  for (double power = -1.5; power <= 1.5 + 1e-9; power += kLogStep) {
-    thetas.push_back(std::pow(10.0, 2.0 * power) - 1.0);
-  }
-  const VarianceProfile profile = ProfileVariance(marginals.linearized(), share, thetas, threads);
+  for (const double power : powers) thetas.push_back(std::pow(10.0, 2.0 * power) - 1.0);
+  const VarianceProfile profile = ProfileVariance(linearized, share, thetas, threads);
   std::vector<double> l;
   for (std::size_t k = 1; k < thetas.size(); ++k) {
     l.push_back(profile.log_likelihood_ratio[k] - profile.log_likelihood_ratio[0]);
   }
+  return l;
+}
+
+/// The likeliest size near 10^power, by points so close that the likelihood is a parabola there.
+void RefineSize(const LinearizedNetwork& linearized, const Eigen::VectorXd& share, double power,
+                int threads, AtTau* at) {
+  constexpr double kStep = 0.08;
+  for (int pass = 0; pass < 3; ++pass) {
+    const std::vector<double> l =
+        ProfileOf(linearized, share, {power - kStep, power, power + kStep}, threads);
+    const std::optional<Vertex> vertex = VertexOf({l[0], l[1], l[2]}, kStep);
+    if (!vertex) return;
+    power += vertex->move;
+    at->size = std::pow(10.0, power);
+    at->relative_sigma = std::log(10.0) * vertex->sigma;
+    at->best_log_likelihood = l[1] + 0.5 * std::pow(vertex->move / vertex->sigma, 2);
+    if (std::abs(vertex->move) < kStep) return;
+  }
+}
+
+AtTau Judge(const FlightNetwork& network, const std::string& effect, double tau_s, int threads) {
+  const LinearizedNetwork linearized(network.net);
+  const Eigen::VectorXd share = RowsOfChain(network, linearized, NewestChain(network, effect));
+  constexpr double kLogStep = 0.25;
+  std::vector<double> powers;
+  for (double power = -1.5; power <= 1.5 + 1e-9; power += kLogStep) powers.push_back(power);
+  const std::vector<double> l = ProfileOf(linearized, share, powers, threads);
   AtTau at;
   at.tau_s = tau_s;
   const auto best = static_cast<std::size_t>(std::max_element(l.begin(), l.end()) - l.begin());
   at.best_log_likelihood = l[best];
-  at.size = std::pow(10.0, -1.5 + kLogStep * static_cast<double>(best));
-  RefineSize(l, best, kLogStep, &at);
+  at.size = std::pow(10.0, powers[best]);
+  if (best > 0 && best + 1 < l.size()) RefineSize(linearized, share, powers[best], threads, &at);
   double sum = 0.0;
   for (int g = 0; g < 5; ++g) {
     const auto k = static_cast<std::size_t>(std::lround((kPowers[g] + 1.5) / kLogStep));
@@ -97,35 +126,12 @@ AtTau Judge(const FlightNetwork& network, const std::string& effect, double tau_
   return at;
 }
 
-/// Where a parabola through the likeliest time constant and its neighbours has its maximum, and the
-/// relative standard deviation there; nothing at the ends of those tried.
-struct LikeliestTau {
-  double tau_s = 0.0, relative_sigma = 0.0;
-  double slope_of_ln_size = 0.0;  ///< of the likeliest size, over ln(tau)
-};
-
-std::optional<LikeliestTau> BetweenTaus(const std::vector<AtTau>& all) {
-  const auto best = std::max_element(all.begin(), all.end(), [](const AtTau& a, const AtTau& b) {
-    return a.best_log_likelihood < b.best_log_likelihood;
-  });
-  if (best == all.begin() || best + 1 == all.end()) return std::nullopt;
-  const AtTau &before = *(best - 1), &after = *(best + 1);
-  const double step = 0.5 * std::log(after.tau_s / before.tau_s);
-  const double slope = (after.best_log_likelihood - before.best_log_likelihood) / (2.0 * step);
-  const double curvature =
-      (2.0 * best->best_log_likelihood - before.best_log_likelihood - after.best_log_likelihood) /
-      (step * step);
-  if (!(curvature > 0.0)) return std::nullopt;
-  const double move = std::clamp(slope / curvature, -step, step);
-  const double slope_of_ln_size = std::log(after.size / before.size) / (2.0 * step);
-  return LikeliestTau{best->tau_s * std::exp(move), 1.0 / std::sqrt(curvature), slope_of_ln_size};
-}
-
 /// A process of the usual size beside what the flight has, at one time constant after another.
 class Trial {
  public:
-  Trial(const FlightNetwork& solved, int threads, const std::string& effect)
-      : solved_(solved), threads_(threads), effect_(effect) {}
+  /// `scale`: of the size that the states are laid out for, in usual ones.
+  Trial(const FlightNetwork& solved, int threads, const std::string& effect, double scale)
+      : solved_(solved), threads_(threads), effect_(effect), scale_(scale) {}
 
   /// Nothing where there is no such network.
   std::optional<AtTau> At(double tau_s) const {
@@ -134,13 +140,15 @@ class Trial {
     process.effect = effect_;
     process.estimate.resize(static_cast<Eigen::Index>(spec.components.size()));
     for (std::size_t k = 0; k + 1 < spec.components.size(); ++k) {
-      process.estimate[static_cast<Eigen::Index>(k)] = spec.components[k].typical;
+      process.estimate[static_cast<Eigen::Index>(k)] = scale_ * spec.components[k].typical;
     }
     process.estimate[process.estimate.size() - 1] = tau_s;
     Flight with = solved_.flight();
     with.config = Adapted(solved_.flight(), {process});
     try {
-      return Judge(NetworkBeside(solved_, with, threads_), effect_, tau_s, threads_);
+      AtTau at = Judge(NetworkBeside(solved_, with, threads_), effect_, tau_s, threads_);
+      at.size *= scale_;
+      return at;
     } catch (const InvalidInput&) {
       return std::nullopt;
     } catch (const RankDeficient&) {
@@ -152,35 +160,82 @@ class Trial {
   const FlightNetwork& solved_;
   int threads_;
   const std::string& effect_;
+  double scale_;
 };
+
+/// Size and time constant as those of an effect.
+void Take(const AtTau& at, ScreenedEffect* effect) {
+  const EffectSpec& spec = *FindEffect(effect->name);
+  const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
+  for (Eigen::Index k = 0; k < last; ++k) {
+    effect->estimate[k] = at.size * spec.components[static_cast<std::size_t>(k)].typical_si();
+    effect->sigma[k] = at.relative_sigma * effect->estimate[k];
+  }
+  effect->estimate[last] = at.tau_s;
+  effect->sigma[last] = std::numeric_limits<double>::quiet_NaN();
+}
+
+/// At the likeliest of three time constants, equally spaced in their logarithm; the size changes
+/// with that, which makes it less certain.
+AtTau Between(const AtTau& before, const AtTau& at, const AtTau& after, const Vertex& vertex) {
+  const double step = 0.5 * std::log(after.tau_s / before.tau_s);
+  const double slope_of_ln_size = std::log(after.size / before.size) / (2.0 * step);
+  AtTau between = at;
+  between.tau_s = at.tau_s * std::exp(vertex.move);
+  between.size = at.size * std::exp(slope_of_ln_size * vertex.move);
+  between.relative_sigma = std::hypot(at.relative_sigma, slope_of_ln_size * vertex.sigma);
+  return between;
+}
 
 }  // namespace
 
 void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
-  const Trial trial(solved, threads, effect->name);
+  const Trial trial(solved, threads, effect->name, 1.0);
   std::vector<AtTau> all;
   for (const double tau_s : kProcessTausS) {
     if (const std::optional<AtTau> at = trial.At(tau_s)) all.push_back(*at);
   }
   if (all.empty()) return;
-  AtTau best = *std::max_element(all.begin(), all.end(), [](const AtTau& a, const AtTau& b) {
-    return a.log_evidence < b.log_evidence;
-  });
   LogSum sum;
   for (const AtTau& at : all) sum.Add(at.log_evidence);
   effect->log_evidence = sum.Value() - std::log(static_cast<double>(std::size(kProcessTausS)));
-  const std::optional<LikeliestTau> likeliest = BetweenTaus(all);
-  if (likeliest) best = trial.At(likeliest->tau_s).value_or(best);
-  const double by_tau = likeliest ? likeliest->slope_of_ln_size * likeliest->relative_sigma : 0.0;
-  const double relative_sigma = std::hypot(best.relative_sigma, by_tau);
-  const EffectSpec& spec = *FindEffect(effect->name);
-  const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
-  for (Eigen::Index k = 0; k < last; ++k) {
-    effect->estimate[k] = best.size * spec.components[static_cast<std::size_t>(k)].typical_si();
-    effect->sigma[k] = relative_sigma * effect->estimate[k];
+  Take(*std::max_element(
+           all.begin(), all.end(),
+           [](const AtTau& a, const AtTau& b) { return a.log_evidence < b.log_evidence; }),
+       effect);
+}
+
+void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
+  const double scale = effect->estimate[0] / FindEffect(effect->name)->components[0].typical_si();
+  const Trial trial(solved, threads, effect->name, scale);
+  const Eigen::Index last = effect->estimate.size() - 1;
+  // A step in which the likelihood of ln(tau) is a parabola, or nearly.
+  const double step = std::log(1.6);
+  double tau_s = effect->estimate[last];
+  std::map<int, AtTau> at;  // by steps from where it began
+  int middle = 0;
+  for (int pass = 0; pass < kMostTauSteps; ++pass) {
+    for (int k = middle - 1; k <= middle + 1; ++k) {
+      if (at.count(k) > 0) continue;
+      const std::optional<AtTau> one = trial.At(tau_s * std::exp(k * step));
+      if (!one) return;
+      at[k] = *one;
+    }
+    const auto l = [&](int k) { return at[middle + k].best_log_likelihood; };
+    if (l(-1) > l(0) && l(-1) >= l(1)) {
+      --middle;
+    } else if (l(1) > l(0)) {
+      ++middle;
+    } else {
+      const std::optional<Vertex> vertex = VertexOf({l(-1), l(0), l(1)}, step);
+      if (!vertex) return;
+      Take(Between(at[middle - 1], at[middle], at[middle + 1], *vertex), effect);
+      effect->sigma[last] = vertex->sigma * effect->estimate[last];
+      return;
+    }
   }
-  effect->estimate[last] = best.tau_s;
-  if (likeliest) effect->sigma[last] = likeliest->relative_sigma * best.tau_s;
+  // The flight is too short, or the node rate too low, for the end of the correlation to show.
+  Take(at[middle], effect);
 }
 
 }  // namespace dn::internal

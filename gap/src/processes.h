@@ -12,4 +12,9 @@ namespace dn::internal {
 /// left out; nothing is changed where none can.
 void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect);
 
+/// Size and time constant of a process that was judged, at the maximum of the likelihood of both,
+/// with standard deviations by its curvature in their logarithms; that of the time constant is no
+/// number where the likelihood has no maximum near.
+void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect);
+
 }  // namespace dn::internal

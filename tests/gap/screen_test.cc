@@ -120,13 +120,16 @@ TEST(RefineTimes, LeavesOtherEffectsAlone) {
   }
 }
 
-ScreenedEffect Judged(const std::string& effects) {
-  const Flight flight = Simulate(AircraftScenario(effects), {}).flight;
+ScreenedEffect Judged(const std::string& effects, std::uint64_t seed = 1) {
+  SimulateOptions options;
+  options.seed = seed;
+  const Flight flight = Simulate(AircraftScenario(effects), options).flight;
   ScreenedEffect effect;
   effect.name = "gnss_correlated_noise";
   effect.estimate = effect.sigma = Eigen::VectorXd::Zero(4);
   const Adjustment adjustment = Adjust(flight);
   JudgeProcess(*adjustment.network, 1, &effect);
+  if (effect.log_evidence > 10.0) RefineProcess(*adjustment.network, 1, &effect);
   return effect;
 }
 
@@ -141,6 +144,25 @@ TEST(JudgeProcess, FindsTheSizeOfAProcess) {
   // A longer time constant goes with a larger size: nearly as its root.
   ASSERT_TRUE(std::isfinite(found.sigma[3]));
   EXPECT_GT(found.sigma[0] / found.estimate[0], 0.25 * found.sigma[3] / found.estimate[3]);
+}
+
+TEST(JudgeProcess, SizesAndTimesAreWithinTheirSigmas) {
+  constexpr int kSeeds = 8;
+  double sigma2 = 0.0, tau2 = 0.0;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const ScreenedEffect found =
+        Judged("effects: [{effect: gnss_correlated_noise, value: [0.1, 0.1, 0.1, 30]}]", seed);
+    ASSERT_TRUE(std::isfinite(found.sigma[3])) << seed;
+    // Of logarithms, in which the likelihood is nearly normal.
+    const double relative = found.sigma[0] / found.estimate[0];
+    const double relative_tau = found.sigma[3] / found.estimate[3];
+    sigma2 += std::pow(std::log(found.estimate[0] / 0.1) / relative, 2) / kSeeds;
+    tau2 += std::pow(std::log(found.estimate[3] / 30.0) / relative_tau, 2) / kSeeds;
+  }
+  for (const double mean : {sigma2, tau2}) {
+    EXPECT_LT(mean, 2.3) << "99 % of a mean of eight squares";
+    EXPECT_GT(mean, 0.2);
+  }
 }
 
 TEST(JudgeProcess, FindsNoneInNoise) { EXPECT_LT(Judged("").log_evidence, 2.0); }
