@@ -71,13 +71,19 @@ std::string Mark(const GapVerdict& verdict, const std::string& effect) {
   return holds(verdict.effects) ? "*" : holds(verdict.credible_set) ? "?" : " ";
 }
 
+/// Log evidence in nine columns, whatever its size.
+std::string Nats(double log_evidence) {
+  const bool fits = std::abs(log_evidence) < 999999.0;
+  return fits ? fmt::format("{:>9.1f}", log_evidence) : fmt::format("{:>9.2e}", log_evidence);
+}
+
 /// What has no name is told where it may be there.
 std::string DiscrepancyLines(const GapDiagnosis& d) {
   std::string text;
   for (const GapDiscrepancy& one : d.discrepancies) {
     if (one.posterior < kLeastPosterior) continue;
-    text += fmt::format("          {:<28}{:>6.2f}{:>9.1f}  without a name\n", one.name,
-                        one.posterior, one.log_evidence);
+    text += fmt::format("          {:<28}{:>6.2f}{}  without a name\n", one.name, one.posterior,
+                        Nats(one.log_evidence));
   }
   return text;
 }
@@ -89,10 +95,9 @@ std::string CauseLines(const GapDiagnosis& d) {
                                  "nats", moves ? "moves [mdeg]" : "", "by");
   for (std::size_t i = 0; i < std::min(kMostCausesTold, d.causes.size()); ++i) {
     const GapCause& cause = d.causes[i];
-    text += fmt::format("        {} {:<28}{:>6.2f}{:>9.1f}  {:<22} {}{}\n",
-                        Mark(d.verdict, cause.effect), cause.effect, cause.posterior,
-                        cause.log_evidence, Moves(d, cause), internal::ValueWords(cause),
-                        internal::TimesWords(cause.times));
+    text += fmt::format("        {} {:<28}{:>6.2f}{}  {:<22} {}{}\n", Mark(d.verdict, cause.effect),
+                        cause.effect, cause.posterior, Nats(cause.log_evidence), Moves(d, cause),
+                        internal::ValueWords(cause), internal::TimesWords(cause.times));
   }
   return text + DiscrepancyLines(d) + "          * of the verdict, ? could be it as well" +
          (moves ? "; moves of roll, pitch, yaw if left out\n" : "\n");

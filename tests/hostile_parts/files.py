@@ -3,7 +3,7 @@
 import os
 
 from . import instead, raw, rows, strips
-from .cases import ALL, CALIBRATE, CHECK, GAUSS_HELMERT, GEOREF, SMOOTH, Case
+from .cases import ALL, CALIBRATE, CHECK, GAUSS_HELMERT, GEOREF, MATCH, SMOOTH, Case
 from .flights import text_trajectory
 from .program import Conditions
 from .values import TOUCH, short
@@ -20,8 +20,8 @@ FILES = {
     "initial_guess.txt": (CALIBRATE, SMOOTH),
     "reference.out": (CALIBRATE, SMOOTH),
     "reference.txt": (CALIBRATE,),
-    "strips/1.las": (GEOREF, GEOREF, CHECK),
-    "strips/2.txt": (GEOREF,),
+    "strips/1.las": (GEOREF, MATCH, CHECK),
+    "strips/2.txt": (GEOREF, MATCH),
     "flight.yaml": (CALIBRATE, CHECK),
     "truth.yaml": (CALIBRATE,),
 }

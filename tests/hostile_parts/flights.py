@@ -87,6 +87,8 @@ imu:
 gnss:
   file: GPS.txt
   format: odyn
+  crs: geographic
+  north: geodetic
   time_offset_s: 0
   lever_arm_m: [0.4, -0.1, -1.1]
   sigma_enu_m: [0.015, 0.015, 0.03]
@@ -114,6 +116,9 @@ lidar:
   robust: none
 trajectory:
   file: trajectory.out
+  crs: geographic
+  attitude: quaternion_ned
+  north: geodetic
   sigma_xy_m: 0.03
   sigma_z_m: 0.05
   sigma_rp_deg: 0.003
