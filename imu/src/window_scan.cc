@@ -126,6 +126,17 @@ void WindowScan::AddTriad(const Case& one, ImuTriad triad, NoiseWindow* window) 
       variance > uncertainty ? 0.5 * uncertainty / std::sqrt(variance) : std::sqrt(uncertainty);
 }
 
+WindowScan::Case WindowScan::WithoutEnds(const CellSpan& span, const Case& one) const {
+  constexpr std::size_t kFewestCells = 5;
+  if (span.past - span.first < kFewestCells) return one;
+  Case middle = one;
+  for (const ImuTriad triad : kBothTriads) {
+    middle.inside[triad] = sums_[triad].Inside({span.first + 1, span.past - 1});
+    middle.inside[triad].sum /= one.base[triad];
+  }
+  return middle;
+}
+
 std::optional<NoiseWindow> WindowScan::Likeliest() const {
   if (!(seen_.weight > 0.0)) return std::nullopt;
   const CellSpan& span = seen_.likeliest;
@@ -135,11 +146,12 @@ std::optional<NoiseWindow> WindowScan::Likeliest() const {
   window.t1_s = band_.windows[span.past - 1].t1_s;
   window.log_likelihood = one.log_likelihood;
   window.log_likelihood_over_flight = one.log_likelihood;
+  const Case of_size = WithoutEnds(span, one);
   for (const ImuTriad triad : kBothTriads) {
     if (IsUsable(triad)) {
       window.log_likelihood_over_flight -= levels_[triad].Of(sums_[triad].All()).log_likelihood;
     }
-    if (one.inside[triad].dof > 0.0) AddTriad(one, triad, &window);
+    if (of_size.inside[triad].dof > 0.0) AddTriad(of_size, triad, &window);
   }
   if (window.sigma[kGyroTriad] + window.sigma[kAccelTriad] == 0.0) return std::nullopt;
   return window;

@@ -73,6 +73,8 @@ class WindowScan {
   void SeeAll();
   void SeeNear(const CellSpan& about);
   std::vector<std::size_t> Around(std::size_t edge) const;
+  /// Without the first and the last cell, which noise of a window may cover in part.
+  Case WithoutEnds(const CellSpan& span, const Case& one) const;
   void AddTriad(const Case& one, ImuTriad triad, NoiseWindow* window) const;
 
   const HighBand& band_;

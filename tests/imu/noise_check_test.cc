@@ -26,8 +26,9 @@ constexpr double kClear = 5.0;  ///< nats
 NoiseCheck Check(const ImuData& imu) { return CheckNoise(MeasureHighBand(imu, WhiteModel())); }
 
 /// Adds white noise of these sigmas to the samples in (t0, t1], seconds after the begin.
-ImuData Vibrating(ImuData imu, double t0_s, double t1_s, double gyro, double accel) {
-  std::mt19937_64 random(99);
+ImuData Vibrating(ImuData imu, double t0_s, double t1_s, double gyro, double accel,
+                  unsigned seed = 99) {
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   for (ImuSample& sample : imu.samples) {
     const double t_s = sample.t_s - 1000.0;
@@ -127,6 +128,27 @@ TEST(NoiseCheck, FindsAWindowBesideAScale) {
   EXPECT_NEAR(window.t1_s, 1080.0, 0.4);
   EXPECT_NEAR(window.sigma[kGyroTriad], 1e-3, kSigmas * window.sigma_of_sigma[kGyroTriad]);
   EXPECT_NEAR(window.sigma[kAccelTriad], 8e-3, kSigmas * window.sigma_of_sigma[kAccelTriad]);
+}
+
+// Wherever it begins and ends: cells that it covers in part say nothing of its size.
+TEST(NoiseCheck, SizesOfShortWindowsAreWithinTheirSigmas) {
+  constexpr int kFlights = 24;
+  double mean = 0.0, square = 0.0;
+  for (int k = 0; k < kFlights; ++k) {
+    const double t0_s = 20.0 + 0.07 * k;
+    const auto seed = static_cast<unsigned>(200 + k);
+    const ImuData imu = Vibrating(WhiteImu(seed, 60.0), t0_s, t0_s + 10.03, 0.03, 0.2, 1000 + seed);
+    const NoiseCheck check = Check(imu);
+    ASSERT_TRUE(check.window);
+    const NoiseWindow& window = *check.window;
+    for (const auto& [triad, sigma] : {std::pair{kGyroTriad, 0.03}, std::pair{kAccelTriad, 0.2}}) {
+      const double z = (window.sigma[triad] - sigma) / window.sigma_of_sigma[triad];
+      mean += z / (2.0 * kFlights);
+      square += z * z / (2.0 * kFlights);
+    }
+  }
+  EXPECT_NEAR(mean, 0.0, kSigmas / std::sqrt(2.0 * kFlights));
+  EXPECT_NEAR(square, 1.0, kSigmas * std::sqrt(2.0 / (2.0 * kFlights)));
 }
 
 // What a flight is known to have is no cause any more: nothing is left, within it or at its ends.
