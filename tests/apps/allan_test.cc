@@ -12,6 +12,7 @@
 
 #include "page_numbers.h"
 #include "run_program.h"
+#include "static_record.h"
 #include "testing/temp_folder.h"
 
 namespace dn::testing {
@@ -20,31 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-constexpr double kRate_hz = 50.0;
-constexpr double kArw_deg_sqrt_h = 0.3, kVrw_m_s_sqrt_h = 0.06;
-
-/// A sensor at rest with white noise; some rows may be left out, or turn.
-std::string Record(int seconds, int gap_from = -1, double turn_radps = 0.0) {
-  std::mt19937 rng(7);
-  std::normal_distribution<double> normal;
-  const double w = kArw_deg_sqrt_h * std::numbers::pi / 180.0 / 60.0 * std::sqrt(kRate_hz);
-  const double f = kVrw_m_s_sqrt_h / 60.0 * std::sqrt(kRate_hz);
-  std::string text;
-  char row[200];
-  const int rows = seconds * static_cast<int>(kRate_hz);
-  for (int k = 0; k < rows; ++k) {
-    const double turn = k > rows / 2 ? turn_radps : 0.0;
-    std::array<double, 6> x{};
-    for (double& value : x) value = normal(rng);
-    if (k >= gap_from && gap_from >= 0 && k < gap_from + 100) continue;
-    std::snprintf(row, sizeof row, "%.3f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
-                  1000.0 + (k + 1) / kRate_hz, w * x[0], w * x[1], w * x[2] + turn, f * x[3],
-                  f * x[4], f * x[5] - 9.81);
-    text += row;
-  }
-  return text;
-}
-
 ProgramRun Allan(const TempFolder& folder, const std::string& rate = "50") {
   return RunProgram({"allan", (folder.path() / "IMU.txt").string(), "--rate", rate, "--out",
                      (folder.path() / "out").string()});
@@ -52,7 +28,7 @@ ProgramRun Allan(const TempFolder& folder, const std::string& rate = "50") {
 
 TEST(CliAllan, FindsTheWhiteNoiseAndNothingElse) {
   const TempFolder folder;
-  folder.Write("IMU.txt", Record(1200));
+  folder.Write("IMU.txt", StaticRecord(1200));
   const ProgramRun run = Allan(folder);
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json json = Json::parse(ContentOf(folder.path() / "out/allan.json"));
@@ -72,7 +48,7 @@ TEST(CliAllan, FindsTheWhiteNoiseAndNothingElse) {
 
 TEST(CliAllan, ItsNoiseGoesIntoAFlightAsItIs) {
   const TempFolder folder;
-  folder.Write("IMU.txt", Record(600));
+  folder.Write("IMU.txt", StaticRecord(600));
   ASSERT_EQ(Allan(folder).exit_code, 0);
   const std::string text = "name: pasted\n" + ContentOf(folder.path() / "out/noise.yaml");
   const FlightConfig config = ParseFlightConfig(text, folder.path());
@@ -83,16 +59,16 @@ TEST(CliAllan, ItsNoiseGoesIntoAFlightAsItIs) {
 
 TEST(CliAllan, BadRecordsAreRefused) {
   const TempFolder folder;
-  folder.Write("IMU.txt", Record(600));
+  folder.Write("IMU.txt", StaticRecord(600));
   const ProgramRun rate = Allan(folder, "100");
   EXPECT_EQ(rate.exit_code, 2);
   EXPECT_THAT(rate.err, HasSubstr("--rate 100 Hz, but the time tags"));
   EXPECT_THAT(rate.err, HasSubstr("50 Hz"));
-  folder.Write("IMU.txt", Record(600, 5000));
+  folder.Write("IMU.txt", StaticRecord(600, 5000));
   const ProgramRun gap = Allan(folder);
   EXPECT_EQ(gap.exit_code, 1);
   EXPECT_THAT(gap.err, HasSubstr("1 gaps in the record, the first from 1100.000"));
-  folder.Write("IMU.txt", Record(3));
+  folder.Write("IMU.txt", StaticRecord(3));
   const ProgramRun few = Allan(folder);
   EXPECT_EQ(few.exit_code, 1);
   EXPECT_THAT(few.err, HasSubstr("too short"));
@@ -101,7 +77,7 @@ TEST(CliAllan, BadRecordsAreRefused) {
 
 TEST(CliAllan, MotionIsRefused) {
   const TempFolder folder;
-  folder.Write("IMU.txt", Record(600, -1, 0.1));
+  folder.Write("IMU.txt", StaticRecord(600, -1, 0.1));
   const ProgramRun run = Allan(folder);
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("gyro z: the sensor was not at rest"));

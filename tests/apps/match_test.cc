@@ -7,6 +7,7 @@
 
 #include "page_numbers.h"
 #include "run_program.h"
+#include "strip_scenario.h"
 #include "testing/temp_folder.h"
 
 namespace dn::testing {
@@ -14,22 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-
-std::string With(std::string text, const std::string& old, const std::string& now) {
-  const std::size_t at = text.find(old);
-  EXPECT_NE(at, std::string::npos) << old;
-  return text.replace(at, old.size(), now);
-}
-
-/// The short scenario with point clouds, few enough for a test.
-std::string Scenario(const std::string& terrain) {
-  std::string text = ContentOf(ShortScenario());
-  text = With(text, "[-400, 0, 400, 0, 200, 45]", "[-150, 0, 150, 0, 200, 40]");
-  text = With(text, "[0, -400, 0, 400, 240, 45]", "[0, -150, 0, 150, 240, 40]");
-  text = With(text, "kind: built_up", terrain);
-  text = With(text, "gsd_m: 0.2", "gsd_m: 0.7\n  pulse_rate_hz: 14000");
-  return text + "strips: true\n";
-}
 
 int CountOf(const std::string& part, const std::string& text) {
   int count = 0;
@@ -43,7 +28,7 @@ class Matching : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = std::make_unique<TempFolder>();
-    folder_->Write("town.yaml", Scenario("kind: built_up, roughness_m: 0.2"));
+    folder_->Write("town.yaml", StripScenario("kind: built_up, roughness_m: 0.2"));
     const ProgramRun run =
         RunProgram({"simulate", In("town.yaml"), "--seed", "2", "--out", In("flight")});
     ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -115,7 +100,7 @@ TEST_F(Matching, AFlightWithoutStripsIsToldWhereTheyBelong) {
 }
 
 TEST_F(Matching, FlatGroundIsAnHonestShortage) {
-  folder_->Write("flat.yaml", Scenario("kind: flat, roughness_m: 0"));
+  folder_->Write("flat.yaml", StripScenario("kind: flat, roughness_m: 0"));
   ASSERT_EQ(RunProgram({"simulate", In("flat.yaml"), "--out", In("flat")}).exit_code, 0);
   const ProgramRun run = RunProgram({"match", In("flat"), "--out", In("flat_matched")});
   EXPECT_EQ(run.exit_code, 1);
