@@ -2,6 +2,7 @@
 #include <dn/calibration/result_files.h>
 #include <dn/calibration/words.h>
 #include <dn/geo/text_table.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
@@ -189,7 +190,7 @@ Json ComparisonJson(const std::string& flight,
   json["notes"] = Json::array();
   for (const auto& [name, reason] : absent) {
     json["methods"][name] = nullptr;
-    json["notes"].push_back(name + ": " + reason);
+    json["notes"].push_back(fmt::format("{}: {}", name, reason));
   }
   json["differences"] = Json::array();
   for (std::size_t a = 0; a < methods.size(); ++a) {

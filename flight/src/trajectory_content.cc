@@ -35,7 +35,7 @@ Eigen::Vector3d Position(const TextTable& table, std::size_t i) {
 /// What is added to a position, in metres east, north, up, for the systems that a trajectory may have.
 Eigen::Vector3d MoveEnu(const std::string& crs, const Eigen::Vector3d& from,
                         const Eigen::Vector3d& to) {
-  const Eigen::Vector3d by = to - from;
+  Eigen::Vector3d by = to - from;
   if (crs == "geographic") {
     const double cos_lat = std::cos(from.x() / 180.0 * std::numbers::pi);
     return {by.y() * kMetresPerDeg * cos_lat, by.x() * kMetresPerDeg, by.z()};

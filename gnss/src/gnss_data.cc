@@ -21,13 +21,12 @@ void CheckSigmas(const Eigen::Vector3d& sigma, const std::string& what, const st
   for (int i = 0; i < 3; ++i) {
     const double value = sigma[i];
     if (value >= kLeastSigma && value <= kMostSigma) continue;
-    const std::string found = value == 0.0  ? "zero"
-                              : value < 0.0 ? "negative"
-                                            : FormatDouble(value);
-    throw InvalidInput(what + " sigma " + axes[static_cast<std::size_t>(i)] + " is " + found +
-                           ", must lie within 1e-9 and 1e9; leave the sigma columns out where it "
-                           "is unknown",
-                       where);
+    std::string text = what + " sigma ";
+    text += axes[static_cast<std::size_t>(i)];
+    text += " is ";
+    text += value == 0.0 ? "zero" : value < 0.0 ? "negative" : FormatDouble(value);
+    text += ", must lie within 1e-9 and 1e9; leave the sigma columns out where it is unknown";
+    throw InvalidInput(text, where);
   }
 }
 
