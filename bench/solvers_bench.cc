@@ -73,10 +73,10 @@ std::vector<BlockId> NodeBlockIds(const FlightNetwork& network) {
   return ids;
 }
 
-void BM_Marginals(benchmark::State& state, const std::string& size) {
+void BM_Marginals(benchmark::State& state, const std::string& size, int threads) {
   const FlightNetwork& network = NetworkOf(size);
   for (auto _ : state) {
-    Marginals marginals(network.net);
+    Marginals marginals(network.net, {.threads = threads});
     marginals.ComputeSelectedInverse();
     const Marginals::Timings& t = marginals.timings();
     state.counters["assemble_s"] = t.assemble_s;
@@ -89,9 +89,18 @@ void BM_Marginals(benchmark::State& state, const std::string& size) {
   state.counters["nodes"] = static_cast<double>(network.nodes.size());
   state.counters["pairs"] = static_cast<double>(network.pair_edges.size());
 }
-BENCHMARK_CAPTURE(BM_Marginals, 5min, "5min")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(BM_Marginals, 20min, "20min")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(BM_Marginals, 60min, "60min")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_Marginals, 5min, "5min", 1)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(BM_Marginals, 5min_two_threads, "5min", 2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(BM_Marginals, 20min, "20min", 1)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(BM_Marginals, 20min_two_threads, "20min", 2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK_CAPTURE(BM_Marginals, 60min, "60min", 1)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK_CAPTURE(BM_Marginals, 60min_two_threads, "60min", 2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 /// Blocks whose covariances are wanted of the smallest flight.
 std::vector<BlockId> Wanted(const FlightNetwork& network, bool all_nodes) {

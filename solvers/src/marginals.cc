@@ -54,7 +54,7 @@ void Marginals::Impl::Factor(const MarginalsOptions& options) {
   timings.analyze_s = SecondsSince(start);
 
   start = std::chrono::steady_clock::now();
-  const bool definite = cholesky->Factorize(equations.N);
+  const bool definite = cholesky->Factorize(equations.N, 0.0, threads);
   timings.factor_s = SecondsSince(start);
 
   start = std::chrono::steady_clock::now();
@@ -233,7 +233,7 @@ void Marginals::ComputeSelectedInverse() {
   if (impl_->selected || impl_->layout().size() == 0) return;
   const auto start = std::chrono::steady_clock::now();
   const SerialBlas serial;
-  impl_->selected = std::make_unique<SelectedInverse>(*impl_->cholesky);
+  impl_->selected = std::make_unique<SelectedInverse>(*impl_->cholesky, impl_->threads);
   impl_->timings.selected_inverse_s = SecondsSince(start);
 }
 

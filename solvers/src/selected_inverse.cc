@@ -2,146 +2,145 @@
 
 #include <algorithm>
 
-extern "C" {
-void dsymm_(const char* side, const char* uplo, const int* m, const int* n, const double* alpha,
-            const double* a, const int* lda, const double* b, const int* ldb, const double* beta,
-            double* c, const int* ldc);
-void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
-            const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
-            const double* beta, double* c, const int* ldc);
-void dtrsm_(const char* side, const char* uplo, const char* trans, const char* diag, const int* m,
-            const int* n, const double* alpha, const double* a, const int* lda, double* b,
-            const int* ldb);
-}
+#include "blas.h"
+#include "side_by_side.h"
 
 namespace dn {
-namespace {
-
-constexpr double kOne = 1.0;
-constexpr double kMinusOne = -1.0;
-constexpr double kZero = 0.0;
-
-}  // namespace
-
-/// One pass over the supernodes with its work space.
-class SelectedInverse::Recursion {
+/// The step of one supernode.
+class SelectedInverse::Step {
  public:
-  explicit Recursion(SelectedInverse* inverse) : self_(*inverse), L_(inverse->L_) {
-    std::size_t largest_R = 0, largest_RJ = 0;
-    for (int s = 0; s < L_.num_supernodes; ++s) {
-      const std::size_t below = static_cast<std::size_t>(Rows(s) - Columns(s));
-      largest_R = std::max(largest_R, below);
-      largest_RJ = std::max(largest_RJ, below * static_cast<std::size_t>(Columns(s)));
-    }
-    Z_RR_.resize(largest_R * largest_R);
-    Y_.resize(largest_RJ);
-    place_.resize(largest_R);
-  }
+  Step(SelectedInverse* inverse, int s)
+      : self_(*inverse),
+        L_(self_.cholesky_.pattern()),
+        s_(s),
+        columns_(L_.columns(s)),
+        rows_(L_.rows(s)),
+        below_(L_.below(s)) {}
 
-  void Run() {
-    for (int s = L_.num_supernodes - 1; s >= 0; --s) Step(s);
+  void Run(int threads) {
+    InvertDiagonal(threads);
+    if (below_ > 0) {
+      const std::unique_ptr<double[]> Z_RR = Gather(threads), Y = Multipliers(threads);
+      ForPanels(columns_, threads,
+                [&](int first, int n) { InvertPanel(first, n, Z_RR.get(), Y.get()); });
+    }
+    MirrorDiagonal();
   }
 
  private:
-  int Columns(int s) const { return L_.column[s + 1] - L_.column[s]; }
-  int Rows(int s) const { return L_.row_start[s + 1] - L_.row_start[s]; }
-  double* Z(int s) { return self_.value_.data() + L_.value_start[s]; }
+  const double* L(int column) const {
+    return self_.cholesky_.values() + L_.value_start[AsSize(s_)] + AsSize(column) * AsSize(rows_);
+  }
+  double* Z(int column) const { return self_.Z(s_) + AsSize(column) * AsSize(rows_); }
 
-  void Step(int s) {
-    const int columns = Columns(s), rows = Rows(s), below = rows - columns;
-    const double* L_JJ = L_.value + L_.value_start[s];
-    double* Z_JJ = Z(s);
-    double* Z_RJ = Z_JJ + columns;
-    InvertDiagonal(L_JJ, columns, rows, Z_JJ);
-    if (below > 0) {
-      for (int c = 0; c < columns; ++c) {
-        const double* from = L_JJ + static_cast<std::size_t>(c) * static_cast<std::size_t>(rows);
-        std::copy_n(from + columns, below, Y_.begin() + static_cast<std::ptrdiff_t>(c) * below);
-      }
-      dtrsm_("R", "L", "N", "N", &below, &columns, &kOne, L_JJ, &rows, Y_.data(), &below);
-      Gather(s, below);
-      dsymm_("L", "L", &below, &columns, &kMinusOne, Z_RR_.data(), &below, Y_.data(), &below,
-             &kZero, Z_RJ, &rows);
-      dgemm_("T", "N", &columns, &columns, &below, &kMinusOne, Y_.data(), &below, Z_RJ, &rows,
-             &kOne, Z_JJ, &rows);
+  /// The lower triangle of L_JJ^-T L_JJ^-1.
+  void InvertDiagonal(int threads) const {
+    const std::unique_ptr<double[]> inverse(new double[AsSize(columns_) * AsSize(columns_)]);
+    const auto column = [&](int c) { return inverse.get() + AsSize(c) * AsSize(columns_); };
+    for (int c = 0; c < columns_; ++c) {
+      std::fill_n(column(c), c, 0.0);
+      std::copy_n(L(c) + c, columns_ - c, column(c) + c);
     }
-    Symmetrize(columns, rows, Z_JJ);
+    int info = 0;
+    dtrtri_("L", "N", &columns_, inverse.get(), &columns_, &info);
+    ForPanels(columns_, threads, [&](int first, int n) {
+      const int m = columns_ - first;
+      for (int c = first; c < first + n; ++c) std::copy_n(column(c) + first, m, Z(c) + first);
+      dtrmm_("L", "L", "T", "N", &m, &n, &kOne, column(first) + first, &columns_, Z(first) + first,
+             &rows_);
+    });
   }
 
-  /// Z_JJ = L_JJ^-T L_JJ^-1.
-  static void InvertDiagonal(const double* L_JJ, int columns, int rows, double* Z_JJ) {
-    for (int c = 0; c < columns; ++c) {
-      double* column = Z_JJ + static_cast<std::size_t>(c) * static_cast<std::size_t>(rows);
-      std::fill_n(column, columns, 0.0);
-      column[c] = 1.0;
-    }
-    dtrsm_("L", "L", "N", "N", &columns, &columns, &kOne, L_JJ, &rows, Z_JJ, &rows);
-    dtrsm_("L", "L", "T", "N", &columns, &columns, &kOne, L_JJ, &rows, Z_JJ, &rows);
+  /// Y.
+  std::unique_ptr<double[]> Multipliers(int threads) const {
+    std::unique_ptr<double[]> Y(new double[AsSize(below_) * AsSize(columns_)]);
+    ForPanels(below_, threads, [&](int first, int n) {
+      for (int c = 0; c < columns_; ++c) {
+        std::copy_n(L(c) + columns_ + first, n, Y.get() + AsSize(c) * AsSize(below_) + first);
+      }
+      dtrsm_("R", "L", "N", "N", &n, &columns_, &kOne, L(0), &rows_, Y.get() + first, &below_);
+    });
+    return Y;
   }
 
-  /// Both triangles of Z_JJ become their mean.
-  static void Symmetrize(int columns, int rows, double* Z_JJ) {
-    const auto stride = static_cast<std::size_t>(rows);
-    for (std::size_t c = 0; c < static_cast<std::size_t>(columns); ++c) {
-      for (std::size_t r = c + 1; r < static_cast<std::size_t>(columns); ++r) {
-        const double mean = 0.5 * (Z_JJ[c * stride + r] + Z_JJ[r * stride + c]);
-        Z_JJ[c * stride + r] = Z_JJ[r * stride + c] = mean;
-      }
+  /// Of n columns Z_RJ, and what it takes off the lower triangle of Z_JJ.
+  void InvertPanel(int first, int n, const double* Z_RR, const double* Y) const {
+    const double* Y_of_panel = Y + AsSize(first) * AsSize(below_);
+    double* Z_below = Z(first) + columns_;
+    dsymm_("L", "L", &below_, &n, &kMinusOne, Z_RR, &below_, Y_of_panel, &below_, &kZero, Z_below,
+           &rows_);
+    const int m = columns_ - first;
+    dgemm_("T", "N", &m, &n, &below_, &kMinusOne, Y_of_panel, &below_, Z_below, &rows_, &kOne,
+           Z(first) + first, &rows_);
+  }
+
+  void MirrorDiagonal() const {
+    for (int c = 0; c < columns_; ++c) {
+      for (int r = c + 1; r < columns_; ++r) Z(r)[c] = Z(c)[r];
     }
   }
 
   /// The lower triangle of Z_RR, from the supernodes that own the columns R.
-  void Gather(int s, int below) {
-    const int* R = L_.row + L_.row_start[s] + Columns(s);
-    for (int first = 0; first < below;) {
-      const int owner = self_.supernode_of_column_[static_cast<std::size_t>(R[first])];
-      LocateRows(R, first, below, owner);
-      for (; first < below && R[first] < L_.column[owner + 1]; ++first) {
-        const double* from = Z(owner) + static_cast<std::size_t>(R[first] - L_.column[owner]) *
-                                            static_cast<std::size_t>(Rows(owner));
-        double* to =
-            Z_RR_.data() + static_cast<std::size_t>(first) * static_cast<std::size_t>(below);
-        for (int i = first; i < below; ++i) to[i] = from[place_[static_cast<std::size_t>(i)]];
-      }
+  std::unique_ptr<double[]> Gather(int threads) const {
+    std::unique_ptr<double[]> Z_RR(new double[AsSize(below_) * AsSize(below_)]);
+    const int* R = L_.row_indices_below(s_);
+    std::vector<int> first_of_owner;
+    for (int i = 0; i < below_; ++i) {
+      const bool same = i > 0 && Owner(R[i]) == Owner(R[i - 1]);
+      if (!same) first_of_owner.push_back(i);
     }
+    const auto owners = static_cast<int>(first_of_owner.size());
+    SideBySide(owners, below_ < kPanel ? 1 : threads, [&](int k) {
+      const int past = k + 1 < owners ? first_of_owner[AsSize(k + 1)] : below_;
+      GatherFrom(Owner(R[first_of_owner[AsSize(k)]]), first_of_owner[AsSize(k)], past, Z_RR.get());
+    });
+    return Z_RR;
   }
 
-  /// place_[i]: where R[i] stands among the rows of the owner, which contain them.
-  void LocateRows(const int* R, int first, int below, int owner) {
-    const int* rows = L_.row + L_.row_start[owner];
+  int Owner(int column) const { return self_.cholesky_.tree().owner_of_column(column); }
+
+  /// Columns first .. past of Z_RR, which one supernode owns.
+  void GatherFrom(int owner, int first, int past, double* Z_RR) const {
+    const int* R = L_.row_indices_below(s_);
+    const int* rows = L_.row_indices(owner);
+    std::vector<int> place(AsSize(below_ - first));
     int k = 0;
-    for (int i = first; i < below; ++i) {
+    for (int i = first; i < below_; ++i) {
       while (rows[k] != R[i]) ++k;
-      place_[static_cast<std::size_t>(i)] = k;
+      place[AsSize(i - first)] = k;
+    }
+    for (int c = first; c < past; ++c) {
+      const double* from =
+          self_.Z(owner) + AsSize(R[c] - L_.column[AsSize(owner)]) * AsSize(L_.rows(owner));
+      double* to = Z_RR + AsSize(c) * AsSize(below_);
+      for (int i = c; i < below_; ++i) to[i] = from[place[AsSize(i - first)]];
     }
   }
 
   SelectedInverse& self_;
-  const SupernodalView& L_;
-  std::vector<double> Z_RR_, Y_;
-  std::vector<int> place_;
+  const SupernodalPattern& L_;
+  int s_, columns_, rows_, below_;
 };
 
-SelectedInverse::SelectedInverse(const SparseCholesky& cholesky)
-    : L_(cholesky.view()), value_(L_.num_values) {
-  supernode_of_column_.resize(static_cast<std::size_t>(L_.column[L_.num_supernodes]));
-  for (int s = 0; s < L_.num_supernodes; ++s) {
-    std::fill(supernode_of_column_.begin() + L_.column[s],
-              supernode_of_column_.begin() + L_.column[s + 1], s);
-  }
-  Recursion(this).Run();
+SelectedInverse::SelectedInverse(const SparseCholesky& cholesky, int threads)
+    : cholesky_(cholesky), value_(new double[cholesky.pattern().num_values]) {
+  cholesky.tree().Down(threads, [&](int s, int threads_here) { Step(this, s).Run(threads_here); });
+}
+
+double* SelectedInverse::Z(int s) {
+  return value_.get() + cholesky_.pattern().value_start[AsSize(s)];
 }
 
 std::optional<double> SelectedInverse::At(int i, int j) const {
+  const SupernodalPattern& L = cholesky_.pattern();
   const int row = std::max(i, j), column = std::min(i, j);
-  const int s = supernode_of_column_[static_cast<std::size_t>(column)];
-  const int* begin = L_.row + L_.row_start[s];
-  const int* end = L_.row + L_.row_start[s + 1];
+  const int s = cholesky_.tree().owner_of_column(column);
+  const int* begin = L.row_indices(s);
+  const int* end = begin + L.rows(s);
   const int* found = std::lower_bound(begin, end, row);
   if (found == end || *found != row) return std::nullopt;
-  const auto rows = static_cast<std::size_t>(end - begin);
-  return value_[static_cast<std::size_t>(L_.value_start[s]) +
-                static_cast<std::size_t>(column - L_.column[s]) * rows +
+  return value_[AsSize(L.value_start[AsSize(s)]) +
+                AsSize(column - L.column[AsSize(s)]) * AsSize(L.rows(s)) +
                 static_cast<std::size_t>(found - begin)];
 }
 

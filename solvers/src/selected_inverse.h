@@ -1,7 +1,7 @@
 #pragma once
 
+#include <memory>
 #include <optional>
-#include <vector>
 
 #include "sparse_cholesky.h"
 
@@ -15,17 +15,20 @@ namespace dn {
 /// Source: Takahashi, Fagan and Chen (1973), taken by supernodes.
 class SelectedInverse {
  public:
-  explicit SelectedInverse(const SparseCholesky& cholesky);
+  /// The factor must stay. The numbers do not depend on the number of threads. Throws
+  /// std::bad_alloc.
+  SelectedInverse(const SparseCholesky& cholesky, int threads);
 
   /// Entry (i, j) in the order of L; nothing outside its pattern.
   std::optional<double> At(int i, int j) const;
 
  private:
-  class Recursion;
+  class Step;
 
-  SupernodalView L_;
-  std::vector<int> supernode_of_column_;
-  std::vector<double> value_;
+  double* Z(int s);
+
+  const SparseCholesky& cholesky_;
+  std::unique_ptr<double[]> value_;
 };
 
 }  // namespace dn

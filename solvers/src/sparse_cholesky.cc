@@ -25,6 +25,20 @@ std::vector<int> ExpandOrder(const std::vector<int>& block_order, const UnknownL
   return order;
 }
 
+SupernodalPattern PatternOf(const cholmod_factor& factor) {
+  const auto copy = [](const void* ints, std::size_t size) {
+    const int* first = static_cast<const int*>(ints);
+    return std::vector<int>(first, first + size);
+  };
+  SupernodalPattern pattern;
+  pattern.column = copy(factor.super, factor.nsuper + 1);
+  pattern.row_start = copy(factor.pi, factor.nsuper + 1);
+  pattern.value_start = copy(factor.px, factor.nsuper);
+  pattern.row = copy(factor.s, AsSize(pattern.row_start.back()));
+  pattern.num_values = factor.xsize;
+  return pattern;
+}
+
 /// Fewer right-hand sides than this are not worth a thread.
 constexpr Eigen::Index kFewestColumns = 8;
 
@@ -41,10 +55,11 @@ SparseCholesky::SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks
   permuted_index_.resize(static_cast<std::size_t>(A.n));
   const int* permutation = static_cast<const int*>(factor_->Perm);
   for (int i = 0; i < A.n; ++i) permuted_index_[static_cast<std::size_t>(permutation[i])] = i;
+  multifrontal_ = std::make_shared<const Multifrontal>(A, permuted_index_, PatternOf(*factor_));
 }
 
 SparseCholesky::SparseCholesky(const SparseCholesky& analysed)
-    : permuted_index_(analysed.permuted_index_) {
+    : permuted_index_(analysed.permuted_index_), multifrontal_(analysed.multifrontal_) {
   Start();
   factor_ = cholmod_copy_factor(analysed.factor_, common_.get());
   common_.Check("analysing");
@@ -60,12 +75,12 @@ void SparseCholesky::Start() {
 
 SparseCholesky::~SparseCholesky() { cholmod_free_factor(&factor_, common_.get()); }
 
-bool SparseCholesky::Factorize(const SymmetricCsc& A, double shift) {
-  cholmod_sparse view = View(A);
-  double beta[2] = {shift, 0.0};
-  cholmod_factorize_p(&view, beta, nullptr, 0, factor_, common_.get());
-  common_.Check("factoring");
-  return common_->status == CHOLMOD_OK && factor_->minor == factor_->n;
+bool SparseCholesky::Factorize(const SymmetricCsc& A, double shift, int threads) {
+  if (factor_->x == nullptr) {
+    cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, factor_, common_.get());
+    common_.Check("factoring");
+  }
+  return multifrontal_->Factorize(A, shift, threads, static_cast<double*>(factor_->x));
 }
 
 Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& B, int threads) const {
@@ -98,27 +113,13 @@ void SparseCholesky::SolveColumns(Eigen::Ref<Eigen::MatrixXd> B) const {
 }
 
 double SparseCholesky::LogDeterminant() const {
-  const SupernodalView L = view();
+  const SupernodalPattern& L = pattern();
   double sum = 0.0;
-  for (int s = 0; s < L.num_supernodes; ++s) {
-    const int rows = L.row_start[s + 1] - L.row_start[s];
-    const int columns = L.column[s + 1] - L.column[s];
-    const double* value = L.value + L.value_start[s];
-    for (int c = 0; c < columns; ++c) sum += std::log(value[c * (rows + 1)]);
+  for (int s = 0; s < L.num_supernodes(); ++s) {
+    const double* value = values() + L.value_start[AsSize(s)];
+    for (int c = 0; c < L.columns(s); ++c) sum += std::log(value[c * (L.rows(s) + 1)]);
   }
   return 2.0 * sum;
-}
-
-SupernodalView SparseCholesky::view() const {
-  SupernodalView view;
-  view.num_supernodes = static_cast<int>(factor_->nsuper);
-  view.column = static_cast<const int*>(factor_->super);
-  view.row_start = static_cast<const int*>(factor_->pi);
-  view.value_start = static_cast<const int*>(factor_->px);
-  view.row = static_cast<const int*>(factor_->s);
-  view.value = static_cast<const double*>(factor_->x);
-  view.num_values = factor_->xsize;
-  return view;
 }
 
 long SparseCholesky::num_nonzeros() const { return static_cast<long>(factor_->xsize); }

@@ -1,24 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 #include "cholmod_support.h"
+#include "multifrontal.h"
 
 namespace dn {
-
-/// The factor of a SparseCholesky by supernodes: P A P^T = L L^T. Supernode s has the columns
-/// column[s] .. column[s + 1] and the rows row[row_start[s]] .. row[row_start[s + 1]], of which the
-/// first are its columns; its values are dense, column-major, from value_start[s].
-struct SupernodalView {
-  int num_supernodes = 0;
-  const int* column = nullptr;
-  const int* row_start = nullptr;
-  const int* value_start = nullptr;
-  const int* row = nullptr;
-  const double* value = nullptr;
-  std::size_t num_values = 0;
-};
 
 /// Supernodal Cholesky factorisation A = P^T L L^T P of a sparse symmetric matrix.
 class SparseCholesky {
@@ -32,8 +21,8 @@ class SparseCholesky {
   SparseCholesky& operator=(const SparseCholesky&) = delete;
 
   /// Factors A + shift I, of the pattern analysed. Returns false where it is not numerically
-  /// positive definite.
-  [[nodiscard]] bool Factorize(const SymmetricCsc& A, double shift = 0.0);
+  /// positive definite. The factor does not depend on the number of threads.
+  [[nodiscard]] bool Factorize(const SymmetricCsc& A, double shift = 0.0, int threads = 1);
 
   /// A^-1 B. Threads take columns side by side.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& B, int threads = 1) const;
@@ -41,7 +30,10 @@ class SparseCholesky {
   /// log |A|, of what was factored last.
   double LogDeterminant() const;
 
-  SupernodalView view() const;
+  const SupernodalPattern& pattern() const { return multifrontal_->pattern(); }
+  const SupernodeTree& tree() const { return multifrontal_->tree(); }
+  /// L, as its pattern lays it out.
+  const double* values() const { return static_cast<const double*>(factor_->x); }
   /// Row of P A P^T in which unknown i of A stands.
   const std::vector<int>& permuted_index() const { return permuted_index_; }
   long num_nonzeros() const;
@@ -53,6 +45,7 @@ class SparseCholesky {
   CholmodCommon common_;
   cholmod_factor* factor_ = nullptr;
   std::vector<int> permuted_index_;
+  std::shared_ptr<const Multifrontal> multifrontal_;
 };
 
 }  // namespace dn
