@@ -43,6 +43,7 @@ void AdjustmentRun::Solve(const std::string& name, int max_iterations, double si
   options.initial_trust_region_radius = kTrustRegionRadius;
   options.function_tolerance = kCostTolerance;
   options.sigma_tolerance = sigma_tolerance;
+  options.analysis = result_.analysis;
   options.second_attempt = false;  // the initial values are those of a filter
   options.on_iteration = [&](const IterationProgress& progress) {
     if (options_.progress) options_.progress(name, progress.iteration);

@@ -4,7 +4,9 @@
 #include <dn/solvers/robust_loss.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "factor_text.h"
 
@@ -37,10 +39,28 @@ UnknownLayout::UnknownLayout(const Network& network) {
 }
 
 Linearization::Linearization(const Network& network, const UnknownLayout& layout, int threads)
+    : Linearization(network, layout) {
+  if (Evaluate(network, threads)) return;
+  const auto undefined = std::find_if(edges_.begin(), edges_.end(),
+                                      [](const Edge& edge) { return std::isnan(edge.rho); });
+  throw InvalidInput("marginals: " + UndefinedFactorMessage(network, undefined->factor));
+}
+
+Linearization::Linearization(const Network& network, const UnknownLayout& layout)
     : layout_(layout) {
   Reserve(network);
+}
+
+bool Linearization::Evaluate(const Network& network, int threads) {
   ParallelFor(static_cast<int>(edges_.size()), threads,
-              [&](int e) { EvaluateEdge(network, edges_[AsSize(e)]); });
+              [&](int e) { EvaluateEdge(network, &edges_[AsSize(e)]); });
+  return !std::isnan(cost());
+}
+
+double Linearization::cost() const {
+  double sum = 0.0;
+  for (const Edge& edge : edges_) sum += edge.rho;
+  return 0.5 * sum;
 }
 
 Linearization::Linearization(const Linearization& other, const UnknownLayout& layout,
@@ -83,8 +103,8 @@ void Linearization::Reserve(const Network& network) {
   residual_.resize(rows);
 }
 
-void Linearization::EvaluateEdge(const Network& network, Edge& edge) {
-  const FactorRecord& record = network.factor(edge.factor);
+void Linearization::EvaluateEdge(const Network& network, Edge* edge) {
+  const FactorRecord& record = network.factor(edge->factor);
   const std::size_t n = record.blocks.size();
   std::vector<const double*> x(n);
   std::vector<RowMajor> stored(n);
@@ -93,13 +113,13 @@ void Linearization::EvaluateEdge(const Network& network, Edge& edge) {
     const BlockRecord& block = network.block(record.blocks[i]);
     x[i] = block.value.get();
     if (block.held) continue;
-    stored[i].resize(edge.rows, block.kind.stored_size);
+    stored[i].resize(edge->rows, block.kind.stored_size);
     J[i] = stored[i].data();
   }
-  Eigen::VectorXd r(edge.rows);
-  const bool defined = network.EvaluateStored(edge.factor, x.data(), r.data(), J.data());
+  auto r = residual_.segment(edge->first_row, edge->rows);
+  const bool defined = network.EvaluateStored(edge->factor, x.data(), r.data(), J.data());
 
-  Eigen::Map<Eigen::MatrixXd> out(values_.data() + edge.data, edge.rows, edge.cols);
+  Eigen::Map<Eigen::MatrixXd> out(values_.data() + edge->data, edge->rows, edge->cols);
   int column = 0;
   for (std::size_t i = 0; defined && i < n; ++i) {
     const BlockKind& kind = network.block(record.blocks[i]).kind;
@@ -108,14 +128,16 @@ void Linearization::EvaluateEdge(const Network& network, Edge& edge) {
     column += kind.tangent_size;
   }
   if (!defined || !r.allFinite() || !out.allFinite()) {
-    throw InvalidInput("marginals: " + UndefinedFactorMessage(network, edge.factor));
+    edge->rho = std::numeric_limits<double>::quiet_NaN();
+    return;
   }
-  edge.weight = EvaluateLoss(record.loss, r.squaredNorm()).rho_prime;
-  if (edge.weight != 1.0) {
-    out *= std::sqrt(edge.weight);
-    r *= std::sqrt(edge.weight);
+  const LossValue loss = EvaluateLoss(record.loss, r.squaredNorm());
+  edge->rho = loss.rho;
+  edge->weight = loss.rho_prime;
+  if (edge->weight != 1.0) {
+    out *= std::sqrt(edge->weight);
+    r *= std::sqrt(edge->weight);
   }
-  residual_.segment(edge.first_row, edge.rows) = r;
 }
 
 void Linearization::AddProduct(const Edge& edge, const Eigen::MatrixXd& X,

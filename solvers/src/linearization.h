@@ -40,15 +40,25 @@ class Linearization {
     std::size_t first_block = 0;  ///< into the list of positions
     int num_blocks = 0;
     double weight = 1.0;  ///< rho'
+    double rho = 0.0;     ///< rho(|r|^2); NaN where the factor is undefined
   };
 
   /// Throws InvalidInput naming a factor that is undefined at the current values.
   Linearization(const Network& network, const UnknownLayout& layout, int threads);
+  /// Room for the Jacobians of this layout, which Evaluate fills.
+  Linearization(const Network& network, const UnknownLayout& layout);
   /// Another one with its rows times row_scale; layout is equal to the other's.
   Linearization(const Linearization& other, const UnknownLayout& layout,
                 const Eigen::VectorXd& row_scale);
   Linearization(const Linearization&) = delete;
   Linearization& operator=(const Linearization&) = delete;
+
+  /// Anew, at the current values of the network of the constructor. False where a factor is
+  /// undefined.
+  [[nodiscard]] bool Evaluate(const Network& network, int threads);
+
+  /// 1/2 sum rho(|r|^2).
+  double cost() const;
 
   const std::vector<Edge>& edges() const { return edges_; }
   /// Whitened residuals, with the same weights.
@@ -70,7 +80,7 @@ class Linearization {
 
  private:
   void Reserve(const Network& network);
-  void EvaluateEdge(const Network& network, Edge& edge);
+  void EvaluateEdge(const Network& network, Edge* edge);
 
   const UnknownLayout& layout_;
   std::vector<Edge> edges_;

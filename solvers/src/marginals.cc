@@ -8,7 +8,9 @@
 
 #include "marginals_impl.h"
 #include "rank.h"
+#include "seconds_since.h"
 #include "serial_blas.h"
+#include "shared_analysis_impl.h"
 
 namespace dn {
 namespace {
@@ -18,10 +20,6 @@ constexpr double kProbeThreshold = 1e-12;
 
 /// Numbers kept in solved columns before the cache starts afresh (256 MB).
 constexpr std::size_t kCacheLimit = std::size_t{1} << 25;
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 }  // namespace
 
@@ -43,23 +41,24 @@ Marginals::Impl::Impl(LinearizedNetwork snapshot, const MarginalsOptions& option
 
 void Marginals::Impl::Factor(const MarginalsOptions& options) {
   const Linearization& linearization = network().linearization;
+  const std::shared_ptr<SharedAnalysis> shared =
+      options.analysis ? options.analysis : std::make_shared<SharedAnalysis>();
   auto start = std::chrono::steady_clock::now();
-  NormalEquations equations(layout(), linearization);
-  scale = JacobiScale(equations.N);
-  ApplyScale(scale, &equations.N);
-  timings.assemble_s = SecondsSince(start);
+  shared->impl().Assemble(layout(), linearization);
+  SymmetricCsc& N = shared->impl().equations->N;
+  scale = JacobiScale(N);
+  ApplyScale(scale, &N);
+  cholesky = std::make_unique<SparseCholesky>(*shared->impl().cholesky);
+  timings.analyze_s = shared->impl().analyze_s;
+  timings.assemble_s = SecondsSince(start) - timings.analyze_s;
 
   start = std::chrono::steady_clock::now();
-  cholesky = std::make_unique<SparseCholesky>(equations.N, equations.blocks, layout());
-  timings.analyze_s = SecondsSince(start);
-
-  start = std::chrono::steady_clock::now();
-  const bool definite = cholesky->Factorize(equations.N, 0.0, threads);
+  const bool definite = cholesky->Factorize(N, 0.0, threads);
   timings.factor_s = SecondsSince(start);
 
   start = std::chrono::steady_clock::now();
   if (!definite || ProbeInformation(linearization, scale, *cholesky) < kProbeThreshold) {
-    ExamineRank(equations.N, definite, options.null_tolerance);
+    ExamineRank(N, definite, options.null_tolerance);
   }
   timings.rank_s = SecondsSince(start);
 }

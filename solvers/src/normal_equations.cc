@@ -46,68 +46,79 @@ SymmetricCsc ScalarPattern(const UnknownLayout& layout, const SymmetricCsc& bloc
   return N;
 }
 
-/// Fills the scalar matrix block by block.
-class Assembler {
- public:
-  Assembler(const UnknownLayout& layout, const SymmetricCsc& blocks,
-            const std::vector<int>& heights, SymmetricCsc* N)
-      : layout_(layout), blocks_(blocks), heights_(heights), N_(*N) {
-    N_.value.assign(N_.row.size(), 0.0);
-  }
-
-  /// Adds the block (row position, column position), row >= column.
-  template <class Matrix>
-  void Add(int row, int column, const Eigen::MatrixBase<Matrix>& block) {
-    const auto begin = blocks_.row.begin() + blocks_.column_start[AsSize(column)];
-    const auto end = blocks_.row.begin() + blocks_.column_start[AsSize(column) + 1];
-    const int height =
-        heights_[AsSize(static_cast<int>(std::lower_bound(begin, end, row) - blocks_.row.begin()))];
-    for (int k = 0; k < block.cols(); ++k) {
-      const int start = N_.column_start[AsSize(layout_.offset[AsSize(column)] + k)] + height - k;
-      for (int i = row == column ? k : 0; i < block.rows(); ++i) {
-        N_.value[AsSize(start + i)] += block(i, k);
-      }
-    }
-  }
-
- private:
-  const UnknownLayout& layout_;
-  const SymmetricCsc& blocks_;
-  const std::vector<int>& heights_;
-  SymmetricCsc& N_;
-};
-
 }  // namespace
 
 NormalEquations::NormalEquations(const UnknownLayout& layout, const Linearization& linearization)
     : blocks(BlockPattern(layout, linearization)), height_(Heights(layout, blocks)) {
   N = ScalarPattern(layout, blocks);
-  Assemble(layout, linearization, Eigen::VectorXd::Ones(linearization.residual().size()));
+  (void)Place(linearization);
+  Assemble(layout, linearization);
+}
+
+bool NormalEquations::Place(const Linearization& linearization) {
+  places_.clear();
+  for (const Linearization::Edge& edge : linearization.edges()) {
+    const int* position = linearization.positions(edge);
+    for (int b = 0; b < edge.num_blocks; ++b) {
+      const auto begin = blocks.row.begin() + blocks.column_start[AsSize(position[b])];
+      const auto end = blocks.row.begin() + blocks.column_start[AsSize(position[b]) + 1];
+      for (int a = 0; a < edge.num_blocks; ++a) {
+        if (position[a] < position[b]) continue;
+        const auto found = std::lower_bound(begin, end, position[a]);
+        if (found == end || *found != position[a]) return false;
+        places_.push_back(height_[AsSize(static_cast<int>(found - blocks.row.begin()))]);
+      }
+    }
+  }
+  return true;
+}
+
+template <class Product>
+void NormalEquations::Sum(const UnknownLayout& layout, const Linearization& linearization,
+                          const Product& product_of) {
+  N.value.assign(N.row.size(), 0.0);
+  Eigen::MatrixXd product;
+  const int* height = places_.data();
+  for (const Linearization::Edge& edge : linearization.edges()) {
+    product_of(edge, linearization.jacobian(edge), &product);
+    const int* position = linearization.positions(edge);
+    int column = 0;
+    for (int b = 0; b < edge.num_blocks; ++b) {
+      int row = 0;
+      for (int a = 0; a < edge.num_blocks; ++a) {
+        if (position[a] >= position[b]) {
+          Add(layout, position[a], position[b], *height++, product, row, column);
+        }
+        row += layout.size_of(position[a]);
+      }
+      column += layout.size_of(position[b]);
+    }
+  }
+}
+
+void NormalEquations::Add(const UnknownLayout& layout, int a, int b, int height,
+                          const Eigen::MatrixXd& product, int row, int column) {
+  const int rows = layout.size_of(a), columns = layout.size_of(b);
+  for (int k = 0; k < columns; ++k) {
+    double* to = N.value.data() + N.column_start[AsSize(layout.offset[AsSize(b)] + k)] + height - k;
+    const double* from = &product(row, column + k);
+    for (int i = a == b ? k : 0; i < rows; ++i) to[i] += from[i];
+  }
+}
+
+void NormalEquations::Assemble(const UnknownLayout& layout, const Linearization& linearization) {
+  Sum(layout, linearization, [](const Linearization::Edge&, const auto& J, auto* product) {
+    product->noalias() = J.transpose() * J;
+  });
 }
 
 void NormalEquations::Assemble(const UnknownLayout& layout, const Linearization& linearization,
                                const Eigen::VectorXd& row_weight) {
-  Assembler assembler(layout, blocks, height_, &N);
-  Eigen::MatrixXd weighted, product;
-  for (const Linearization::Edge& edge : linearization.edges()) {
-    const auto J = linearization.jacobian(edge);
+  Eigen::MatrixXd weighted;
+  Sum(layout, linearization, [&](const Linearization::Edge& edge, const auto& J, auto* product) {
     weighted.noalias() = row_weight.segment(edge.first_row, edge.rows).asDiagonal() * J;
-    product.noalias() = J.transpose() * weighted;
-    const int* position = linearization.positions(edge);
-    int row = 0;
-    for (int a = 0; a < edge.num_blocks; ++a) {
-      const int rows = layout.size_of(position[a]);
-      int column = 0;
-      for (int b = 0; b < edge.num_blocks; ++b) {
-        const int columns = layout.size_of(position[b]);
-        if (position[a] >= position[b]) {
-          assembler.Add(position[a], position[b], product.block(row, column, rows, columns));
-        }
-        column += columns;
-      }
-      row += rows;
-    }
-  }
+    product->noalias() = J.transpose() * weighted;
+  });
 }
 
 Eigen::VectorXd JacobiScale(const SymmetricCsc& N) {

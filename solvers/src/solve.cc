@@ -1,5 +1,4 @@
 #include <ceres/iteration_callback.h>
-#include <ceres/ordered_groups.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <dn/parallel.h>
@@ -7,16 +6,18 @@
 #include <dn/solvers/solve.h>
 
 #include <algorithm>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "ceres_problem.h"
-#include "elimination_order.h"
 #include "factor_text.h"
 #include "flat_check.h"
+#include "gauss_newton.h"
 #include "linearization.h"
 #include "quiet_log.h"
+#include "seconds_since.h"
 #include "serial_blas.h"
 
 namespace dn {
@@ -31,10 +32,15 @@ class IterationObserver final : public ceres::IterationCallback {
   explicit IterationObserver(const SolveOptions& options)
       : options_(options), least_change_(0.5 * options.sigma_tolerance * options.sigma_tolerance) {}
 
+  /// What Ceres begins with counts as the end of so many iterations.
+  void ContinueAfter(int iterations) { before_ = iterations; }
+
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
     settled_ = s.iteration > 0 && s.step_is_successful && s.cost_change < least_change_;
-    const bool go_on = !options_.on_iteration ||
-                       options_.on_iteration({s.iteration, s.cost, s.cost_change, s.step_norm});
+    if (s.iteration == 0 && before_ > 0) return ceres::SOLVER_CONTINUE;
+    const bool go_on =
+        !options_.on_iteration ||
+        options_.on_iteration({before_ + s.iteration, s.cost, s.cost_change, s.step_norm});
     if (!go_on) settled_ = false;
     return go_on && !settled_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
@@ -46,6 +52,7 @@ class IterationObserver final : public ceres::IterationCallback {
   const SolveOptions& options_;
   double least_change_;
   bool settled_ = false;
+  int before_ = 0;
 };
 
 ceres::Solver::Options CeresOptions(const SolveOptions& options) {
@@ -74,43 +81,25 @@ CostSummary CountNetwork(const Network& network) {
   return summary;
 }
 
-/// Networks of fewer blocks are left to the ordering of Ceres.
-constexpr int kLargeNetwork = 20000;
+constexpr const char* kShortStep = "the last step was short in sigmas";
+constexpr const char* kStopped = "stopped on request";
 
-EliminationOrder OrderLargeNetwork(const Network& network, const UnknownLayout& layout) {
-  if (layout.num_blocks() < kLargeNetwork) return {};
-  return FindEliminationOrder(BlockPattern(layout, network), layout.size());
-}
-
-/// Every block of the problem in a group of its own, so that Ceres has no choice; blocks that it
-/// holds come last.
-std::shared_ptr<ceres::ParameterBlockOrdering> OrderingForCeres(const Network& network,
-                                                                const UnknownLayout& layout,
-                                                                const EliminationOrder& order,
-                                                                const ceres::Problem& problem) {
-  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  int group = 0;
-  for (const int position : order.position) {
-    ordering->AddElementToGroup(network.block(layout.blocks[AsSize(position)]).value.get(),
-                                group++);
-  }
-  std::vector<double*> all;
-  problem.GetParameterBlocks(&all);
-  for (double* block : all) {
-    if (!ordering->IsMember(block)) ordering->AddElementToGroup(block, group);
-  }
-  return ordering;
+SolveReport EndOf(const GaussNewtonReport& steps, double time_s) {
+  SolveReport report;
+  report.converged = !steps.interrupted;
+  report.interrupted = steps.interrupted;
+  report.iterations = steps.iterations;
+  report.initial_cost = steps.initial_cost;
+  report.final_cost = steps.final_cost;
+  report.time_s = time_s;
+  report.message = steps.interrupted ? kStopped : kShortStep;
+  return report;
 }
 
 /// One run of Ceres from the values of the network, watched by the observer among its options.
-SolveReport Attempt(Network& network, ceres::Solver::Options options,
-                    const IterationObserver& observer) {
+SolveReport DampedSteps(Network& network, const ceres::Solver::Options& options,
+                        const IterationObserver& observer) {
   internal::CeresProblem problem(network);
-  const UnknownLayout layout(network);
-  const EliminationOrder order = OrderLargeNetwork(network, layout);
-  if (order.dissected) {
-    options.linear_solver_ordering = OrderingForCeres(network, layout, order, problem.problem());
-  }
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem.problem(), &summary);
   problem.RethrowFactorException();
@@ -125,8 +114,8 @@ SolveReport Attempt(Network& network, ceres::Solver::Options options,
   report.final_cost = summary.final_cost;
   report.time_s = summary.total_time_in_seconds;
   report.message = summary.message;
-  if (report.interrupted) report.message = "stopped on request";
-  if (ended_here && observer.settled()) report.message = "the last step was short in sigmas";
+  if (report.interrupted) report.message = kStopped;
+  if (ended_here && observer.settled()) report.message = kShortStep;
   if (summary.termination_type == ceres::FAILURE) {
     const FactorId undefined = FindUndefinedFactor(network);
     report.message = undefined >= 0 ? UndefinedFactorMessage(network, undefined)
@@ -135,17 +124,40 @@ SolveReport Attempt(Network& network, ceres::Solver::Options options,
   return report;
 }
 
+/// Networks of fewer blocks take damped steps from the start: they cost little, and come from
+/// farther.
+constexpr int kLargeNetwork = 100;
+
+/// Gauss-Newton steps where the network is large, and damped ones from where they do not go on.
+SolveReport Attempt(Network& network, const SolveOptions& options,
+                    ceres::Solver::Options ceres_options, IterationObserver* observer) {
+  const auto start = std::chrono::steady_clock::now();
+  GaussNewtonReport undamped;
+  if (UnknownLayout(network).num_blocks() >= kLargeNetwork) {
+    undamped = GaussNewton(network, options);
+    if (!undamped.unfinished) return EndOf(undamped, SecondsSince(start));
+  }
+  observer->ContinueAfter(undamped.iterations);
+  ceres_options.max_num_iterations -= undamped.iterations;
+  SolveReport report = DampedSteps(network, ceres_options, *observer);
+  if (undamped.iterations > 0) report.initial_cost = undamped.initial_cost;
+  report.iterations += undamped.iterations;
+  report.time_s = SecondsSince(start);
+  return report;
+}
+
 /// Solves, and where that ends on a flat once more from the initial values with a step that an
 /// unknown does not lengthen by losing its influence.
-SolveReport SolveTwice(Network& network, ceres::Solver::Options options,
-                       const IterationObserver& observer) {
+SolveReport SolveTwice(Network& network, const SolveOptions& options,
+                       ceres::Solver::Options ceres_options, IterationObserver* observer) {
   const FlatCheck check(network);
-  SolveReport first = Attempt(network, options, observer);
+  SolveReport first = Attempt(network, options, ceres_options, observer);
   if (!first.converged || check.FindFlat(network).empty()) return first;
   const NetworkValues first_values(network);
   check.initial().Restore(&network);
-  options.min_lm_diagonal = 1.0;
-  SolveReport second = Attempt(network, options, observer);
+  ceres_options.min_lm_diagonal = 1.0;
+  observer->ContinueAfter(0);
+  SolveReport second = DampedSteps(network, ceres_options, *observer);
   second.iterations += first.iterations;
   second.time_s += first.time_s;
   const bool better = second.converged || second.final_cost <= first.final_cost;
@@ -190,8 +202,9 @@ SolveReport Solve(Network& network, const SolveOptions& options) {
   if (options.on_iteration || options.sigma_tolerance > 0.0) {
     ceres_options.callbacks.push_back(&observer);
   }
-  SolveReport report = options.second_attempt ? SolveTwice(network, ceres_options, observer)
-                                              : Attempt(network, ceres_options, observer);
+  SolveReport report = options.second_attempt
+                           ? SolveTwice(network, options, ceres_options, &observer)
+                           : Attempt(network, options, ceres_options, &observer);
   report.adjusted = CountNetwork(network);
   report.adjusted.cost = report.final_cost;
   return report;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <new>
 #include <string>
@@ -39,48 +40,44 @@ SupernodalPattern PatternOf(const cholmod_factor& factor) {
   return pattern;
 }
 
+std::vector<int> Inverse(const int* permutation, int n) {
+  std::vector<int> inverse(AsSize(n));
+  for (int i = 0; i < n; ++i) inverse[AsSize(permutation[i])] = i;
+  return inverse;
+}
+
 /// Fewer right-hand sides than this are not worth a thread.
 constexpr Eigen::Index kFewestColumns = 8;
 
 }  // namespace
 
+SparseCholesky::Analysis::Analysis(const SymmetricCsc& A, cholmod_factor* analysed)
+    : factor(analysed),
+      permuted_index(Inverse(static_cast<const int*>(analysed->Perm), A.n)),
+      numbers(A, permuted_index, PatternOf(*analysed)) {}
+
+SparseCholesky::Analysis::~Analysis() {
+  CholmodCommon common;
+  cholmod_free_factor(&factor, common.get());
+}
+
 SparseCholesky::SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks,
                                const UnknownLayout& layout) {
-  Start();
+  CholmodCommon common;
+  common->nmethods = 1;
+  common->method[0].ordering = CHOLMOD_GIVEN;
+  common->supernodal = CHOLMOD_SUPERNODAL;
   const EliminationOrder elimination = FindEliminationOrder(blocks, layout.size());
   std::vector<int> order = ExpandOrder(elimination.position, layout);
   cholmod_sparse view = View(A);
-  factor_ = cholmod_analyze_p(&view, order.data(), nullptr, 0, common_.get());
-  common_.Check("analysing");
-  permuted_index_.resize(static_cast<std::size_t>(A.n));
-  const int* permutation = static_cast<const int*>(factor_->Perm);
-  for (int i = 0; i < A.n; ++i) permuted_index_[static_cast<std::size_t>(permutation[i])] = i;
-  multifrontal_ = std::make_shared<const Multifrontal>(A, permuted_index_, PatternOf(*factor_));
+  cholmod_factor* factor = cholmod_analyze_p(&view, order.data(), nullptr, 0, common.get());
+  common.Check("analysing");
+  analysis_ = std::make_shared<const Analysis>(A, factor);
 }
-
-SparseCholesky::SparseCholesky(const SparseCholesky& analysed)
-    : permuted_index_(analysed.permuted_index_), multifrontal_(analysed.multifrontal_) {
-  Start();
-  factor_ = cholmod_copy_factor(analysed.factor_, common_.get());
-  common_.Check("analysing");
-}
-
-void SparseCholesky::Start() {
-  common_->nmethods = 1;
-  common_->method[0].ordering = CHOLMOD_GIVEN;
-  common_->supernodal = CHOLMOD_SUPERNODAL;
-  common_->final_ll = 1;
-  common_->quick_return_if_not_posdef = 1;
-}
-
-SparseCholesky::~SparseCholesky() { cholmod_free_factor(&factor_, common_.get()); }
 
 bool SparseCholesky::Factorize(const SymmetricCsc& A, double shift, int threads) {
-  if (factor_->x == nullptr) {
-    cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, factor_, common_.get());
-    common_.Check("factoring");
-  }
-  return multifrontal_->Factorize(A, shift, threads, static_cast<double*>(factor_->x));
+  if (!values_) values_.reset(new double[pattern().num_values]);
+  return analysis_->numbers.Factorize(A, shift, threads, values_.get());
 }
 
 Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& B, int threads) const {
@@ -105,23 +102,36 @@ void SparseCholesky::SolveColumns(Eigen::Ref<Eigen::MatrixXd> B) const {
   view.x = B.data();
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, factor_, &view, common.get());
+  cholmod_factor L = *analysis_->factor;
+  L.x = values_.get();
+  L.xtype = CHOLMOD_REAL;
+  L.is_ll = 1;
+  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, &L, &view, common.get());
   common.Check("solving");
   B = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(solution->x), B.rows(),
                                         B.cols());
   cholmod_free_dense(&solution, common.get());
 }
 
-double SparseCholesky::LogDeterminant() const {
+template <class Use>
+void SparseCholesky::ForDiagonal(const Use& use) const {
   const SupernodalPattern& L = pattern();
-  double sum = 0.0;
   for (int s = 0; s < L.num_supernodes(); ++s) {
     const double* value = values() + L.value_start[AsSize(s)];
-    for (int c = 0; c < L.columns(s); ++c) sum += std::log(value[c * (L.rows(s) + 1)]);
+    for (int c = 0; c < L.columns(s); ++c) use(value[AsSize(c) * (AsSize(L.rows(s)) + 1)]);
   }
+}
+
+double SparseCholesky::LogDeterminant() const {
+  double sum = 0.0;
+  ForDiagonal([&](double l) { sum += std::log(l); });
   return 2.0 * sum;
 }
 
-long SparseCholesky::num_nonzeros() const { return static_cast<long>(factor_->xsize); }
+double SparseCholesky::LeastPivot() const {
+  double least = std::numeric_limits<double>::infinity();
+  ForDiagonal([&](double l) { least = std::min(least, l * l); });
+  return least;
+}
 
 }  // namespace dn

@@ -15,9 +15,8 @@ class SparseCholesky {
   /// Orders the blocks (FindEliminationOrder), expands the order to the scalar unknowns and analyses
   /// the pattern of A. layout gives the sizes of the blocks.
   SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks, const UnknownLayout& layout);
-  /// Another factor of a pattern that is analysed already.
-  explicit SparseCholesky(const SparseCholesky& analysed);
-  ~SparseCholesky();
+  /// Another factor of a pattern that is analysed already, still without numbers.
+  explicit SparseCholesky(const SparseCholesky& analysed) : analysis_(analysed.analysis_) {}
   SparseCholesky& operator=(const SparseCholesky&) = delete;
 
   /// Factors A + shift I, of the pattern analysed. Returns false where it is not numerically
@@ -30,22 +29,38 @@ class SparseCholesky {
   /// log |A|, of what was factored last.
   double LogDeterminant() const;
 
-  const SupernodalPattern& pattern() const { return multifrontal_->pattern(); }
-  const SupernodeTree& tree() const { return multifrontal_->tree(); }
+  /// The square of the smallest diagonal entry of L.
+  double LeastPivot() const;
+
+  const SupernodalPattern& pattern() const { return analysis_->numbers.pattern(); }
+  const SupernodeTree& tree() const { return analysis_->numbers.tree(); }
   /// L, as its pattern lays it out.
-  const double* values() const { return static_cast<const double*>(factor_->x); }
+  const double* values() const { return values_.get(); }
   /// Row of P A P^T in which unknown i of A stands.
-  const std::vector<int>& permuted_index() const { return permuted_index_; }
-  long num_nonzeros() const;
+  const std::vector<int>& permuted_index() const { return analysis_->permuted_index; }
+  long num_nonzeros() const { return static_cast<long>(pattern().num_values); }
 
  private:
-  void Start();
-  void SolveColumns(Eigen::Ref<Eigen::MatrixXd> B) const;
+  /// What depends on the pattern alone.
+  struct Analysis {
+    cholmod_factor* factor;  ///< without numbers
+    std::vector<int> permuted_index;
+    Multifrontal numbers;
 
-  CholmodCommon common_;
-  cholmod_factor* factor_ = nullptr;
-  std::vector<int> permuted_index_;
-  std::shared_ptr<const Multifrontal> multifrontal_;
+    /// Takes the factor.
+    Analysis(const SymmetricCsc& A, cholmod_factor* analysed);
+    ~Analysis();
+    Analysis(const Analysis&) = delete;
+    Analysis& operator=(const Analysis&) = delete;
+  };
+
+  void SolveColumns(Eigen::Ref<Eigen::MatrixXd> B) const;
+  /// Calls use(L_ii) for every unknown, in the order of L.
+  template <class Use>
+  void ForDiagonal(const Use& use) const;
+
+  std::shared_ptr<const Analysis> analysis_;
+  std::unique_ptr<double[]> values_;
 };
 
 }  // namespace dn

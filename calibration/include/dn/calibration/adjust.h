@@ -8,6 +8,7 @@
 #include <dn/interrupted.h>
 #include <dn/navigation/alignment.h>
 #include <dn/navigation/gnss_correlation.h>
+#include <dn/solvers/shared_analysis.h>
 
 #include <functional>
 #include <memory>
@@ -90,6 +91,8 @@ struct Adjustment {
   double residual_final_m = 0.0;    ///< of the pairs kept, at the solution
   double cost = 0.0;
   double time_s = 0.0;
+  /// What its solutions shared, which serves the covariances as well.
+  std::shared_ptr<SharedAnalysis> analysis = std::make_shared<SharedAnalysis>();
 };
 
 /// Adjusts a flight in stages: alignment and forward filter; INS/GNSS, from which GNSS positions

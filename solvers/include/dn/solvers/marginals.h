@@ -2,6 +2,7 @@
 
 #include <dn/network.h>
 #include <dn/solvers/linearized_network.h>
+#include <dn/solvers/shared_analysis.h>
 
 #include <Eigen/Core>
 #include <map>
@@ -18,10 +19,12 @@ using BlockColumns = std::map<BlockId, Eigen::MatrixXd>;
 
 /// Options of Marginals.
 struct MarginalsOptions {
-  int threads = 1;  ///< evaluation of the factors, where a network is given
+  int threads = 1;  ///< evaluation of the factors, factorisation, selected inverse
   /// A direction of the Jacobi-scaled unknowns (unit vector v, columns of J of unit length) counts
   /// as free when |J v|^2 is below this. A weakly determined direction is far above it.
   double null_tolerance = 1e-16;
+  /// Where given, shared with what was solved with it before; see SharedAnalysis.
+  std::shared_ptr<SharedAnalysis> analysis = {};
 
   /// Throws InvalidConfig naming the option, its value and its bound.
   void Validate() const;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <dn/network.h>
+#include <dn/solvers/shared_analysis.h>
 
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <string>
 
 namespace dn {
@@ -21,7 +23,7 @@ struct IterationProgress {
 /// of every problem of the NIST reference data sets for non-linear regression.
 struct SolveOptions {
   int max_iterations = 1000;
-  int threads = 1;  ///< evaluation of the factors only
+  int threads = 1;  ///< evaluation of the factors, and factorisation
   double function_tolerance = 1e-15;
   double parameter_tolerance = 1e-12;
   double gradient_tolerance = 1e-15;
@@ -34,6 +36,8 @@ struct SolveOptions {
   /// A solution that ends on a flat, where an unknown that had influence has lost it, is tried
   /// again from the initial values by shorter steps. Costs two evaluations.
   bool second_attempt = true;
+  /// Where given, shared with what was solved with it before; see SharedAnalysis.
+  std::shared_ptr<SharedAnalysis> analysis = {};
   /// Called after every iteration, from the thread that called Solve; false stops the solution.
   std::function<bool(const IterationProgress&)> on_iteration = {};
 
@@ -71,9 +75,11 @@ struct SolveReport {
   std::string message;  ///< why it stopped; names the factor when one is undefined
 };
 
-/// Minimises 1/2 sum_i rho_i(|r_i|^2) over the blocks that are not held, by Levenberg-Marquardt
-/// with a sparse Cholesky factorisation of the normal equations, and leaves the result in the
-/// network.
+/// Minimises 1/2 sum_i rho_i(|r_i|^2) over the blocks that are not held, and leaves the result in
+/// the network. A network of 100 blocks or more takes Gauss-Newton steps with a sparse Cholesky
+/// factorisation of the normal equations, analysed once, as long as each lowers the cost about as
+/// the linear model says; from there, and smaller ones from the start, Levenberg-Marquardt steps
+/// by Ceres.
 ///
 /// Only active factors count; a block without an active factor keeps its value. A network that
 /// cannot be solved numerically is reported (converged = false), and keeps its best values so far,
