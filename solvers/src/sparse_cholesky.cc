@@ -11,6 +11,7 @@
 
 #include "elimination_order.h"
 #include "serial_blas.h"
+#include "triangular_solve.h"
 
 namespace dn {
 namespace {
@@ -47,19 +48,15 @@ std::vector<int> Inverse(const int* permutation, int n) {
 }
 
 /// Fewer right-hand sides than this are not worth a thread.
-constexpr Eigen::Index kFewestColumns = 8;
+constexpr int kFewestColumns = 8;
+/// Right-hand sides that go together.
+constexpr int kMostColumns = 16;
 
 }  // namespace
 
-SparseCholesky::Analysis::Analysis(const SymmetricCsc& A, cholmod_factor* analysed)
-    : factor(analysed),
-      permuted_index(Inverse(static_cast<const int*>(analysed->Perm), A.n)),
-      numbers(A, permuted_index, PatternOf(*analysed)) {}
-
-SparseCholesky::Analysis::~Analysis() {
-  CholmodCommon common;
-  cholmod_free_factor(&factor, common.get());
-}
+SparseCholesky::Analysis::Analysis(const SymmetricCsc& A, const cholmod_factor& analysed)
+    : permuted_index(Inverse(static_cast<const int*>(analysed.Perm), A.n)),
+      numbers(A, permuted_index, PatternOf(analysed)) {}
 
 SparseCholesky::SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks,
                                const UnknownLayout& layout) {
@@ -70,9 +67,11 @@ SparseCholesky::SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks
   const EliminationOrder elimination = FindEliminationOrder(blocks, layout.size());
   std::vector<int> order = ExpandOrder(elimination.position, layout);
   cholmod_sparse view = View(A);
-  cholmod_factor* factor = cholmod_analyze_p(&view, order.data(), nullptr, 0, common.get());
+  const auto free = [&](cholmod_factor* factor) { cholmod_free_factor(&factor, common.get()); };
+  const std::unique_ptr<cholmod_factor, decltype(free)> factor(
+      cholmod_analyze_p(&view, order.data(), nullptr, 0, common.get()), free);
   common.Check("analysing");
-  analysis_ = std::make_shared<const Analysis>(A, factor);
+  analysis_ = std::make_shared<const Analysis>(A, *factor);
 }
 
 bool SparseCholesky::Factorize(const SymmetricCsc& A, double shift, int threads) {
@@ -81,36 +80,33 @@ bool SparseCholesky::Factorize(const SymmetricCsc& A, double shift, int threads)
 }
 
 Eigen::MatrixXd SparseCholesky::Solve(const Eigen::MatrixXd& B, int threads) const {
-  Eigen::MatrixXd X = B;
-  const Eigen::Index shares =
-      std::clamp<Eigen::Index>(B.cols() / kFewestColumns, 1, std::max(threads, 1));
-  ParallelFor(static_cast<int>(shares), static_cast<int>(shares), [&](int k) {
-    const Eigen::Index first = B.cols() * k / shares, past = B.cols() * (k + 1) / shares;
-    SolveColumns(X.middleCols(first, past - first));
+  Eigen::MatrixXd X(B.rows(), B.cols());
+  const auto columns = static_cast<int>(B.cols());
+  const int shares = std::clamp(columns / kFewestColumns, 1, std::max(threads, 1));
+  ParallelFor(shares, shares, [&](int k) {
+    const SerialBlas serial;
+    const int first = columns * k / shares, past = columns * (k + 1) / shares;
+    SolveColumns(B.middleCols(first, past - first), X.middleCols(first, past - first));
   });
   return X;
 }
 
-void SparseCholesky::SolveColumns(Eigen::Ref<Eigen::MatrixXd> B) const {
-  const SerialBlas serial;
-  CholmodCommon common;
-  cholmod_dense view{};
-  view.nrow = static_cast<std::size_t>(B.rows());
-  view.d = static_cast<std::size_t>(B.outerStride());
-  view.ncol = static_cast<std::size_t>(B.cols());
-  view.nzmax = view.d * view.ncol;
-  view.x = B.data();
-  view.xtype = CHOLMOD_REAL;
-  view.dtype = CHOLMOD_DOUBLE;
-  cholmod_factor L = *analysis_->factor;
-  L.x = values_.get();
-  L.xtype = CHOLMOD_REAL;
-  L.is_ll = 1;
-  cholmod_dense* solution = cholmod_solve(CHOLMOD_A, &L, &view, common.get());
-  common.Check("solving");
-  B = Eigen::Map<const Eigen::MatrixXd>(static_cast<const double*>(solution->x), B.rows(),
-                                        B.cols());
-  cholmod_free_dense(&solution, common.get());
+void SparseCholesky::SolveColumns(const Eigen::Ref<const Eigen::MatrixXd>& B,
+                                  Eigen::Ref<Eigen::MatrixXd> X) const {
+  Eigen::MatrixXd by_row(std::min<Eigen::Index>(kMostColumns, B.cols()), B.rows());
+  for (Eigen::Index first = 0; first < B.cols(); first += kMostColumns) {
+    const Eigen::Index n = std::min<Eigen::Index>(kMostColumns, B.cols() - first);
+    by_row.resize(n, B.rows());
+    for (Eigen::Index i = 0; i < B.rows(); ++i) {
+      by_row.col(permuted_index()[static_cast<std::size_t>(i)]) =
+          B.row(i).segment(first, n).transpose();
+    }
+    SolveInPlace(pattern(), values(), static_cast<int>(n), by_row.data());
+    for (Eigen::Index i = 0; i < B.rows(); ++i) {
+      X.row(i).segment(first, n) =
+          by_row.col(permuted_index()[static_cast<std::size_t>(i)]).transpose();
+    }
+  }
 }
 
 template <class Use>

@@ -43,18 +43,14 @@ class SparseCholesky {
  private:
   /// What depends on the pattern alone.
   struct Analysis {
-    cholmod_factor* factor;  ///< without numbers
     std::vector<int> permuted_index;
     Multifrontal numbers;
 
-    /// Takes the factor.
-    Analysis(const SymmetricCsc& A, cholmod_factor* analysed);
-    ~Analysis();
-    Analysis(const Analysis&) = delete;
-    Analysis& operator=(const Analysis&) = delete;
+    Analysis(const SymmetricCsc& A, const cholmod_factor& analysed);
   };
 
-  void SolveColumns(Eigen::Ref<Eigen::MatrixXd> B) const;
+  void SolveColumns(const Eigen::Ref<const Eigen::MatrixXd>& B,
+                    Eigen::Ref<Eigen::MatrixXd> X) const;
   /// Calls use(L_ii) for every unknown, in the order of L.
   template <class Use>
   void ForDiagonal(const Use& use) const;

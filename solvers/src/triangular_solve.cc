@@ -1,0 +1,73 @@
+#include "triangular_solve.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "blas.h"
+#include "linearization.h"
+
+namespace dn {
+namespace {
+
+/// One pass over the supernodes each way.
+class Substitution {
+ public:
+  Substitution(const SupernodalPattern& L, const double* values, int k, double* X)
+      : L_(L), values_(values), k_(k), X_(X) {
+    int largest = 0;
+    for (int s = 0; s < L.num_supernodes(); ++s) largest = std::max(largest, L.below(s));
+    below_.resize(AsSize(largest) * AsSize(k));
+  }
+
+  /// X_J = X_J L_JJ^-T, X_R -= X_J L_RJ^T.
+  void Forward(int s) {
+    const int columns = L_.columns(s), rows = L_.rows(s), below = L_.below(s);
+    const double* L_JJ = values_ + L_.value_start[AsSize(s)];
+    double* X_J = Of(L_.column[AsSize(s)]);
+    dtrsm_("R", "L", "T", "N", &k_, &columns, &kOne, L_JJ, &rows, X_J, &k_);
+    if (below == 0) return;
+    dgemm_("N", "T", &k_, &below, &columns, &kOne, X_J, &k_, L_JJ + columns, &rows, &kZero,
+           below_.data(), &k_);
+    const int* R = L_.row_indices_below(s);
+    for (int i = 0; i < below; ++i) {
+      double* to = Of(R[i]);
+      const double* from = below_.data() + AsSize(i) * AsSize(k_);
+      for (int c = 0; c < k_; ++c) to[c] -= from[c];
+    }
+  }
+
+  /// X_J = (X_J - X_R L_RJ) L_JJ^-1.
+  void Backward(int s) {
+    const int columns = L_.columns(s), rows = L_.rows(s), below = L_.below(s);
+    const double* L_JJ = values_ + L_.value_start[AsSize(s)];
+    double* X_J = Of(L_.column[AsSize(s)]);
+    if (below > 0) {
+      const int* R = L_.row_indices_below(s);
+      for (int i = 0; i < below; ++i) {
+        std::copy_n(Of(R[i]), k_, below_.begin() + static_cast<std::ptrdiff_t>(i) * k_);
+      }
+      dgemm_("N", "N", &k_, &columns, &below, &kMinusOne, below_.data(), &k_, L_JJ + columns, &rows,
+             &kOne, X_J, &k_);
+    }
+    dtrsm_("R", "L", "N", "N", &k_, &columns, &kOne, L_JJ, &rows, X_J, &k_);
+  }
+
+ private:
+  double* Of(int row) { return X_ + AsSize(row) * AsSize(k_); }
+
+  const SupernodalPattern& L_;
+  const double* values_;
+  int k_;
+  double* X_;
+  std::vector<double> below_;
+};
+
+}  // namespace
+
+void SolveInPlace(const SupernodalPattern& L, const double* values, int k, double* X) {
+  Substitution substitution(L, values, k, X);
+  for (int s = 0; s < L.num_supernodes(); ++s) substitution.Forward(s);
+  for (int s = L.num_supernodes() - 1; s >= 0; --s) substitution.Backward(s);
+}
+
+}  // namespace dn
