@@ -15,12 +15,16 @@ constexpr double kHeight_m = 700.0;
 constexpr double kCrossHeight_m = 760.0;
 constexpr double kSpeed_mps = 45.0;
 
+/// From the middle of a block to that of the next one, east.
+constexpr double kBlockDistance_m = 6000.0;
+
 /// Position of line `index` of `count` about the middle of the block.
 double Offset(int index, int count, double spacing_m) {
   return spacing_m * (index - 0.5 * (count - 1));
 }
 
-std::string Lines(const FlightSize& size) {
+std::string Lines(const FlightSize& size, int block) {
+  const double middle_east = Offset(block, size.blocks, kBlockDistance_m);
   std::string text;
   for (int k = 0; k < size.parallel_lines + size.cross_lines; ++k) {
     const bool cross = k >= size.parallel_lines;
@@ -28,15 +32,22 @@ std::string Lines(const FlightSize& size) {
     double to = -from;
     if (k % 2 == 1) std::swap(from, to);
     if (cross) {
-      const double east = Offset(k - size.parallel_lines, size.cross_lines, kCrossSpacing_m);
+      const double east =
+          middle_east + Offset(k - size.parallel_lines, size.cross_lines, kCrossSpacing_m);
       text += fmt::format("    - [{}, {}, {}, {}, {}, {}]\n", east, from, east, to, kCrossHeight_m,
                           kSpeed_mps);
     } else {
       const double north = Offset(k, size.parallel_lines, kParallelSpacing_m);
-      text += fmt::format("    - [{}, {}, {}, {}, {}, {}]\n", from, north, to, north, kHeight_m,
-                          kSpeed_mps);
+      text += fmt::format("    - [{}, {}, {}, {}, {}, {}]\n", middle_east + from, north,
+                          middle_east + to, north, kHeight_m, kSpeed_mps);
     }
   }
+  return text;
+}
+
+std::string Lines(const FlightSize& size) {
+  std::string text;
+  for (int block = 0; block < size.blocks; ++block) text += Lines(size, block);
   return text;
 }
 
@@ -44,10 +55,11 @@ std::string Lines(const FlightSize& size) {
 
 const std::vector<FlightSize>& FlightSizes() {
   static const std::vector<FlightSize> sizes{
-      {"5min", 90.0, 2, 0, 1000.0, 1000},         {"10min", 225.0, 2, 1, 1500.0, 20000},
-      {"20min", 725.0, 2, 1, 3000.0, 5000},       {"60min", 900.0, 14, 2, 3000.0, 20000},
-      {"120min", 900.0, 37, 4, 3000.0, 42000},    {"240min", 900.0, 80, 8, 3000.0, 85000},
-      {"480min", 900.0, 167, 15, 3000.0, 171000},
+      {"5min", 90.0, 2, 0, 1000.0, 1000},           {"10min", 225.0, 2, 1, 1500.0, 20000},
+      {"20min", 725.0, 2, 1, 3000.0, 5000},         {"60min", 900.0, 14, 2, 3000.0, 20000},
+      {"120min", 900.0, 37, 4, 3000.0, 42000},      {"240min", 900.0, 80, 8, 3000.0, 85000},
+      {"480min", 900.0, 167, 15, 3000.0, 171000},   {"2-blocks", 900.0, 14, 2, 3000.0, 40000, 2},
+      {"4-blocks", 900.0, 14, 2, 3000.0, 80000, 4}, {"8-blocks", 900.0, 14, 2, 3000.0, 160000, 8},
   };
   return sizes;
 }

@@ -14,9 +14,11 @@ struct FlightSize {
   int cross_lines = 0;     ///< across their middle, 500 m apart, 60 m higher
   double line_length_m = 0.0;
   long pairs = 0;
+  int blocks = 1;  ///< of so many lines, 6 km apart, one after the other
 };
 
-/// 5min with 1,000 pairs, 10min with 20,000, 20min with 5,000, 60min with 20,000.
+/// 5min with 1,000 pairs, 10min with 20,000, 20min with 5,000, 60min with 20,000; 2, 4 and 8 hours of
+/// one block that grows, and of blocks of an hour each.
 const std::vector<FlightSize>& FlightSizes();
 
 /// The size of that name. Throws std::out_of_range when there is none.

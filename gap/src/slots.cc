@@ -12,6 +12,8 @@ namespace {
 // What is expected before any data: nothing, an effect of the table, one without a name.
 constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorGeneric = 0.1;
 constexpr double kCredible = 0.95;
+/// Probability of a discrepancy without a name at which a name is not given.
+constexpr double kWithoutName = 0.5;
 
 std::vector<double> LogPriors(const std::vector<ScreenedEffect>& effects) {
   const auto physical = std::count_if(effects.begin(), effects.end(),
@@ -161,7 +163,10 @@ GapVerdict Decide(const Decision& decision, const std::vector<std::string>& name
                   const std::vector<Slot>& slots) {
   GapVerdict verdict;
   if (!decision.detected) return verdict;
-  if (named.empty() || decision.discrepancy_is_better) {
+  const bool doubtful = std::any_of(slots.begin(), slots.end(), [](const Slot& slot) {
+    return slot.generic_posterior > kWithoutName;
+  });
+  if (named.empty() || decision.discrepancy_is_better || (named.size() == 1 && doubtful)) {
     verdict.kind = GapVerdictKind::kUnknown;
     verdict.unknown = true;
     if (!named.empty()) verdict.credible_set = CredibleInAny(slots);
@@ -172,7 +177,7 @@ GapVerdict Decide(const Decision& decision, const std::vector<std::string>& name
   const bool group = std::any_of(slots.begin(), slots.end(),
                                  [](const Slot& slot) { return slot.credible_set.size() > 1; });
   verdict.kind = group ? GapVerdictKind::kGroup : GapVerdictKind::kIdentified;
-  if (decision.something_left) {
+  if (decision.something_left || doubtful) {
     verdict.kind = GapVerdictKind::kPartial;
     verdict.unknown = true;
   }

@@ -43,7 +43,8 @@ struct Decision {
   bool something_left = false;         ///< beside them
 };
 
-/// The verdict on effects with a name, each in its slot.
+/// The verdict on effects with a name, each in its slot. A name is not given where a discrepancy
+/// without one is likelier than all names of the slot together.
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
                   const std::vector<Slot>& slots);
 

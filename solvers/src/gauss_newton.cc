@@ -56,6 +56,7 @@ class Iteration {
     report_.unfinished = true;
     if (!linearization_.Evaluate(network_, options_.threads)) return;
     report_.initial_cost = cost_ = linearization_.cost();
+    report_.begun = true;
     if (!Tell(0.0, 0.0)) return;
     const std::shared_ptr<SharedAnalysis> shared =
         options_.analysis ? options_.analysis : std::make_shared<SharedAnalysis>();

@@ -10,6 +10,7 @@ struct GaussNewtonReport {
   /// Neither at the end nor stopped: the values are the best so far, and shorter steps are needed.
   bool unfinished = false;
   bool interrupted = false;  ///< on_iteration returned false
+  bool begun = false;        ///< the initial cost is defined, and on_iteration was told
   int iterations = 0;
   double initial_cost = 0.0;
   double final_cost = 0.0;

@@ -32,15 +32,16 @@ class IterationObserver final : public ceres::IterationCallback {
   explicit IterationObserver(const SolveOptions& options)
       : options_(options), least_change_(0.5 * options.sigma_tolerance * options.sigma_tolerance) {}
 
-  /// What Ceres begins with counts as the end of so many iterations.
+  /// What Ceres begins with is the end of so many iterations, of which was told.
   void ContinueAfter(int iterations) { before_ = iterations; }
+  void BeginAnew() { before_ = -1; }
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
     settled_ = s.iteration > 0 && s.step_is_successful && s.cost_change < least_change_;
-    if (s.iteration == 0 && before_ > 0) return ceres::SOLVER_CONTINUE;
+    if (s.iteration == 0 && before_ >= 0) return ceres::SOLVER_CONTINUE;
     const bool go_on =
-        !options_.on_iteration ||
-        options_.on_iteration({before_ + s.iteration, s.cost, s.cost_change, s.step_norm});
+        !options_.on_iteration || options_.on_iteration({std::max(before_, 0) + s.iteration, s.cost,
+                                                         s.cost_change, s.step_norm});
     if (!go_on) settled_ = false;
     return go_on && !settled_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
@@ -52,7 +53,7 @@ class IterationObserver final : public ceres::IterationCallback {
   const SolveOptions& options_;
   double least_change_;
   bool settled_ = false;
-  int before_ = 0;
+  int before_ = -1;
 };
 
 ceres::Solver::Options CeresOptions(const SolveOptions& options) {
@@ -133,14 +134,14 @@ SolveReport Attempt(Network& network, const SolveOptions& options,
                     ceres::Solver::Options ceres_options, IterationObserver* observer) {
   const auto start = std::chrono::steady_clock::now();
   GaussNewtonReport undamped;
-  if (UnknownLayout(network).num_blocks() >= kLargeNetwork) {
+  if (options.begin_undamped && UnknownLayout(network).num_blocks() >= kLargeNetwork) {
     undamped = GaussNewton(network, options);
     if (!undamped.unfinished) return EndOf(undamped, SecondsSince(start));
   }
-  observer->ContinueAfter(undamped.iterations);
+  if (undamped.begun) observer->ContinueAfter(undamped.iterations);
   ceres_options.max_num_iterations -= undamped.iterations;
   SolveReport report = DampedSteps(network, ceres_options, *observer);
-  if (undamped.iterations > 0) report.initial_cost = undamped.initial_cost;
+  if (undamped.begun) report.initial_cost = undamped.initial_cost;
   report.iterations += undamped.iterations;
   report.time_s = SecondsSince(start);
   return report;
@@ -156,7 +157,7 @@ SolveReport SolveTwice(Network& network, const SolveOptions& options,
   const NetworkValues first_values(network);
   check.initial().Restore(&network);
   ceres_options.min_lm_diagonal = 1.0;
-  observer->ContinueAfter(0);
+  observer->BeginAnew();
   SolveReport second = DampedSteps(network, ceres_options, *observer);
   second.iterations += first.iterations;
   second.time_s += first.time_s;

@@ -108,6 +108,26 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsBetter) {
   EXPECT_THAT(verdict.credible_set, ElementsAre("a"));
 }
 
+TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
+  ScreenedEffect strips = WithEvidence("strips", 33.0);
+  strips.physical = false;
+  const std::vector<Slot> doubtful{MakeSlot("a", {WithEvidence("a", 30.0), strips})};
+  ASSERT_GT(doubtful[0].generic_posterior, 0.5);
+  const GapVerdict alone = Decide({.detected = true}, {"a"}, doubtful);
+  EXPECT_EQ(alone.kind, GapVerdictKind::kUnknown);
+  EXPECT_THAT(alone.effects, IsEmpty());
+  EXPECT_THAT(alone.credible_set, ElementsAre("a"));
+  EXPECT_TRUE(alone.unknown);
+
+  const GapVerdict beside = Decide({.detected = true}, {"b", "a"}, {clear_[0], doubtful[0]});
+  EXPECT_EQ(beside.kind, GapVerdictKind::kPartial);
+  EXPECT_THAT(beside.effects, ElementsAre("b", "a"));
+
+  strips.log_evidence = 27.0;
+  const std::vector<Slot> likely{MakeSlot("a", {WithEvidence("a", 30.0), strips})};
+  EXPECT_EQ(Decide({.detected = true}, {"a"}, likely).kind, GapVerdictKind::kIdentified);
+}
+
 TEST_F(Decided, SaysNothingOfAFlightWithoutAGap) {
   const GapVerdict verdict = Decide({}, {}, clear_);
   EXPECT_EQ(verdict.kind, GapVerdictKind::kNoGap);

@@ -33,6 +33,8 @@ struct SolveOptions {
   /// Of the first step, in units of the Jacobi-scaled unknowns; larger is nearer to Gauss-Newton,
   /// for good initial values.
   double initial_trust_region_radius = 1e4;
+  /// A network of 100 blocks or more begins with Gauss-Newton steps; false: with damped ones.
+  bool begin_undamped = true;
   /// A solution that ends on a flat, where an unknown that had influence has lost it, is tried
   /// again from the initial values by shorter steps. Costs two evaluations.
   bool second_attempt = true;
