@@ -1,5 +1,5 @@
 /// Covariances of the network of a simulated flight: assembly, factorisation and selected inverse;
-/// on the smallest flight ceres::Covariance beside it.
+/// on the smallest flight ceres::Covariance beside it. Its solution, with and without Ceres.
 #include <benchmark/benchmark.h>
 #include <dn/builder/flight_network.h>
 #include <dn/builder/node_grid.h>
@@ -8,11 +8,13 @@
 #include <dn/sim/scenario.h>
 #include <dn/sim/simulate.h>
 #include <dn/solvers/marginals.h>
+#include <dn/solvers/solve.h>
 
 #include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ceres_covariance.h"
@@ -24,6 +26,7 @@ namespace {
 constexpr unsigned kCeresLimit_s = 60;
 constexpr double kStripJoin_s = 5.0;
 constexpr double kNodeRate_hz = 5.0;
+constexpr double kSparseRate_hz = 1.0;
 
 std::vector<TimeInterval> LidarIntervals(const Flight& flight) {
   std::vector<double> t_s;
@@ -34,11 +37,11 @@ std::vector<TimeInterval> LidarIntervals(const Flight& flight) {
   return ClusterEpochs(t_s, kStripJoin_s);
 }
 
-std::unique_ptr<FlightNetwork> NetworkAtTruth(const SimulatedFlight& simulated) {
+std::unique_ptr<FlightNetwork> NetworkAtTruth(const SimulatedFlight& simulated, double rate_hz) {
   const Flight& flight = simulated.flight;
   const TimeInterval span = NetworkSpan(flight, true);
   NodeGridOptions grid;
-  grid.rate_in_strips_hz = kNodeRate_hz;
+  grid.rate_in_strips_hz = rate_hz;
   const std::vector<double> node_t_s =
       NodeTimes(*flight.imu, span, GnssTimes(flight, span), LidarIntervals(flight), grid);
   InitialStates initial;
@@ -50,17 +53,17 @@ std::unique_ptr<FlightNetwork> NetworkAtTruth(const SimulatedFlight& simulated) 
 }
 
 /// The network of a size, made once.
-FlightNetwork& NetworkOf(const std::string& size) {
+FlightNetwork& NetworkOf(const std::string& size, double rate_hz = kNodeRate_hz) {
   struct Entry {
     std::unique_ptr<SimulatedFlight> flight;  // the network refers to it
     std::unique_ptr<FlightNetwork> network;
   };
-  static std::map<std::string, Entry> entries;
-  Entry& entry = entries[size];
+  static std::map<std::pair<std::string, double>, Entry> entries;
+  Entry& entry = entries[{size, rate_hz}];
   if (!entry.network) {
     const Scenario scenario = ParseScenario(ScenarioText(SizeByName(size), "airins"), size);
     entry.flight = std::make_unique<SimulatedFlight>(Simulate(scenario, {}));
-    entry.network = NetworkAtTruth(*entry.flight);
+    entry.network = NetworkAtTruth(*entry.flight, rate_hz);
   }
   return *entry.network;
 }
@@ -101,6 +104,29 @@ BENCHMARK_CAPTURE(BM_Marginals, 60min, "60min", 1)->Unit(benchmark::kMillisecond
 BENCHMARK_CAPTURE(BM_Marginals, 60min_two_threads, "60min", 2)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
+
+/// From the truth to the adjusted values: undamped steps with one analysis, or all steps by Ceres.
+void BM_Solve(benchmark::State& state, const std::string& size, bool undamped) {
+  const Network& truth = NetworkOf(size, kSparseRate_hz).net;
+  for (auto _ : state) {
+    state.PauseTiming();
+    Network net(truth);
+    state.ResumeTiming();
+    const SolveReport report = Solve(net, {.function_tolerance = 1e-13,
+                                           .sigma_tolerance = 1e-3,
+                                           .initial_trust_region_radius = 1e13,
+                                           .begin_undamped = undamped,
+                                           .second_attempt = false});
+    if (!report.converged) state.SkipWithError(report.message.c_str());
+    state.counters["iterations"] = report.iterations;
+    state.counters["cost"] = report.final_cost;
+    state.counters["parameters"] = report.adjusted.parameters;
+  }
+}
+BENCHMARK_CAPTURE(BM_Solve, 20min, "20min", true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_Solve, 20min_by_ceres, "20min", false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_Solve, 60min, "60min", true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_Solve, 60min_by_ceres, "60min", false)->Unit(benchmark::kMillisecond);
 
 /// Blocks whose covariances are wanted of the smallest flight.
 std::vector<BlockId> Wanted(const FlightNetwork& network, bool all_nodes) {
