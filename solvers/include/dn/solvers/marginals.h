@@ -95,7 +95,7 @@ class Marginals {
   /// Standard deviations of a block in its tangent: as Value, a number for a Scalar.
   template <class Kind>
   auto Sigma(Block<Kind> a) const {
-    const Eigen::Matrix<double, Kind::kTangentSize, 1> sigma = Covariance(a).diagonal().cwiseSqrt();
+    Eigen::Matrix<double, Kind::kTangentSize, 1> sigma = Covariance(a).diagonal().cwiseSqrt();
     if constexpr (std::is_same_v<ValueOf<Kind>, double>) {
       return sigma[0];
     } else {
