@@ -260,13 +260,18 @@ int Execute(const std::string& command, const CommonOptions& options,
   return EndFailed(run, failure);
 }
 
-void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options) {
-  app->add_option("FLIGHT", *flight, "Flight folder, or the YAML file of a flight")->required();
+void AddChanges(CLI::App* app, const std::string& of, const std::string& example,
+                CommonOptions* options) {
   app->add_option("--set", options->changes,
-                  "key=value: another value of a key of flight.yaml for this run, as "
-                  "gnss.sigma_scale=2; may be given again")
+                  "key=value: another value of a key of " + of + " for this run, as " + example +
+                      "; may be given again")
       ->take_all()
       ->expected(1);
+}
+
+void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options) {
+  app->add_option("FLIGHT", *flight, "Flight folder, or the YAML file of a flight")->required();
+  AddChanges(app, "flight.yaml", "gnss.sigma_scale=2", options);
 }
 
 void AddThreads(CLI::App* app, CommonOptions* options) {

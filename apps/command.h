@@ -25,7 +25,7 @@ struct CommonOptions {
   int threads = 1;
   bool json_progress = false;
   std::filesystem::path out;
-  std::vector<std::string> changes;  ///< --set, of a command that reads a flight
+  std::vector<std::string> changes;  ///< --set, of a command that reads YAML
   Inputs inputs;                     ///< what the command reads; filled in before it runs
   bool makes_flight = false;         ///< its result is a flight folder
   bool keeps_records = false;        ///< the same command goes on where it was interrupted
@@ -107,6 +107,10 @@ void AddThreads(CLI::App* app, CommonOptions* options);
 
 /// Adds --out to them. out_required: as for commands whose result is files.
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required);
+
+/// --set of a command that reads the YAML file `of`.
+void AddChanges(CLI::App* app, const std::string& of, const std::string& example,
+                CommonOptions* options);
 
 /// Adds the argument FLIGHT and --set.
 void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options);

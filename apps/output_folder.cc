@@ -79,11 +79,11 @@ Inputs FlightInputs(const fs::path& folder_or_file, const std::vector<std::strin
   return inputs;
 }
 
-Inputs ScenarioInputs(const std::string& name_or_path) {
+Inputs ScenarioInputs(const std::string& name_or_path, const std::vector<std::string>& changes) {
   Inputs inputs;
   inputs.files.emplace_back(name_or_path);
   try {
-    if (const auto replay = ReadScenario(name_or_path).plan.replay) {
+    if (const auto replay = ReadScenario(name_or_path, changes).plan.replay) {
       inputs.files.push_back(*replay);
     }
   } catch (const std::exception&) {

@@ -21,7 +21,8 @@ Inputs FlightInputs(const std::filesystem::path& folder_or_file,
                     const std::vector<std::string>& changes, const std::string& trajectory = "");
 
 /// The scenario's file, if it is no shipped scenario, and the trajectory that it replays.
-Inputs ScenarioInputs(const std::string& name_or_path);
+Inputs ScenarioInputs(const std::string& name_or_path,
+                      const std::vector<std::string>& changes = {});
 
 /// The files that an earlier run left in a folder, as its report.json lists them.
 std::vector<std::string> EarlierResults(const std::filesystem::path& out);

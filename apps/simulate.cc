@@ -39,7 +39,7 @@ Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
 }
 
 void RunSimulate(const SimulateArguments& options, Run& run) {
-  const Scenario scenario = ReadScenario(options.scenario);
+  const Scenario scenario = ReadScenario(options.scenario, options.common.changes);
   SimulateOptions simulate;
   simulate.seed = options.seed;
   simulate.noise = !options.noise_free;
@@ -107,11 +107,12 @@ void AddSimulate(CLI::App* program, Action* action) {
       ->capture_default_str();
   app->add_flag("--noise-free", options->noise_free,
                 "Perfect sensors; flight.yaml still states the scenario's stochastic model");
+  AddChanges(app, "the scenario", "strips=true", &options->common);
   AddCommonOptions(app, &options->common, true);
   app->footer(Footer());
   app->callback([options, action] {
     *action = [options] {
-      options->common.inputs = ScenarioInputs(options->scenario);
+      options->common.inputs = ScenarioInputs(options->scenario, options->common.changes);
       options->common.makes_flight = true;
       return Execute("simulate", options->common, [&](Run& run) { RunSimulate(*options, run); });
     };

@@ -176,16 +176,7 @@ TrajectoryColumns TextColumns(const FlightConfig& config) {
 FlightConfig ReadFlightConfig(const fs::path& folder_or_file,
                               const std::vector<std::string>& changes) {
   const fs::path file = ConfigFile(folder_or_file);
-  std::string text = ReadText(file);
-  for (const std::string& change : changes) {
-    const std::size_t equals = change.find('=');
-    if (equals == 0 || equals == std::string::npos) {
-      throw InvalidConfig("'" + WithoutControls(change) +
-                          "' is no change of a key; write key=value, as gnss.sigma_scale=2");
-    }
-    text = WithYamlValue(text, change.substr(0, equals), change.substr(equals + 1));
-  }
-  return ParseFile(text, file);
+  return ParseFile(WithYamlChanges(ReadText(file), changes, "gnss.sigma_scale=2"), file);
 }
 
 }  // namespace dn

@@ -58,6 +58,7 @@ StripCounts StripSource::Read(const fs::path& file,
     vectors.t_s.clear();
     vectors.u_s.clear();
     vectors.source.clear();
+    vectors.returns_after.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
       ++counts.points;
       const double t_s = points.t_s[i] - setup_->time_offset_s;
@@ -69,6 +70,7 @@ StripCounts StripSource::Read(const fs::path& file,
         continue;
       }
       if (!points.source.empty()) vectors.source.push_back(points.source[i]);
+      if (!points.returns_after.empty()) vectors.returns_after.push_back(points.returns_after[i]);
       vectors.t_s.push_back(internal::AlignWeek(t_s, setup_->paths.wanted().covered));
       try {
         vectors.u_s.push_back(setup_->VectorOf(points, i, t_s, counts.own_vectors));

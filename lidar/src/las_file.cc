@@ -291,6 +291,14 @@ const ExtraDimension* LasFile::Find(std::string_view name) const {
   return at == extra.end() ? nullptr : &*at;
 }
 
+std::uint8_t ReturnsAfter(const LasFile& las, const char* record) {
+  const auto byte = static_cast<std::uint8_t>(record[las::kReturnAt]);
+  const int bits = las.format >= 6 ? 4 : 3;
+  const int mask = (1 << bits) - 1;
+  const int number = byte & mask, of = (byte >> bits) & mask;
+  return static_cast<std::uint8_t>(std::max(0, of - number));
+}
+
 LasFile ReadLasFile(const fs::path& file) { return LasFileReader(file).Read(); }
 
 }  // namespace dn::internal

@@ -74,6 +74,9 @@ struct LasFile {
   }
 };
 
+/// Returns of the same pulse after that of a record.
+std::uint8_t ReturnsAfter(const LasFile& las, const char* record);
+
 /// Reads everything but the points.
 LasFile ReadLasFile(const std::filesystem::path& file);
 

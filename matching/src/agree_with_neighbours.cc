@@ -2,6 +2,7 @@
 
 #include <dn/median.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -11,13 +12,60 @@
 namespace dn::internal {
 namespace {
 
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr std::size_t kNeighbours = 8;
 constexpr std::size_t kFewest = 4;
+constexpr std::size_t kFewestForTrend = 8;
+constexpr double kHuberOfTrend = 1.345;  // 95 % efficiency for normal errors
+constexpr int kHuberIterations = 20;
 constexpr double kMostSigmas = 3.5;
 // Variance of the difference from the median of eight others of the same accuracy.
 constexpr double kWithMedian = 1.2;
+
+/// x of A x = value with standard deviations in proportion to sigma, their scale by the median.
+Vector3d FitByHuber(const Eigen::MatrixX3d& A, const Eigen::VectorXd& value,
+                    const Eigen::VectorXd& sigma) {
+  Vector3d x = Vector3d::Zero();
+  Eigen::VectorXd weight = sigma.array().square().inverse();
+  for (int iteration = 0; iteration < kHuberIterations; ++iteration) {
+    const Eigen::MatrixX3d weighted = weight.asDiagonal() * A;
+    x = (weighted.transpose() * A).ldlt().solve(weighted.transpose() * value);
+    const Eigen::ArrayXd size = ((value - A * x).array() / sigma.array()).abs();
+    const double scale = kSigmaOfMedian * Median({size.begin(), size.end()});
+    if (!(scale > 0.0)) break;
+    weight = (kHuberOfTrend * scale / size.max(kHuberOfTrend * scale)) / sigma.array().square();
+  }
+  return x;
+}
+
+/// The shifts less a plane over east and north, for each axis by Huber's weights: what a constant
+/// error of attitude between two strips does.
+std::vector<PlacedShift> WithoutTrend(std::vector<PlacedShift> shifts) {
+  if (shifts.size() < kFewestForTrend) return shifts;
+  const auto n = static_cast<Eigen::Index>(shifts.size());
+  Eigen::MatrixX3d A(n, 3);
+  Vector2d centre_m = Vector2d::Zero();
+  for (const PlacedShift& shift : shifts) centre_m += shift.at_en_m / static_cast<double>(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Vector2d at_m = shifts[static_cast<std::size_t>(k)].at_en_m - centre_m;
+    A.row(k) << 1.0, at_m.x(), at_m.y();
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::VectorXd value(n), sigma(n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const PlacedShift& shift = shifts[static_cast<std::size_t>(k)];
+      value[k] = shift.shift_m[axis];
+      sigma[k] = std::sqrt(shift.covariance_m2(axis, axis));
+    }
+    const Eigen::VectorXd left = value - A * FitByHuber(A, value, sigma);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      shifts[static_cast<std::size_t>(k)].shift_m[axis] = left[k];
+    }
+  }
+  return shifts;
+}
 
 /// Median of the shifts of the nearest others, by axis.
 Vector3d NeighboursOf(std::size_t i, const std::vector<PlacedShift>& shifts) {
@@ -38,10 +86,11 @@ Vector3d NeighboursOf(std::size_t i, const std::vector<PlacedShift>& shifts) {
 
 }  // namespace
 
-Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& shifts) {
+Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given) {
   Agreement out;
-  out.agrees.assign(shifts.size(), true);
-  if (shifts.size() < kFewest) return out;
+  out.agrees.assign(given.size(), true);
+  if (given.size() < kFewest) return out;
+  const std::vector<PlacedShift> shifts = WithoutTrend(given);
   std::vector<Vector3d> left(shifts.size());
   for (std::size_t i = 0; i < shifts.size(); ++i) {
     left[i] = (shifts[i].shift_m - NeighboursOf(i, shifts)).array() /
@@ -53,6 +102,7 @@ Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& shifts) {
     for (const Vector3d& value : left) sizes.push_back(std::abs(value[axis]));
     const double scale = std::max(1.0, kSigmaOfMedian * Median(sizes));
     variance += scale * scale / 3.0 / kWithMedian;
+
     for (std::size_t i = 0; i < shifts.size(); ++i) {
       if (sizes[i] > kMostSigmas * scale) out.agrees[i] = false;
     }

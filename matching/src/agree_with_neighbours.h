@@ -20,10 +20,10 @@ struct Agreement {
   double variance_factor = 1.0;
 };
 
-/// Which shifts are those of their neighbours: each is compared with the median of the eight nearest
-/// others, by axis. What is left over is scaled by its own sigma, and by the robust scale of all of
+/// Which shifts are those of their neighbours: a plane over all of them is taken off, then each is
+/// compared with the median of the eight nearest others, by axis. What is left over is scaled by its own sigma, and by the robust scale of all of
 /// them where that exceeds 1 (the strips bend against each other between neighbours); more than 3.5
 /// of these in any axis do not agree. Fewer than four shifts all agree.
-Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& shifts);
+Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given);
 
 }  // namespace dn::internal

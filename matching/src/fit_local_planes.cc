@@ -1,7 +1,5 @@
 #include <dn/error.h>
 #include <dn/matching/point_cloud.h>
-#include <pcl/point_types.h>
-#include <pcl/search/kdtree.h>
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <string>
 
 #include "checks.h"
+#include "local_planes.h"
 
 namespace dn {
 namespace {
@@ -17,36 +16,20 @@ namespace {
 /// Neighbours on a line: the second eigenvalue is rounding, as seen from the first.
 constexpr double kLineRatio = 1e-12;
 
-Eigen::Vector3d Mean(const std::vector<Eigen::Vector3d>& points_m) {
-  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p_m : points_m) sum_m += p_m;
-  return points_m.empty() ? sum_m : Eigen::Vector3d(sum_m / static_cast<double>(points_m.size()));
-}
-
-pcl::PointCloud<pcl::PointXYZ>::Ptr CloudAbout(const Eigen::Vector3d& centre_m,
-                                               const std::vector<Eigen::Vector3d>& points_m) {
-  auto cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  cloud->reserve(points_m.size());
-  for (const Eigen::Vector3d& p_m : points_m) {
-    const Eigen::Vector3f p = (p_m - centre_m).cast<float>();
-    cloud->emplace_back(p.x(), p.y(), p.z());
-  }
-  return cloud;
-}
-
-LocalPlane FitPlane(const std::vector<Eigen::Vector3d>& points_m, const pcl::Indices& neighbours) {
+LocalPlane FitPlane(const std::vector<Eigen::Vector3d>& points_m,
+                    const std::vector<std::size_t>& neighbours) {
   LocalPlane plane;
   plane.neighbours = neighbours.size();
   const double n = static_cast<double>(neighbours.size());
-  const Eigen::Vector3d& base_m = points_m[static_cast<std::size_t>(neighbours.front())];
+  const Eigen::Vector3d& base_m = points_m[neighbours.front()];
   Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
-  for (const auto i : neighbours) mean_m += points_m[static_cast<std::size_t>(i)] - base_m;
+  for (const std::size_t i : neighbours) mean_m += points_m[i] - base_m;
   mean_m /= n;
   plane.centroid_m = base_m + mean_m;
 
   Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
-  for (const auto i : neighbours) {
-    const Eigen::Vector3d d_m = points_m[static_cast<std::size_t>(i)] - plane.centroid_m;
+  for (const std::size_t i : neighbours) {
+    const Eigen::Vector3d d_m = points_m[i] - plane.centroid_m;
     covariance_m2 += d_m * d_m.transpose() / n;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance_m2);
@@ -71,17 +54,19 @@ std::vector<LocalPlane> FitLocalPlanes(const std::vector<Eigen::Vector3d>& point
     throw InvalidInput("index " + std::to_string(i) + " is out of range: there are " +
                        std::to_string(points_m.size()) + " points");
   }
-  std::vector<LocalPlane> planes;
-  if (at.empty()) return planes;
+  if (at.empty()) return {};
+  return internal::FitLocalPlanes(points_m, internal::PointTree(points_m), at, radius_m);
+}
 
-  const auto cloud = CloudAbout(Mean(points_m), points_m);
-  pcl::search::KdTree<pcl::PointXYZ> tree(/*sorted=*/false);
-  tree.setInputCloud(cloud);
-  pcl::Indices neighbours;
-  std::vector<float> squared_distances;
+std::vector<LocalPlane> internal::FitLocalPlanes(const std::vector<Eigen::Vector3d>& points_m,
+                                                 const PointTree& tree,
+                                                 const std::vector<std::size_t>& at,
+                                                 double radius_m) {
+  std::vector<LocalPlane> planes;
+  std::vector<std::size_t> neighbours;
   planes.reserve(at.size());
   for (const std::size_t i : at) {
-    tree.radiusSearch((*cloud)[i], radius_m, neighbours, squared_distances);
+    tree.FindWithin(points_m[i], radius_m, &neighbours);
     planes.push_back(FitPlane(points_m, neighbours));
   }
   return planes;

@@ -144,7 +144,8 @@ class Matcher {
   Matcher(MatchSource* source, const MatchOptions& options) : source_(*source), options_(options) {}
   virtual ~Matcher() = default;
 
-  MatchResult Run() {
+  /// The stages from coarse to fine: changes the alignment of the source.
+  const MatchResult& BringTogether() {
     if (source_.strips().size() < 2) {
       throw InvalidInput("correspondences need two strips or more, there " +
                          std::string(source_.strips().size() == 1 ? "is one" : "are none"));
@@ -155,6 +156,11 @@ class Matcher {
     for (int level = 0; level < kMostLevels && search_m > kFineSearch * BaseCell(); ++level) {
       search_m = RunLevel(search_m);
     }
+    return result_;
+  }
+
+  MatchResult Run() {
+    BringTogether();
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       for (std::size_t j = i + 1; j < samples_.size(); ++j) MatchStripPair(i, j);
     }
@@ -466,32 +472,48 @@ class Matcher {
   void Finish() {
     for (std::size_t s = 0; s < samples_.size(); ++s) result_.swaths.push_back(SwathOf(s));
     result_.variance_factor = VarianceFactor();
-    const double most_m = kMostSigma_gsd * result_.gsd_m;
-    for (std::size_t k = 0; k < registered_.size(); ++k) {
-      StripPairMatch& match = result_.strip_pairs[k];
-      std::vector<internal::PlacedShift> shifts;
-      std::vector<const Work*> good;
-      for (const Work& w : registered_[k]) {
-        if (!w.registration) continue;
-        const Eigen::Matrix3d covariance_m2 = w.registration->Covariance(result_.variance_factor);
-        if (std::sqrt(covariance_m2.trace()) > most_m) continue;
-        shifts.push_back({w.centre_en_m, w.registration->shift_m, covariance_m2});
-        good.push_back(&w);
-      }
-      match.registered = good.size();
-      const internal::Agreement agreement = internal::AgreeWithNeighbours(shifts);
-      match.variance_factor = agreement.variance_factor;
-      for (std::size_t p = 0; p < good.size(); ++p) {
-        if (!agreement.agrees[p]) continue;
-        match.pairs.push_back(good[p]->pair);
-        match.pairs.back().pair.covariance_m2 = agreement.variance_factor * shifts[p].covariance_m2;
-      }
-    }
-    Judge();
+    for (std::size_t k = 0; k < registered_.size(); ++k) TakeDetermined(k);
+    AlignAll();
+    for (StripPairMatch& match : result_.strip_pairs) KeepAgreeing(&match);
+    AlignAll();
+    result_.boresight_rad = Boresight();
+    PlacePairs();
   }
 
-  /// Aligns the strips by the pairs that were found, and places these before and after.
-  void Judge() {
+  /// The pairs that are registered as well as is asked.
+  void TakeDetermined(std::size_t k) {
+    StripPairMatch& match = result_.strip_pairs[k];
+    const double most_m = kMostSigma_gsd * result_.gsd_m;
+    for (Work& w : registered_[k]) {
+      if (!w.registration) continue;
+      const Eigen::Matrix3d covariance_m2 = w.registration->Covariance(result_.variance_factor);
+      if (std::sqrt(covariance_m2.trace()) > most_m) continue;
+      w.pair.pair.covariance_m2 = covariance_m2;
+      match.pairs.push_back(w.pair);
+    }
+    match.registered = match.pairs.size();
+  }
+
+  /// Those that lie as their neighbours do, once the strips are brought together: without that, what
+  /// the boresight does from place to place would count as disagreement.
+  void KeepAgreeing(StripPairMatch* match) const {
+    std::vector<internal::PlacedShift> shifts;
+    for (const MatchedPair& pair : match->pairs) {
+      const Vector3d p_j_m = source_.Position(match->j, pair.pair.t_j_s, pair.pair.u_j_s);
+      shifts.push_back({p_j_m.head<2>(), -Apart(*match, pair), *pair.pair.covariance_m2});
+    }
+    const internal::Agreement agreement = internal::AgreeWithNeighbours(shifts);
+    match->variance_factor = agreement.variance_factor;
+    std::vector<MatchedPair> kept;
+    for (std::size_t p = 0; p < shifts.size(); ++p) {
+      if (!agreement.agrees[p]) continue;
+      kept.push_back(match->pairs[p]);
+      *kept.back().pair.covariance_m2 *= agreement.variance_factor;
+    }
+    match->pairs = std::move(kept);
+  }
+
+  void AlignAll() {
     std::vector<CoarsePair> pairs;
     for (const StripPairMatch& match : result_.strip_pairs) {
       for (const MatchedPair& pair : match.pairs) {
@@ -500,7 +522,10 @@ class Matcher {
       }
     }
     Align(pairs, kToleranceCells * BaseCell());
-    result_.boresight_rad = Boresight();
+  }
+
+  /// Where the pairs lie before and after.
+  void PlacePairs() {
     for (StripPairMatch& match : result_.strip_pairs) {
       for (MatchedPair& pair : match.pairs) pair.after_m = Apart(match, pair);
     }
@@ -595,6 +620,10 @@ std::size_t MatchResult::pairs() const {
 
 MatchResult MatchFlight(FlightMatchSource* source, const MatchOptions& options) {
   return FlightMatcher(source, options).Run();
+}
+
+std::vector<MatchLevel> AlignFlight(FlightMatchSource* source, const MatchOptions& options) {
+  return FlightMatcher(source, options).BringTogether().levels;
 }
 
 MatchResult MatchBareStrips(BareMatchSource* source, const MatchOptions& options) {

@@ -14,16 +14,25 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-/// The points that are the strip's.
-void Keep(const MatchStrip& wanted, const std::vector<std::uint16_t>& source,
-          const std::vector<double>& t_s, const std::vector<Vector3d>& x, RawPoints* kept) {
+constexpr const char* kNotLast = "not the last return of its pulse";
+
+/// The points that are the strip's, each the last return of its pulse: what lies under trees is the
+/// same ground from every side, crowns and edges of roofs are not.
+template <class Points>
+void Keep(const MatchStrip& wanted, const Points& points, const std::vector<Vector3d>& x,
+          RawPoints* kept, StripCounts* counts) {
   kept->t_s.clear();
   kept->x.clear();
-  for (std::size_t i = 0; i < t_s.size(); ++i) {
-    if (wanted.source && (source.empty() || source[i] != *wanted.source)) continue;
-    kept->t_s.push_back(t_s[i]);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (wanted.source && (points.source.empty() || points.source[i] != *wanted.source)) continue;
+    if (!points.returns_after.empty() && points.returns_after[i] > 0) {
+      ++counts->dropped[kNotLast];
+      continue;
+    }
+    kept->t_s.push_back(points.t_s[i]);
     kept->x.push_back(x[i]);
   }
+  counts->kept += kept->size();
 }
 
 /// Adds what was read of a file, but for the points kept.
@@ -74,8 +83,7 @@ StripCounts FlightMatchSource::Read(std::size_t strip,
   for (const std::filesystem::path& file : wanted.files) {
     Join(source_.Read(file,
                       [&](const LaserVectors& vectors) {
-                        Keep(wanted, vectors.source, vectors.t_s, vectors.u_s, &points);
-                        counts.kept += points.size();
+                        Keep(wanted, vectors, vectors.u_s, &points, &counts);
                         if (points.size() > 0) take(points);
                       }),
          &counts);
@@ -109,9 +117,8 @@ StripCounts BareMatchSource::Read(std::size_t strip,
     for (StripCloud points; reader->Next(&points);) {
       points.t_s.resize(points.size(), 0.0);  // files without time have none
       counts.points += points.size();
-      Keep(wanted, points.source, points.t_s, points.p_c, &chunk);
+      Keep(wanted, points, points.p_c, &chunk, &counts);
       for (Vector3d& x : chunk.x) x -= origin_c_m_;
-      counts.kept += chunk.size();
       if (chunk.size() > 0) take(chunk);
     }
   }

@@ -21,6 +21,7 @@ using Indices = std::vector<std::size_t>;
 
 constexpr double kLeastPlanarity = 0.2;       // of a neighbourhood: no edge of a wall, no wire
 constexpr unsigned kNeighboursOfGrowth = 20;  // that growing looks at
+constexpr double kRoughestRms_m = 0.08;       // of a plane, however far its points are apart
 constexpr double kTrimSigmas = 3.0;
 constexpr int kTrims = 3;
 constexpr std::size_t kUnknowns = 3;
@@ -126,7 +127,7 @@ PlanarRegionOptions PlanarRegionOptions::ForSpacing(double spacing_m) {
   options.normal_radius_m = std::max(options.normal_radius_m, 3.0 * spacing_m);
   options.min_extent_m = std::max(options.min_extent_m, 6.0 * spacing_m);
   options.max_extent_m = std::max(options.max_extent_m, 4.0 * options.min_extent_m);
-  options.max_rms_m = std::max(options.max_rms_m, spacing_m / 6.0);
+  options.max_rms_m = std::clamp(spacing_m / 6.0, options.max_rms_m, kRoughestRms_m);
   return options;
 }
 

@@ -88,7 +88,7 @@ class Registrar {
   void Add(const LocalPlane& own, const PatchSurface& other, const Vector3d& p_m, double sign,
            int part, std::vector<Distance>* found) const {
     if (!IsPlane(own)) return;
-    const PatchSurface::Nearest nearest = other.NearestTo(p_m);
+    const PointTree::Nearest nearest = other.NearestTo(p_m);
     if (nearest.distance_m > options_.reach_m) return;
     const LocalPlane& plane = other.plane(nearest.index);
     if (!IsPlane(plane) || std::abs(plane.normal.dot(own.normal)) < kLeastCosine) return;

@@ -257,6 +257,18 @@ Strips OnTrajectory(const StripPlanes& planes, const TrajectoryEnds& ends, doubl
   return strips;
 }
 
+MatchOptions AlignmentOf(const SharePlanesOptions& options) {
+  MatchOptions align;
+  align.gsd_m = options.strips.gsd_m;
+  align.search_rad = options.search_rad;
+  align.threads = options.strips.threads;
+  if (options.strips.progress) {
+    align.progress = [tell = options.strips.progress](const std::string& stage,
+                                                      const std::string&) { tell(stage); };
+  }
+  return align;
+}
+
 /// The boresight of the planes; nothing where they do not determine it.
 std::optional<Vector3d> Improve(const Flight& flight, const std::vector<SeenPlane>& planes,
                                 const Vector3d& theta_rad, int threads) {
@@ -290,8 +302,9 @@ SharedPlanes FindSharedPlanes(const Flight& flight, FlightMatchSource* source,
                               const SharePlanesOptions& options) {
   const TrajectoryEnds ends(flight);
   const Vector3d& lever_arm_b_m = source->mounting().lever_arm_b_m;
-  Vector3d theta_rad = source->mounting().boresight_rad;
   SharedPlanes out;
+  out.levels = AlignFlight(source, AlignmentOf(options));
+  Vector3d theta_rad = source->mounting().boresight_rad;
   for (int extraction = 0; extraction < kExtractions; ++extraction) {
     const StripPlanes planes = ExtractStripPlanes(*source, options.strips);
     double range_m = 0.0;

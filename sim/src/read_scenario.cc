@@ -1,3 +1,4 @@
+#include <dn/config/yaml_value.h>
 #include <dn/error.h>
 #include <dn/geo/read_file.h>
 #include <dn/names.h>
@@ -40,8 +41,9 @@ std::string ScenarioText(const std::string& name_or_path) {
                       NearestName(name_or_path, ScenarioNames()) + "'. Shipped: " + shipped);
 }
 
-Scenario ReadScenario(const std::string& name_or_path) {
-  return ParseScenario(ScenarioText(name_or_path), name_or_path);
+Scenario ReadScenario(const std::string& name_or_path, const std::vector<std::string>& changes) {
+  return ParseScenario(WithYamlChanges(ScenarioText(name_or_path), changes, "strips=true"),
+                       name_or_path);
 }
 
 }  // namespace dn

@@ -119,6 +119,23 @@ TEST(CliSimulate, PointCloudsLieOnTheGroundWithTheTrueBoresight) {
   }
 }
 
+TEST(CliSimulate, AKeyOfTheScenarioIsChangedForThisRun) {
+  const TempFolder folder;
+  const auto simulate = [&](const std::string& change) {
+    return RunProgram({"simulate", ShortScenario().string(), "--set", change, "--out",
+                       (folder.path() / "f").string()});
+  };
+  const ProgramRun run = simulate("pairs.count=123");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("2 strips, 123 pairs"));
+  const ProgramRun unknown = simulate("pairs.counts=123");
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("unknown key 'counts'"));
+  const ProgramRun none = simulate("123");
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("write key=value, as strips=true"));
+}
+
 TEST(CliSimulate, AScenarioWithAnUnknownKeyIsRefused) {
   const TempFolder folder;
   folder.Write("wrong.yaml", ContentOf(ShortScenario()) + "pears: {count: 4}\n");

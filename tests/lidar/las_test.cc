@@ -85,6 +85,17 @@ TEST_P(EveryLasFormat, IsReadAndWrittenAgainByteByByte) {
   EXPECT_EQ(WrittenAgain(file), las.Build());
 }
 
+TEST_P(EveryLasFormat, HoldsHowManyReturnsFollow) {
+  LasBytes las = ThreePoints();
+  las.minor = GetParam().minor;
+  las.format = GetParam().format;
+  las.points[0].returns = 5;  // the first of five, the second of three, the last of five
+  las.points[1].returns = 3;
+  las.points[2].returns = 5;
+  const TempFile file("strip.las", las.Build());
+  EXPECT_EQ(ReadAll(file.path()).returns_after, (std::vector<std::uint8_t>{4, 1, 0}));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Las, EveryLasFormat,
     ::testing::Values(VersionAndFormat{2, 0}, VersionAndFormat{2, 1}, VersionAndFormat{2, 2},

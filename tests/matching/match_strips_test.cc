@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "testing/expect_invalid.h"
+#include "testing/las_bytes.h"
 #include "testing/rough_town.h"
 #include "testing/temp_folder.h"
 
@@ -111,6 +112,23 @@ TEST_F(BareStrips, AStrayPointIsNamedAndNoRasterOfItsSizeMade) {
   MatchOptions options;
   options.gsd_m = 0.4;
   testing::ExpectInvalidIn([&] { MatchBareStrips(&source, options); }, "is a stray point", "");
+}
+
+TEST_F(BareStrips, OnlyTheLastReturnOfAPulseCounts) {
+  testing::LasBytes las;
+  las.points = {{0, 0, 20000, 1.0, 0, 1, 1, "", 2},
+                {10, 0, 0, 1.0, 0, 1, 2, "", 2},
+                {5000, 0, 0, 2.0, 0, 1, 1, "", 1}};
+  folder_.Write("1.las", las.Build());
+  const BareMatchSource source(FindMatchStrips({folder_.path() / "1.las"}));
+  std::vector<double> heights_m;
+  const StripCounts counts = source.Read(0, [&](const RawPoints& points) {
+    for (const Vector3d& p_m : points.x) heights_m.push_back(p_m.z() + source.origin_c_m().z());
+  });
+  EXPECT_EQ(heights_m, (std::vector<double>{0.0, 0.0}));
+  EXPECT_EQ(counts.points, 3u);
+  EXPECT_EQ(counts.kept, 2u);
+  EXPECT_EQ(counts.dropped.at("not the last return of its pulse"), 1u);
 }
 
 TEST_F(BareStrips, OneStripIsTooFew) {

@@ -76,6 +76,18 @@ TEST(GrowPlanarRegions, NothingOnRoughGround) {
   EXPECT_TRUE(GrowPlanarRegions(points_m, PlanarRegionOptions::ForSpacing(kSpacingM)).empty());
 }
 
+TEST(GrowPlanarRegions, RoughGroundIsNoPlaneHoweverFarItsPointsAreApart) {
+  const auto options = PlanarRegionOptions::ForSpacing(1.0);
+  EXPECT_EQ(options.max_rms_m, 0.08);
+  std::mt19937 rng(4);
+  std::normal_distribution<double> rough(0.0, 0.12);
+  std::vector<Vector3d> points_m;
+  for (double e = 0.0; e < 60.0; e += 1.0) {
+    for (double n = 0.0; n < 60.0; n += 1.0) points_m.emplace_back(e, n, rough(rng));
+  }
+  EXPECT_TRUE(GrowPlanarRegions(points_m, options).empty());
+}
+
 TEST(GrowPlanarRegions, NothingOnFewOrNoPoints) {
   EXPECT_TRUE(GrowPlanarRegions({}, {}).empty());
   EXPECT_TRUE(GrowPlanarRegions({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}).empty());

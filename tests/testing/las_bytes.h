@@ -15,6 +15,7 @@ struct LasPoint {
   std::uint16_t source = 0;
   int return_number = 1;
   std::string extra;  ///< bytes behind the standard part
+  int returns = 0;    ///< of the pulse; 0: not stated
 };
 
 /// A variable length record.
@@ -80,7 +81,7 @@ struct LasBytes {
     Put(point.y, 4, &record);
     Put(point.z, 8, &record);
     Put(point.intensity, 12, &record);
-    record[14] = static_cast<char>(point.return_number);
+    record[14] = static_cast<char>(point.return_number | point.returns << (format >= 6 ? 4 : 3));
     Put(point.source, format >= 6 ? 20 : 18, &record);
     if (format != 0 && format != 2) Put(point.time_s, format >= 6 ? 22 : 20, &record);
     std::string extra = point.extra;

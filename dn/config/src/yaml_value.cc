@@ -271,4 +271,17 @@ std::string WithYamlValue(const std::string& text, const std::string& path,
   }
 }
 
+std::string WithYamlChanges(std::string text, const std::vector<std::string>& changes,
+                            const std::string& example) {
+  for (const std::string& change : changes) {
+    const std::size_t equals = change.find('=');
+    if (equals == 0 || equals == std::string::npos) {
+      throw InvalidConfig("'" + WithoutControls(change) +
+                          "' is no change of a key; write key=value, as " + example);
+    }
+    text = WithYamlValue(text, change.substr(0, equals), change.substr(equals + 1));
+  }
+  return text;
+}
+
 }  // namespace dn

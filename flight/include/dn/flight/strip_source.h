@@ -19,9 +19,10 @@ namespace dn {
 
 /// Points of a strip as the scanner measured them, an element of each array per point.
 struct LaserVectors {
-  std::vector<double> t_s;            ///< epoch on the trajectory's scale
-  std::vector<Eigen::Vector3d> u_s;   ///< laser vector in the sensor frame, m
-  std::vector<std::uint16_t> source;  ///< LAS point source id; empty where the file has none
+  std::vector<double> t_s;                  ///< epoch on the trajectory's scale
+  std::vector<Eigen::Vector3d> u_s;         ///< laser vector in the sensor frame, m
+  std::vector<std::uint16_t> source;        ///< LAS point source id; empty where the file has none
+  std::vector<std::uint8_t> returns_after;  ///< as of StripCloud
 
   std::size_t size() const { return t_s.size(); }
 };

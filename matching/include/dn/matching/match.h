@@ -93,6 +93,10 @@ struct MatchResult {
 /// of them overlap.
 MatchResult MatchFlight(FlightMatchSource* source, const MatchOptions& options);
 
+/// The first of these stages alone: turns the boresight of `source` until the strips lie together to
+/// 18 GSD, and leaves it where no shift is clear. Throws as MatchFlight, but for overlap.
+std::vector<MatchLevel> AlignFlight(FlightMatchSource* source, const MatchOptions& options);
+
 /// The same of two or more strips without a trajectory: a shift of each strip takes the place of
 /// the boresight.
 MatchResult MatchBareStrips(BareMatchSource* source, const MatchOptions& options);

@@ -17,7 +17,8 @@ struct PlanarRegionOptions {
   std::size_t min_points = 30;
 
   /// For points spacing_m apart: neighbourhoods of three spacings and at least 0.75 m, planes of
-  /// at least six spacings and 3 m, rms up to 0.05 m or a sixth of the spacing.
+  /// at least six spacings and 3 m, rms up to 0.05 m or a sixth of the spacing, and to 0.08 m at
+  /// most: what is rougher is ground, not a roof.
   static PlanarRegionOptions ForSpacing(double spacing_m);
 
   /// Throws InvalidConfig naming the option, its value and its bound.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/calibration/plane_flight.h>
+#include <dn/matching/match.h>
 #include <dn/matching/strip_planes.h>
 
 #include <Eigen/Core>
@@ -12,7 +13,10 @@ namespace dn {
 /// How planes of strips are matched with each other.
 struct SharePlanesOptions {
   StripPlaneOptions strips;
-  /// How far the boresight may be off about each axis: the first search goes that far. Chosen.
+  /// How far the boresight may be off about each axis (AlignFlight).
+  double search_rad = 5.0 * 3.14159265358979323846 / 180.0;
+  /// How far it may be off after the strips were brought together: the first search of planes goes
+  /// that far. Chosen.
   double misalignment_rad = 0.5 * 3.14159265358979323846 / 180.0;
   double first_angle_rad = 0.175;  ///< most between two normals, in the first search (10 deg)
   double angle_rad = 0.07;         ///< in the later ones (4 deg)
@@ -27,7 +31,8 @@ struct SharedPlanes {
   std::vector<std::size_t> found;  ///< planes of each strip
   std::size_t matched = 0;         ///< before the bins were balanced
   double spacing_m = 0.0;
-  double share = 1.0;  ///< of the overlaps that was looked at
+  double share = 1.0;              ///< of the overlaps that was looked at
+  std::vector<MatchLevel> levels;  ///< that brought the strips together
   /// That of the last search.
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
 };
@@ -48,9 +53,9 @@ std::vector<std::vector<long>> MatchPlanes(const std::vector<std::vector<PlacedP
                                            const Eigen::Vector3d& theta_rad, double search_m,
                                            double angle_rad);
 
-/// Planes that the strips of a flight share. Planes are taken and matched by the given alignment,
-/// which the plane adjustment then improves, and once more by that. The noise of a plane is the
-/// rms of its parts about themselves.
+/// Planes that the strips of a flight share. The strips are brought together by their heights
+/// (AlignFlight); planes are taken and matched by that alignment, which the plane adjustment then
+/// improves, and once more by that. The noise of a plane is the rms of its parts about themselves.
 ///
 /// flight: with its trajectory. The alignment of `source` is changed to the last one. Deterministic
 /// for any number of threads. Throws as ExtractStripPlanes.

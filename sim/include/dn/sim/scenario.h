@@ -135,8 +135,10 @@ struct Scenario {
 std::vector<std::string> ScenarioNames();
 
 /// A shipped scenario by name, else a scenario file. Throws InvalidConfig when there is neither
-/// (naming the nearest shipped one), and as ParseScenario does.
-Scenario ReadScenario(const std::string& name_or_path);
+/// (naming the nearest shipped one), and as ParseScenario does. `changes` are "key.of.keys=value"
+/// with a YAML value each, made before it is read.
+Scenario ReadScenario(const std::string& name_or_path,
+                      const std::vector<std::string>& changes = {});
 
 /// The YAML text of a shipped scenario by name, else of a scenario file. Throws InvalidConfig as
 /// ReadScenario.

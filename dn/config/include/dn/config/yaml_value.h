@@ -108,4 +108,9 @@ YamlValue ParseYaml(const std::string& text, const std::string& file);
 std::string WithYamlValue(const std::string& text, const std::string& path,
                           const std::string& value);
 
+/// The same for changes "key.of.keys=value", one after the other. Throws InvalidConfig also for what
+/// is none; `example` is what its message shows.
+std::string WithYamlChanges(std::string text, const std::vector<std::string>& changes,
+                            const std::string& example);
+
 }  // namespace dn

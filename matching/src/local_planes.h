@@ -1,0 +1,17 @@
+#pragma once
+
+#include <dn/matching/point_cloud.h>
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "point_tree.h"
+
+namespace dn::internal {
+
+/// dn::FitLocalPlanes, with the tree of the points at hand and without its checks.
+std::vector<LocalPlane> FitLocalPlanes(const std::vector<Eigen::Vector3d>& points_m,
+                                       const PointTree& tree, const std::vector<std::size_t>& at,
+                                       double radius_m);
+
+}  // namespace dn::internal

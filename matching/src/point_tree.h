@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace dn::internal {
+
+/// Nearest points of a cloud. FLANN is asked directly: through PCL every question opens and closes a
+/// team of OpenMP, which takes longer than the answer. Coordinates are held in single precision,
+/// counted from the first point.
+class PointTree {
+ public:
+  /// At least one point.
+  explicit PointTree(const std::vector<Eigen::Vector3d>& points_m);
+  ~PointTree();
+  PointTree(PointTree&&) noexcept;
+
+  struct Nearest {
+    std::size_t index = 0;
+    double distance_m = 0.0;
+  };
+  Nearest NearestTo(const Eigen::Vector3d& p_m) const;
+
+  /// Fills `found` with the points closer than radius_m, in no order.
+  void FindWithin(const Eigen::Vector3d& p_m, double radius_m,
+                  std::vector<std::size_t>* found) const;
+
+ private:
+  struct Index;
+  std::unique_ptr<const Index> index_;
+};
+
+}  // namespace dn::internal
