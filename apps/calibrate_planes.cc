@@ -20,7 +20,7 @@ std::string WhyNoPlanes(const FlightConfig& config) {
 PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
                            const std::string& trajectory, Run* run) {
   const auto start = std::chrono::steady_clock::now();
-  const MatchedFlight opened = OpenStripsOfFlight(config, trajectory, *run);
+  const MatchedFlight opened = OpenStripsOfFlight(config, trajectory, kLastReturns, *run);
   SharePlanesOptions options;
   options.strips.gsd_m = flight.config.lidar->gsd_m;
   options.strips.threads = run->options().threads;

@@ -35,7 +35,8 @@ bool HasStripsAlone(const FlightConfig& config) {
 void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,
                      const std::function<void(const FlightConfig&)>& calibrate) {
   run.progress.Warn("no file that lidar.p2p names is there: the strips are matched for pairs");
-  const MatchedFlight matched = MatchStripsOfFlight(config, trajectory, MatchOptionsOf(run), run);
+  const MatchedFlight matched =
+      MatchStripsOfFlight(config, trajectory, MatchOptionsOf(run), kLastReturns, run);
   AddMatches(matched, run);
   if (matched.smoothed) AddSmoothedTrajectory(*matched.smoothed, "smoothed/", run);
   if (matched.result.pairs() == 0) FailNoPairs();

@@ -24,7 +24,10 @@ struct MatchCommand {
   double search_deg = 5.0;
   double search_m = 10.0;
   std::size_t most_pairs = 3000;
+  double patch_gsd = 24.0;
   std::uint64_t seed = 0;
+  bool all_returns = false;
+  std::vector<int> classes;
 };
 
 MatchOptions OptionsOf(const MatchCommand& command, Run& run) {
@@ -33,8 +36,16 @@ MatchOptions OptionsOf(const MatchCommand& command, Run& run) {
   options.search_rad = command.search_deg * kRadPerDeg;
   options.search_m = command.search_m;
   options.most_pairs = command.most_pairs;
+  options.patch_gsd = command.patch_gsd;
   options.seed = command.seed;
   return options;
+}
+
+PointFilter FilterOf(const MatchCommand& command) {
+  PointFilter filter = kLastReturns;
+  filter.last_returns = !command.all_returns;
+  for (const int each : command.classes) filter.classes.insert(static_cast<std::uint8_t>(each));
+  return filter;
 }
 
 bool IsFlight(const std::vector<std::string>& what) {
@@ -44,8 +55,8 @@ bool IsFlight(const std::vector<std::string>& what) {
 
 void MatchFlightCommand(const MatchCommand& command, Run& run) {
   FlightConfig config = ReadFlightConfig(command.what[0], command.common.changes);
-  MatchedFlight matched =
-      MatchStripsOfFlight(std::move(config), command.trajectory, OptionsOf(command, run), run);
+  MatchedFlight matched = MatchStripsOfFlight(std::move(config), command.trajectory,
+                                              OptionsOf(command, run), FilterOf(command), run);
   AddMatches(matched, run);
   if (matched.smoothed) {
     AddTrajectoryFiles(*matched.smoothed, &run);
@@ -74,7 +85,7 @@ std::string FormatPositions(const MatchResult& result, const BareMatchSource& so
 
 void MatchBareCommand(const MatchCommand& command, Run& run) {
   std::vector<fs::path> files(command.what.begin(), command.what.end());
-  BareMatchSource source(FindMatchStrips(files));
+  BareMatchSource source(FindMatchStrips(files), FilterOf(command));
   const MatchResult result = MatchBareStrips(&source, OptionsOf(command, run));
   run.AddFile("pairs_xyz.txt", FormatPositions(result, source));
   AddMatchFiles(files.front().stem().string(), result, source, run);
@@ -127,6 +138,16 @@ void AddMatch(CLI::App* program, Action* action) {
   app->add_option("--max-pairs", command->most_pairs, "Most pairs of two strips")
       ->check(WholeNumber(1))
       ->capture_default_str();
+  app->add_option("--patch-gsd", command->patch_gsd,
+                  "Half the side of the smallest patches, in ground sampling distances")
+      ->check(CLI::Range(6.0, 200.0))
+      ->capture_default_str();
+  app->add_option("--classes", command->classes,
+                  "Only points of these LAS classes, as 2 for the ground under trees")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 255));
+  app->add_flag("--all-returns", command->all_returns,
+                "Every return of a pulse, not only the last");
   app->add_option("--seed", command->seed, "Of the search for a consensus")->capture_default_str();
   AddCommonOptions(app, &command->common, true);
   app->footer(

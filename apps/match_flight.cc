@@ -96,7 +96,8 @@ std::string PairFile(const MatchSource& source, const StripPairMatch& match) {
 
 }  // namespace
 
-MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory, Run& run) {
+MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory,
+                                 const PointFilter& filter, Run& run) {
   ExpectMatchable(config);
   run.ReadsStrips();
   const std::vector<fs::path> files = NeedStripFiles(config.folder);
@@ -107,6 +108,7 @@ MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& traject
   path.options.made_with = config.lidar->mounting;
   path.options.time_span_s = config.time_span_s;
   path.options.time_offset_s = config.lidar->time_offset_s;
+  path.options.filter = filter;
   matched.source = std::make_unique<FlightMatchSource>(std::move(path.options), path.frame,
                                                        config.strips_crs, FindMatchStrips(files));
   matched.config = std::move(config);
@@ -114,8 +116,8 @@ MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& traject
 }
 
 MatchedFlight MatchStripsOfFlight(FlightConfig given, const std::string& trajectory,
-                                  MatchOptions options, Run& run) {
-  MatchedFlight matched = OpenStripsOfFlight(std::move(given), trajectory, run);
+                                  MatchOptions options, const PointFilter& filter, Run& run) {
+  MatchedFlight matched = OpenStripsOfFlight(std::move(given), trajectory, filter, run);
   const FlightConfig& config = matched.config;
   if (!options.gsd_m) options.gsd_m = config.lidar->gsd_m;
   const TrajectoryConfig stated = config.trajectory.value_or(TrajectoryConfig());

@@ -20,14 +20,18 @@ struct MatchedFlight {
   std::unique_ptr<FlightRun> smoothed;  ///< where the flight has no trajectory
 };
 
+/// What of the strips is used where nothing else is asked for: the last returns.
+inline const PointFilter kLastReturns{.last_returns = true, .classes = {}};
+
 /// The strips of a flight on its trajectory, else on `trajectory`, else on the smoothed one of its
 /// inertial and GNSS data; not matched yet.
-MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory, Run& run);
+MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory,
+                                 const PointFilter& filter, Run& run);
 
 /// Matches the strips of a flight on its trajectory, else on `trajectory`, else on the smoothed one
 /// of its inertial and GNSS data.
 MatchedFlight MatchStripsOfFlight(FlightConfig config, const std::string& trajectory,
-                                  MatchOptions options, Run& run);
+                                  MatchOptions options, const PointFilter& filter, Run& run);
 
 /// Options of a run: its threads, its progress.
 MatchOptions MatchOptionsOf(Run& run);

@@ -22,6 +22,7 @@ struct StripSource::Setup {
       : crs(strips_crs, frame),
         mounting(options.made_with),
         time_offset_s(options.time_offset_s),
+        filter(options.filter),
         paths(options.trajectory, options.made_by, options.time_span_s, frame) {}
 
   Vector3d VectorOf(const StripCloud& points, std::size_t i, double t_s, bool own_vectors) const {
@@ -32,6 +33,7 @@ struct StripSource::Setup {
   PointCrs crs;
   Mounting mounting;
   double time_offset_s;
+  PointFilter filter;
   internal::StripPaths paths;
 };
 
@@ -58,7 +60,6 @@ StripCounts StripSource::Read(const fs::path& file,
     vectors.t_s.clear();
     vectors.u_s.clear();
     vectors.source.clear();
-    vectors.returns_after.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
       ++counts.points;
       const double t_s = points.t_s[i] - setup_->time_offset_s;
@@ -69,8 +70,11 @@ StripCounts StripSource::Read(const fs::path& file,
         ++counts.dropped[internal::ReasonOf(fate)];
         continue;
       }
+      if (const char* reason = WhyDropped(setup_->filter, points, i)) {
+        ++counts.dropped[reason];
+        continue;
+      }
       if (!points.source.empty()) vectors.source.push_back(points.source[i]);
-      if (!points.returns_after.empty()) vectors.returns_after.push_back(points.returns_after[i]);
       vectors.t_s.push_back(internal::AlignWeek(t_s, setup_->paths.wanted().covered));
       try {
         vectors.u_s.push_back(setup_->VectorOf(points, i, t_s, counts.own_vectors));

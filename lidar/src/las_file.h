@@ -22,7 +22,7 @@ inline constexpr std::size_t kEncodingAt = 6, kVersionAt = 24, kSoftwareAt = 58,
                              kLegacyReturnsAt = 111, kScaleAt = 131, kOffsetAt = 155,
                              kBoundsAt = 179, kWaveformAt = 227, kEvlrAt = 235, kEvlrCountAt = 243,
                              kCountAt = 247, kReturnsAt = 255;
-inline constexpr std::size_t kIntensityAt = 12, kReturnAt = 14;
+inline constexpr std::size_t kIntensityAt = 12, kReturnAt = 14, kLegacyClassAt = 15, kClassAt = 16;
 inline constexpr std::size_t kVlrHeaderBytes = 54, kEvlrHeaderBytes = 60, kDescriptorBytes = 192;
 inline constexpr std::size_t kLegacyReturns = 5, kReturns = 15;
 inline constexpr std::uint16_t kExtraBytesId = 4;
@@ -76,6 +76,9 @@ struct LasFile {
 
 /// Returns of the same pulse after that of a record.
 std::uint8_t ReturnsAfter(const LasFile& las, const char* record);
+
+/// Class of a record, without its flags.
+std::uint8_t ClassOf(const LasFile& las, const char* record);
 
 /// Reads everything but the points.
 LasFile ReadLasFile(const std::filesystem::path& file);

@@ -37,6 +37,7 @@ void StripCloud::Drop(const std::vector<bool>& drop) {
   DropFrom(drop, &source);
   DropFrom(drop, &intensity);
   DropFrom(drop, &returns_after);
+  DropFrom(drop, &classification);
   DropFrom(drop, &covariance_c_m2);
   DropRecords(drop, record_bytes, &records);
 }

@@ -53,8 +53,7 @@ constexpr double kCoarsePlaces = 300.0;  // of a strip pair
 constexpr double kToleranceCells = 2.5;
 constexpr double kShrink = 5.0;
 constexpr int kMostLevels = 12;
-constexpr double kMostCells = 4e8;         // of a raster: 3 GB
-const std::vector<int> kHalfCells{8, 16};  // of patches
+constexpr double kMostCells = 4e8;  // of a raster: 3 GB
 constexpr double kMostPointsOfPatch = 3000.0;
 constexpr std::size_t kPatchesAtOnce = 800;
 // Slopes that determine a horizontal shift to twice the noise of the points.
@@ -315,7 +314,7 @@ class Matcher {
     }
     const std::vector<Patch> patches = internal::ChoosePatches(
         raster_a, raster_b,
-        {kHalfCells, a.point_density_m2 * grid.cell_m * grid.cell_m, kMostPointsOfPatch,
+        {HalfCells(), a.point_density_m2 * grid.cell_m * grid.cell_m, kMostPointsOfPatch,
          kLeastInformation, options_.most_pairs, static_cast<int>(kTile_gsd / kRasterCell_gsd)});
     match->candidates = patches.size();
     std::vector<Work> work(patches.size());
@@ -363,6 +362,13 @@ class Matcher {
       starts.emplace_back(k, internal::MedianByAxis(shifts_m));
     }
     for (const auto& [k, start_m] : starts) (*work)[k].raster_shift_m = start_m;
+  }
+
+  /// Of the patches: the smallest that is wanted, and twice that.
+  std::vector<int> HalfCells() const {
+    const int smallest =
+        std::max(1, static_cast<int>(std::lround(options_.patch_gsd / kRasterCell_gsd)));
+    return {smallest, 2 * smallest};
   }
 
   double RadiusOf(const Patch& patch) const { return patch.half_cells * BaseCell(); }

@@ -14,25 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr const char* kNotLast = "not the last return of its pulse";
-
-/// The points that are the strip's, each the last return of its pulse: what lies under trees is the
-/// same ground from every side, crowns and edges of roofs are not.
-template <class Points>
-void Keep(const MatchStrip& wanted, const Points& points, const std::vector<Vector3d>& x,
-          RawPoints* kept, StripCounts* counts) {
-  kept->t_s.clear();
-  kept->x.clear();
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (wanted.source && (points.source.empty() || points.source[i] != *wanted.source)) continue;
-    if (!points.returns_after.empty() && points.returns_after[i] > 0) {
-      ++counts->dropped[kNotLast];
-      continue;
-    }
-    kept->t_s.push_back(points.t_s[i]);
-    kept->x.push_back(x[i]);
-  }
-  counts->kept += kept->size();
+/// Whether a point is the strip's.
+bool IsOf(const MatchStrip& wanted, const std::vector<std::uint16_t>& source, std::size_t i) {
+  return !wanted.source || (!source.empty() && source[i] == *wanted.source);
 }
 
 /// Adds what was read of a file, but for the points kept.
@@ -79,12 +63,18 @@ StripCounts FlightMatchSource::Read(std::size_t strip,
                                     const std::function<void(const RawPoints&)>& take) const {
   const MatchStrip& wanted = strips_.at(strip);
   StripCounts counts;
-  RawPoints points;
+  RawPoints kept;
   for (const std::filesystem::path& file : wanted.files) {
     Join(source_.Read(file,
                       [&](const LaserVectors& vectors) {
-                        Keep(wanted, vectors, vectors.u_s, &points, &counts);
-                        if (points.size() > 0) take(points);
+                        kept.Clear();
+                        for (std::size_t i = 0; i < vectors.size(); ++i) {
+                          if (IsOf(wanted, vectors.source, i)) {
+                            kept.Add(vectors.t_s[i], vectors.u_s[i]);
+                          }
+                        }
+                        counts.kept += kept.size();
+                        if (kept.size() > 0) take(kept);
                       }),
          &counts);
   }
@@ -99,8 +89,10 @@ Vector3d FlightMatchSource::RawAt(std::size_t, double t_s, const Vector3d& p_m) 
   return LaserVectorTo(source_.PoseAt(t_s), mounting_, p_m);
 }
 
-BareMatchSource::BareMatchSource(std::vector<MatchStrip> strips)
-    : strips_(std::move(strips)), shifts_m_(strips_.size(), Vector3d::Zero()) {
+BareMatchSource::BareMatchSource(std::vector<MatchStrip> strips, PointFilter filter)
+    : strips_(std::move(strips)),
+      filter_(std::move(filter)),
+      shifts_m_(strips_.size(), Vector3d::Zero()) {
   StripCloud points;
   if (!strips_.empty() && OpenStrip(strips_.front().files.front())->Next(&points)) {
     origin_c_m_ = points.p_c.front().array().round();
@@ -111,15 +103,22 @@ StripCounts BareMatchSource::Read(std::size_t strip,
                                   const std::function<void(const RawPoints&)>& take) const {
   const MatchStrip& wanted = strips_.at(strip);
   StripCounts counts;
-  RawPoints chunk;
+  RawPoints kept;
   for (const std::filesystem::path& file : wanted.files) {
     const auto reader = OpenStrip(file);
     for (StripCloud points; reader->Next(&points);) {
-      points.t_s.resize(points.size(), 0.0);  // files without time have none
+      kept.Clear();
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!IsOf(wanted, points.source, i)) continue;
+        if (const char* reason = WhyDropped(filter_, points, i)) {
+          ++counts.dropped[reason];
+        } else {
+          kept.Add(points.t_s.empty() ? 0.0 : points.t_s[i], points.p_c[i] - origin_c_m_);
+        }
+      }
       counts.points += points.size();
-      Keep(wanted, points, points.p_c, &chunk, &counts);
-      for (Vector3d& x : chunk.x) x -= origin_c_m_;
-      if (chunk.size() > 0) take(chunk);
+      counts.kept += kept.size();
+      if (kept.size() > 0) take(kept);
     }
   }
   if (counts.kept == 0) throw InvalidInput("the strip has no points", {wanted.files[0].string()});

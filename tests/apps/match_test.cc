@@ -84,6 +84,22 @@ TEST_F(Matching, AllMethodsRunFromStripsAlone) {
   EXPECT_EQ(CountOf("dn calibrate: GNSS screening", run.err), 2) << run.err;
 }
 
+TEST_F(Matching, PlanesAreFoundFromFarOff) {
+  ASSERT_EQ(RunProgram({"simulate", In("town.yaml"), "--seed", "3", "--set",
+                        "lidar.boresight_deg=[4.1, -3.7, 4.4]", "--set",
+                        "terrain={kind: built_up, roughness_m: 0.01, relief_m: 40, "
+                        "wavelength_m: 250, buildings_per_km2: 800, seed: 3}",
+                        "--out", In("far")})
+                .exit_code,
+            0);
+  const ProgramRun run = RunProgram({"calibrate", In("far"), "--method", "planes", "--trajectory",
+                                     In("far/reference.out"), "--out", In("far_planes")});
+  ASSERT_TRUE(fs::exists(In("far_planes/result.json"))) << run.err;
+  const Json angles = Read("far_planes/result.json")["boresight"]["angles_deg"];
+  const double truth_deg[] = {4.1, -3.7, 4.4};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(angles[i].get<double>(), truth_deg[i], 0.1);
+}
+
 TEST_F(Matching, BareStripsGivePositions) {
   const ProgramRun run = RunProgram({"match", In("flight/strips/1.las"), In("flight/strips/2.las"),
                                      "--gsd", "0.7", "--search-m", "8", "--out", In("bare")});

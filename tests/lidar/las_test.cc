@@ -96,6 +96,17 @@ TEST_P(EveryLasFormat, HoldsHowManyReturnsFollow) {
   EXPECT_EQ(ReadAll(file.path()).returns_after, (std::vector<std::uint8_t>{4, 1, 0}));
 }
 
+TEST_P(EveryLasFormat, HoldsTheClassesWithoutTheirFlags) {
+  LasBytes las = ThreePoints();
+  las.minor = GetParam().minor;
+  las.format = GetParam().format;
+  las.points[0].classification = 2;
+  las.points[1].classification = las.format >= 6 ? 64 : 6 | 0x80;  // withheld, in the old formats
+  const TempFile file("strip.las", las.Build());
+  EXPECT_EQ(ReadAll(file.path()).classification,
+            (std::vector<std::uint8_t>{2, static_cast<std::uint8_t>(las.format >= 6 ? 64 : 6), 0}));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Las, EveryLasFormat,
     ::testing::Values(VersionAndFormat{2, 0}, VersionAndFormat{2, 1}, VersionAndFormat{2, 2},

@@ -9,6 +9,7 @@
 #include "fill_voids.h"
 #include "height_raster.h"
 #include "patches.h"
+#include "point_tree.h"
 #include "register_patches.h"
 #include "testing/rough_town.h"
 
@@ -163,7 +164,8 @@ TEST(ChoosePatches, AreSharedOutWhereThereAreTooMany) {
   EXPECT_THAT(south, ::testing::AllOf(::testing::Ge(3), ::testing::Le(7)));
 }
 
-TEST(AgreeWithNeighbours, LeavesOutTheWrongOneAndScalesTheRest) {
+/// Shifts on a grid, twice as bad as they say.
+std::vector<PlacedShift> ScatteredShifts() {
   std::mt19937_64 engine(5);
   std::normal_distribution<double> normal;
   std::vector<PlacedShift> shifts;
@@ -171,17 +173,60 @@ TEST(AgreeWithNeighbours, LeavesOutTheWrongOneAndScalesTheRest) {
     PlacedShift shift;
     const int row = i / 20;
     shift.at_en_m = Vector2d(10.0 * (i % 20), 10.0 * row);
-    // Twice as bad as it says.
     shift.shift_m = kShift_m;
     for (int axis = 0; axis < 3; ++axis) shift.shift_m[axis] += 0.1 * normal(engine);
     shift.covariance_m2 = 0.05 * 0.05 * Eigen::Matrix3d::Identity();
     shifts.push_back(shift);
   }
+  return shifts;
+}
+
+TEST(AgreeWithNeighbours, LeavesOutTheWrongOneAndScalesTheRest) {
+  std::vector<PlacedShift> shifts = ScatteredShifts();
   shifts[77].shift_m.y() += 2.0;
   const Agreement agreement = AgreeWithNeighbours(shifts);
   EXPECT_FALSE(agreement.agrees[77]);
   EXPECT_GE(std::count(agreement.agrees.begin(), agreement.agrees.end(), true), 190);
   EXPECT_NEAR(agreement.variance_factor, 4.0, 1.0);
+}
+
+TEST(AgreeWithNeighbours, WhatAnErrorOfAttitudeDoesIsNoDisagreement) {
+  std::vector<PlacedShift> shifts = ScatteredShifts();
+  for (PlacedShift& shift : shifts) {  // half a metre between neighbours
+    shift.shift_m.x() += 0.05 * shift.at_en_m.y();
+    shift.shift_m.z() -= 0.05 * shift.at_en_m.x();
+  }
+  const Agreement agreement = AgreeWithNeighbours(shifts);
+  EXPECT_GE(std::count(agreement.agrees.begin(), agreement.agrees.end(), true), 190);
+  EXPECT_NEAR(agreement.variance_factor, 4.0, 1.0);
+}
+
+TEST(PointTree, FindsWhatALookAtEveryPointFinds) {
+  std::mt19937_64 engine(7);
+  std::uniform_real_distribution<double> uniform(0.0, 10.0);
+  const auto random = [&] {
+    return Vector3d(5e5 + uniform(engine), 5e6 + uniform(engine), uniform(engine));
+  };
+  std::vector<Vector3d> points_m(500);
+  for (Vector3d& p_m : points_m) p_m = random();
+  const PointTree tree(points_m);
+  constexpr double kRadius_m = 2.0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Vector3d at_m = random();
+    std::vector<std::size_t> within;
+    double nearest_m = 1e9;
+    for (std::size_t k = 0; k < points_m.size(); ++k) {
+      const double distance_m = (points_m[k] - at_m).norm();
+      nearest_m = std::min(nearest_m, distance_m);
+      if (distance_m < kRadius_m) within.push_back(k);
+    }
+    const PointTree::Nearest nearest = tree.NearestTo(at_m);
+    EXPECT_NEAR(nearest.distance_m, nearest_m, 1e-5);
+    EXPECT_NEAR((points_m[nearest.index] - at_m).norm(), nearest_m, 1e-5);
+    std::vector<std::size_t> found;
+    tree.FindWithin(at_m, kRadius_m, &found);
+    EXPECT_THAT(found, ::testing::UnorderedElementsAreArray(within));
+  }
 }
 
 }  // namespace

@@ -114,21 +114,33 @@ TEST_F(BareStrips, AStrayPointIsNamedAndNoRasterOfItsSizeMade) {
   testing::ExpectInvalidIn([&] { MatchBareStrips(&source, options); }, "is a stray point", "");
 }
 
-TEST_F(BareStrips, OnlyTheLastReturnOfAPulseCounts) {
-  testing::LasBytes las;
-  las.points = {{0, 0, 20000, 1.0, 0, 1, 1, "", 2},
-                {10, 0, 0, 1.0, 0, 1, 2, "", 2},
-                {5000, 0, 0, 2.0, 0, 1, 1, "", 1}};
-  folder_.Write("1.las", las.Build());
-  const BareMatchSource source(FindMatchStrips({folder_.path() / "1.las"}));
+/// Heights of the points of a strip that are used, and what was dropped.
+std::pair<std::vector<double>, StripCounts> HeightsOf(const std::filesystem::path& file,
+                                                      const PointFilter& filter) {
+  const BareMatchSource source(FindMatchStrips({file}), filter);
   std::vector<double> heights_m;
   const StripCounts counts = source.Read(0, [&](const RawPoints& points) {
     for (const Vector3d& p_m : points.x) heights_m.push_back(p_m.z() + source.origin_c_m().z());
   });
-  EXPECT_EQ(heights_m, (std::vector<double>{0.0, 0.0}));
+  return {heights_m, counts};
+}
+
+TEST_F(BareStrips, ReturnsAndClassesAreChosen) {
+  testing::LasBytes las;
+  las.points = {{0, 0, 20000, 1.0, 0, 1, 1, "", 2, 5},
+                {10, 0, 1000, 1.0, 0, 1, 2, "", 2, 2},
+                {5000, 0, 3000, 2.0, 0, 1, 1, "", 1, 6}};
+  folder_.Write("1.las", las.Build());
+  const auto file = folder_.path() / "1.las";
+  EXPECT_EQ(HeightsOf(file, {}).first, (std::vector<double>{20.0, 1.0, 3.0}));
+  const auto [last, counts] = HeightsOf(file, {.last_returns = true, .classes = {}});
+  EXPECT_EQ(last, (std::vector<double>{1.0, 3.0}));
   EXPECT_EQ(counts.points, 3u);
   EXPECT_EQ(counts.kept, 2u);
   EXPECT_EQ(counts.dropped.at("not the last return of its pulse"), 1u);
+  const auto [ground, by_class] = HeightsOf(file, {.last_returns = true, .classes = {2}});
+  EXPECT_EQ(ground, (std::vector<double>{1.0}));
+  EXPECT_EQ(by_class.dropped.at("of another class"), 1u);
 }
 
 TEST_F(BareStrips, OneStripIsTooFew) {

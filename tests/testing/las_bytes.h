@@ -16,6 +16,7 @@ struct LasPoint {
   int return_number = 1;
   std::string extra;  ///< bytes behind the standard part
   int returns = 0;    ///< of the pulse; 0: not stated
+  int classification = 0;
 };
 
 /// A variable length record.
@@ -82,6 +83,7 @@ struct LasBytes {
     Put(point.z, 8, &record);
     Put(point.intensity, 12, &record);
     record[14] = static_cast<char>(point.return_number | point.returns << (format >= 6 ? 4 : 3));
+    record[format >= 6 ? 16 : 15] = static_cast<char>(point.classification);
     Put(point.source, format >= 6 ? 20 : 18, &record);
     if (format != 0 && format != 2) Put(point.time_s, format >= 6 ? 22 : 20, &record);
     std::string extra = point.extra;

@@ -4,6 +4,7 @@
 #include <dn/geo/point_crs.h>
 #include <dn/geo/trajectory.h>
 #include <dn/lidar/mounting.h>
+#include <dn/lidar/point_filter.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -19,10 +20,9 @@ namespace dn {
 
 /// Points of a strip as the scanner measured them, an element of each array per point.
 struct LaserVectors {
-  std::vector<double> t_s;                  ///< epoch on the trajectory's scale
-  std::vector<Eigen::Vector3d> u_s;         ///< laser vector in the sensor frame, m
-  std::vector<std::uint16_t> source;        ///< LAS point source id; empty where the file has none
-  std::vector<std::uint8_t> returns_after;  ///< as of StripCloud
+  std::vector<double> t_s;            ///< epoch on the trajectory's scale
+  std::vector<Eigen::Vector3d> u_s;   ///< laser vector in the sensor frame, m
+  std::vector<std::uint16_t> source;  ///< LAS point source id; empty where the file has none
 
   std::size_t size() const { return t_s.size(); }
 };
@@ -35,6 +35,7 @@ struct StripSourceOptions {
   Mounting made_with;  ///< boresight included
   std::optional<Eigen::Vector2d> time_span_s;
   double time_offset_s = 0.0;  ///< of the points' tags, tag = t + value
+  PointFilter filter = {};
 };
 
 /// What was read of a strip.

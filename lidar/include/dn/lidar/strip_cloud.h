@@ -16,7 +16,8 @@ struct StripCloud {
   std::vector<Eigen::Vector3d> u_s;   ///< laser vector in the sensor frame, m
   std::vector<std::uint16_t> source;  ///< LAS point source id: the flight line, where it is used so
   std::vector<std::uint16_t> intensity;
-  std::vector<std::uint8_t> returns_after;  ///< of the same pulse; 0: it is the last
+  std::vector<std::uint8_t> returns_after;   ///< of the same pulse; 0: it is the last
+  std::vector<std::uint8_t> classification;  ///< LAS class, as 2 for ground
   /// Of p_c, m^2.
   std::vector<Eigen::Matrix3d> covariance_c_m2;
   /// The LAS records as they stood in the file, `record_bytes` per point: what LAS holds of a point

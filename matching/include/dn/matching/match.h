@@ -21,8 +21,11 @@ struct MatchOptions {
   /// How far the strips may be apart before. Of a flight: the boresight may be off by this angle
   /// about each axis.
   double search_rad = 5.0 * 3.14159265358979323846 / 180.0;
-  double search_m = 10.0;                                           ///< of bare strips
-  std::size_t most_pairs = 3000;                                    ///< of a strip pair
+  double search_m = 10.0;         ///< of bare strips
+  std::size_t most_pairs = 3000;  ///< of a strip pair
+  /// Half the side of the patches that are compared, in ground sampling distances. Where they leave
+  /// room, patches of twice that. Smaller ones give more pairs, of more noise.
+  double patch_gsd = 24.0;
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d(0.03, 0.03, 0.05);  ///< of the trajectory
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d(5e-5, 5e-5, 9e-5);
   std::uint64_t seed = 0;

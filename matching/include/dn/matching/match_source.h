@@ -20,6 +20,14 @@ struct RawPoints {
   std::vector<Eigen::Vector3d> x;  ///< m; of a flight the laser vector, of bare strips the position
 
   std::size_t size() const { return t_s.size(); }
+  void Clear() {
+    t_s.clear();
+    x.clear();
+  }
+  void Add(double t, const Eigen::Vector3d& point) {
+    t_s.push_back(t);
+    x.push_back(point);
+  }
 };
 
 /// A strip to be matched: the points of its files, all or those with one LAS point source id.
@@ -88,7 +96,7 @@ class FlightMatchSource : public MatchSource {
 class BareMatchSource : public MatchSource {
  public:
   /// Throws InvalidInput as OpenStrip.
-  explicit BareMatchSource(std::vector<MatchStrip> strips);
+  explicit BareMatchSource(std::vector<MatchStrip> strips, PointFilter filter = {});
 
   const std::vector<MatchStrip>& strips() const override { return strips_; }
   StripCounts Read(std::size_t strip,
@@ -103,6 +111,7 @@ class BareMatchSource : public MatchSource {
 
  private:
   std::vector<MatchStrip> strips_;
+  PointFilter filter_;
   Eigen::Vector3d origin_c_m_ = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> shifts_m_;
 };
