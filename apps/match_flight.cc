@@ -109,8 +109,8 @@ MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& traject
   path.options.time_span_s = config.time_span_s;
   path.options.time_offset_s = config.lidar->time_offset_s;
   path.options.filter = filter;
-  matched.source = std::make_unique<FlightMatchSource>(std::move(path.options), path.frame,
-                                                       config.strips_crs, FindMatchStrips(files));
+  matched.source = std::make_unique<FlightMatchSource>(path.options, path.frame, config.strips_crs,
+                                                       FindMatchStrips(files));
   matched.config = std::move(config);
   return matched;
 }

@@ -37,7 +37,7 @@ struct StripSource::Setup {
   internal::StripPaths paths;
 };
 
-StripSource::StripSource(StripSourceOptions options, const LocalFrame& frame,
+StripSource::StripSource(const StripSourceOptions& options, const LocalFrame& frame,
                          const std::string& strips_crs)
     : setup_(std::make_unique<const Setup>(options, frame, strips_crs)) {}
 

@@ -52,11 +52,11 @@ std::vector<MatchStrip> FindMatchStrips(const std::vector<fs::path>& files) {
   return strips;
 }
 
-FlightMatchSource::FlightMatchSource(StripSourceOptions options, const LocalFrame& frame,
+FlightMatchSource::FlightMatchSource(const StripSourceOptions& options, const LocalFrame& frame,
                                      const std::string& strips_crs, std::vector<MatchStrip> strips)
     : mounting_(options.made_with),
       frame_(frame),
-      source_(std::move(options), frame, strips_crs),
+      source_(options, frame, strips_crs),
       strips_(std::move(strips)) {}
 
 StripCounts FlightMatchSource::Read(std::size_t strip,

@@ -85,13 +85,14 @@ TEST_F(Matching, AllMethodsRunFromStripsAlone) {
 }
 
 TEST_F(Matching, PlanesAreFoundFromFarOff) {
-  ASSERT_EQ(RunProgram({"simulate", In("town.yaml"), "--seed", "3", "--set",
-                        "lidar.boresight_deg=[4.1, -3.7, 4.4]", "--set",
-                        "terrain={kind: built_up, roughness_m: 0.01, relief_m: 40, "
-                        "wavelength_m: 250, buildings_per_km2: 800, seed: 3}",
-                        "--out", In("far")})
-                .exit_code,
-            0);
+  const std::string terrain =
+      "terrain={kind: built_up, roughness_m: 0.01, relief_m: 40, wavelength_m: 250, "
+      "buildings_per_km2: 800, seed: 3}";
+  ASSERT_EQ(
+      RunProgram({"simulate", In("town.yaml"), "--seed", "3", "--set",
+                  "lidar.boresight_deg=[4.1, -3.7, 4.4]", "--set", terrain, "--out", In("far")})
+          .exit_code,
+      0);
   const ProgramRun run = RunProgram({"calibrate", In("far"), "--method", "planes", "--trajectory",
                                      In("far/reference.out"), "--out", In("far_planes")});
   ASSERT_TRUE(fs::exists(In("far_planes/result.json"))) << run.err;

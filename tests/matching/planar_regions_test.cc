@@ -77,15 +77,17 @@ TEST(GrowPlanarRegions, NothingOnRoughGround) {
 }
 
 TEST(GrowPlanarRegions, RoughGroundIsNoPlaneHoweverFarItsPointsAreApart) {
-  const auto options = PlanarRegionOptions::ForSpacing(1.0);
-  EXPECT_EQ(options.max_rms_m, 0.08);
   std::mt19937 rng(4);
-  std::normal_distribution<double> rough(0.0, 0.12);
+  std::normal_distribution<double> rough(0.0, 0.16);
   std::vector<Vector3d> points_m;
   for (double e = 0.0; e < 60.0; e += 1.0) {
     for (double n = 0.0; n < 60.0; n += 1.0) points_m.emplace_back(e, n, rough(rng));
   }
+  PlanarRegionOptions options = PlanarRegionOptions::ForSpacing(1.0);
+  EXPECT_EQ(options.max_rms_m, 0.08);
   EXPECT_TRUE(GrowPlanarRegions(points_m, options).empty());
+  options.max_rms_m = 1.0 / 6.0;
+  EXPECT_FALSE(GrowPlanarRegions(points_m, options).empty());
 }
 
 TEST(GrowPlanarRegions, NothingOnFewOrNoPoints) {

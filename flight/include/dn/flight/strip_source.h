@@ -54,7 +54,8 @@ class StripSource {
  public:
   /// Throws InvalidInput for a trajectory without epochs, InvalidConfig for a name of a coordinate
   /// system that PointCrs does not take.
-  StripSource(StripSourceOptions options, const LocalFrame& frame, const std::string& strips_crs);
+  StripSource(const StripSourceOptions& options, const LocalFrame& frame,
+              const std::string& strips_crs);
   ~StripSource();
 
   /// Gives `take` the points in chunks of at most 65536, those without a pose left out and

@@ -67,7 +67,7 @@ class MatchSource {
 /// The strips of a flight: x is the laser vector in the sensor frame, the alignment the boresight.
 class FlightMatchSource : public MatchSource {
  public:
-  FlightMatchSource(StripSourceOptions options, const LocalFrame& frame,
+  FlightMatchSource(const StripSourceOptions& options, const LocalFrame& frame,
                     const std::string& strips_crs, std::vector<MatchStrip> strips);
 
   const std::vector<MatchStrip>& strips() const override { return strips_; }
