@@ -31,8 +31,10 @@ endfunction()
 # dn_add_test(<name> SOURCES <files> LINK <targets> [LABEL <unit|property|golden|example|cli|package|slow>]
 #             [INCLUDE <folders>])
 #
-# One GoogleTest program; every TEST becomes a ctest entry. INCLUDE: where the headers lie that only
-# the layer itself and its tests see.
+# One GoogleTest program, of all sources of a folder that have one label; every TEST becomes a ctest
+# entry. The sources are compiled several at a time where CMAKE_UNITY_BUILD is set: each names what
+# it keeps to itself in a namespace after the file. INCLUDE: where the headers lie that only the
+# layer itself and its tests see.
 function(dn_add_test name)
   cmake_parse_arguments(A "" "LABEL" "SOURCES;LINK;INCLUDE" ${ARGN})
   if(NOT A_LABEL)

@@ -10,8 +10,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::bad_input_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -391,5 +390,4 @@ TEST(CliBadInput, CheckSaysWhatIsMissing) {
   EXPECT_THAT(run.out, HasSubstr("dn calibrate --method dn  missing: pairs"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::bad_input_test

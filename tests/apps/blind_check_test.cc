@@ -6,8 +6,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::blind_check_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -113,5 +112,4 @@ TEST(BlindCheckUsage, AnInterruptedCheckEndsItsPrograms) {
   EXPECT_FALSE(fs::exists(folder.path() / "out" / "blind_check.json"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::blind_check_test

@@ -12,8 +12,7 @@
 #include "strip_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::browser_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -142,5 +141,4 @@ TEST_P(Browser, DrawsEveryChartWithoutAWordInItsConsole) {
 
 INSTANTIATE_TEST_SUITE_P(Widths, Browser, ::testing::Values(1280, 400));
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::browser_test

@@ -7,8 +7,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::completion_test {
 
 using ::testing::HasSubstr;
 
@@ -39,5 +38,4 @@ TEST(Completion, OfZshThroughThatOfBash) {
   EXPECT_THAT(fish.err, HasSubstr("fish"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::completion_test

@@ -7,8 +7,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::environment_test {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
@@ -152,5 +151,4 @@ TEST(CliEnvironment, ANodeRateThatNoMemoryHoldsIsRefused) {
   EXPECT_THAT(run.err, HasSubstr("network.node_rate_hz"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::environment_test

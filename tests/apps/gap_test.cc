@@ -7,8 +7,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::gap_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
@@ -90,5 +89,4 @@ TEST(CliGap, RefusesWhatContradictsItself) {
   ExpectWrongUsage({"--without", "moonlight"}, "moonlight");
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::gap_test

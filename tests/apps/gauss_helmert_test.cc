@@ -10,8 +10,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::gauss_helmert_test {
 
 using ::testing::AnyOf;
 using ::testing::Contains;
@@ -345,5 +344,4 @@ TEST(CliGaussHelmert, TentIsToldThatItHasNoPairs) {
   EXPECT_THAT(run.err, ::testing::HasSubstr("no file that lidar.p2p names is there"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::gauss_helmert_test

@@ -11,8 +11,7 @@
 #include "page_numbers.h"
 #include "testing/las_bytes.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::georef_test {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
@@ -168,5 +167,4 @@ TEST(CliGeoref, StripsWithoutASystemAreNotForIt) {
   ExpectFailure(flight.Run("georef"), 2, "strips_crs is none");
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::georef_test

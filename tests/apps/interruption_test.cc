@@ -11,8 +11,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::interruption_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -130,5 +129,4 @@ TEST(CliInterruption, APipeIsNoInput) {
   EXPECT_EQ(flight.Run("smooth").exit_code, 2);
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::interruption_test

@@ -10,8 +10,7 @@
 #include "strip_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::match_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -125,5 +124,4 @@ TEST_F(Matching, FlatGroundIsAnHonestShortage) {
   EXPECT_EQ(Read("flat_matched/match.json")["counts"]["pairs"].get<int>(), 0);
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::match_test

@@ -12,8 +12,7 @@
 
 #include "flight_of_numbers.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::mistakes_test {
 
 using ::testing::AnyOf;
 using ::testing::Each;
@@ -333,5 +332,4 @@ TEST(RepeatedPairs, NarrowNoSigma) {
   }
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::mistakes_test

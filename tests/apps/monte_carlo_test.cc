@@ -7,8 +7,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::monte_carlo_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -64,5 +63,4 @@ TEST(MonteCarlo, AnInterruptedRunKeepsItsFlights) {
   EXPECT_FALSE(fs::exists(out / "monte_carlo.json"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::monte_carlo_test

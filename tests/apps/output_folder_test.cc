@@ -8,8 +8,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::output_folder_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -184,5 +183,4 @@ TEST(CliOutputFolder, ANameReachesNoInterpreter) {
   EXPECT_FALSE(fs::exists(touched));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::output_folder_test

@@ -6,8 +6,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::output_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -142,5 +141,4 @@ TEST(CliOutput, InterruptedSimulationLeavesNoFlight) {
   EXPECT_THAT(NamesIn(folder.path() / "f"), ElementsAre("report.json"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::output_test

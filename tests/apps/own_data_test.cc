@@ -10,8 +10,7 @@
 
 #include "damaged_flight.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::own_data_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -281,5 +280,4 @@ TEST(CliInit, AFolderWithoutDataIsRefused) {
   EXPECT_FALSE(fs::exists(folder.path() / "flight.yaml"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::own_data_test

@@ -6,8 +6,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::page_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -125,5 +124,4 @@ TEST(CliPage, AFailureIsSaid) {
               AllOf(HasSubstr("failed"), HasSubstr("no IMU data"), Not(HasSubstr("</script>no"))));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::page_test

@@ -8,8 +8,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::progress_test {
 
 using ::testing::HasSubstr;
 
@@ -66,5 +65,4 @@ TEST(JsonProgress, AnErrorStaysALineToRead) {
   EXPECT_THAT(run.err, HasSubstr("dn calibrate: error: "));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::progress_test

@@ -13,8 +13,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::results_test {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
@@ -281,5 +280,4 @@ TEST(CliCalibrate, TheSmoothedTrajectoryIsNearTheTrueOne) {
   EXPECT_LT(errors["roll_pitch_heading_rmse_deg"][1], kRollPitchDeg);
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::results_test

@@ -6,8 +6,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::series_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -102,5 +101,4 @@ TEST_F(SeriesOfThree, AShardIsINotMoreThanN) {
   EXPECT_THAT(empty.err, HasSubstr("has none"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::series_test

@@ -10,8 +10,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::simulate_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -145,5 +144,4 @@ TEST(CliSimulate, AScenarioWithAnUnknownKeyIsRefused) {
   EXPECT_THAT(run.err, HasSubstr("wrong.yaml:"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::simulate_test

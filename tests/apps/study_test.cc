@@ -8,8 +8,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::study_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
@@ -164,5 +163,4 @@ TEST(CliStudy, ChoosesTheLinesOfThePlan) {
   EXPECT_FALSE(fs::exists(out / "plan.yaml"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::study_test

@@ -6,8 +6,7 @@
 #include "run_program.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::usage_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -246,5 +245,4 @@ TEST(CliUsage, UnknownScenarioNamesTheNearest) {
   EXPECT_THAT(run.err, HasSubstr("nearest one is 'lar3'"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::usage_test

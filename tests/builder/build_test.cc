@@ -8,8 +8,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::build_test {
 
 const SimulatedFlight& Drone() {
   static const SimulatedFlight sim = [] {
@@ -106,5 +105,4 @@ TEST(Build, WhatIsMissingIsNamed) {
                          0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::build_test

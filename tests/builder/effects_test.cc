@@ -11,8 +11,7 @@
 
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::effects_test {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -307,5 +306,4 @@ TEST(AssumedCalibration, RefusesWhatLacksItsTimeOrItsSensor) {
   EXPECT_THROW(AssumedCalibration(flight), InvalidConfig);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::effects_test

@@ -16,8 +16,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::flight_network_test {
 
 using testing::Calibration;
 using testing::DroneScenario;
@@ -605,5 +604,4 @@ TEST(FlightNetwork, AnOwnUnknownWithoutInformationIsNamed) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::flight_network_test

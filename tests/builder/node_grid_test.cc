@@ -3,8 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace dn {
-namespace {
+namespace dn::node_grid_test {
 
 using ::testing::DoubleNear;
 using ::testing::Pointwise;
@@ -127,5 +126,4 @@ TEST(NodeGrid, MoreNodesThanFitIntoMemoryAreRefused) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::node_grid_test

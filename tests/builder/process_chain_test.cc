@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-namespace dn {
-namespace {
+namespace dn::process_chain_test {
 
 using Type = BiasProcess::Type;
 
@@ -62,5 +61,4 @@ TEST(ProcessChain, FindsTheBlockOfAnEpoch) {
   EXPECT_EQ(net.Find("c/2"), chain.blocks[2].id);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::process_chain_test

@@ -11,8 +11,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::adjust_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
@@ -191,5 +190,4 @@ TEST(Adjust, NoisierGyrosGetMoreNodes) {
   EXPECT_LT(AutoNodeRateHz(flight), mems_hz);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::adjust_test

@@ -14,8 +14,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::calibrate_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
@@ -367,5 +366,4 @@ TEST(Observability, OnePointSeenFromTwoPairsOfPosesIsNotACalibration) {
   for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(e[i]), kSigmas * c.boresight.sigma_rad()[i]);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::calibrate_test

@@ -10,8 +10,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::clocks_test {
 
 using testing::AircraftScenario;
 using ::testing::AllOf;
@@ -178,5 +177,4 @@ TEST_P(LastingErrors, AreJudgedBesideTheirProcess) {
   EXPECT_EQ(c.solution.CheckedBoresight().verdict, Verdict::kCalibrated);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::clocks_test

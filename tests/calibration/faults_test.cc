@@ -14,8 +14,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::faults_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
@@ -262,5 +261,4 @@ TEST_P(Faults, DataThatDoNotBelongTogetherAreRefused) {
   EXPECT_THROW(Adjust(sim_.flight), std::runtime_error);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::faults_test

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <string>
 
-namespace dn {
-namespace {
+namespace dn::flight_noise_test {
 
 struct PublishedAttitude {
   std::string scenario;
@@ -48,5 +47,4 @@ INSTANTIATE_TEST_SUITE_P(Grades, FlightNoise,
                                            PublishedAttitude{"hal4", .005, .008}),
                          [](const auto& tested) { return tested.param.scenario; });
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::flight_noise_test

@@ -15,8 +15,7 @@
 #include "testing/short_flights.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::gauss_helmert_check_test {
 
 using testing::AircraftScenario;
 using ::testing::AnyOf;
@@ -211,5 +210,4 @@ TEST(GaussHelmertCheck, AMisreadTrajectoryIsNotCalibrated) {
       << Words(columns);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gauss_helmert_check_test

@@ -16,8 +16,7 @@
 #include "testing/strip_pairs.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::gauss_helmert_flight_test {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
@@ -508,5 +507,4 @@ TEST(GaussHelmertFlight, DrawsTheLinesOfARealFlightTogether) {
   EXPECT_THAT(Words(result.boresight.reasons), Contains(HasSubstr("2 strips")));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gauss_helmert_flight_test

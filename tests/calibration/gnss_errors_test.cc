@@ -14,8 +14,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::gnss_errors_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
@@ -127,5 +126,4 @@ TEST(GnssErrors, ReportHasTheProcesses) {
   EXPECT_EQ(rows, static_cast<long>(network.gnss_edges.size()));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gnss_errors_test

@@ -12,8 +12,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::model_check_test {
 
 using testing::AircraftScenario;
 using testing::Calibration;
@@ -205,5 +204,4 @@ TEST(ModelCheck, WithoutPairsTheTrajectoryIsChecked) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::model_check_test

@@ -9,8 +9,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::pair_residuals_test {
 
 constexpr double kSpacingS = 0.01;
 // The pair's own factor integrates from the node, the trajectory is interpolated at 100 Hz.
@@ -90,5 +89,4 @@ TEST_F(PairResidualsOfADrone, OneRowForEach) {
   EXPECT_EQ(std::count(row.begin(), row.begin() + static_cast<long>(row.find('\n')), ','), 16);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::pair_residuals_test

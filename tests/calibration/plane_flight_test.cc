@@ -13,8 +13,7 @@
 #include "testing/short_flights.h"
 #include "testing/strip_planes.h"
 
-namespace dn {
-namespace {
+namespace dn::plane_flight_test {
 
 using Eigen::Vector3d;
 using testing::BoresightError;
@@ -167,5 +166,4 @@ TEST(PlaneFlight, UnknownsThatPlanesLackAreNamed) {
   EXPECT_THROW(CalibratePlanes(test.flight, {}), InvalidConfig);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::plane_flight_test

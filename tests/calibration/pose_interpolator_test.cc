@@ -7,8 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace dn {
-namespace {
+namespace dn::pose_interpolator_test {
 
 constexpr double kAmplitudeRad = 0.02;
 constexpr double kMotionHz = 1.0;
@@ -99,5 +98,4 @@ TEST(PoseInterpolator, OutsideIsAnErrorThatNamesTheTimes) {
   EXPECT_THROW(PoseInterpolator({TruePose(0.0)}), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::pose_interpolator_test

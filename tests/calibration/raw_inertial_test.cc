@@ -7,8 +7,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::raw_inertial_test {
 
 using testing::Calibration;
 
@@ -95,5 +94,4 @@ TEST(RawInertial, IsCloseToPreintegrationWherePairsLieBetweenNodes) {
   ExpectSameBoresight(TwoStrips().flight, 0.02, 0.01);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::raw_inertial_test

@@ -6,8 +6,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::solution_test {
 
 // A temporary flight would be gone before its solution.
 static_assert(!std::is_constructible_v<Solution, Flight&&>);
@@ -48,5 +47,4 @@ TEST(Solution, TheModelCheckHasTheLastWord) {
   EXPECT_EQ(solution.CheckedBoresight().verdict, Verdict::kContradicted);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::solution_test

@@ -13,8 +13,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::stages_test {
 
 using testing::Calibration;
 using testing::DroneScenario;
@@ -239,5 +238,4 @@ TEST(NodeRate, IsNowhereBelowOneHertz) {
   EXPECT_EQ(NodeRateHz(sim.flight, false), 1.0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::stages_test

@@ -1,8 +1,7 @@
 #include <dn/calibration/swath_separation.h>
 #include <gtest/gtest.h>
 
-namespace dn {
-namespace {
+namespace dn::swath_separation_test {
 
 TEST(SwathSeparation, CountsHeightsOfBothSigns) {
   SwathSeparation separation;
@@ -25,5 +24,4 @@ TEST(SwathSeparation, ItsLimitsAreIncluded) {
   EXPECT_EQ(separation.ToJson()["to_8_cm"], 1.0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::swath_separation_test

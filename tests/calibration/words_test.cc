@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace dn {
-namespace {
+namespace dn::words_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -103,5 +102,4 @@ TEST(Words, TheFindingsOfACheckComeFirstAndOnce) {
               ElementsAre(HasSubstr("are 0.05 +- 0.001 s late"), "only 12 pairs"));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::words_test

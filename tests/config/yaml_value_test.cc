@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace dn {
-namespace {
+namespace dn::yaml_value_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -84,5 +83,4 @@ TEST(YamlValue, LooksUpWithoutChangingTheFile) {
   EXPECT_TRUE(b["new"].absent());
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::yaml_value_test

@@ -5,8 +5,7 @@
 
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::factor_test {
 
 // Central differences of step 1e-6 on residuals of size 10.
 constexpr double kStep = 1e-6;
@@ -149,5 +148,4 @@ TEST(InvalidInput, SaysWhere) {
   EXPECT_EQ(FileLocation{}.ToString(), "");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::factor_test

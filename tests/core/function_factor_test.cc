@@ -8,8 +8,7 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::function_factor_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -243,5 +242,4 @@ TEST(Network, ACopyIsIndependent) {
   EXPECT_EQ(copy.Value(x), 5.0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::function_factor_test

@@ -7,8 +7,7 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::manifold_kind_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -130,5 +129,4 @@ TEST(Transform, ComposesAndInverts) {
   EXPECT_LE((a.Inverse() * a).ToVector().norm(), kTolerance);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::manifold_kind_test

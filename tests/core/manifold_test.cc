@@ -6,8 +6,7 @@
 
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::manifold_test {
 
 // Rounding of a few quaternion products.
 constexpr double kTolerance = 1e-14;
@@ -132,5 +131,4 @@ TEST(ManifoldSides, StepsAreFullAnglesInTheirFrames) {
   EXPECT_LE((left * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), kTolerance);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::manifold_test

@@ -1,8 +1,7 @@
 #include <dn/names.h>
 #include <gtest/gtest.h>
 
-namespace dn {
-namespace {
+namespace dn::names_test {
 
 TEST(NearestName, ByEditDistance) {
   EXPECT_EQ(NearestName("gyro_bias", {"acc_bias", "gyro_biases", "gnss"}), "gyro_biases");
@@ -35,5 +34,4 @@ TEST(Names, ControlCharactersAreSeenAndBlanked) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::names_test

@@ -4,8 +4,7 @@
 
 #include <limits>
 
-namespace dn {
-namespace {
+namespace dn::network_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -199,5 +198,4 @@ TEST(FactorGroup, NamesChannelsByThatWhichTellsThemApart) {
   EXPECT_FALSE((FactorGroup{"prior", {}, {}, FactorGroup::Kind::kPrior}.measured()));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::network_test

@@ -3,8 +3,7 @@
 
 #include <limits>
 
-namespace dn {
-namespace {
+namespace dn::noise_test {
 
 constexpr double kTolerance = 1e-14;  ///< relative; rounding
 
@@ -53,5 +52,4 @@ TEST(Noise, RejectsWhatIsNoCovariance) {
   EXPECT_THROW(Noise<2>::Covariance(-Eigen::Matrix2d::Identity()), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::noise_test

@@ -6,8 +6,7 @@
 
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::rotation_test {
 
 constexpr double kTolerance = 1e-14;  ///< rounding of a few products
 // Central differences of step 1e-5: truncation 1e-10 near pi, rounding 1e-11.
@@ -157,5 +156,4 @@ TEST(EulerAngles, RatesInBodyAreFiniteStraightDown) {
   EXPECT_EQ(E.col(1), Eigen::Vector3d::UnitY());
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::rotation_test

@@ -1,8 +1,7 @@
 #include <dn/symmetric_eigen.h>
 #include <gtest/gtest.h>
 
-namespace dn {
-namespace {
+namespace dn::symmetric_eigen_test {
 
 // A = [2 1; 1 2] has the eigenvalues 1 and 3 with (1, -1) and (1, 1).
 TEST(SymmetricEigen, OfATwoByTwo) {
@@ -18,5 +17,4 @@ TEST(SymmetricEigen, ReadsTheLowerTriangle) {
   EXPECT_NEAR(eigen.values[1], 3.0, 1e-15);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::symmetric_eigen_test

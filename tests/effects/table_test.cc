@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace dn {
-namespace {
+namespace dn::table_test {
 
 using ::testing::HasSubstr;
 
@@ -167,5 +166,4 @@ TEST(EffectTable, IsThatOfTheDocuments) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::table_test

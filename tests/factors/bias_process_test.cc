@@ -10,8 +10,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn {
-namespace {
+namespace dn::bias_process_test {
 
 using testing::RandomVector;
 using testing::State;
@@ -132,5 +131,4 @@ TEST(BiasProcess, RejectsBadInput) {
   EXPECT_THROW(RandomWalkEdge(1e-200, 1.0), InvalidInput);  // variance underflows
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::bias_process_test

@@ -15,8 +15,7 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::effects_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -234,5 +233,4 @@ TEST(GnssAntenna, RejectsBadInput) {
   EXPECT_THROW(make(zero, zero, nan), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::effects_test

@@ -9,8 +9,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn {
-namespace {
+namespace dn::gnss_error_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -108,5 +107,4 @@ TEST(GnssError, RejectsBadInput) {
   EXPECT_THROW(GnssError({{nan, 0.0, 0.0}, 1.0}, Matrix3d::Identity()), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gnss_error_test

@@ -9,8 +9,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn {
-namespace {
+namespace dn::gnss_position_test {
 
 using testing::RandomRotation;
 using testing::RandomVector;
@@ -76,5 +75,4 @@ TEST(GnssPosition, RejectsBadInput) {
   EXPECT_THROW(GnssPosition({0, inf, 0}, Noise<3>::Sigma(0.1)), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gnss_position_test

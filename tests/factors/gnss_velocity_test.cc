@@ -9,8 +9,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn {
-namespace {
+namespace dn::gnss_velocity_test {
 
 using testing::RandomRotation;
 using testing::RandomVector;
@@ -95,5 +94,4 @@ TEST(GnssVelocity, RejectsBadInput) {
   EXPECT_THROW(GnssVelocity(zero, zero, nan, noise), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gnss_velocity_test

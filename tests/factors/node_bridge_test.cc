@@ -15,8 +15,7 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::node_bridge_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -176,5 +175,4 @@ INSTANTIATE_TEST_SUITE_P(NodeBridge, BridgedEnds,
                                   (tested.param.second ? "j" : "");
                          });
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::node_bridge_test

@@ -12,8 +12,7 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::point_to_point_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -215,5 +214,4 @@ TEST_F(PointPair, RejectsBadInput) {
   EXPECT_THROW(make(good, good, Mounting(), nan), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::point_to_point_test

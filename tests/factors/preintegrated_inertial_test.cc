@@ -13,8 +13,7 @@
 #include "testing/factor_consistency.h"
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::preintegrated_inertial_test {
 
 using Eigen::Vector3d;
 using Eigen::VectorXd;
@@ -275,5 +274,4 @@ TEST(PreintegratedInertial, RejectsBadInput) {
   EXPECT_THROW(PreintegratedInertial(empty, motion.frame, p, p, 1, 1), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::preintegrated_inertial_test

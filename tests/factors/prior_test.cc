@@ -9,8 +9,7 @@
 
 #include "testing/factor_consistency.h"
 
-namespace dn {
-namespace {
+namespace dn::prior_test {
 
 using testing::RandomRotation;
 using testing::RandomVector;
@@ -115,5 +114,4 @@ TEST(Prior, RejectsBadInput) {
   EXPECT_THROW(PriorLeftRotation(Eigen::Quaterniond(0, 0, 0, 0), noise), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::prior_test

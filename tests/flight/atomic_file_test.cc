@@ -8,8 +8,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::atomic_file_test {
 
 using testing::ExpectInvalid;
 using testing::TempFolder;
@@ -223,5 +222,4 @@ TEST(OutputDirectory, RemovesFilesAndWhatBecomesEmpty) {
   EXPECT_TRUE(fs::exists(folder.path() / "outside.txt"));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::atomic_file_test

@@ -11,8 +11,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::file_content_test {
 
 using testing::TempFolder;
 
@@ -180,5 +179,4 @@ TEST(FileContent, AFolderInOrderWithoutWhatIsWrittenByUs) {
   EXPECT_EQ(contents[1].kind, FileKind::kGnss);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::file_content_test

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace dn {
-namespace {
+namespace dn::find_strips_test {
 
 LidarPair PairAt(double t_i_s, double t_j_s) {
   LidarPair pair;
@@ -67,5 +66,4 @@ TEST(FindStrips, FindsTheStraightLegsOfATrajectory) {
 
 TEST(FindStrips, FindsNothingInNothing) { EXPECT_TRUE(FindStrips(Flight{}).empty()); }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::find_strips_test

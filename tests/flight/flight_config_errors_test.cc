@@ -10,8 +10,7 @@
 #include "testing/hostile_yaml.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::flight_config_errors_test {
 
 using testing::ExpectInvalid;
 using testing::TempFolder;
@@ -278,5 +277,4 @@ TEST(FlightConfigErrors, NamesWithControlCharacters) {
   ExpectBad("strips: [{name: \"a\\rb\", t0: 1, t1: 2}]\n", "strips[0].name: " + what, 1);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::flight_config_errors_test

@@ -5,8 +5,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::flight_config_test {
 
 using ::testing::HasSubstr;
 using testing::TempFolder;
@@ -401,5 +400,4 @@ TEST(FlightConfig, TheAnnotatedExampleShowsTheDefaults) {
   ExpectSameRest(shown, plain);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::flight_config_test

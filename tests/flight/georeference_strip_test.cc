@@ -14,8 +14,7 @@
 #include "testing/las_bytes.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::georeference_strip_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -378,5 +377,4 @@ TEST_F(GeoreferenceStrip, ASourceNamesBothSpansWhereNothingIsLeft) {
   ExpectInvalidIn(read, "all lie after the trajectory: the strip covers", "strip.txt");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::georeference_strip_test

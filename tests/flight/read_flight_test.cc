@@ -8,8 +8,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::read_flight_test {
 
 using testing::ExpectInvalid;
 using testing::ExpectInvalidIn;
@@ -428,5 +427,4 @@ TEST(ReadFlightErrors, BadDataNamesFileAndLine) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::read_flight_test

@@ -4,8 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace dn {
-namespace {
+namespace dn::real_data_test {
 
 namespace fs = std::filesystem;
 
@@ -87,5 +86,4 @@ TEST_F(RealData, TentHasNoPairsYet) {
   ExpectRoundTrip(config);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::real_data_test

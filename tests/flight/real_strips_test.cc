@@ -9,8 +9,7 @@
 
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::real_strips_test {
 
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
@@ -171,5 +170,4 @@ TEST(Tent, TextStripsAreRead) {
   EXPECT_EQ(points, 84242u + 21978u);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::real_strips_test

@@ -5,8 +5,7 @@
 
 #include "testing/expect_invalid.h"
 
-namespace dn {
-namespace {
+namespace dn::select_pairs_test {
 
 using testing::ExpectInvalid;
 using Strategy = PairSelection::Strategy;
@@ -142,5 +141,4 @@ TEST(SelectPairs, RejectsAStrategyWithoutItsParameter) {
   ExpectInvalid([&] { SelectPairs({}, selection); }, "time_window needs window_s", 0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::select_pairs_test

@@ -5,8 +5,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::strip_files_test {
 
 using testing::ExpectInvalidIn;
 using ::testing::HasSubstr;
@@ -40,5 +39,4 @@ TEST(StripCrsCheck, AContradictionIsNamed) {
   EXPECT_THAT(CheckStripCrs(utm, "utm:32n", "a.las"), HasSubstr("taken as ellipsoidal"));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::strip_files_test

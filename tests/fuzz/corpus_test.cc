@@ -11,8 +11,7 @@
 
 #include "read_anything.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::corpus_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -101,5 +100,4 @@ TEST(ReaderCorpus, ANanInATableIsRejectedWithItsPlace) {
   EXPECT_THAT(Read("T1, 2\n3, nan\n"), HasSubstr("nan"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::corpus_test

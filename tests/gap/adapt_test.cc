@@ -11,8 +11,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::adapt_test {
 
 using testing::Calibration;
 using testing::DroneScenario;
@@ -252,5 +251,4 @@ TEST(AdaptedFlight, VibrationThatIsStatedInItsWindowFits) {
   EXPECT_LT(nees_with, kBound);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::adapt_test

@@ -7,8 +7,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::attribution_test {
 
 using testing::AircraftScenario;
 using ::testing::ElementsAre;
@@ -97,5 +96,4 @@ TEST(Attribute, TakesNothingWhereNoGapWasDetected) {
   EXPECT_EQ(attribution.slots[0].effect, "");
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::attribution_test

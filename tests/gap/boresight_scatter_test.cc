@@ -7,8 +7,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::boresight_scatter_test {
 
 using testing::AircraftScenario;
 
@@ -54,5 +53,4 @@ TEST(BoresightScatter, NeedsTwoPairsOfStrips) {
   EXPECT_FALSE(BoresightScatter(adjusted.solution.network(), 1).has_value());
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::boresight_scatter_test

@@ -8,8 +8,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::diagnose_test {
 
 using testing::Calibration;
 using testing::DroneScenario;
@@ -106,5 +105,4 @@ TEST(Diagnose, RefusesEffectsThatAreNone) {
   EXPECT_THROW(options.Validate(), InvalidConfig);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::diagnose_test

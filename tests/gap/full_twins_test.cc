@@ -7,8 +7,7 @@
 #include "explained_flight.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::full_twins_test {
 
 using testing::DroneScenario;
 
@@ -117,5 +116,4 @@ TEST(MeanOver, IsThatOfTheTwinsThatHaveIt) {
   EXPECT_FALSE(MeanOver(twins, "b").has_value());
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::full_twins_test

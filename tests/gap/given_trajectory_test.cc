@@ -8,8 +8,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::given_trajectory_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -117,5 +116,4 @@ TEST(Limits, NeedNoMeasuredValues) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::given_trajectory_test

@@ -9,8 +9,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::held_out_test {
 
 using testing::DroneScenario;
 
@@ -174,5 +173,4 @@ TEST(HeldOut, NoiseOfAnotherSizeCountsByItsDensity) {
   EXPECT_LT(MeasureHeldOut(right, too_large, {}).gain_nats, -50.0);
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::held_out_test

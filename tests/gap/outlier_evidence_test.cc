@@ -6,8 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::outlier_evidence_test {
 
 struct Found {
   long number = 0;
@@ -76,5 +75,4 @@ TEST(OutlierEvidence, ShortOnesAddTheirVariance) {
   EXPECT_EQ(VarianceOfShortOnes(0.0, 0.0, kSigma, kNorm), 0.0);
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::outlier_evidence_test

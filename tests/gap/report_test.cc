@@ -7,8 +7,7 @@
 
 #include "gap/some_diagnosis.h"
 
-namespace dn {
-namespace {
+namespace dn::report_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -299,5 +298,4 @@ TEST(GapPlots, DrawWhatTheDiagnosisHas) {
   EXPECT_TRUE(GapPlots({}).empty());
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::report_test

@@ -11,8 +11,7 @@
 #include "refine_times.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::screen_test {
 
 using testing::AircraftScenario;
 
@@ -167,5 +166,4 @@ TEST(JudgeProcess, SizesAndTimesAreWithinTheirSigmas) {
 
 TEST(JudgeProcess, FindsNoneInNoise) { EXPECT_LT(Judged("").log_evidence, 2.0); }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::screen_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::shrinkage_test {
 
 TwinTest Compared(double omnibus, double p) {
   TwinTest test;
@@ -36,5 +35,4 @@ TEST(OmnibusShrinkage, LocationsThatNeverDepartedAreClosed) {
   EXPECT_EQ(shrinkage.interval_high, 1.0);
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::shrinkage_test

@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::slots_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -134,5 +133,4 @@ TEST_F(Decided, SaysNothingOfAFlightWithoutAGap) {
   EXPECT_THAT(verdict.credible_set, IsEmpty());
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::slots_test

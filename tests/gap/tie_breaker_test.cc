@@ -8,8 +8,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::tie_breaker_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -87,5 +86,4 @@ TEST(TieBreaker, IsNoneForAnErrorTooSmallToShow) {
   EXPECT_THAT(TieBreaker(flight, *flight.reference, Eigen::Vector3d::Zero(), tie, {}), IsEmpty());
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::tie_breaker_test

@@ -14,8 +14,7 @@
 #include "testing/short_flights.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::twin_test {
 
 using testing::Calibration;
 using testing::DroneScenario;
@@ -191,5 +190,4 @@ TEST(Twin, RefusesAValueThatTheSimulatorRefuses) {
       "lidar_time_offset");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::twin_test

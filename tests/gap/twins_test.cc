@@ -10,8 +10,7 @@
 #include "explained_flight.h"
 #include "testing/short_flights.h"
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::twins_test {
 
 using testing::DroneScenario;
 
@@ -162,5 +161,4 @@ TEST(Locations, PredictionErrorsAreInMetres) {
   EXPECT_LT(without.appearance.gnss_rms_m, 0.04);
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::twins_test

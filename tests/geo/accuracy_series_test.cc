@@ -11,8 +11,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::accuracy_series_test {
 
 using Eigen::Vector3d;
 using testing::ExpectInvalidIn;
@@ -79,5 +78,4 @@ TEST(AccuracySeries, SaysNothingOutsideOfItsEpochs) {
   ExpectInvalidIn([&] { series.At(381010.5); }, "lies outside", "smrmsg.out");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::accuracy_series_test

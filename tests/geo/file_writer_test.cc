@@ -4,8 +4,7 @@
 
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::file_writer_test {
 
 namespace fs = std::filesystem;
 
@@ -33,5 +32,4 @@ TEST(FileWriter, NamesTheFolderThatIsNotThere) {
   EXPECT_THROW(FileWriter(folder.path() / "none" / "points.las"), fs::filesystem_error);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::file_writer_test

@@ -8,8 +8,7 @@
 
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::local_frame_test {
 
 // WGS84, defining and derived constants (NGA.STND.0036).
 constexpr double kSemiMajorAxisM = 6378137.0;
@@ -171,5 +170,4 @@ TEST(LocalFrame, RejectsImpossibleOrigins) {
   EXPECT_NO_THROW(LocalFrame({90.0 * kRadPerDeg, 360.0 * kRadPerDeg, 0.0}));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::local_frame_test

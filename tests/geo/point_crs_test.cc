@@ -5,8 +5,7 @@
 
 #include "testing/expect_invalid.h"
 
-namespace dn {
-namespace {
+namespace dn::point_crs_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -79,5 +78,4 @@ TEST(PointCrs, Names) {
   EXPECT_THROW(PointCrs("none", kSierra), InvalidConfig);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::point_crs_test

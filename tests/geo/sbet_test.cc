@@ -15,8 +15,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::sbet_test {
 
 using testing::ExpectInvalid;
 using testing::MovingPoints;
@@ -221,5 +220,4 @@ TEST(Sbet, TheLidarMarkSurvivesCuttingAndThinning) {
   EXPECT_TRUE(Read(thinned).notes().adjusted_with_lidar);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::sbet_test

@@ -12,8 +12,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::text_table_test {
 
 using testing::ExpectInvalid;
 using testing::TempFile;
@@ -213,5 +212,4 @@ TEST(TextTableReader, ExpectsTheColumnsOfThePartBefore) {
   ExpectInvalid([&] { reader.Next(1); }, "row has 3 columns, the rows before it 2", 2);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::text_table_test

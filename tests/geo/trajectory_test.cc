@@ -11,8 +11,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::trajectory_test {
 
 using testing::ExpectInvalid;
 
@@ -145,5 +144,4 @@ TEST(InterpolatePose, RejectsTimesOutside) {
   ExpectInvalid([] { InterpolatePose({}, 0.0); }, "empty", 0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::trajectory_test

@@ -15,8 +15,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::trajectory_text_test {
 
 using testing::ExpectInvalid;
 using testing::MovingPoints;
@@ -213,5 +212,4 @@ INSTANTIATE_TEST_SUITE_P(Shared, RealTrajectory,
                            return name;
                          });
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::trajectory_text_test

@@ -7,8 +7,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::nmea_test {
 
 using testing::ExpectInvalid;
 using testing::TempFile;
@@ -77,5 +76,4 @@ TEST(Nmea, RefusesWhatTellsNoDateOrNoPosition) {
   ExpectInvalid([] { Read(Rmc("120000", "220625") + Gga("12:00")); }, "hhmmss", 2);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::nmea_test

@@ -7,8 +7,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::rtklib_pos_test {
 
 using testing::ExpectInvalid;
 using testing::TempFile;
@@ -231,5 +230,4 @@ TEST(RtklibPos, RejectsFilesItCannotPlace) {
                 "columns change", 3);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::rtklib_pos_test

@@ -10,8 +10,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::text_formats_test {
 
 using testing::ExpectInvalid;
 using testing::TempFile;
@@ -217,5 +216,4 @@ INSTANTIATE_TEST_SUITE_P(Shared, RealGnss,
                            return name;
                          });
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::text_formats_test

@@ -8,8 +8,7 @@
 
 #include "testing/expect_invalid.h"
 
-namespace dn {
-namespace {
+namespace dn::allan_test {
 
 /// Noise of known terms, drawn exactly: white of density N, Gauss-Markov (s, T), random walk K.
 std::vector<double> Draw(unsigned seed, std::size_t n, double dt_s, double white, double gm_sigma,
@@ -171,5 +170,4 @@ TEST(AllanVariance, BadInputIsNamed) {
   testing::ExpectInvalid([] { FitNoise({{1.0, 1.0, 10.0}}); }, "too short", 0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::allan_test

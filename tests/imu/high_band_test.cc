@@ -9,8 +9,7 @@
 #include "imu/white_imu.h"
 #include "testing/expect_invalid.h"
 
-namespace dn {
-namespace {
+namespace dn::high_band_test {
 
 using testing::ExpectInvalid;
 using testing::kWhiteRateHz;
@@ -220,5 +219,4 @@ TEST(HighBand, AFewSamplesSayNothing) {
   ExpectInvalid([&] { MeasureHighBand(imu, WhiteModel(), options); }, "window_s", 0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::high_band_test

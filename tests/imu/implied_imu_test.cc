@@ -8,8 +8,7 @@
 #include "testing/earth_motion.h"
 #include "testing/expect_invalid.h"
 
-namespace dn {
-namespace {
+namespace dn::implied_imu_test {
 
 using testing::EarthMotion;
 using testing::PlaneMotion;
@@ -60,5 +59,4 @@ TEST(ImpliedImu, TooShortAMotionIsNamed) {
   testing::ExpectInvalid([&] { ImpliedImu(motion.frame, Poses(motion, 0.0), 0.0); }, "0.0", 0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::implied_imu_test

@@ -11,8 +11,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::imu_data_test {
 
 using Eigen::Vector3d;
 using testing::ExpectInvalid;
@@ -331,5 +330,4 @@ TEST(ReadImu, RealFiles) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::imu_data_test

@@ -7,8 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace dn {
-namespace {
+namespace dn::imu_model_test {
 
 using Type = BiasProcess::Type;
 
@@ -133,5 +132,4 @@ TEST(ImuModel, ValidateNamesWhatIsWrong) {
   EXPECT_EQ(message(model), "valid");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::imu_model_test

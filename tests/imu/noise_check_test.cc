@@ -12,8 +12,7 @@
 #include "imu/white_imu.h"
 #include "testing/expect_invalid.h"
 
-namespace dn {
-namespace {
+namespace dn::noise_check_test {
 
 using testing::ExpectInvalid;
 using testing::kWhiteRateHz;
@@ -308,5 +307,4 @@ TEST(NoiseCheck, OptionsHaveBounds) {
   ExpectInvalid([&] { CheckNoise(band, {.spread_decades = -1.0}); }, "spread_decades", 0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::noise_check_test

@@ -9,8 +9,7 @@
 
 #include "testing/earth_motion.h"
 
-namespace dn {
-namespace {
+namespace dn::preintegration_noise_test {
 
 using Eigen::Vector3d;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
@@ -147,5 +146,4 @@ TEST(PreintegrationNoise, CovarianceIsSymmetricAndPositive) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::preintegration_noise_test

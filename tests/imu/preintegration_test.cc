@@ -13,8 +13,7 @@
 #include "testing/earth_motion.h"
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::preintegration_test {
 
 using Eigen::Vector3d;
 using testing::EarthMotion;
@@ -455,5 +454,4 @@ TEST(Preintegrate, RejectsWhatTheDataDoNotCover) {
   EXPECT_NO_THROW(Preintegrate(imu, 0.52, 0.6, {}, kNoise));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::preintegration_test

@@ -6,8 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace dn {
-namespace {
+namespace dn::rest_check_test {
 
 constexpr double kDtS = 0.1;
 constexpr std::size_t kSecond = 10;
@@ -71,5 +70,4 @@ TEST(RestCheck, WhiteNoiseDoesNotDrift) {
   EXPECT_NEAR(sum2 / kRecords, 1.0, 0.3);  // three sigmas of a chi-square mean
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::rest_check_test

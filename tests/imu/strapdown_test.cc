@@ -9,8 +9,7 @@
 #include "testing/earth_motion.h"
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::strapdown_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -194,5 +193,4 @@ TEST(AffineStep, OfZeroLengthIsTheIdentity) {
   EXPECT_LE(step.p_v.norm() + step.v_p.norm() + step.p_0.norm() + step.v_0.norm(), 1e-15);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::strapdown_test

@@ -5,8 +5,7 @@
 
 #include "white_imu.h"
 
-namespace dn {
-namespace {
+namespace dn::white_rows_test {
 
 // The axis with the most noise of 100 rows exceeds the density by some percent.
 constexpr double kRelative = 0.2;
@@ -42,5 +41,4 @@ TEST(WhiteRows, NoneOfFewRows) {
   EXPECT_EQ(WhiteNoiseOfRows(imu).gyro_rad_per_sqrt_s, 0.0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::white_rows_test

@@ -5,8 +5,7 @@
 #include "testing/las_bytes.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::las_crs_test {
 
 using testing::ExpectInvalidIn;
 using testing::LasBytes;
@@ -135,5 +134,4 @@ TEST(LasCrs, DeeplyNestedTextTakesNoTime) {
   EXPECT_FALSE(CrsOf({}, {Wkt(text + std::string(kDepth, ']'))}).epsg);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::las_crs_test

@@ -10,8 +10,7 @@
 #include "testing/las_bytes.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::las_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -353,5 +352,4 @@ TEST(LasHeader, OtherFilesAreNoStrips) {
   ExpectRefused("x", "strips are .las or .txt files, this ends in '.ply'", "strip.ply");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::las_test

@@ -6,8 +6,7 @@
 
 #include "testing/expect_invalid.h"
 
-namespace dn {
-namespace {
+namespace dn::mounting_test {
 
 using testing::ExpectInvalid;
 
@@ -64,5 +63,4 @@ TEST(Georeference, KeepsRangesWhateverTheBoresight) {
   EXPECT_NEAR(Georeference(MapPose{}, mounting, u_s).norm(), 130.0, kRoundOff);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::mounting_test

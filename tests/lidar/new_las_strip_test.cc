@@ -4,8 +4,7 @@
 
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::new_las_strip_test {
 
 using Eigen::Vector3d;
 
@@ -54,5 +53,4 @@ TEST(NewLasStrip, APointBeyondTheGridIsAnError) {
   EXPECT_THROW(writer->Append(far), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::new_las_strip_test

@@ -6,8 +6,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::pairs_test {
 
 using ::testing::ElementsAre;
 using testing::ExpectInvalid;
@@ -160,5 +159,4 @@ TEST(FormatPairs, RoundTripsEveryBit) {
   EXPECT_EQ(*data.pairs[1].covariance_m2, *pair.covariance_m2);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::pairs_test

@@ -7,8 +7,7 @@
 
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::point_covariance_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -97,5 +96,4 @@ TEST(PointCovariance, IsThatOfManyDisturbedPoints) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::point_covariance_test

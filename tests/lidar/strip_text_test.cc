@@ -5,8 +5,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/temp_file.h"
 
-namespace dn {
-namespace {
+namespace dn::strip_text_test {
 
 using Eigen::Vector3d;
 using testing::ExpectInvalid;
@@ -87,5 +86,4 @@ TEST(StripCloud, DropsFromEveryArray) {
   EXPECT_TRUE(points.u_s.empty());
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::strip_text_test

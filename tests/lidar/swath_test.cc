@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-namespace dn {
-namespace {
+namespace dn::swath_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -65,5 +64,4 @@ TEST(EvenTimes, IncludeBothEnds) {
   EXPECT_EQ(EvenTimes(1.0, 3.0, 3), (std::vector<double>{1.0, 2.0, 3.0}));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::swath_test

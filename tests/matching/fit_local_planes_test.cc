@@ -6,8 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace dn {
-namespace {
+namespace dn::fit_local_planes_test {
 
 // Coordinates of 1e3 m are good to 1e-13 m; a normal over metres, to 1e-12 with room.
 constexpr double kRounding = 1e-10;
@@ -85,5 +84,4 @@ TEST(FitLocalPlanes, RejectsBadInput) {
   EXPECT_TRUE(FitLocalPlanes({}, {}, 1.0).empty());
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::fit_local_planes_test

@@ -13,8 +13,7 @@
 #include "register_patches.h"
 #include "testing/rough_town.h"
 
-namespace dn::internal {
-namespace {
+namespace dn::internal::match_parts_test {
 
 using dn::testing::RoughTown;
 using Eigen::Vector2d;
@@ -229,5 +228,4 @@ TEST(PointTree, FindsWhatALookAtEveryPointFinds) {
   }
 }
 
-}  // namespace
-}  // namespace dn::internal
+}  // namespace dn::internal::match_parts_test

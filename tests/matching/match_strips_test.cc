@@ -12,8 +12,7 @@
 #include "testing/rough_town.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::match_strips_test {
 
 using Eigen::Vector3d;
 using testing::RoughTown;
@@ -160,5 +159,4 @@ TEST(MisalignmentOf, HasTheDirectionOfTheDifferences) {
   EXPECT_NEAR(none.same_direction, 0.0, 1e-12);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::match_strips_test

@@ -8,8 +8,7 @@
 
 #include "testing/roofs.h"
 
-namespace dn {
-namespace {
+namespace dn::planar_regions_test {
 
 using Eigen::Vector3d;
 using testing::Roof;
@@ -103,5 +102,4 @@ TEST(GrowPlanarRegions, RejectsBadInput) {
   EXPECT_THROW(GrowPlanarRegions(points_m, {}), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::planar_regions_test

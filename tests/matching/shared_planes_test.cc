@@ -5,8 +5,7 @@
 
 #include "testing/strip_planes.h"
 
-namespace dn {
-namespace {
+namespace dn::shared_planes_test {
 
 using Eigen::Vector3d;
 
@@ -83,5 +82,4 @@ TEST(MatchPlanes, OtherNormalsAreOtherPlanes) {
   for (const auto& members : found) EXPECT_LT(members[1], 0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::shared_planes_test

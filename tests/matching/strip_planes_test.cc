@@ -8,8 +8,7 @@
 
 #include "testing/roofs.h"
 
-namespace dn {
-namespace {
+namespace dn::strip_planes_test {
 
 using Eigen::Vector3d;
 
@@ -114,5 +113,4 @@ TEST(ExtractStripPlanes, NoOverlapIsAFinding) {
   EXPECT_THROW(ExtractStripPlanes(Village({0.0}), {}), RankDeficient);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::strip_planes_test

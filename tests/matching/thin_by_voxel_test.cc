@@ -9,8 +9,7 @@
 #include <random>
 #include <tuple>
 
-namespace dn {
-namespace {
+namespace dn::thin_by_voxel_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -103,5 +102,4 @@ TEST(ThinByVoxel, RejectsBadInputByName) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::thin_by_voxel_test

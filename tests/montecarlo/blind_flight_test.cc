@@ -9,8 +9,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn {
-namespace {
+namespace dn::blind_flight_test {
 
 constexpr int kDrawn = 150;
 
@@ -224,5 +223,4 @@ TEST(Outsider, AWarmingBoresightIsZeroInTheMiddleOfTheStrips) {
   EXPECT_GT(early, 1.5 * own.boresight_rad(pose).norm()) << "slower and slower";
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::blind_flight_test

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-namespace dn {
-namespace {
+namespace dn::blind_record_test {
 
 Json GapJson() {
   return Json::parse(R"({
@@ -106,5 +105,4 @@ TEST(BlindRecord, SurvivesItsFile) {
   EXPECT_EQ(outside.outsider->parameters.at("harmonic"), 4);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::blind_record_test

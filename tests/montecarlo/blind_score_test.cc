@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-namespace dn {
-namespace {
+namespace dn::blind_score_test {
 
 using ::testing::HasSubstr;
 
@@ -223,5 +222,4 @@ TEST(BlindScore, WritesATableAJsonAndRows) {
 
 TEST(BlindScore, OfNothingIsRefused) { EXPECT_THROW(ScoreBlindFlights({}), InvalidInput); }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::blind_score_test

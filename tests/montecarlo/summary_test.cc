@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-namespace dn {
-namespace {
+namespace dn::summary_test {
 
 /// Flights whose errors are drawn from their covariances, scaled: 1 is honest.
 std::vector<FlightRecord> Records(int flights, double scale) {
@@ -99,5 +98,4 @@ TEST(FlightRecord, SurvivesItsFile) {
   EXPECT_EQ(back.innovations[0].axis, "east");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::summary_test

@@ -9,8 +9,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::alignment_test {
 
 using testing::AircraftScenario;
 using testing::DroneScenario;
@@ -189,5 +188,4 @@ TEST(Alignment, SpanIncludesThePairs) {
   EXPECT_EQ(GnssTimes(sim.flight, gnss).size(), GnssTimes(sim.flight, all).size());
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::alignment_test

@@ -9,8 +9,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::forward_filter_test {
 
 using testing::DroneScenario;
 
@@ -230,5 +229,4 @@ TEST_F(ForwardFilter, StartCovarianceHoldsTheModel) {
   EXPECT_DOUBLE_EQ(sigma[15], model.accel.processes[0].sigma);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::forward_filter_test

@@ -3,8 +3,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::gnss_correlation_test {
 
 using testing::AircraftScenario;
 using testing::DroneScenario;
@@ -69,5 +68,4 @@ TEST(GnssCorrelation, IsSilentWhereTheProcessIsStated) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gnss_correlation_test

@@ -8,8 +8,7 @@
 
 #include "testing/short_flights.h"
 
-namespace dn {
-namespace {
+namespace dn::sensor_agreement_test {
 
 using testing::AircraftScenario;
 using testing::DroneScenario;
@@ -129,5 +128,4 @@ TEST(SensorAgreement, AlignsFromUnevenEpochs) {
   EXPECT_LT(error, 5.0 * kRadPerDeg);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::sensor_agreement_test

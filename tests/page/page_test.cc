@@ -8,8 +8,7 @@
 
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::page_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -308,5 +307,4 @@ TEST(Page, OfMatchingWithoutPairsSaysSoFirst) {
   EXPECT_EQ(page.sections.at(0).title, "Stages");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::page_test

@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-namespace dn {
-namespace {
+namespace dn::distributions_test {
 
 // Printed tables of the chi-square distribution have three to five digits.
 constexpr double kTable = 5e-4;
@@ -52,5 +51,4 @@ TEST(Distributions, BinomialIntervalByHand) {
   EXPECT_LT(rare.low, 0.9973);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::distributions_test

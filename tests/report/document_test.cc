@@ -8,8 +8,7 @@
 #include <limits>
 #include <regex>
 
-namespace dn {
-namespace {
+namespace dn::document_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -150,5 +149,4 @@ TEST(Text, HeadlinesAndTables) {
             "0.25\n  a note\n");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::document_test

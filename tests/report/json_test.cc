@@ -3,8 +3,7 @@
 
 #include <limits>
 
-namespace dn {
-namespace {
+namespace dn::json_test {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -38,5 +37,4 @@ TEST(Json, NumbersReadBackToTheSameValue) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::json_test

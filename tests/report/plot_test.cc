@@ -11,8 +11,7 @@
 
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::plot_test {
 
 using ::testing::HasSubstr;
 
@@ -188,5 +187,4 @@ TEST(Plot, NothingWhereGnuplotFails) {
   EXPECT_FALSE(DrawSvg("a", "t", TwoPanels()).has_value());
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::plot_test

@@ -2,8 +2,7 @@
 #include <dn/report/statistics.h>
 #include <gtest/gtest.h>
 
-namespace dn {
-namespace {
+namespace dn::statistics_test {
 
 constexpr double kRounding = 1e-15;  // a few additions of numbers of order one
 
@@ -90,5 +89,4 @@ TEST(Statistics, JsonGroupsAxesUnderTheirSensor) {
   EXPECT_EQ(StatisticsToJson({}).dump(), "{}");
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::statistics_test

@@ -14,8 +14,7 @@
 #include "small_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::clouds_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -277,5 +276,4 @@ TEST(Clouds, AreMadeOnlyWhereTheScenarioAsks) {
   EXPECT_EQ(Fly(scenario).clouds, nullptr);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::clouds_test

@@ -7,8 +7,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn {
-namespace {
+namespace dn::effect_streams_test {
 
 SimulatedFlight With(const std::string& effects) {
   return Simulate(testing::SmallScenario("effects: [" + effects + "]\n"), {});
@@ -126,5 +125,4 @@ TEST(EffectStreams, EveryEffectOfTheTableIsSimulated) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::effect_streams_test

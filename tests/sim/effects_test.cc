@@ -13,8 +13,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn {
-namespace {
+namespace dn::effects_test {
 
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
@@ -358,5 +357,4 @@ TEST_F(Effects, AttitudeOffsetTurnsTheGivenTrajectoryAlone) {
   });
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::effects_test

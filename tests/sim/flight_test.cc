@@ -13,8 +13,7 @@
 #include "sim/small_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::flight_test {
 
 using Eigen::Vector3d;
 
@@ -267,5 +266,4 @@ TEST(Simulate, ReportsItsStages) {
   EXPECT_THAT(stages, ::testing::ElementsAre("trajectory", "imu", "gnss", "pairs"));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::flight_test

@@ -8,8 +8,7 @@
 #include "sim/small_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::format_scenario_test {
 
 using ::testing::HasSubstr;
 using testing::SmallScenario;
@@ -161,5 +160,4 @@ TEST(Replay, StripsBelongToItAndHavePlainNames) {
   EXPECT_THAT(fault("replay: a.out, strips: [{name: 1, t0: 1, t1: 1}]"), HasSubstr("later"));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::format_scenario_test

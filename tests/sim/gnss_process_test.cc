@@ -6,8 +6,7 @@
 
 #include "small_scenario.h"
 
-namespace dn {
-namespace {
+namespace dn::gnss_process_test {
 
 using testing::SmallScenario;
 
@@ -68,5 +67,4 @@ TEST(GnssProcesses, OfAScenarioAreReadAsThoseOfAFlight) {
   EXPECT_EQ(scenario.gnss.processes[0], (GnssProcess{{0.0, 0.1, 0.2}, 60.0}));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gnss_process_test

@@ -9,8 +9,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn {
-namespace {
+namespace dn::inertial_noise_test {
 
 constexpr double kSigmas = 4.0;
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
@@ -75,5 +74,4 @@ TEST_P(InertialNoise, OfAWindowIsFound) {
 
 INSTANTIATE_TEST_SUITE_P(Presets, InertialNoise, ::testing::Values("airins", "apx15"));
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::inertial_noise_test

@@ -9,8 +9,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn {
-namespace {
+namespace dn::noise_test {
 
 using Eigen::Vector3d;
 
@@ -154,5 +153,4 @@ TEST(SimulatedImu, SamplesAreMeansOverTheirIntervals) {
   }
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::noise_test

@@ -7,8 +7,7 @@
 #include "sim/small_scenario.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::own_errors_test {
 
 using Eigen::Vector3d;
 
@@ -166,5 +165,4 @@ TEST(WriteMeasurements, LeavesTheTruthOut) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "flight" / "reference.out"));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::own_errors_test

@@ -11,8 +11,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn {
-namespace {
+namespace dn::pairs_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -256,5 +255,4 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScenario,
                                            Band{"hal2", 2000, 2500, 1}),
                          [](const auto& band) { return band.param.name; });
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::pairs_test

@@ -10,8 +10,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn {
-namespace {
+namespace dn::scanner_effects_test {
 
 using Eigen::Vector3d;
 
@@ -163,5 +162,4 @@ TEST(ScannerEffects, ConeAngleAndRangeApplyInThisOrder) {
   EXPECT_LT(LargestMisfit(flight, belief), kSamePoint_m);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::scanner_effects_test

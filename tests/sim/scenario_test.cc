@@ -17,8 +17,7 @@
 #include "testing/hostile_yaml.h"
 #include "testing/temp_folder.h"
 
-namespace dn {
-namespace {
+namespace dn::scenario_test {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
@@ -336,5 +335,4 @@ TEST(ReadScenario, FindsShippedOnesFilesAndSaysWhatIsThere) {
   EXPECT_THAT(message("lar33"), ::testing::HasSubstr("lar3"));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::scenario_test

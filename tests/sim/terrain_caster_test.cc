@@ -6,8 +6,7 @@
 #include <cmath>
 #include <string>
 
-namespace dn {
-namespace {
+namespace dn::terrain_caster_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -140,5 +139,4 @@ TEST(TerrainCaster, ReachesNoFartherThanAskedAndOnlyDownwards) {
   EXPECT_THROW(caster.Cast(origin_m, Vector3d::UnitX(), 200.0), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::terrain_caster_test

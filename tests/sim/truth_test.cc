@@ -9,8 +9,7 @@
 
 #include "sim/small_scenario.h"
 
-namespace dn {
-namespace {
+namespace dn::truth_test {
 
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
@@ -197,5 +196,4 @@ TEST(TruthTrajectory, RefusesTimesOutside) {
   EXPECT_THROW(flight.truth->State(std::nan("")), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::truth_test

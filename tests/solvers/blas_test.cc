@@ -6,8 +6,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::blas_test {
 
 /// The shared library in which a function of this process is found first.
 std::string LibraryOf(const char* function) {
@@ -39,5 +38,4 @@ TEST(Blas, ThreadCountIsGivenBack) {
   EXPECT_EQ(get(), before);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::blas_test

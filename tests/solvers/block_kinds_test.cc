@@ -7,8 +7,7 @@
 
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::block_kinds_test {
 
 constexpr double kTolerance = 1e-9;  ///< of a covariance, relative: two ways of the same algebra
 
@@ -125,5 +124,4 @@ TEST(Network, RemovedFactorsDoNotCount) {
   EXPECT_EQ(EvaluateCost(net).residuals, 2);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::block_kinds_test

@@ -7,8 +7,7 @@
 #include <numeric>
 #include <vector>
 
-namespace dn {
-namespace {
+namespace dn::elimination_order_test {
 
 /// Every block of a cube of side^3 blocks shares a factor with its neighbours.
 SymmetricCsc CubePattern(int side) {
@@ -67,5 +66,4 @@ TEST(EliminationOrder, NothingHasAnEmptyOne) {
   EXPECT_EQ(order.operations(0), 0.0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::elimination_order_test

@@ -6,8 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace dn {
-namespace {
+namespace dn::factor_errors_test {
 
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -106,5 +105,4 @@ TEST(Solve, ReportsRedundancyAndSigma0) {
   EXPECT_TRUE(std::isnan(Solve(net).adjusted.sigma0()));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::factor_errors_test

@@ -12,8 +12,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::fit_check_test {
 
 using testing::MakeVectorPrior;
 
@@ -154,5 +153,4 @@ TEST(ResidualForm, MomentsOfManyRowsAreThoseOfSamples) {
       << "on the safe side";
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::fit_check_test

@@ -10,8 +10,7 @@
 #include "testing/random.h"
 #include "testing/strip_pairs.h"
 
-namespace dn {
-namespace {
+namespace dn::gauss_helmert_test {
 
 using Eigen::Vector3d;
 using testing::BoresightError;
@@ -438,5 +437,4 @@ TEST(GaussHelmert, NotToConvergeIsReported) {
   EXPECT_EQ(result.iterations, 1);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gauss_helmert_test

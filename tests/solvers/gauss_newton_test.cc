@@ -11,8 +11,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::gauss_newton_test {
 
 using testing::MakePoseGraph;
 using testing::PoseGraph;
@@ -175,5 +174,4 @@ TEST(SharedAnalysis, FollowsAStructureThatChanges) {
   EXPECT_NEAR(more.Covariance(far)(0, 0), 4.0, 1e-12);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::gauss_newton_test

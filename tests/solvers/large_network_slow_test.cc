@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace dn {
-namespace {
+namespace dn::large_network_slow_test {
 
 /// r = x_j - x_i - z
 struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
@@ -60,5 +59,4 @@ TEST(LargeNetwork, IsSolvedInTheOrderOfItsDissection) {
   EXPECT_LT(worst, 1e-7);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::large_network_slow_test

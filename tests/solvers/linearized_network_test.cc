@@ -14,8 +14,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::linearized_network_test {
 
 using testing::MakeVectorPrior;
 
@@ -268,5 +267,4 @@ TEST(LinearizedNetwork, SizesThatDoNotFitAreNamed) {
   EXPECT_THROW(Marginals(triangle.net).Solve(Eigen::MatrixXd::Zero(5, 1)), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::linearized_network_test

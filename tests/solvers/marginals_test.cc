@@ -9,8 +9,7 @@
 #include "ceres_problem.h"
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::marginals_test {
 
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
@@ -291,5 +290,4 @@ TEST(Marginals, OfHeldBlocksOnly) {
   EXPECT_TRUE(marginals.DiagonalBlock(x.id).isZero(0.0));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::marginals_test

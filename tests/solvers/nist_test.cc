@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace dn {
-namespace {
+namespace dn::nist_test {
 
 using namespace testing;
 
@@ -147,5 +146,4 @@ TEST(Solve, AFlatThatRemainsIsNotConvergence) {
       << report.message;
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::nist_test

@@ -8,8 +8,7 @@
 #include "quiet_log.h"
 #include "serial_blas.h"
 
-namespace dn {
-namespace {
+namespace dn::parallel_settings_test {
 
 /// Two threads hold a setting, each begins before the other ends: the first one ends first.
 /// `look` is called in the main thread with none, one (twice) and none of them holding it.
@@ -73,5 +72,4 @@ TEST(ParallelSettings, OpenMpIsSerialInTheThreadsThatAskForIt) {
   EXPECT_EQ(levels(), before);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::parallel_settings_test

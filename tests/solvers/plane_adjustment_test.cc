@@ -8,8 +8,7 @@
 
 #include "testing/strip_planes.h"
 
-namespace dn {
-namespace {
+namespace dn::plane_adjustment_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -257,5 +256,4 @@ TEST(PlaneScatter, IsThatOfTheStatedCovariance) {
   EXPECT_THROW(EstimateTrajectoryScatter(PlaneProblem{}, result, scatter_options), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::plane_adjustment_test

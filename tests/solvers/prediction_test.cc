@@ -11,8 +11,7 @@
 #include "solvers/pose_graph.h"
 #include "solvers/step_factor.h"
 
-namespace dn {
-namespace {
+namespace dn::prediction_test {
 
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
@@ -177,5 +176,4 @@ TEST(Redundancy, CountsRobustWeights) {
               static_cast<double>(summary.residuals - summary.parameters), kSumTolerance);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::prediction_test

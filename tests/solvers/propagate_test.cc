@@ -6,8 +6,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::propagate_test {
 
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
@@ -116,5 +115,4 @@ TEST(Joint, HoldsTheCovarianceOfEachBlockAndZeroForOneThatIsHeld) {
   EXPECT_EQ((joint.block<3, 9>(3, 0).norm()), 0.0);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::propagate_test

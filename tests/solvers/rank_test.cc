@@ -8,8 +8,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::rank_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -179,5 +178,4 @@ TEST(Rank, AWeakGaugeOfALongChainIsNotFree) {
   EXPECT_NEAR(C(0, 0), 1.0 + 1000 * 1e-8, 1e-4);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::rank_test

@@ -14,8 +14,7 @@
 #include "solvers/pose_graph.h"
 #include "solvers/step_factor.h"
 
-namespace dn {
-namespace {
+namespace dn::restricted_likelihood_test {
 
 using testing::MakeVectorPrior;
 using testing::Step;
@@ -223,5 +222,4 @@ TEST(RestrictedLikelihood, WhatCannotBeIsNamed) {
   EXPECT_THROW(ScoreVariances(Marginals(linearized), share.head(4)), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::restricted_likelihood_test

@@ -6,8 +6,7 @@
 
 #include "testing/random.h"
 
-namespace dn {
-namespace {
+namespace dn::scale_test {
 
 constexpr int kNodes = 2000;  ///< of 10 unknowns
 constexpr int kLoops = 300;
@@ -98,5 +97,4 @@ TEST(Scale, TwentyThousandUnknowns) {
   EXPECT_LT((*C_next - columns.Rows(x[778].id).rightCols<10>()).norm(), kTolerance * C_xx.norm());
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::scale_test

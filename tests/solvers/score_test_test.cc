@@ -11,8 +11,7 @@
 #include "solvers/pose_graph.h"
 #include "solvers/step_factor.h"
 
-namespace dn {
-namespace {
+namespace dn::score_test_test {
 
 using testing::MakeVectorPrior;
 using testing::Step;
@@ -208,5 +207,4 @@ TEST(ScoreTest, SizesThatDoNotFitAreNamed) {
       << "held";
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::score_test_test

@@ -6,8 +6,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::solve_test {
 
 using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
@@ -245,5 +244,4 @@ TEST(Solve, RejectsBadOptions) {
   EXPECT_THROW((void)Solve(net, {.initial_trust_region_radius = 0.0}), InvalidConfig);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::solve_test

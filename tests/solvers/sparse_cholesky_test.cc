@@ -13,8 +13,7 @@
 #include "selected_inverse.h"
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::sparse_cholesky_test {
 
 constexpr int kSide = 8;
 constexpr int kBlockSize = 3;
@@ -137,5 +136,4 @@ TEST(SparseCholesky, SaysWhereAMatrixIsNotPositiveDefiniteAndGoesOn) {
   EXPECT_TRUE(cholesky.Factorize(cube.A));
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::sparse_cholesky_test

@@ -10,8 +10,7 @@
 
 #include "testing/strip_pairs.h"
 
-namespace dn {
-namespace {
+namespace dn::trajectory_scatter_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -355,5 +354,4 @@ TEST(TrajectoryScatter, RejectsBadInput) {
   EXPECT_THROW(run.Estimate(), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::trajectory_scatter_test

@@ -11,8 +11,7 @@
 
 #include "solvers/pose_graph.h"
 
-namespace dn {
-namespace {
+namespace dn::weak_directions_test {
 
 using ::testing::HasSubstr;
 using testing::MakePoseGraph;
@@ -95,5 +94,4 @@ TEST(WeakDirections, SumToTheCovariance) {
   EXPECT_THROW(WeakDirections(marginals, 0), InvalidInput);
 }
 
-}  // namespace
-}  // namespace dn
+}  // namespace dn::weak_directions_test

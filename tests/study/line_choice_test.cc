@@ -8,8 +8,7 @@
 #include "study/small_designs.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::line_choice_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -119,5 +118,4 @@ TEST(LineChoice, RefusesWhatIsNone) {
   EXPECT_THAT(ErrorOf("[1, 1, 1]\nanother: 1", kLines), HasSubstr("another"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::line_choice_test

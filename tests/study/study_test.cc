@@ -8,8 +8,7 @@
 
 #include "study/small_designs.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::study_test {
 
 using ::testing::HasSubstr;
 
@@ -226,5 +225,4 @@ TEST(Study, TheSummaryFitsOneScreen) {
   EXPECT_THAT(summary, HasSubstr("dn gap FLIGHT --limits"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::study_test

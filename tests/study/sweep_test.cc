@@ -9,8 +9,7 @@
 #include "study/small_designs.h"
 #include "testing/temp_folder.h"
 
-namespace dn::testing {
-namespace {
+namespace dn::testing::sweep_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -127,5 +126,4 @@ TEST(Sweep, TheShippedOneIsOne) {
   EXPECT_THAT(sweep.Labels(15), ElementsAre("two_by_two", "mems"));
 }
 
-}  // namespace
-}  // namespace dn::testing
+}  // namespace dn::testing::sweep_test
