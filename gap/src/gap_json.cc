@@ -95,6 +95,7 @@ Json Discrepancies(const std::vector<GapDiscrepancy>& discrepancies) {
     list.push_back({{"name", one.name},
                     {"log_evidence", Number(one.log_evidence)},
                     {"posterior", Number(one.posterior)}});
+    if (one.period_s) list.back()["period_s"] = Number(*one.period_s);
   }
   return list;
 }

@@ -82,7 +82,9 @@ std::string DiscrepancyLines(const GapDiagnosis& d) {
   std::string text;
   for (const GapDiscrepancy& one : d.discrepancies) {
     if (one.posterior < kLeastPosterior) continue;
-    text += fmt::format("          {:<28}{:>6.2f}{}  without a name\n", one.name, one.posterior,
+    const std::string name =
+        one.period_s ? fmt::format("{}, {:.0f} s", one.name, *one.period_s) : one.name;
+    text += fmt::format("          {:<28}{:>6.2f}{}  without a name\n", name, one.posterior,
                         Nats(one.log_evidence));
   }
   return text;

@@ -25,21 +25,6 @@ double LogWeight(const Network& net, const FoldFactor& factor) {
   return std::log(std::abs(J[static_cast<std::size_t>(at)].determinant()));
 }
 
-/// The columns of a candidate by themselves.
-EffectModel ModelOf(const Candidate& candidate, const Library& library) {
-  EffectModel model = library.blocks[candidate.block];
-  if (!candidate.cells) return model;
-  const CellRange& cells = *candidate.cells;
-  for (EffectPart& part : model) {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(part.L.rows(), cells.width);
-    for (int k = cells.first; k < cells.past; ++k) {
-      sum += part.L.middleCols(cells.width * k, cells.width);
-    }
-    part.L = std::move(sum);
-  }
-  return model;
-}
-
 /// The likeliest of the effects that a flight's screen has left.
 std::vector<FoldDensity::Further> LikeliestFurther(const ExplainedFlight& explained) {
   std::vector<FoldDensity::Further> further;

@@ -14,7 +14,7 @@ namespace dn::internal {
 namespace {
 
 constexpr double kShortestPeriodS = 30.0;
-constexpr int kMostGnssCosines = 40, kMostBiasCosines = 24;
+constexpr int kMostGnssCosines = 60, kMostBiasCosines = 24;
 constexpr double kNetworkTausS[] = {10.0, 40.0, 160.0, 640.0};
 
 Candidate Physical(const std::string& name, std::size_t block) {
@@ -53,8 +53,8 @@ class LibraryMaker {
     for (auto at = found.begin(); at != first_own; ++at) AddFixed(std::move(*at));
     for (std::size_t k = 0; k < own.size(); ++k)
       AddOwn(std::move(*(first_own + static_cast<std::ptrdiff_t>(k))));
-    AddBiasProcesses("gyro_bias_process", network_.gyro_bias);
-    AddBiasProcesses("accel_bias_process", network_.accel_bias);
+    AddBiasProcesses("gyro_bias_process", "gyro bias oscillation", network_.gyro_bias);
+    AddBiasProcesses("accel_bias_process", "accel bias oscillation", network_.accel_bias);
     return std::move(library_);
   }
 
@@ -109,6 +109,7 @@ class LibraryMaker {
       AddGnssSteps(block);
     } else if (name == "GNSS positions by frequency") {
       AddProcesses("gnss_correlated_noise", block, gnss_cosines_);
+      AddPeriods("GNSS oscillation", block, gnss_cosines_, typical.head<3>());
       return;
     } else if (name == "boresight by time") {
       AddBoresightSteps(block);
@@ -152,14 +153,22 @@ class LibraryMaker {
     }
   }
 
+  /// Usual sigmas of a process; where it has one, that of all axes.
+  static Eigen::Vector3d Axes(const EffectSpec& process) {
+    Eigen::Vector3d axes = Eigen::Vector3d::Constant(process.components[0].typical_si());
+    if (process.components.size() < 4) return axes;
+    for (std::size_t k = 1; k < 3; ++k) {
+      axes[static_cast<Eigen::Index>(k)] = process.components[k].typical_si();
+    }
+    return axes;
+  }
+
   void AddProcesses(const std::string& name, std::size_t block, const Cosines& cosines) {
     if (!options_.Wanted(name)) return;
     for (const double tau_s : kNetworkTausS) {
       if (tau_s > 0.5 * length_s_) continue;
       Candidate process = Physical(name, block);
-      const Eigen::VectorXd axes = process.typical.size() == 3
-                                       ? process.typical
-                                       : Eigen::VectorXd::Constant(3, process.typical[0]).eval();
+      const Eigen::Vector3d axes = Axes(*FindEffect(name));
       const Eigen::VectorXd of_cosine = cosines.GaussMarkov(tau_s);
       process.typical.resize(3 * of_cosine.size());
       for (Eigen::Index k = 0; k < of_cosine.size(); ++k) {
@@ -170,9 +179,26 @@ class LibraryMaker {
     }
   }
 
+  /// An oscillation: its power lies in two neighbouring cosines, where that of a process is spread.
+  void AddPeriods(const std::string& words, std::size_t block, const Cosines& cosines,
+                  const Eigen::Vector3d& axes) {
+    for (int k = 1; k + 1 < cosines.count; ++k) {
+      Candidate wave;
+      wave.name = words;
+      wave.physical = false;
+      wave.block = block;
+      wave.cells = CellRange{k, k + 2, 3, false};
+      wave.period_s = 2.0 / (cosines.FrequencyHz(k) + cosines.FrequencyHz(k + 1));
+      wave.typical = axes.replicate<2, 1>();
+      wave.unit = "1";
+      library_.candidates.push_back(std::move(wave));
+    }
+  }
+
   /// An error of the sensor enters as its bias does.
-  void AddBiasProcesses(const std::string& name, const std::vector<ProcessChain>& chains) {
-    if (chains.empty() || !options_.Wanted(name)) return;
+  void AddBiasProcesses(const std::string& name, const std::string& words,
+                        const std::vector<ProcessChain>& chains) {
+    if (chains.empty()) return;
     const ProcessChain& chain = *std::max_element(
         chains.begin(), chains.end(),
         [](const auto& a, const auto& b) { return a.blocks.size() < b.blocks.size(); });
@@ -189,7 +215,9 @@ class LibraryMaker {
       }
       AddBias(edge.id, blocks, &model);
     }
-    AddProcesses(name, AddBlock(std::move(model)), bias_cosines_);
+    const std::size_t block = AddBlock(std::move(model));
+    AddProcesses(name, block, bias_cosines_);
+    AddPeriods(words, block, bias_cosines_, Axes(*FindEffect(name)));
   }
 
   void AddBias(FactorId id, const std::map<BlockId, double>& blocks, EffectModel* model) const {
@@ -219,29 +247,12 @@ class LibraryMaker {
   Library library_;
 };
 
-/// X summed over the cells of a candidate, whose block begins at `first`: cells are rows.
-Eigen::MatrixXd SumOfRows(const Candidate& candidate, const JointScore& score,
-                          const Eigen::MatrixXd& X) {
+/// The rows of X that a candidate is about.
+Eigen::MatrixXd RowsOf(const Candidate& candidate, const JointScore& score,
+                       const Eigen::Ref<const Eigen::MatrixXd>& X) {
   const Eigen::Index first = score.first[candidate.block];
-  if (!candidate.cells) return X.middleRows(first, score.first[candidate.block + 1] - first);
-  const CellRange& cells = *candidate.cells;
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(cells.width, X.cols());
-  for (int k = cells.first; k < cells.past; ++k) {
-    sum += X.middleRows(first + cells.width * k, cells.width);
-  }
-  return sum;
-}
-
-Eigen::MatrixXd SumOfColumns(const Candidate& candidate, const JointScore& score,
-                             const Eigen::Ref<const Eigen::MatrixXd>& X) {
-  const Eigen::Index first = score.first[candidate.block];
-  if (!candidate.cells) return X.middleCols(first, score.first[candidate.block + 1] - first);
-  const CellRange& cells = *candidate.cells;
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(X.rows(), cells.width);
-  for (int k = cells.first; k < cells.past; ++k) {
-    sum += X.middleCols(first + cells.width * k, cells.width);
-  }
-  return sum;
+  const auto of_block = X.middleRows(first, score.first[candidate.block + 1] - first);
+  return candidate.cells ? candidate.cells->Rows(of_block) : Eigen::MatrixXd(of_block);
 }
 
 }  // namespace
@@ -258,9 +269,23 @@ Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linea
   return LibraryMaker(network, linearized, options).Run();
 }
 
+Eigen::MatrixXd CellRange::Rows(const Eigen::Ref<const Eigen::MatrixXd>& X) const {
+  if (!in_common) return X.middleRows(width * first, width * (past - first));
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(width, X.cols());
+  for (int k = first; k < past; ++k) sum += X.middleRows(width * k, width);
+  return sum;
+}
+
+EffectModel ModelOf(const Candidate& candidate, const Library& library) {
+  EffectModel model = library.blocks[candidate.block];
+  if (!candidate.cells) return model;
+  for (EffectPart& part : model) part.L = candidate.cells->Rows(part.L.transpose()).transpose();
+  return model;
+}
+
 Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,
                         const Eigen::VectorXd& s) {
-  return SumOfRows(candidate, score, s);
+  return RowsOf(candidate, score, s);
 }
 
 Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& score) {
@@ -268,26 +293,26 @@ Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& scor
 }
 
 Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const JointScore& score) {
-  // The rows of a first: of a range of cells few are needed.
+  // The columns of a first: of a range of cells few are needed.
   const Eigen::Index first = score.first[a.block];
-  const Eigen::Index begin = a.cells ? first + a.cells->width * a.cells->first : first;
-  const Eigen::Index past =
-      a.cells ? first + a.cells->width * a.cells->past : score.first[a.block + 1];
-  Eigen::MatrixXd rows = SumOfColumns(b, score, score.A.middleRows(begin, past - begin));
-  if (!a.cells) return rows;
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(a.cells->width, rows.cols());
-  for (Eigen::Index k = 0; k < rows.rows(); k += a.cells->width) {
-    sum += rows.middleRows(k, a.cells->width);
+  if (!a.cells) {
+    return RowsOf(b, score, score.A.middleCols(first, score.first[a.block + 1] - first))
+        .transpose();
   }
-  return sum;
+  CellRange cells = *a.cells;
+  const Eigen::Index begin = first + cells.width * cells.first;
+  cells.past -= cells.first;
+  cells.first = 0;
+  return cells.Rows(
+      RowsOf(b, score, score.A.middleCols(begin, cells.width * cells.past)).transpose());
 }
 
 Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score) {
-  return SumOfRows(candidate, score, score.signature2);
+  return RowsOf(candidate, score, score.signature2);
 }
 
 Eigen::MatrixXd ShiftOf(const Candidate& candidate, const JointScore& score) {
-  return SumOfColumns(candidate, score, score.shift);
+  return RowsOf(candidate, score, score.shift.transpose()).transpose();
 }
 
 }  // namespace dn::internal

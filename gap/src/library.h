@@ -12,10 +12,14 @@
 
 namespace dn::internal {
 
-/// Cells of a block that have one value in common: sum of their columns.
+/// Cells of a block that have one value in common, sum of their columns, or each one of its own.
 struct CellRange {
   int first = 0, past = 0;
   int width = 3;  ///< columns of a cell
+  bool in_common = true;
+
+  /// X of the columns of all cells, one per row, reduced to those of the range.
+  Eigen::MatrixXd Rows(const Eigen::Ref<const Eigen::MatrixXd>& X) const;
 };
 
 /// One way in which the data may depart from the model: columns of a block, or sums of them, whose
@@ -26,7 +30,8 @@ struct Candidate {
   EffectTimes times;
   std::optional<double> tau_s;     ///< of a process: its columns are cosines
   std::size_t block = 0;           ///< of Library::blocks
-  std::optional<CellRange> cells;  ///< absent: the columns themselves
+  std::optional<CellRange> cells;  ///< absent: all columns of the block
+  std::optional<double> period_s;  ///< of an oscillation
   Eigen::VectorXd typical;         ///< usual size of each component, SI
   std::string unit;
   double per_si = 1.0;
@@ -51,6 +56,9 @@ struct LibraryOptions {
 /// cosines; discrepancies without a name.
 Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linearized,
                     const LibraryOptions& options);
+
+/// The columns of a candidate by themselves.
+EffectModel ModelOf(const Candidate& candidate, const Library& library);
 
 /// The part of a statistic that a candidate is about.
 Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,

@@ -102,6 +102,7 @@ ScreenedEffect Screen::Describe(const EffectFamily& family) const {
   effect.log_evidence = sum.Value() - std::log(static_cast<double>(family.past - family.first));
   const Candidate& candidate = library_.candidates[effect.candidate];
   effect.times = candidate.times;
+  effect.period_s = candidate.period_s;
   const ScoreTest test = Test(effect.candidate, score_.s);
   if (test.dof > 0) {
     effect.p_value = std::min(1.0, ChiSquareTail(test.statistic, test.dof) *

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct ScreenedEffect {
   std::string name;
   bool physical = true;
   EffectTimes times;
+  std::optional<double> period_s;
   double log_evidence = 0.0;  ///< averaged over sizes, windows and time constants
   double p_value = 1.0;       ///< of the best, times the number of those tried
   Eigen::VectorXd estimate;   ///< of a process: sigmas, then tau

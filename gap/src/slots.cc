@@ -147,7 +147,8 @@ void FillCauses(const std::vector<ScreenedEffect>& screened, const std::vector<S
   for (const ScreenedEffect& effect : screened) {
     const double posterior = ProbabilityInAny(slots, effect.name);
     if (!effect.physical) {
-      diagnosis->discrepancies.push_back({effect.name, effect.log_evidence, posterior});
+      diagnosis->discrepancies.push_back(
+          {effect.name, effect.log_evidence, posterior, effect.period_s});
       continue;
     }
     const auto taken = std::any_of(named.begin(), named.end(), [&](const GapCause& cause) {

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
 
 #include "testing/short_flights.h"
 
@@ -75,6 +78,38 @@ TEST(Attribute, GrossErrorsAreNotALargerNoiseAsWell) {
 TEST(Attribute, RawNoiseIsNoProcess) {
   for (const Attribution& attribution : OfSeeds("{effect: gyro_noise_scale, value: 2.4}")) {
     EXPECT_THAT(Names(attribution), ElementsAre("gyro_noise_scale"));
+  }
+}
+
+/// The strongest oscillation of the GNSS positions that is left once the causes are in.
+const ScreenedEffect& OscillationLeft(const Attribution& attribution) {
+  const ExplainedFlight& last = attribution.final ? *attribution.final : *attribution.base;
+  const auto found =
+      std::find_if(last.effects.begin(), last.effects.end(),
+                   [](const ScreenedEffect& effect) { return effect.name == "GNSS oscillation"; });
+  return found == last.effects.end() ? throw std::runtime_error("none screened") : *found;
+}
+
+// A correlated noise takes waves up, in size and in time; that their power lies at one period stays.
+TEST(Attribute, WavesAreNotAllOfACorrelatedNoise) {
+  constexpr double kPeriodS = 40.0;
+  SimulateOptions options;
+  options.own.antenna_enu_m = [](double t_s) {
+    const double phase = 2.0 * std::numbers::pi * t_s / kPeriodS;
+    return Eigen::Vector3d(0.06 * std::sin(phase), 0.05 * std::cos(phase), 0.08 * std::sin(phase));
+  };
+  const Flight flight = Simulate(AircraftScenario(), options).flight;
+  const ScreenedEffect left = OscillationLeft(Attributed(flight));
+  EXPECT_GT(left.log_evidence, kThresholdNats);
+  ASSERT_TRUE(left.period_s.has_value());
+  EXPECT_NEAR(*left.period_s, kPeriodS, 0.15 * kPeriodS);
+}
+
+TEST(Attribute, ACorrelatedNoiseLeavesNoOscillation) {
+  for (const Attribution& attribution :
+       OfSeeds("{effect: gnss_correlated_noise, value: [0.06, 0.06, 0.1, 20]}")) {
+    EXPECT_THAT(Names(attribution), ElementsAre("gnss_correlated_noise"));
+    EXPECT_LT(OscillationLeft(attribution).log_evidence, kThresholdNats);
   }
 }
 

@@ -56,7 +56,9 @@ TEST(GapJson, HoldsVerdictAndShrinkage) {
   const Json json = GapJson(LeverArmDiagnosis());
   EXPECT_EQ(json["discrepancies"][0]["name"], "laser vectors by strip");
   EXPECT_EQ(json["discrepancies"][0]["log_evidence"], 3.5);
+  EXPECT_FALSE(json["discrepancies"][0].contains("period_s"));
   EXPECT_EQ(json["discrepancies"][1]["posterior"], 0.01);
+  EXPECT_EQ(json["discrepancies"][1]["period_s"], 42.4);
   EXPECT_EQ(json["verdict"]["kind"], "identified");
   EXPECT_EQ(json["verdict"]["effects"], Json::array({"gnss_lever_arm"}));
   EXPECT_EQ(json["verdict"]["unknown"], false);

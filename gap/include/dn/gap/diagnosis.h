@@ -54,8 +54,9 @@ struct GapCause {
 /// competes with the effects, so that what has no name is not given one.
 struct GapDiscrepancy {
   std::string name;
-  double log_evidence = 0.0;  ///< nats
-  double posterior = 0.0;     ///< that it is the better account of a part of the gap
+  double log_evidence = 0.0;       ///< nats
+  double posterior = 0.0;          ///< that it is the better account of a part of the gap
+  std::optional<double> period_s;  ///< of an oscillation
 };
 
 /// How large the gap is: mean Kullback-Leibler divergence of predictive errors, nats/observation.
