@@ -73,7 +73,7 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
   std::vector<std::vector<AllanPoint>> curves;
   for (int i = 0; i < 3; ++i) {
     run->progress.Stage("Allan variance", fmt::format("{} {}", units.name, kAxes[i]));
-    if (Interrupted()) throw dn::Interrupted();
+    if (SignalCame()) throw dn::Interrupted();
     const std::vector<double> values = AxisValues(imu, gyro, i);
     Axis axis;
     axis.mean = MeanRate(values);

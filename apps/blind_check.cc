@@ -121,7 +121,7 @@ PlotPanel BoresightPanel(const std::string& label, const std::vector<BlindRecord
 
 void AddPlots(const BlindScore& score, const std::vector<BlindRecord>& records, Run* run) {
   const auto reliability = DrawSvg("posterior of a cause: stated, and how often it is there",
-                                   "stated", {ReliabilityPanel(score)}, Interrupted);
+                                   "stated", {ReliabilityPanel(score)}, SignalCame);
   if (!reliability) {
     run->progress.Warn("no plots: gnuplot is not installed or failed");
     return;
@@ -130,7 +130,7 @@ void AddPlots(const BlindScore& score, const std::vector<BlindRecord>& records, 
   const auto errors = DrawSvg("boresight errors in sigmas", "flight",
                               {BoresightPanel("as assumed", records, &BlindRecord::calibrated),
                                BoresightPanel("adapted", records, &BlindRecord::adapted)},
-                              Interrupted);
+                              SignalCame);
   if (errors) run->AddFile("boresight_errors.svg", *errors);
 }
 

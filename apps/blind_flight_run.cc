@@ -42,7 +42,7 @@ void WriteFlight(const BlindFlight& flight, const Places& places) {
   SimulateOptions simulate;
   simulate.seed = flight.seed;
   simulate.progress = [](const std::string&, double) {
-    if (Interrupted()) throw dn::Interrupted();
+    if (SignalCame()) throw dn::Interrupted();
   };
   if (flight.outsider) simulate.own = MakeOwnErrors(*flight.outsider, flight.scenario);
   const SimulatedFlight simulated = Simulate(flight.scenario, simulate);
@@ -68,8 +68,7 @@ Outcome<T> RunCommand(const std::vector<std::string>& arguments, const fs::path&
   command.insert(command.end(), {"--threads", "1", "--out", out.string()});
   fs::path log = out;
   log += ".log";
-  const ProcessUsage usage =
-      RunProgram(command, log, {kLongestRun_s, [] { return Interrupted(); }});
+  const ProcessUsage usage = RunProgram(command, log, {kLongestRun_s, [] { return SignalCame(); }});
   Outcome<T> outcome;
   outcome.time_s = usage.wall_s;
   const fs::path result = out / result_name;

@@ -215,7 +215,7 @@ GaussHelmertRun CalibrateByGaussHelmert(const Flight& flight, double read_s, Run
   GaussHelmertFlightOptions options;
   options.threads = run->options().threads;
   options.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
-  options.interrupted = [] { return apps::Interrupted(); };
+  options.interrupted = [] { return apps::SignalCame(); };
   GaussHelmertRun out{CalibrateGaussHelmert(flight, options), {}};
   out.timings.read_s = read_s;
   out.timings.solve_s = out.calibration.solve_time_s;

@@ -25,7 +25,7 @@ PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
   options.strips.gsd_m = flight.config.lidar->gsd_m;
   options.strips.threads = run->options().threads;
   options.strips.progress = [run](const std::string& stage) {
-    if (Interrupted()) throw dn::Interrupted();
+    if (SignalCame()) throw dn::Interrupted();
     run->progress.Stage(stage);
   };
   SharedPlanes shared = FindSharedPlanes(flight, opened.source.get(), options);
@@ -46,7 +46,7 @@ PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
   GaussHelmertFlightOptions calibrate;
   calibrate.threads = run->options().threads;
   calibrate.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
-  calibrate.interrupted = [] { return apps::Interrupted(); };
+  calibrate.interrupted = [] { return apps::SignalCame(); };
   out.calibration = CalibratePlanes(flight, std::move(shared.planes), calibrate);
   out.timings.solve_s = out.calibration.solve_time_s;
   out.timings.covariance_s = out.calibration.covariance_time_s;

@@ -72,7 +72,7 @@ ProcessUsage RunProgram(const std::vector<std::string>& command,
     std::this_thread::sleep_for(kPoll);
   }
   const double wall_s = SecondsSince(start);
-  if (interrupted) throw Interrupted();
+  if (interrupted) throw dn::Interrupted();
   if (WIFEXITED(status) && WEXITSTATUS(status) == kCannotRun) {
     throw std::system_error(ENOENT, std::generic_category(), "cannot run " + command.front());
   }

@@ -57,7 +57,7 @@ std::string OutputText(const std::filesystem::filesystem_error& error) {
 }
 
 Failure Classify(const std::exception& error, const CommonOptions& options) {
-  if (dynamic_cast<const dn::Interrupted*>(&error) != nullptr || Interrupted()) {
+  if (dynamic_cast<const dn::Interrupted*>(&error) != nullptr || SignalCame()) {
     return {130, "interrupted", InterruptedText(options)};
   }
   if (const auto* config = dynamic_cast<const InvalidConfig*>(&error)) {

@@ -32,14 +32,14 @@ class Fleet {
     Work();
     for (std::thread& thread : threads) thread.join();
     if (error_) std::rethrow_exception(error_);
-    if (Interrupted()) throw dn::Interrupted();
+    if (SignalCame()) throw dn::Interrupted();
   }
 
  private:
   void Work() {
     for (;;) {
       const std::size_t k = next_++;
-      if (k >= count_ || Interrupted() || failed_) return;
+      if (k >= count_ || SignalCame() || failed_) return;
       try {
         fly_(k);
         const std::lock_guard lock(mutex_);

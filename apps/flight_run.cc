@@ -53,7 +53,7 @@ void AddPlots(const FlightRun& flight_run, Run* run) {
   const std::string name = flight_run.flight.config.name;
   const auto add = [&](const std::string& file, const std::string& title,
                        const std::vector<PlotPanel>& content) {
-    if (const auto svg = DrawSvg(title, "time since start [s]", content, Interrupted)) {
+    if (const auto svg = DrawSvg(title, "time since start [s]", content, SignalCame)) {
       run->AddFile(file, *svg);
     } else {
       run->progress.Warn(
@@ -149,7 +149,7 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   options.progress = [run](const std::string& stage, int iterations) {
     run->progress.Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
   };
-  options.interrupted = [] { return apps::Interrupted(); };
+  options.interrupted = [] { return apps::SignalCame(); };
   Adjustment adjustment = Adjust(result->flight, options);
   result->timings.solve_s = SecondsSince(solve_start);
 

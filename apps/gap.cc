@@ -49,7 +49,7 @@ GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
   gap.progress = [run](const std::string& stage, double fraction) {
     run->progress.Stage(stage, Share{fraction, 1.0, {}});
   };
-  gap.interrupted = [] { return apps::Interrupted(); };
+  gap.interrupted = [] { return apps::SignalCame(); };
   gap.Validate();
   return gap;
 }
@@ -67,7 +67,7 @@ Flight Read(const GapArguments& options, Run* run) {
 
 void AddPlots(const GapDiagnosis& diagnosis, Run* run) {
   for (const GapPlot& plot : GapPlots(diagnosis)) {
-    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, Interrupted);
+    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalCame);
     if (!svg) {
       run->progress.Warn("no plots: gnuplot is not installed or failed; gap.json has the numbers");
       return;

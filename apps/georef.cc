@@ -220,7 +220,7 @@ Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
   if (!warning.empty()) run.progress.Warn(warning);
   GeoreferencedStrip strip =
       georeferencer.Run(file, run.files().Stage("strips/" + name), [&](std::uint64_t points) {
-        if (Interrupted()) throw dn::Interrupted();
+        if (SignalCame()) throw dn::Interrupted();
         if (all) {
           run.progress.Stage(
               stage, Share{static_cast<double>(points), static_cast<double>(*all), "points"});

@@ -60,7 +60,7 @@ std::optional<Identity> IdentityOf(const fs::path& file) {
   Sha256 hash;
   std::string piece(kPiece, '\0');
   while (in) {
-    if (Interrupted()) throw dn::Interrupted();
+    if (SignalCame()) throw dn::Interrupted();
     in.read(piece.data(), static_cast<std::streamsize>(piece.size()));
     const auto count = static_cast<std::size_t>(in.gcount());
     hash.Add(piece.data(), count);

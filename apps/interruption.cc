@@ -145,7 +145,7 @@ bool IsIgnored(int signal) {
 
 }  // namespace
 
-bool Interrupted() { return g_interrupted; }
+bool SignalCame() { return g_interrupted; }
 
 void InstallSignalHandlers() {
   for (const int signal : {SIGPIPE, SIGXFSZ}) Handle(signal, SIG_IGN, 0);

@@ -6,7 +6,7 @@
 namespace dn::apps {
 
 /// True after SIGINT, SIGTERM or SIGHUP.
-bool Interrupted();
+bool SignalCame();
 
 /// From here on such a signal asks the work to end, and what has not ended 0.4 s later is ended by
 /// force, as by a second signal: nothing stays of what was staged, exit code 130. A SIGHUP that the

@@ -131,7 +131,7 @@ MatchOptions MatchOptionsOf(Run& run) {
   MatchOptions options;
   options.threads = run.options().threads;
   options.progress = [&run](const std::string& stage, const std::string& done) {
-    if (Interrupted()) throw dn::Interrupted();
+    if (SignalCame()) throw dn::Interrupted();
     run.progress.Stage(stage, done);
   };
   return options;

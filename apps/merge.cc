@@ -107,7 +107,7 @@ template <class Record, class Parse>
 std::vector<Record> Records(const Shards& shards, const RecordFolder& merged, const Parse& parse) {
   std::vector<Record> records;
   for (const auto& [number, file] : shards.records) {
-    if (Interrupted()) throw dn::Interrupted();
+    if (SignalCame()) throw dn::Interrupted();
     records.push_back(RecordFolder::ReadFile(file, parse));
     merged.Write(number, ToJson(records.back()));
   }

@@ -44,7 +44,7 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
   }
   const std::string title =
       fmt::format("{}: trajectory NEES over {} flights", scenario, summary.flights);
-  const auto trajectory = DrawSvg(title, "time since the first node [s]", panels, Interrupted);
+  const auto trajectory = DrawSvg(title, "time since the first node [s]", panels, SignalCame);
   if (!trajectory) {
     run->progress.Warn("no plots: gnuplot is not installed or failed");
     return;
@@ -65,7 +65,7 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
     angles.push_back({names[i], {errors, Level("+3", 3.0, seeds), Level("-3", -3.0, seeds)}});
   }
   if (const auto svg =
-          DrawSvg(scenario + ": boresight errors in sigmas", "seed", angles, Interrupted)) {
+          DrawSvg(scenario + ": boresight errors in sigmas", "seed", angles, SignalCame)) {
     run->AddFile("boresight_errors.svg", *svg);
   }
 }
@@ -76,7 +76,7 @@ std::vector<FlightRecord> Fly(const MonteCarloArguments& options, const Scenario
   FlightRecordOptions how;
   how.with_pairs = !options.without_pairs;
   how.epoch_spacing_s = options.epoch_spacing_s;
-  how.interrupted = [] { return Interrupted(); };
+  how.interrupted = [] { return SignalCame(); };
   std::vector<FlightRecord> records(seeds.size());
   const auto fly = [&](std::size_t k) {
     std::optional<FlightRecord> record = folder.Read(seeds[k], &FlightRecordFromJson);

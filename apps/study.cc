@@ -44,7 +44,7 @@ StudyOptions MakeOptions(const StudyArguments& options, const Run& run) {
   study.design.threads = run.options().threads;
   study.design.seed = options.seed;
   study.design.estimate = options.estimate;
-  study.design.interrupted = [] { return Interrupted(); };
+  study.design.interrupted = [] { return SignalCame(); };
   study.remedies = !options.no_remedies;
   return study;
 }
@@ -83,7 +83,7 @@ void AddSeries(const StudyResult& study, Run* run) {
 
 void AddPlots(const StudyResult& study, Run* run) {
   for (const StudyPlot& plot : StudyPlots(study)) {
-    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, Interrupted);
+    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalCame);
     if (!svg) {
       run->progress.Warn(
           "no plots: gnuplot is not installed or failed; study.json has the numbers");

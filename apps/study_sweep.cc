@@ -20,7 +20,7 @@ namespace {
 std::vector<SweepRecord> StudyAll(const Sweep& sweep, const RecordFolder& folder,
                                   const std::vector<std::uint64_t>& numbers, Run* run) {
   DesignOptions design;
-  design.interrupted = [] { return Interrupted(); };
+  design.interrupted = [] { return SignalCame(); };
   std::vector<SweepRecord> records(numbers.size());
   const auto study = [&](std::size_t k) {
     std::optional<SweepRecord> record = folder.Read(numbers[k], &SweepRecordFromJson);
@@ -76,7 +76,7 @@ void AddSweepResults(const Json& made_from, const std::vector<SweepRecord>& reco
   const std::string table = SweepTable(paths, records);
   run->AddFile("summary.txt", table);
   for (const StudyPlot& plot : SweepPlots(paths, records)) {
-    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, Interrupted);
+    const auto svg = DrawSvg(plot.title, plot.x_label, plot.panels, SignalCame);
     if (!svg) {
       run->progress.Warn("no plots: gnuplot is not installed or failed; sweep.csv has the numbers");
       break;

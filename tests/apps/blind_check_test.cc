@@ -104,6 +104,8 @@ TEST(BlindCheckUsage, AnInterruptedCheckEndsItsPrograms) {
   ProgramOptions options;
   options.arguments = Arguments(folder.path() / "out", "1/1");
   options.arguments[2] = "50";
+  // When the first flight has landed, the other one is in the hands of its program.
+  options.arguments[8] = "2";
   options.signal = SIGINT;
   options.signal_after = "flights (";
   const ProgramRun run = RunProgram(options);
