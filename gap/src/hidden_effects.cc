@@ -5,6 +5,7 @@
 #include <dn/solvers/fit_check.h>
 #include <dn/symmetric_eigen.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,12 +28,41 @@ struct Rival {
   std::string name;
 };
 
+/// How much of one effect others take up.
+class Mimicry {
+ public:
+  explicit Mimicry(const Screen& screen)
+      : screen_(screen), inverse_(screen.library().candidates.size()) {}
+
+  /// c^T A^+ c of a candidate, c its cross information with the effect.
+  double Of(std::size_t candidate, const Eigen::VectorXd& c) {
+    Eigen::MatrixXd& inverse = inverse_[candidate];
+    if (inverse.size() == 0) inverse = screen_.Test(candidate, screen_.score().s).covariance;
+    return c.dot(inverse * c);
+  }
+
+ private:
+  const Screen& screen_;
+  std::vector<Eigen::MatrixXd> inverse_;  // of the candidates that were asked for
+};
+
+/// A matrix whose product with its transpose is C, which is positive semidefinite.
+Eigen::MatrixXd RootOf(const Eigen::MatrixXd& C) {
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(C);
+  Eigen::MatrixXd root = ldlt.matrixL();
+  root = root * ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  return ldlt.transpositionsP().transpose() * root;
+}
+
 /// The decision on the scores of some candidates, simulated.
 class NamingTrials {
  public:
-  NamingTrials(const Screen& screen, std::size_t truth, const Eigen::VectorXd& direction,
-               double threshold_nats)
-      : screen_(screen), direction_(direction), threshold_nats_(threshold_nats) {
+  NamingTrials(const Screen& screen, Mimicry* mimicry, std::size_t truth,
+               const Eigen::VectorXd& direction, double threshold_nats)
+      : screen_(screen),
+        mimicry_(*mimicry),
+        direction_(direction),
+        threshold_nats_(threshold_nats) {
     rivals_.push_back({truth, screen.library().candidates[truth].name});
     FindRivals();
     Factor();
@@ -74,7 +104,7 @@ class NamingTrials {
       for (std::size_t k = family.first; k < family.past; k += stride) {
         const Candidate& other = screen_.library().candidates[k];
         const Eigen::VectorXd c = InformationOf(other, truth, screen_.score()) * direction_;
-        const double mimicked = screen_.Mimicked(k, c) / std::max(lambda, 1e-300);
+        const double mimicked = mimicry_.Of(k, c) / std::max(lambda, 1e-300);
         if (mimicked > most) {
           most = mimicked;
           best = k;
@@ -98,22 +128,18 @@ class NamingTrials {
         joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
             InformationOf(CandidateOf(rivals_[a]), CandidateOf(rivals_[b]), screen_.score());
       }
-      forms_.push_back(EvidenceForm(
-          joint.block(first_[a], first_[a], first_[a + 1] - first_[a], first_[a + 1] - first_[a]),
-          CandidateOf(rivals_[a]).typical));
     }
     // An effect that is there takes its signature from the residuals: the score falls.
     cross_ = -joint.leftCols(first_[1]);
-    const SymmetricEigen eigen(joint);
-    root_ = eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    root_ = RootOf(joint);
   }
 
   std::string Best(const Eigen::VectorXd& s) const {
     std::string best;
     double most = threshold_nats_;
     for (std::size_t k = 0; k < rivals_.size(); ++k) {
-      const double evidence =
-          forms_[k].LogEvidence(s.segment(first_[k], first_[k + 1] - first_[k]));
+      const double evidence = screen_.form(rivals_[k].candidate)
+                                  .LogEvidence(s.segment(first_[k], first_[k + 1] - first_[k]));
       if (evidence <= most) continue;
       most = evidence;
       best = rivals_[k].name;
@@ -122,11 +148,11 @@ class NamingTrials {
   }
 
   const Screen& screen_;
+  Mimicry& mimicry_;
   Eigen::VectorXd direction_;
   double threshold_nats_;
   std::vector<Rival> rivals_;
   std::vector<Eigen::Index> first_;
-  std::vector<EvidenceForm> forms_;
   Eigen::MatrixXd cross_, root_;
 };
 
@@ -137,8 +163,8 @@ Eigen::VectorXd UsualDirection(const Candidate& candidate, const Eigen::MatrixXd
   return candidate.typical.cwiseProduct(best);
 }
 
-HiddenEffect Limits(const Screen& screen, const EffectFamily& family, double threshold_nats,
-                    std::uint64_t seed) {
+HiddenEffect Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& family,
+                    double threshold_nats, std::uint64_t seed) {
   const std::size_t middle = family.first + (family.past - family.first) / 2;
   const Candidate& candidate = screen.library().candidates[middle];
   const Eigen::MatrixXd A = InformationOf(candidate, screen.score());
@@ -158,7 +184,7 @@ HiddenEffect Limits(const Screen& screen, const EffectFamily& family, double thr
       hidden.boresight_damage_rad = times * ShiftOf(candidate, screen.score()) * direction;
     }
   }
-  const NamingTrials decision(screen, middle, direction, threshold_nats);
+  const NamingTrials decision(screen, mimicry, middle, direction, threshold_nats);
   std::map<std::string, int> instead;
   const double start = std::clamp(hidden.minimal_detectable / unit, 1.0 / kLargest, kLargest);
   for (double size = 0.5 * start; size <= kLargest * std::max(1.0, start); size *= kStep) {
@@ -180,9 +206,11 @@ HiddenEffect Limits(const Screen& screen, const EffectFamily& family, double thr
 std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_nats,
                                         std::uint64_t seed) {
   std::vector<HiddenEffect> hidden;
+  Mimicry mimicry(screen);
   for (const EffectFamily& family : screen.families()) {
     const bool process = screen.library().candidates[family.first].tau_s.has_value();
-    if (family.physical && !process) hidden.push_back(Limits(screen, family, threshold_nats, seed));
+    if (!family.physical || process) continue;
+    hidden.push_back(Limits(screen, &mimicry, family, threshold_nats, seed));
   }
   std::stable_sort(hidden.begin(), hidden.end(), [](const auto& a, const auto& b) {
     return a.boresight_damage_rad.norm() > b.boresight_damage_rad.norm();

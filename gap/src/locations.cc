@@ -92,7 +92,7 @@ Locations::Locations(const FlightNetwork& network, const LinearizedNetwork& line
 
 void Locations::Add(const LocationStatistic& statistic, Form form, Terms terms) {
   statistics_.push_back(statistic);
-  recipes_.push_back({form, std::move(terms), {}, 1.0});
+  recipes_.push_back({form, std::move(terms), {}});
 }
 
 void Locations::AddSeries(const Series& series) {
@@ -132,14 +132,13 @@ void Locations::AddWindows(const Series& series) {
 void Locations::AddBands(const Series& series) {
   const double length_s = series.terms.back().second - series.terms.front().second;
   if (series.terms.size() < 64 || !(length_s > 0.0)) return;
-  Terms places;
-  for (std::size_t k = 0; k < series.terms.size(); ++k) {
-    places.emplace_back(series.terms[k].first,
-                        (static_cast<double>(k) + 0.5) / static_cast<double>(series.terms.size()));
-  }
+  const auto n = static_cast<Eigen::Index>(series.terms.size());
+  const Eigen::ArrayXd place =
+      (Eigen::ArrayXd::LinSpaced(n, 0.0, static_cast<double>(n - 1)) + 0.5) *
+      (std::numbers::pi / static_cast<double>(n));
   for (int low = 1; low <= 32; low *= 2) {
-    Recipe recipe{Form::kBand, places, {}, 1.0};
-    for (int wave = low; wave < 2 * low; ++wave) recipe.waves.push_back(wave);
+    Recipe recipe{Form::kBand, series.terms, Eigen::MatrixXd(n, low)};
+    for (int k = 0; k < low; ++k) recipe.cosines.col(k) = ((low + k) * place).cos();
     statistics_.push_back({series.sensor, series.quantity + ", band",
                            fmt::format("{:.2g}..{:.2g} Hz", 0.5 * low / length_s, low / length_s)});
     recipes_.push_back(std::move(recipe));
@@ -211,15 +210,12 @@ double Locations::ValueOf(const Recipe& recipe, const Eigen::VectorXd& r) const 
       for (std::size_t k = lag; k < terms.size(); ++k) sum += w(k) * w(k - lag);
       return sum / n;
     }
-    case Form::kBand:
-      for (const int wave : recipe.waves) {
-        double of_wave = 0.0;
-        for (std::size_t k = 0; k < terms.size(); ++k) {
-          of_wave += w(k) * std::cos(std::numbers::pi * wave * terms[k].second);
-        }
-        sum += 2.0 * of_wave * of_wave / n;
-      }
+    case Form::kBand: {
+      Eigen::VectorXd values(recipe.cosines.rows());
+      for (std::size_t k = 0; k < terms.size(); ++k) values[static_cast<Eigen::Index>(k)] = w(k);
+      sum = 2.0 * (recipe.cosines.transpose() * values).squaredNorm() / n;
       return std::log(std::max(sum, 1e-12));
+    }
   }
   return sum;
 }

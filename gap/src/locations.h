@@ -50,9 +50,8 @@ class Locations {
   enum class Form { kMean, kSquare, kLag, kBand };
   struct Recipe {
     Form form;
-    Terms terms;             // of kBand: row and place in the series
-    std::vector<int> waves;  // of kBand
-    double scale = 1.0;
+    Terms terms;
+    Eigen::MatrixXd cosines;  // of kBand: terms x waves
   };
 
   void AddSeries(const Series& series);

@@ -15,16 +15,19 @@
 #include <set>
 #include <utility>
 
+#include "likelihood_peak.h"
 #include "network_beside.h"
 
 namespace dn::internal {
 namespace {
 
 constexpr double kProcessTausS[] = {4.0, 15.0, 60.0, 240.0};
-// Powers of ten of the size, relative to the usual one, and how likely each is.
-constexpr double kPowers[] = {-1.0, -0.5, 0.0, 0.5, 1.0};
+// How likely the sizes are that are a tenth of the usual one, to ten times that, by equal factors.
 constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
+constexpr double kMostLogSize = 3.5;
 constexpr int kMostTauSteps = 6;
+// Of the logarithm of sizes that are tried first about one that is nearly known.
+constexpr double kSizeStep = 0.2;
 // Share of the sigma at which a process is as good as absent.
 constexpr double kAbsent = 1e-3;
 
@@ -72,57 +75,58 @@ std::optional<Vertex> VertexOf(const std::array<double, 3>& l, double step) {
   return Vertex{std::clamp(slope / curvature, -step, step), 1.0 / std::sqrt(curvature)};
 }
 
-/// Log likelihoods of the sizes 10^power, against a process that is as good as absent.
-std::vector<double> ProfileOf(const LinearizedNetwork& linearized, const Eigen::VectorXd& share,
-                              const std::vector<double>& powers, int threads) {
-  std::vector<double> thetas{kAbsent * kAbsent - 1.0};
-  for (const double power : powers) thetas.push_back(std::pow(10.0, 2.0 * power) - 1.0);
-  const VarianceProfile profile = ProfileVariance(linearized, share, thetas, threads);
-  std::vector<double> l;
-  for (std::size_t k = 1; k < thetas.size(); ++k) {
-    l.push_back(profile.log_likelihood_ratio[k] - profile.log_likelihood_ratio[0]);
-  }
-  return l;
-}
+/// Log likelihoods of the size of a process by its logarithm, in usual sizes, against a process that
+/// is as good as absent.
+class SizeLikelihood {
+ public:
+  SizeLikelihood(const FlightNetwork& network, const std::string& effect, int threads)
+      : linearized_(network.net),
+        likelihood_(linearized_, RowsOfChain(network, linearized_, NewestChain(network, effect)),
+                    threads) {}
 
-/// The likeliest size near 10^power, by points so close that the likelihood is a parabola there.
-void RefineSize(const LinearizedNetwork& linearized, const Eigen::VectorXd& share, double power,
-                int threads, AtTau* at) {
-  constexpr double kStep = 0.08;
-  for (int pass = 0; pass < 3; ++pass) {
-    const std::vector<double> l =
-        ProfileOf(linearized, share, {power - kStep, power, power + kStep}, threads);
-    const std::optional<Vertex> vertex = VertexOf({l[0], l[1], l[2]}, kStep);
-    if (!vertex) return;
-    power += vertex->move;
-    at->size = std::pow(10.0, power);
-    at->relative_sigma = std::log(10.0) * vertex->sigma;
-    at->best_log_likelihood = l[1] + 0.5 * std::pow(vertex->move / vertex->sigma, 2);
-    if (std::abs(vertex->move) < kStep) return;
+  std::vector<double> operator()(const std::vector<double>& log_sizes) {
+    std::vector<double> thetas{kAbsent * kAbsent - 1.0};
+    for (const double log_size : log_sizes) thetas.push_back(std::expm1(2.0 * log_size));
+    const std::vector<double> all = likelihood_.At(thetas);
+    std::vector<double> l;
+    for (std::size_t k = 1; k < all.size(); ++k) l.push_back(all[k] - all[0]);
+    return l;
   }
-}
 
-AtTau Judge(const FlightNetwork& network, const std::string& effect, double tau_s, int threads) {
-  const LinearizedNetwork linearized(network.net);
-  const Eigen::VectorXd share = RowsOfChain(network, linearized, NewestChain(network, effect));
-  constexpr double kLogStep = 0.25;
-  std::vector<double> powers;
-  for (double power = -1.5; power <= 1.5 + 1e-9; power += kLogStep) powers.push_back(power);
-  const std::vector<double> l = ProfileOf(linearized, share, powers, threads);
+ private:
+  LinearizedNetwork linearized_;
+  VarianceLikelihood likelihood_;
+};
+
+/// The likeliest size; `first`: logarithms to begin with.
+AtTau LikeliestSize(SizeLikelihood& likelihood, const std::vector<double>& first) {
+  const auto values = [&](const std::vector<double>& log_sizes) { return likelihood(log_sizes); };
   AtTau at;
-  at.tau_s = tau_s;
+  if (const auto peak = FindPeak(values, first, -kMostLogSize, kMostLogSize)) {
+    at.size = std::exp(peak->log_size);
+    at.relative_sigma = peak->width;
+    at.best_log_likelihood = peak->value;
+    return at;
+  }
+  const std::vector<double> l = likelihood(first);
   const auto best = static_cast<std::size_t>(std::max_element(l.begin(), l.end()) - l.begin());
+  at.size = std::exp(first[best]);
   at.best_log_likelihood = l[best];
-  at.size = std::pow(10.0, powers[best]);
-  if (best > 0 && best + 1 < l.size()) RefineSize(linearized, share, powers[best], threads, &at);
+  return at;
+}
+
+AtTau Judge(SizeLikelihood& likelihood) {
+  const double step = 0.5 * std::log(10.0);
+  const std::vector<double> log_sizes{-2.0 * step, -step, 0.0, step, 2.0 * step};
+  AtTau at = LikeliestSize(likelihood, log_sizes);
+  const std::vector<double> l = likelihood(log_sizes);
   double sum = 0.0;
-  for (int g = 0; g < 5; ++g) {
-    const auto k = static_cast<std::size_t>(std::lround((kPowers[g] + 1.5) / kLogStep));
-    sum += kWeights[g] * std::exp(l[k] - l[best]);
+  for (std::size_t g = 0; g < l.size(); ++g) {
+    sum += kWeights[g] * std::exp(l[g] - at.best_log_likelihood);
   }
   // Between the five sizes the likelihood may have its peak: they are taken as wide as their steps.
-  const double peak = std::min(1.0, at.relative_sigma / std::log(10.0) / 0.5) * 0.2;
-  at.log_evidence = l[best] + std::log(std::max({sum, peak, 1e-300}));
+  const double peak = std::min(1.0, at.relative_sigma / step) * 0.2;
+  at.log_evidence = at.best_log_likelihood + std::log(std::max({sum, peak, 1e-300}));
   return at;
 }
 
@@ -133,8 +137,10 @@ class Trial {
   Trial(const FlightNetwork& solved, int threads, const std::string& effect, double scale)
       : solved_(solved), threads_(threads), effect_(effect), scale_(scale) {}
 
-  /// Nothing where there is no such network.
-  std::optional<AtTau> At(double tau_s) const {
+  /// What `judge` makes of the likelihood of the size at a time constant; nothing where there is no
+  /// such network.
+  template <class Judge>
+  std::optional<AtTau> At(double tau_s, const Judge& judge) const {
     const EffectSpec& spec = *FindEffect(effect_);
     GapCause process;
     process.effect = effect_;
@@ -146,7 +152,9 @@ class Trial {
     Flight with = solved_.flight();
     with.config = Adapted(solved_.flight(), {process});
     try {
-      AtTau at = Judge(NetworkBeside(solved_, with, threads_), effect_, tau_s, threads_);
+      SizeLikelihood likelihood(NetworkBeside(solved_, with, threads_), effect_, threads_);
+      AtTau at = judge(likelihood);
+      at.tau_s = tau_s;
       at.size *= scale_;
       return at;
     } catch (const InvalidInput&) {
@@ -193,7 +201,7 @@ void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effe
   const Trial trial(solved, threads, effect->name, 1.0);
   std::vector<AtTau> all;
   for (const double tau_s : kProcessTausS) {
-    if (const std::optional<AtTau> at = trial.At(tau_s)) all.push_back(*at);
+    if (const std::optional<AtTau> at = trial.At(tau_s, &Judge)) all.push_back(*at);
   }
   if (all.empty()) return;
   LogSum sum;
@@ -217,7 +225,10 @@ void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* eff
   for (int pass = 0; pass < kMostTauSteps; ++pass) {
     for (int k = middle - 1; k <= middle + 1; ++k) {
       if (at.count(k) > 0) continue;
-      const std::optional<AtTau> one = trial.At(tau_s * std::exp(k * step));
+      const std::optional<AtTau> one =
+          trial.At(tau_s * std::exp(k * step), [](SizeLikelihood& likelihood) {
+            return LikeliestSize(likelihood, {-kSizeStep, 0.0, kSizeStep});
+          });
       if (!one) return;
       at[k] = *one;
     }

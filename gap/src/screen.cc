@@ -67,11 +67,6 @@ ScoreTest Screen::Test(std::size_t candidate, const Eigen::VectorXd& s) const {
   return TestScore(ScoreOf(of, score_, s), InformationOf(of, score_), SignatureOf(of, score_));
 }
 
-double Screen::Mimicked(std::size_t candidate, const Eigen::VectorXd& c) const {
-  const Candidate& of = library_.candidates[candidate];
-  return TestScore(c, InformationOf(of, score_), SignatureOf(of, score_)).statistic;
-}
-
 std::vector<ScreenedEffect> Screen::EffectsInOrder() const {
   std::vector<ScreenedEffect> effects;
   effects.reserve(families_.size());

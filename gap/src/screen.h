@@ -67,8 +67,8 @@ class Screen {
   /// The same in the order of the families.
   std::vector<ScreenedEffect> EffectsInOrder() const;
 
-  /// c^T A^+ c of a candidate: how much of an effect with the cross information c it takes up.
-  double Mimicked(std::size_t candidate, const Eigen::VectorXd& c) const;
+  /// The evidence of a candidate by its own scores.
+  const EvidenceForm& form(std::size_t candidate) const { return forms_[candidate]; }
 
   /// The test of one candidate for the scores s.
   ScoreTest Test(std::size_t candidate, const Eigen::VectorXd& s) const;

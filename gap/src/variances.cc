@@ -12,12 +12,17 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <vector>
+
+#include "likelihood_peak.h"
 
 namespace dn::internal {
 namespace {
 
 // A likelihood ratio below this is left as its quadratic approximation has it.
 constexpr double kWorthALookNats = 2.0;
+// The farthest that the likeliest size may be from that of one Fisher step, in its logarithm.
+constexpr double kMostLogStep = 5.0;
 // Sizes within this share of the stated one are no effect.
 constexpr double kNoEffect = 0.02;
 
@@ -43,34 +48,6 @@ double LogPrior(const Component& component, double size) {
     sum += kWeights[g] * std::exp(-0.5 * off * off) / spread;
   }
   return std::log(std::max(sum, 1e-300)) - 0.5 * std::log(2.0 * std::numbers::pi);
-}
-
-/// The maximum of the likelihood over ln(size), and its width there.
-struct Peak {
-  double log_size = 0.0, log_likelihood = 0.0, width = 0.0;
-};
-
-/// By parabolas through three points, from a start and a step.
-Peak Climb(const std::function<std::vector<double>(const std::vector<double>&)>& likelihood,
-           double start, double step) {
-  constexpr int kMost = 12;
-  Peak peak{start, -std::numeric_limits<double>::infinity(), step};
-  for (int k = 0; k < kMost; ++k) {
-    const std::vector<double> l = likelihood({start - step, start, start + step});
-    const double slope = (l[2] - l[0]) / (2.0 * step);
-    const double curvature = (2.0 * l[1] - l[0] - l[2]) / (step * step);
-    peak = {start, l[1], curvature > 0.0 ? 1.0 / std::sqrt(curvature) : step};
-    double move = curvature > 0.0 ? slope / curvature : std::copysign(2.0 * step, slope);
-    move = std::clamp(move, -4.0 * step, 4.0 * step);
-    start += move;
-    if (curvature > 0.0 && std::abs(move) < 0.1 * peak.width) {
-      peak.log_size = start;
-      peak.log_likelihood += 0.5 * slope * slope / curvature;
-      break;
-    }
-    step = curvature > 0.0 ? std::clamp(peak.width, 0.02 * step, step) : step;
-  }
-  return peak;
 }
 
 class Variances {
@@ -152,7 +129,6 @@ class Variances {
     effect.name = component.effect;
     const double quadratic = 0.5 * theta * theta / (sigma_theta * sigma_theta);
     const bool impossible = component.at_least_stated && theta <= 0.0;
-    Peak peak;
     if (impossible || quadratic < kWorthALookNats) {
       effect.log_evidence = -std::log1p(1.0 / std::max(1e-6, sigma_theta)) * 0.5;
       effect.estimate =
@@ -161,25 +137,35 @@ class Variances {
       if (component.at_least_stated) effect.sigma[0] = component.size_of_theta(sigma_theta);
       return effect;
     }
-    const double start = component.size_of_theta(std::max(theta, -0.7));
-    const auto likelihood = [&](const std::vector<double>& log_sizes) {
-      std::vector<double> thetas;
-      for (const double log_size : log_sizes) {
-        thetas.push_back(component.theta_of_size(std::exp(log_size)));
-      }
-      return ProfileVariance(linearized_, component.share, thetas, options_.threads)
-          .log_likelihood_ratio;
-    };
-    const double width = std::clamp(sigma_theta / (1.0 + std::abs(theta)), 1e-3, 0.3);
-    peak = Climb(likelihood, std::log(start), width);
+    const LikelihoodPeak peak = PeakOf(component, theta, sigma_theta);
     const double size = std::exp(peak.log_size);
-    effect.log_evidence = peak.log_likelihood + LogPrior(component, size) +
+    effect.log_evidence = peak.value + LogPrior(component, size) +
                           0.5 * std::log(2.0 * std::numbers::pi) + std::log(peak.width);
     if (!component.at_least_stated && std::abs(size - 1.0) < kNoEffect) effect.log_evidence = 0.0;
     effect.estimate = Eigen::VectorXd::Constant(1, size);
     effect.sigma = Eigen::VectorXd::Constant(1, size * peak.width);
-    effect.p_value = ChiSquareTail(2.0 * std::max(0.0, peak.log_likelihood), 1.0);
+    effect.p_value = ChiSquareTail(2.0 * std::max(0.0, peak.value), 1.0);
     return effect;
+  }
+
+  /// Of the likelihood over ln(size), against the stated one.
+  LikelihoodPeak PeakOf(const Component& component, double theta, double sigma_theta) const {
+    VarianceLikelihood likelihood(linearized_, component.share, options_.threads);
+    const auto of_log_sizes = [&](const std::vector<double>& log_sizes) {
+      std::vector<double> thetas{0.0};
+      for (const double log_size : log_sizes) {
+        thetas.push_back(component.theta_of_size(std::exp(log_size)));
+      }
+      std::vector<double> l = likelihood.At(thetas);
+      for (std::size_t k = 1; k < l.size(); ++k) l[k] -= l[0];
+      l.erase(l.begin());
+      return l;
+    };
+    const double start = std::log(component.size_of_theta(std::max(theta, -0.7)));
+    const double step = std::clamp(sigma_theta / (1.0 + std::abs(theta)), 1e-3, 0.3);
+    const auto peak = FindPeak(of_log_sizes, {start - step, start, start + step},
+                               start - kMostLogStep, start + kMostLogStep);
+    return peak.value_or(LikelihoodPeak{start, of_log_sizes({start})[0], step});
   }
 
   void ScreenInertial() {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "blas.h"
+#include "large_array.h"
 #include "side_by_side.h"
 
 namespace dn {
@@ -91,7 +92,7 @@ class Multifrontal::Front {
   void LeaveToParent(int threads) {
     if (below_ == 0) return;
     std::unique_ptr<double[]>& U = left_[AsSize(s_)];
-    U.reset(new double[AsSize(below_) * AsSize(below_)]);
+    U = NewArray(AsSize(below_) * AsSize(below_));
     ForPanels(below_, threads, [&](int first, int n) {
       Update(columns_ + first, n, 0, columns_, kZero, Column(U.get(), first, below_) + first,
              below_);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -103,33 +104,72 @@ double RestrictedLogLikelihood(const Marginals& marginals) {
   return -0.5 * (cost + log_V + marginals.LogDeterminant());
 }
 
-VarianceProfile ProfileVariance(const LinearizedNetwork& linearized, const Eigen::VectorXd& share,
-                                const std::vector<double>& thetas, int threads) {
-  ExpectRows(share.size(), linearized);
-  CheckShare(share);
-  for (const double theta : thetas) CheckTheta(theta, share.maxCoeff());
-  std::vector<double> wanted = thetas;
-  wanted.push_back(0.0);
-
-  const LinearizedNetwork::Impl& network = linearized.impl();
-  const NormalEquations equations(network.layout, network.linearization);
-  std::unique_ptr<const SparseCholesky> analysed;
-  if (network.layout.size() > 0) {
+struct VarianceLikelihood::Impl {
+  Impl(const LinearizedNetwork& linearized, const Eigen::VectorXd& share, int threads)
+      : network(linearized.impl()),
+        share(share),
+        equations(network.layout, network.linearization),
+        workers(static_cast<std::size_t>(std::clamp(threads, 1, kMostThreads))) {
+    if (network.layout.size() == 0) return;
     analysed = std::make_unique<SparseCholesky>(equations.N, equations.blocks, network.layout);
   }
-  std::vector<double> likelihood(wanted.size());
-  const auto size = static_cast<std::size_t>(std::clamp(threads, 1, kMostThreads));
-  ParallelFor(static_cast<int>(size), static_cast<int>(size), [&](int thread) {
-    const SerialBlas serial;
-    Likelihood at(network, equations, analysed.get());
-    for (auto k = static_cast<std::size_t>(thread); k < wanted.size(); k += size) {
-      likelihood[k] = at.At((1.0 + wanted[k] * share.array()).matrix());
-    }
-  });
 
+  void Compute(const std::vector<double>& thetas) {
+    const std::size_t size = std::min(workers.size(), thetas.size());
+    std::vector<double> values(thetas.size());
+    ParallelFor(static_cast<int>(size), static_cast<int>(size), [&](int thread) {
+      const SerialBlas serial;
+      std::unique_ptr<Likelihood>& worker = workers[static_cast<std::size_t>(thread)];
+      if (!worker) worker = std::make_unique<Likelihood>(network, equations, analysed.get());
+      for (auto k = static_cast<std::size_t>(thread); k < thetas.size(); k += size) {
+        values[k] = worker->At((1.0 + thetas[k] * share.array()).matrix());
+      }
+    });
+    for (std::size_t k = 0; k < thetas.size(); ++k) known[thetas[k]] = values[k];
+  }
+
+  const LinearizedNetwork::Impl& network;
+  Eigen::VectorXd share;
+  NormalEquations equations;
+  std::unique_ptr<const SparseCholesky> analysed;
+  std::vector<std::unique_ptr<Likelihood>> workers;  // one a thread
+  std::map<double, double> known;
+};
+
+VarianceLikelihood::VarianceLikelihood(const LinearizedNetwork& linearized,
+                                       const Eigen::VectorXd& share, int threads) {
+  ExpectRows(share.size(), linearized);
+  CheckShare(share);
+  impl_ = std::make_unique<Impl>(linearized, share, threads);
+}
+
+VarianceLikelihood::~VarianceLikelihood() = default;
+VarianceLikelihood::VarianceLikelihood(VarianceLikelihood&&) noexcept = default;
+VarianceLikelihood& VarianceLikelihood::operator=(VarianceLikelihood&&) noexcept = default;
+
+std::vector<double> VarianceLikelihood::At(const std::vector<double>& thetas) {
+  const double largest_share = impl_->share.size() > 0 ? impl_->share.maxCoeff() : 0.0;
+  std::vector<double> unknown;
+  for (const double theta : thetas) {
+    CheckTheta(theta, largest_share);
+    const bool asked = std::find(unknown.begin(), unknown.end(), theta) != unknown.end();
+    if (!asked && impl_->known.count(theta) == 0) unknown.push_back(theta);
+  }
+  if (!unknown.empty()) impl_->Compute(unknown);
+  std::vector<double> values;
+  for (const double theta : thetas) values.push_back(impl_->known.at(theta));
+  return values;
+}
+
+VarianceProfile ProfileVariance(const LinearizedNetwork& linearized, const Eigen::VectorXd& share,
+                                const std::vector<double>& thetas, int threads) {
+  VarianceLikelihood likelihood(linearized, share, threads);
+  std::vector<double> wanted = thetas;
+  wanted.push_back(0.0);
+  const std::vector<double> l = likelihood.At(wanted);
   VarianceProfile profile{thetas, {}};
   for (std::size_t k = 0; k < thetas.size(); ++k) {
-    profile.log_likelihood_ratio.push_back(likelihood[k] - likelihood.back());
+    profile.log_likelihood_ratio.push_back(l[k] - l.back());
   }
   return profile;
 }

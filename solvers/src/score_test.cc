@@ -4,11 +4,13 @@
 #include <dn/symmetric_eigen.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
 #include <utility>
 
+#include "blas.h"
 #include "linearized_impl.h"
 
 namespace dn {
@@ -20,6 +22,9 @@ constexpr Eigen::Index kBatchColumns = 48;
 constexpr double kAbsorbed = 1e-9;
 // The same where effects are conditioned on one another, which costs digits.
 constexpr double kAbsorbedJointly = 1e-7;
+// Variances of an effect in squares of its usual size, and how likely each is.
+constexpr std::array<double, 5> kVariances{0.01, 0.1, 1.0, 10.0, 100.0};
+constexpr std::array<double, 5> kWeights{0.1, 0.2, 0.4, 0.2, 0.1};
 
 /// The sums of one effect over its factors.
 struct ScoreSums {
@@ -43,25 +48,49 @@ struct Touched {
   Eigen::MatrixXd L;
 };
 
-/// Adds J^T L of a factor to g, of `width` columns, both as its rows have them.
-void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const Touched& touched,
-                   Eigen::Index width, BlockColumns* g) {
+/// J^T L of all effects: unknowns x columns.
+using Projections = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Calls use(position of a block, J^T L of the factor for it), L being `L`.
+template <class Use>
+void ForProjections(const LinearizedNetwork& linearized, FactorId factor, const Eigen::MatrixXd& L,
+                    const Use& use) {
   const LinearizedNetwork::Impl& network = linearized.impl();
   const Linearization::Edge& edge =
       network.linearization.edges()[static_cast<std::size_t>(network.factor(factor).edge)];
   const auto J = network.linearization.jacobian(edge);
   int column = 0;
   for (int b = 0; b < edge.num_blocks; ++b) {
-    const int p = network.linearization.positions(edge)[b];
-    const int size = network.layout.size_of(p);
-    Eigen::MatrixXd& sum = (*g)[network.layout.blocks[static_cast<std::size_t>(p)]];
-    if (sum.size() == 0) sum = Eigen::MatrixXd::Zero(size, width);
-    const Eigen::MatrixXd product = J.middleCols(column, size).transpose() * touched.L;
-    for (std::size_t k = 0; k < touched.columns.size(); ++k) {
-      sum.col(touched.columns[k]) += product.col(static_cast<Eigen::Index>(k));
-    }
+    const int position = network.linearization.positions(edge)[b];
+    const int size = network.layout.size_of(position);
+    use(position, Eigen::MatrixXd(J.middleCols(column, size).transpose() * L));
     column += size;
   }
+}
+
+/// Adds J^T L of a factor to g.
+void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const Eigen::MatrixXd& L,
+                   BlockColumns* g) {
+  const UnknownLayout& layout = linearized.impl().layout;
+  ForProjections(linearized, factor, L, [&](int position, const Eigen::MatrixXd& product) {
+    Eigen::MatrixXd& sum = (*g)[layout.blocks[static_cast<std::size_t>(position)]];
+    if (sum.size() == 0) sum = Eigen::MatrixXd::Zero(product.rows(), product.cols());
+    sum += product;
+  });
+}
+
+/// The same to G, for columns that stand apart in it.
+void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const Touched& touched,
+                   Projections* G) {
+  const UnknownLayout& layout = linearized.impl().layout;
+  ForProjections(linearized, factor, touched.L, [&](int position, const Eigen::MatrixXd& product) {
+    const int first = layout.offset[static_cast<std::size_t>(position)];
+    for (Eigen::Index i = 0; i < product.rows(); ++i) {
+      for (std::size_t k = 0; k < touched.columns.size(); ++k) {
+        (*G)(first + i, touched.columns[k]) += product(i, static_cast<Eigen::Index>(k));
+      }
+    }
+  });
 }
 
 ScoreSums Sum(const LinearizedNetwork& linearized, const EffectModel& effect) {
@@ -74,9 +103,7 @@ ScoreSums Sum(const LinearizedNetwork& linearized, const EffectModel& effect) {
     const Eigen::MatrixXd L = linearized.AsRows(*rows, part.L);
     sums.s += L.transpose() * linearized.residual().segment(rows->first, rows->count);
     sums.LL += L.transpose() * L;
-    Touched all{{}, L};
-    for (Eigen::Index c = 0; c < q; ++c) all.columns.push_back(c);
-    AddProjection(linearized, part.factor, all, q, &sums.g);
+    AddProjection(linearized, part.factor, L, &sums.g);
   }
   return sums;
 }
@@ -160,24 +187,25 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
   return touched;
 }
 
-// `width` columns of g from the first on.
-BlockColumns Batch(const BlockColumns& g, Eigen::Index first, Eigen::Index width) {
-  BlockColumns batch;
-  for (const auto& [block, columns] : g) batch[block] = columns.middleCols(first, width);
-  return batch;
+/// C -= G^T Z for the columns of G from `first` on, which are as many as C has rows.
+void SubtractProducts(const Projections& G, const Eigen::MatrixXd& Z, Eigen::Index first,
+                      Eigen::Ref<Eigen::MatrixXd> C) {
+  const auto m = static_cast<int>(C.rows()), n = static_cast<int>(C.cols());
+  const auto k = static_cast<int>(G.rows()), q = static_cast<int>(G.cols());
+  const auto stride = static_cast<int>(C.outerStride());
+  dgemm_("N", "N", &m, &n, &k, &kMinusOne, G.data() + first, &q, Z.data(), &k, &kOne, C.data(),
+         &stride);
 }
 
 // Puts the rows of the watched blocks into columns of the shift from the first on.
-void PutShift(const Marginals::Columns& Z, const std::vector<BlockId>& watched, Eigen::Index first,
-              JointScore* score) {
+void PutShift(const LinearizedNetwork& linearized, const Eigen::MatrixXd& Z,
+              const std::vector<BlockId>& watched, Eigen::Index first, JointScore* score) {
   Eigen::Index row = 0;
   for (const BlockId block : watched) {
-    const Eigen::MatrixXd rows = Z.Rows(block);
-    if (score->shift.rows() < row + rows.rows()) {
-      score->shift.conservativeResize(row + rows.rows(), score->s.size());
-    }
-    score->shift.block(row, first, rows.rows(), rows.cols()) = rows;
-    row += rows.rows();
+    const Eigen::Index size = linearized.impl().block(block).kind.tangent_size;
+    const Eigen::Index column = linearized.FirstColumn(block);
+    if (column >= 0) score->shift.block(row, first, size, Z.cols()) = Z.middleRows(column, size);
+    row += size;
   }
 }
 
@@ -225,7 +253,7 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
   const Eigen::Index q = score.first.back();
   score.s = Eigen::VectorXd::Zero(q);
   score.A = Eigen::MatrixXd::Zero(q, q);
-  BlockColumns G;  // J^T L
+  Projections G = Projections::Zero(linearized.parameters(), q);
   for (const auto& [id, parts] : ByFactor(linearized, effects, score.first)) {
     const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
     const Touched touched = ColumnsThatTouch(linearized, parts, rows);
@@ -233,25 +261,20 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
     score.s(touched.columns) +=
         L.transpose() * linearized.residual().segment(rows.first, rows.count);
     score.A(touched.columns, touched.columns) += L.transpose() * L;
-    AddProjection(linearized, id, touched, q, &G);
+    AddProjection(linearized, id, touched, &G);
   }
   score.signature2 = score.A.diagonal();
-  if (G.empty()) {  // no effect has an active factor
-    for (const BlockId block : watched) {
-      const Eigen::Index size = marginals.Covariance(block).rows();
-      score.shift = Eigen::MatrixXd::Zero(score.shift.rows() + size, q);
-    }
-    return score;
-  }
+  Eigen::Index num_watched = 0;
+  for (const BlockId block : watched)
+    num_watched += linearized.impl().block(block).kind.tangent_size;
+  score.shift = Eigen::MatrixXd::Zero(num_watched, q);
   for (Eigen::Index first = 0; first < q; first += kBatchColumns) {
     const Eigen::Index width = std::min(kBatchColumns, q - first);
-    const Marginals::Columns Z = marginals.Solve(Batch(G, first, width));
-    for (const auto& [block, g] : G) {
-      score.A.middleCols(first, width).noalias() -= g.transpose() * Z.Rows(block);
-    }
-    PutShift(Z, watched, first, &score);
+    const Eigen::MatrixXd Z = marginals.Solve(Eigen::MatrixXd(G.middleCols(first, width)));
+    SubtractProducts(G, Z, first, score.A.block(first, first, q - first, width));
+    PutShift(linearized, Z, watched, first, &score);
   }
-  score.A = 0.5 * (score.A + Eigen::MatrixXd(score.A.transpose()));
+  score.A = Eigen::MatrixXd(score.A.selfadjointView<Eigen::Lower>());
   return score;
 }
 
@@ -280,28 +303,26 @@ EvidenceForm::EvidenceForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& typi
   const SymmetricEigen eigen(typical.asDiagonal() * A * typical.asDiagonal());
   W_ = typical.asDiagonal() * eigen.vectors;
   d_ = eigen.values.cwiseMax(0.0);
+  for (std::size_t g = 0; g < kVariances.size(); ++g) log_growth_[g] = LogGrowth(kVariances[g]);
+}
+
+double EvidenceForm::LogGrowth(double variance) const {
+  return (1.0 + variance * d_.array()).log().sum();
+}
+
+double EvidenceForm::Explained(const Eigen::VectorXd& c, double variance) const {
+  return variance * (c.array().square() / (1.0 + variance * d_.array())).sum();
 }
 
 double EvidenceForm::LogEvidence(const Eigen::VectorXd& s, double variance) const {
-  return LogEvidenceOf(W_.transpose() * s, variance);
-}
-
-double EvidenceForm::LogEvidenceOf(const Eigen::VectorXd& c, double variance) const {
-  double sum = 0.0;
-  for (Eigen::Index i = 0; i < d_.size(); ++i) {
-    const double growth = 1.0 + variance * d_[i];
-    sum += 0.5 * (variance * c[i] * c[i] / growth - std::log(growth));
-  }
-  return sum;
+  return 0.5 * (Explained(W_.transpose() * s, variance) - LogGrowth(variance));
 }
 
 double EvidenceForm::LogEvidence(const Eigen::VectorXd& s) const {
-  constexpr double kVariances[] = {0.01, 0.1, 1.0, 10.0, 100.0};
-  constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
   const Eigen::VectorXd c = W_.transpose() * s;
   LogSum sum;
-  for (int g = 0; g < 5; ++g) {
-    sum.Add(std::log(kWeights[g]) + LogEvidenceOf(c, kVariances[g]));
+  for (std::size_t g = 0; g < kVariances.size(); ++g) {
+    sum.Add(std::log(kWeights[g]) + 0.5 * (Explained(c, kVariances[g]) - log_growth_[g]));
   }
   return sum.Value();
 }

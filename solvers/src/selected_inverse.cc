@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "blas.h"
+#include "large_array.h"
 #include "side_by_side.h"
 
 namespace dn {
@@ -35,7 +36,7 @@ class SelectedInverse::Step {
 
   /// The lower triangle of L_JJ^-T L_JJ^-1.
   void InvertDiagonal(int threads) const {
-    const std::unique_ptr<double[]> inverse(new double[AsSize(columns_) * AsSize(columns_)]);
+    const std::unique_ptr<double[]> inverse = NewArray(AsSize(columns_) * AsSize(columns_));
     const auto column = [&](int c) { return inverse.get() + AsSize(c) * AsSize(columns_); };
     for (int c = 0; c < columns_; ++c) {
       std::fill_n(column(c), c, 0.0);
@@ -53,7 +54,7 @@ class SelectedInverse::Step {
 
   /// Y.
   std::unique_ptr<double[]> Multipliers(int threads) const {
-    std::unique_ptr<double[]> Y(new double[AsSize(below_) * AsSize(columns_)]);
+    std::unique_ptr<double[]> Y = NewArray(AsSize(below_) * AsSize(columns_));
     ForPanels(below_, threads, [&](int first, int n) {
       for (int c = 0; c < columns_; ++c) {
         std::copy_n(L(c) + columns_ + first, n, Y.get() + AsSize(c) * AsSize(below_) + first);
@@ -82,7 +83,7 @@ class SelectedInverse::Step {
 
   /// The lower triangle of Z_RR, from the supernodes that own the columns R.
   std::unique_ptr<double[]> Gather(int threads) const {
-    std::unique_ptr<double[]> Z_RR(new double[AsSize(below_) * AsSize(below_)]);
+    std::unique_ptr<double[]> Z_RR = NewArray(AsSize(below_) * AsSize(below_));
     const int* R = L_.row_indices_below(s_);
     std::vector<int> first_of_owner;
     for (int i = 0; i < below_; ++i) {
@@ -123,7 +124,7 @@ class SelectedInverse::Step {
 };
 
 SelectedInverse::SelectedInverse(const SparseCholesky& cholesky, int threads)
-    : cholesky_(cholesky), value_(new double[cholesky.pattern().num_values]) {
+    : cholesky_(cholesky), value_(NewArray(cholesky.pattern().num_values)) {
   cholesky.tree().Down(threads, [&](int s, int threads_here) { Step(this, s).Run(threads_here); });
 }
 

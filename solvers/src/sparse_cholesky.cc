@@ -10,6 +10,7 @@
 #include <string>
 
 #include "elimination_order.h"
+#include "large_array.h"
 #include "serial_blas.h"
 #include "triangular_solve.h"
 
@@ -75,7 +76,7 @@ SparseCholesky::SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks
 }
 
 bool SparseCholesky::Factorize(const SymmetricCsc& A, double shift, int threads) {
-  if (!values_) values_.reset(new double[pattern().num_values]);
+  if (!values_) values_ = NewArray(pattern().num_values);
   return analysis_->numbers.Factorize(A, shift, threads, values_.get());
 }
 

@@ -4,6 +4,7 @@
 #include <dn/solvers/marginals.h>
 
 #include <Eigen/Core>
+#include <memory>
 #include <vector>
 
 namespace dn {
@@ -21,19 +22,37 @@ namespace dn {
 /// Source: Patterson and Thompson (1971), Biometrika 58.
 double RestrictedLogLikelihood(const Marginals& marginals);
 
+/// The restricted likelihood of V_ii = 1 + theta share_i (share in units of the stated variance of
+/// a row: of those that the network now has, scaled or not), for one theta after another. The factor
+/// of the normal matrix is analysed once and filled anew for each, by two threads at most.
+class VarianceLikelihood {
+ public:
+  /// Of the network as it is, which must outlive this. Throws InvalidInput for another number of
+  /// rows, or a share that is negative or not finite.
+  VarianceLikelihood(const LinearizedNetwork& linearized, const Eigen::VectorXd& share,
+                     int threads = 1);
+  ~VarianceLikelihood();
+  VarianceLikelihood(VarianceLikelihood&&) noexcept;
+  VarianceLikelihood& operator=(VarianceLikelihood&&) noexcept;
+
+  /// l(theta), up to a constant that all values of this object share. What was asked for before is
+  /// known. Throws InvalidInput for a theta that makes a variance zero or negative; RankDeficient
+  /// where the normal matrix cannot be factored.
+  std::vector<double> At(const std::vector<double>& thetas);
+  double At(double theta) { return At(std::vector<double>{theta})[0]; }
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 /// How likely other variances are than the stated ones.
 struct VarianceProfile {
   std::vector<double> theta;
   std::vector<double> log_likelihood_ratio;  ///< l(theta) - l(0)
 };
 
-/// The restricted likelihood of V_ii = 1 + theta share_i (share in units of the stated variance of
-/// a row: of those that the network now has, scaled or not). The factor of the normal matrix is
-/// analysed once and filled anew for each theta, by two threads at most.
-///
-/// Throws InvalidInput for another number of rows, a share that is negative or not finite, or a
-/// theta that makes a variance zero or negative; RankDeficient where the normal matrix cannot be
-/// factored.
+/// The ratios of VarianceLikelihood. Throws as it does.
 VarianceProfile ProfileVariance(const LinearizedNetwork& linearized, const Eigen::VectorXd& share,
                                 const std::vector<double>& thetas, int threads = 1);
 

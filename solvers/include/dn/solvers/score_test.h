@@ -4,6 +4,7 @@
 #include <dn/solvers/marginals.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 namespace dn {
@@ -93,10 +94,14 @@ class EvidenceForm {
   Eigen::Index size() const { return d_.size(); }
 
  private:
-  double LogEvidenceOf(const Eigen::VectorXd& c, double variance) const;
+  /// sum ln(1 + variance d_i)
+  double LogGrowth(double variance) const;
+  /// sum variance c_i^2 / (1 + variance d_i)
+  double Explained(const Eigen::VectorXd& c, double variance) const;
 
   Eigen::MatrixXd W_;
   Eigen::VectorXd d_;
+  std::array<double, 5> log_growth_{};  // of the variances v_g
 };
 
 /// L^T R of an effect for residuals R of the network (rows x any number).

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+namespace dn {
+
+/// An array without numbers yet. Where it is large, the system is asked for huge pages: it hands out
+/// and clears one of them where it would else do so with 512.
+std::unique_ptr<double[]> NewArray(std::size_t size);
+
+}  // namespace dn
