@@ -4,9 +4,13 @@
 
 #include <cstddef>
 #include <map>
+#include <set>
+#include <vector>
 
 namespace dn::internal {
 namespace {
+
+constexpr double kShortestStepS = 0.45;
 
 void KeepInUse(const FlightNetwork& solved, FlightNetwork* network) {
   std::map<std::size_t, const FlightNetwork::GnssEdge*> of_epoch;
@@ -25,17 +29,34 @@ void KeepInUse(const FlightNetwork& solved, FlightNetwork* network) {
   }
 }
 
+/// Node times without those that follow another too closely and have no GNSS epoch.
+std::vector<double> Thinned(const FlightNetwork& solved) {
+  std::set<std::size_t> with_gnss;
+  for (const FlightNetwork::GnssEdge& edge : solved.gnss_edges) with_gnss.insert(edge.node);
+  const std::vector<double>& all = solved.node_times();
+  std::vector<double> kept{all.front()};
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    const bool last = k + 1 == all.size();
+    if (last || with_gnss.count(k) > 0 || all[k] - kept.back() >= kShortestStepS) {
+      kept.push_back(all[k]);
+    }
+  }
+  return kept;
+}
+
 }  // namespace
 
 FlightNetwork NetworkBeside(const FlightNetwork& solved, const Flight& flight, int threads) {
   NetworkDesign design;
-  design.node_t_s = solved.node_times();
+  design.node_t_s = Thinned(solved);
   design.calibration = solved.Calibration();
   const auto nodes = static_cast<double>(design.node_t_s.size());
-  for (std::size_t k = 0; k < design.node_t_s.size(); ++k) {
-    design.poses.push_back(solved.NodePose(k));
-    design.gyro_bias_radps += solved.GyroBias(design.node_t_s[k]) / nodes;
-    design.accel_bias_mps2 += solved.AccelBias(design.node_t_s[k]) / nodes;
+  std::size_t node = 0;  // of the solved network
+  for (const double t_s : design.node_t_s) {
+    while (solved.node_times()[node] < t_s) ++node;
+    design.poses.push_back(solved.NodePose(node));
+    design.gyro_bias_radps += solved.GyroBias(t_s) / nodes;
+    design.accel_bias_mps2 += solved.AccelBias(t_s) / nodes;
   }
   FlightNetwork network = Build(flight, design, {.threads = threads});
   KeepInUse(solved, &network);
