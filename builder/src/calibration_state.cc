@@ -87,4 +87,11 @@ CalibrationState AssumedCalibration(const Flight& flight) {
   return state;
 }
 
+Eigen::VectorXd AssumedValue(const Flight& flight, const std::string& unknown) {
+  const FlightConfig& config = flight.config;
+  if (unknown == "gnss_lever_arm" && config.gnss) return config.gnss->lever_arm_b_m;
+  if (unknown == "lidar_lever_arm" && config.lidar) return config.lidar->mounting.lever_arm_b_m;
+  return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(FindEffect(unknown)->components.size()));
+}
+
 }  // namespace dn

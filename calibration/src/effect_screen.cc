@@ -15,11 +15,6 @@ namespace dn::internal {
 namespace {
 
 constexpr std::size_t kMostEffects = 4;
-// Evidence within which another effect explains the data nearly as well.
-constexpr double kAsLikelyNats = 3.0;
-// Estimates are shrunk towards zero from so many usual sizes on, so that what the data leave open
-// moves nothing.
-constexpr double kLargestPerTypical = 30.0;
 
 class EffectScreener {
  public:

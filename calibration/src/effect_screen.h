@@ -10,6 +10,12 @@
 
 namespace dn::internal {
 
+// Evidence within which another effect explains the data nearly as well.
+inline constexpr double kAsLikelyNats = 3.0;
+// Estimates are shrunk towards zero from so many usual sizes on, so that what the data leave open
+// moves nothing.
+inline constexpr double kLargestPerTypical = 30.0;
+
 /// What effects are screened by.
 struct ScreenOptions {
   double tests = 1.0;             ///< of the family: p-values are multiplied by it

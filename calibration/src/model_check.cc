@@ -13,6 +13,7 @@
 #include "common_errors.h"
 #include "effect_screen.h"
 #include "model_findings.h"
+#include "rival_effects.h"
 
 namespace dn {
 namespace {
@@ -144,7 +145,14 @@ class Checker {
   void FindEffects() {
     std::vector<EffectModel> models;
     for (const CandidateEffect& candidate : candidates_) models.push_back(candidate.model);
-    const JointScore score = ScoreEffects(marginals_, models, watched_);
+    const std::vector<BlockId> unknowns = internal::EffectUnknowns(network_);
+    std::vector<BlockId> shifted = watched_;
+    shifted.insert(shifted.end(), unknowns.begin(), unknowns.end());
+    JointScore score = ScoreEffects(marginals_, models, shifted);
+    check_.rivals =
+        internal::FindRivals(network_, marginals_, candidates_, score,
+                             {watched_, watched_sigma_, check_.of_boresight}, unknowns, tests_);
+    score.shift.conservativeResize(watched_sigma_.size(), Eigen::NoChange);
     screen_ =
         internal::ScreenEffects(candidates_, score, {tests_, watched_sigma_, check_.of_boresight});
     check_.effects = screen_.effects;

@@ -33,6 +33,15 @@ Json EffectJson(const EffectCheck& effect, bool has_boresight) {
           {"inseparable_from", effect.inseparable_from}};
 }
 
+Json RivalJson(const RivalCheck& rival, bool has_boresight) {
+  return {{"unknown", rival.unknown},
+          {"rival", rival.rival},
+          {"log_evidence", rival.log_evidence},
+          {"boresight_difference_mdeg",
+           has_boresight ? ToJson(rival.boresight_rad * kDegPerRad * 1e3) : Json(nullptr)},
+          {"damage_sigmas", rival.damage}};
+}
+
 template <class T, class Convert>
 Json List(const std::vector<T>& values, const Convert& convert) {
   Json list = Json::array();
@@ -48,6 +57,9 @@ Json ModelCheckJson(const ModelCheck& check) {
           {"effects",
            List(check.effects,
                 [&](const EffectCheck& effect) { return EffectJson(effect, check.of_boresight); })},
+          {"rivals",
+           List(check.rivals,
+                [&](const RivalCheck& rival) { return RivalJson(rival, check.of_boresight); })},
           {"priors", List(check.priors,
                           [](const PriorCheck& prior) {
                             return Json{{"unknown", prior.unknown},

@@ -52,6 +52,13 @@ class Findings {
     }
   }
 
+  void JudgeRivals() {
+    for (const RivalCheck& rival : check_.rivals) {
+      if (rival.damage <= kDamageInSigmas) continue;
+      Add(facts::UnknownAmbiguous{rival, check_.of_boresight}, false, kCertain);
+    }
+  }
+
   void JudgeGroups() {
     for (const GroupCheck& group : check_.groups) {
       if (group.p_value > kFamilyLevel || group.variance_ratio < 1.0) continue;
@@ -128,6 +135,7 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   findings.JudgeAttitude(network);
   findings.JudgeGnssClock(adjustment.gnss_clock);
   findings.JudgeEffects(adjustment.gnss_clock.has_value());
+  findings.JudgeRivals();
   findings.JudgeCommonErrors();
   findings.JudgeSigma0(trajectory.figures.sigma0);
   findings.JudgePairsLeftOut(adjustment.outliers, static_cast<long>(network.pair_edges.size()));
@@ -161,6 +169,10 @@ void AddFindings(const PlaneCalibration& calibration, ModelCheck* check) {
 }  // namespace internal
 
 void Assess(const ModelCheck& check, BoresightResult* boresight) {
+  const bool ambiguous = std::any_of(
+      check.findings.begin(), check.findings.end(),
+      [](const Finding& finding) { return finding.As<facts::UnknownAmbiguous>() != nullptr; });
+  if (ambiguous && check.of_boresight) boresight->verdict = Verdict::kNotObservable;
   if (check.contradicted()) boresight->verdict = Verdict::kContradicted;
   std::vector<Finding> reasons = check.findings;
   for (const Finding& reason : boresight->reasons) {

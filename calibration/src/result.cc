@@ -254,15 +254,12 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
 std::vector<UnknownEstimate> ExtractUnknowns(const Adjustment& adjustment,
                                              const Marginals& marginals) {
   const FlightNetwork& network = *adjustment.network;
-  const CalibrationState at_assumed = AssumedCalibration(network.flight());
   std::vector<UnknownEstimate> estimates;
   for (const EstimateEntry& entry : network.flight().config.estimate) {
     if (entry.unknown == "boresight") continue;
     const BlockId id = network.net.Find(entry.unknown);
     const BlockRecord& record = network.net.block(id);
-    Eigen::VectorXd assumed = Eigen::VectorXd::Zero(record.kind.stored_size);
-    if (entry.unknown == "gnss_lever_arm") assumed = at_assumed.gnss_lever_arm_b_m;
-    if (entry.unknown == "lidar_lever_arm") assumed = at_assumed.lidar_lever_arm_b_m;
+    const Eigen::VectorXd assumed = AssumedValue(network.flight(), entry.unknown);
     const Eigen::VectorXd sigma = marginals.Covariance(id).diagonal().cwiseMax(0.0).cwiseSqrt();
     UnknownEstimate estimate{entry.unknown, record.label.unit, {}, {}};
     for (int i = 0; i < record.kind.stored_size; ++i) {

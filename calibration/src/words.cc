@@ -85,6 +85,21 @@ std::string Say(const facts::EffectPresent& fact) {
   return text + ": " + effect.remedy;
 }
 
+std::string Say(const facts::UnknownAmbiguous& fact) {
+  const RivalCheck& check = fact.check;
+  const Eigen::Vector3d mdeg = check.boresight_rad * kDegPerRad * 1e3;
+  return fmt::format(
+      "{} in the place of {} explains the data as well, and {} ({:.1f} sigma): find out which it "
+      "is "
+      "(dn gap says what flight would tell them apart), or estimate both, whose sigmas then hold "
+      "the choice",
+      check.rival, check.unknown,
+      fact.moves_boresight ? fmt::format("puts the boresight {:.3g}, {:.3g}, {:.3g} mdeg elsewhere",
+                                         mdeg.x(), mdeg.y(), mdeg.z())
+                           : std::string("puts the trajectory elsewhere"),
+      check.damage);
+}
+
 std::string Say(const facts::VarianceTooLarge& fact) {
   const GroupCheck& group = fact.group;
   return fmt::format(

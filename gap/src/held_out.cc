@@ -46,11 +46,7 @@ std::optional<Network> WithoutCause(const FlightNetwork& network, const std::str
   if (!there) return std::nullopt;
   Network net = network.net;
   const BlockId id = net.Find(effect);
-  const CalibrationState assumed = AssumedCalibration(network.flight());
-  Eigen::VectorXd value = Eigen::VectorXd::Zero(net.block(id).kind.stored_size);
-  if (effect == "gnss_lever_arm") value = assumed.gnss_lever_arm_b_m;
-  if (effect == "lidar_lever_arm") value = assumed.lidar_lever_arm_b_m;
-  if (effect == "lidar_time_offset") value.setConstant(assumed.lidar_time_offset_s);
+  const Eigen::VectorXd value = AssumedValue(network.flight(), effect);
   net.SetRaw(id, value.data());
   net.Hold(id);
   return net;

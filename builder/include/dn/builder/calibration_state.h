@@ -61,4 +61,7 @@ std::vector<std::size_t> EffectsOfPairs(
 /// InvalidConfig for an effect that lacks its time.
 CalibrationState AssumedCalibration(const Flight& flight);
 
+/// The same of one unknown of `estimate` that is a vector, SI: corrections are counted from it.
+Eigen::VectorXd AssumedValue(const Flight& flight, const std::string& unknown);
+
 }  // namespace dn

@@ -46,6 +46,15 @@ struct EffectCheck {
   std::vector<std::string> inseparable_from;
 };
 
+/// An effect that explains the data as well as an unknown that is estimated: of all that do, the one
+/// that moves the watched unknowns farthest in its place.
+struct RivalCheck {
+  std::string unknown, rival;
+  double log_evidence = 0.0;  ///< nats, of the rival against the unknown
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< with the rival, from that without
+  double damage = 0.0;  ///< largest move of a watched unknown, in its sigmas
+};
+
 /// A stated prior of an unknown against what all other data say of it.
 struct PriorCheck {
   std::string unknown;

@@ -27,6 +27,12 @@ struct EffectPresent {
   bool moves_boresight = false;  ///< else the trajectory
 };
 
+/// What an unknown is estimated for has another cause as likely.
+struct UnknownAmbiguous {
+  RivalCheck check;
+  bool moves_boresight = false;  ///< else the trajectory
+};
+
 /// Residuals of a group are larger than their stated noise.
 struct VarianceTooLarge {
   GroupCheck group;
@@ -155,13 +161,15 @@ struct NetworkDiffers {
 
 }  // namespace facts
 
-using Fact = std::variant<
-    facts::EffectPresent, facts::VarianceTooLarge, facts::ErrorsShared, facts::PriorContradicted,
-    facts::MountingImpossible, facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut,
-    facts::GnssLeftOut, facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize,
-    facts::GnssErrorsLast, facts::SigmaTooLarge, facts::SigmaAbovePairs, facts::AnglesInseparable,
-    facts::TrajectoryEstimated, facts::AttitudeInPairs, facts::StripsAlike, facts::FewPairs,
-    facts::SigmasWidened, facts::NotEstimated, facts::NetworkDiffers>;
+using Fact =
+    std::variant<facts::EffectPresent, facts::UnknownAmbiguous, facts::VarianceTooLarge,
+                 facts::ErrorsShared, facts::PriorContradicted, facts::MountingImpossible,
+                 facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut, facts::GnssLeftOut,
+                 facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize,
+                 facts::GnssErrorsLast, facts::SigmaTooLarge, facts::SigmaAbovePairs,
+                 facts::AnglesInseparable, facts::TrajectoryEstimated, facts::AttitudeInPairs,
+                 facts::StripsAlike, facts::FewPairs, facts::SigmasWidened, facts::NotEstimated,
+                 facts::NetworkDiffers>;
 
 /// What speaks for or against the assumed model, or for the verdict.
 struct Finding {

@@ -16,6 +16,7 @@ struct ModelCheck {
   std::vector<GroupCheck> groups;
   std::vector<CommonErrorCheck> common_errors;
   std::vector<EffectCheck> effects;  ///< the significant ones, in the order found
+  std::vector<RivalCheck> rivals;    ///< of estimated unknowns
   std::vector<PriorCheck> priors;
   /// Estimates of the adjustment where they are among its unknowns, of the screening where it has
   /// found the clock off, else by the scores of the effects, offset and drift together.
@@ -37,6 +38,8 @@ struct ModelCheck {
 ///   effects        score tests of CandidateEffects, the likeliest first, each beside those before
 ///                  (the ratio of likelihoods over sizes around the usual one), with the move of
 ///                  the boresight that its estimate explains;
+///   rivals         the same with a candidate in the place of an unknown that is estimated: another
+///                  cause of what that explains, and where it would put the boresight;
 ///   priors         predicted residual of each stated prior (PredictFactor);
 ///   shares of pairs and GNSS epochs that were left out, size of the boresight, sigma0.
 ///
@@ -54,8 +57,9 @@ struct ModelCheck {
 ModelCheck CheckModel(const Adjustment& adjustment, const Marginals& marginals,
                       const TrajectoryResult& trajectory, int threads = 1);
 
-/// Sets the verdict to contradicted where the check says so, and puts what it found before the other
-/// reasons. Of a kind that the check has too, the check's are told.
+/// Sets the verdict to contradicted where the check says so, to not observable where an estimated
+/// unknown has a rival that moves the boresight by more than its sigma, and puts what it found before
+/// the other reasons. Of a kind that the check has too, the check's are told.
 void Assess(const ModelCheck& check, BoresightResult* boresight);
 
 }  // namespace dn

@@ -1,0 +1,130 @@
+#include "rival_effects.h"
+
+#include <dn/effects/effect_table.h>
+#include <dn/report/distributions.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "effect_screen.h"
+#include "model_findings.h"
+
+namespace dn::internal {
+namespace {
+
+Eigen::VectorXd TypicalOf(const std::string& effect) {
+  const EffectSpec& spec = *FindEffect(effect);
+  Eigen::VectorXd typical(static_cast<Eigen::Index>(spec.components.size()));
+  for (std::size_t k = 0; k < spec.components.size(); ++k) {
+    typical[static_cast<Eigen::Index>(k)] = spec.components[k].typical_si();
+  }
+  return typical;
+}
+
+/// One unknown, as if it were not estimated.
+class Removed {
+ public:
+  Removed(const FlightNetwork& network, const Marginals& marginals, const WatchedUnknowns& watched,
+          BlockId unknown)
+      : record_(network.net.block(unknown)),
+        estimate_(Eigen::VectorXd::Map(record_.value.get(), record_.kind.stored_size) -
+                  AssumedValue(network.flight(), record_.name)),
+        information_(marginals.Covariance(unknown).llt().solve(
+            Eigen::MatrixXd::Identity(estimate_.size(), estimate_.size()))) {
+    Eigen::MatrixXd cross(watched.sigma.size(), estimate_.size());
+    Eigen::Index row = 0;
+    for (const BlockId block : watched.blocks) {
+      const Eigen::MatrixXd C = marginals.Covariance(block, unknown);
+      cross.middleRows(row, C.rows()) = C;
+      row += C.rows();
+    }
+    shift_ = -cross * information_;
+  }
+
+  const std::string& name() const { return record_.name; }
+  const Eigen::VectorXd& estimate() const { return estimate_; }
+  const Eigen::MatrixXd& information() const { return information_; }
+  /// How far one unit of it that is not estimated moves the watched.
+  const Eigen::MatrixXd& shift() const { return shift_; }
+
+  double PValue() const {
+    return ChiSquareTail(estimate_.dot(information_ * estimate_),
+                         static_cast<double>(estimate_.size()));
+  }
+  double LogEvidence() const {
+    return EvidenceForm(information_, TypicalOf(name())).LogEvidence(-information_ * estimate_);
+  }
+
+ private:
+  const BlockRecord& record_;
+  Eigen::VectorXd estimate_;
+  Eigen::MatrixXd information_, shift_;
+};
+
+/// A candidate in the place of an unknown.
+struct InItsPlace {
+  double log_evidence = 0.0;
+  Eigen::VectorXd move;  ///< of the watched
+};
+
+InItsPlace PutInPlace(const CandidateEffect& candidate, const std::vector<Eigen::Index>& components,
+                      const JointScore& score, const Removed& removed, Eigen::Index first_row) {
+  const Eigen::MatrixXd Z_k =
+      score.shift(Eigen::seqN(first_row, removed.estimate().size()), components);
+  const Eigen::MatrixXd A_kj = removed.information() * Z_k;
+  const Eigen::VectorXd s = score.s(components) - A_kj.transpose() * removed.estimate();
+  Eigen::MatrixXd A = score.A(components, components);
+  A += Z_k.transpose() * A_kj;
+  InItsPlace out;
+  out.log_evidence = EvidenceForm(A, candidate.typical).LogEvidence(s);
+  A.diagonal() += (kLargestPerTypical * candidate.typical).cwiseAbs2().cwiseInverse();
+  const Eigen::VectorXd estimate = -A.ldlt().solve(s);
+  const Eigen::MatrixXd Z_x = score.shift(Eigen::seqN(0, removed.shift().rows()), components);
+  out.move = removed.shift() * (removed.estimate() - Z_k * estimate) - Z_x * estimate;
+  return out;
+}
+
+}  // namespace
+
+std::vector<BlockId> EffectUnknowns(const FlightNetwork& network) {
+  std::vector<BlockId> unknowns;
+  for (const EstimateEntry& entry : network.flight().config.estimate) {
+    if (entry.unknown == "boresight" || FindEffect(entry.unknown) == nullptr) continue;
+    const BlockId id = network.net.Find(entry.unknown);
+    if (!network.net.block(id).held) unknowns.push_back(id);
+  }
+  return unknowns;
+}
+
+std::vector<RivalCheck> FindRivals(const FlightNetwork& network, const Marginals& marginals,
+                                   const std::vector<CandidateEffect>& candidates,
+                                   const JointScore& score, const WatchedUnknowns& watched,
+                                   const std::vector<BlockId>& unknowns, double tests) {
+  std::vector<RivalCheck> rivals;
+  Eigen::Index first_row = watched.sigma.size();
+  for (const BlockId unknown : unknowns) {
+    const Removed removed(network, marginals, watched, unknown);
+    const Eigen::Index row = first_row;
+    first_row += removed.estimate().size();
+    if (removed.PValue() * tests > kFamilyLevel) continue;
+    const double own = removed.LogEvidence();
+    std::optional<RivalCheck> farthest;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      if (candidates[k].name == removed.name()) continue;
+      const InItsPlace other = PutInPlace(candidates[k], score.Components(k), score, removed, row);
+      if (other.log_evidence < own - kAsLikelyNats) continue;
+      const double damage = other.move.cwiseQuotient(watched.sigma).cwiseAbs().maxCoeff();
+      if (farthest && damage <= farthest->damage) continue;
+      farthest = {removed.name(), candidates[k].name, other.log_evidence - own,
+                  Eigen::Vector3d::Zero(), damage};
+      if (watched.of_boresight) farthest->boresight_rad = other.move;
+    }
+    if (farthest) rivals.push_back(std::move(*farthest));
+  }
+  return rivals;
+}
+
+}  // namespace dn::internal
