@@ -156,6 +156,39 @@ INSTANTIATE_TEST_SUITE_P(
         Injection{"gravity_tilt", "[10, -10]", {10.0, -10.0}, true, 0.25}),
     [](const auto& tested) { return tested.param.effect; });
 
+Checked CheckedWithUnknown(const std::string& effects, EstimateEntry unknown) {
+  SimulatedFlight simulated = Fly(AircraftScenario(effects), 5);
+  simulated.flight.config.estimate.push_back(std::move(unknown));
+  return Checked(std::move(simulated));
+}
+
+// Both triads turned together are the body turned: what one is estimated for may be the other, and
+// another boresight. Where the rival puts that is where it lies with the rival among the unknowns.
+TEST(ModelCheck, AnUnknownWithARivalLeavesTheBoresightOpen) {
+  const std::string turned = "effects: [{effect: accel_misalignment, value: [0.5, -0.4, 0.3]}]\n";
+  const Checked by_gyro = CheckedWithUnknown(turned, {.unknown = "gyro_misalignment"});
+  const Checked by_accel =
+      CheckedWithUnknown(turned, {.unknown = "accel_misalignment", .sigma = {3.0}});
+  EXPECT_EQ(by_gyro.boresight().verdict, Verdict::kNotObservable);
+  ASSERT_EQ(by_gyro.check.rivals.size(), 1u);
+  const RivalCheck& rival = by_gyro.check.rivals.front();
+  EXPECT_EQ(rival.unknown, "gyro_misalignment");
+  EXPECT_EQ(rival.rival, "accel_misalignment");
+  const Eigen::Vector3d moved = Log(Eigen::Quaterniond(
+      Exp(by_accel.boresight().angles_rad) * Exp(by_gyro.boresight().angles_rad).conjugate()));
+  EXPECT_GT(moved.norm(), 0.02 * kRadPerDeg);
+  EXPECT_LT((rival.boresight_rad - moved).norm(), 0.05 * moved.norm()) << moved.transpose();
+  EXPECT_EQ(Words(by_gyro.boresight().reasons).front(), by_gyro.first_reason());
+  EXPECT_THAT(by_gyro.first_reason(), HasSubstr("accel_misalignment in the place of"));
+}
+
+TEST(ModelCheck, AnUnknownByItselfIsCalibrated) {
+  const std::string late = "effects: [{effect: gnss_lever_arm, value: [0.3, -0.2, 0.2]}]\n";
+  const Checked flight = CheckedWithUnknown(late, {.unknown = "gnss_lever_arm"});
+  EXPECT_TRUE(flight.check.rivals.empty() || flight.check.rivals.front().damage <= 1.0);
+  EXPECT_EQ(flight.boresight().verdict, Verdict::kCalibrated) << flight.first_reason();
+}
+
 TEST(ModelCheck, APriorThatContradictsIsNamedWithItsKey) {
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
   simulated.flight.config.lidar->boresight_sigma_rad =

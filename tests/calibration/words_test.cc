@@ -53,6 +53,17 @@ TEST(Words, AnEffectIsToldWithWhatItMoves) {
             "trajectory (12.0 sigma); a or b would explain it nearly as well: estimate it");
 }
 
+TEST(Words, ARivalIsToldWithWhereItPutsTheBoresight) {
+  RivalCheck check{"gyro_misalignment", "accel_misalignment", -0.5, {}, 33.3};
+  check.boresight_rad = Eigen::Vector3d(28.7, -23.5, 19.9) * 1e-3 * kRadPerDeg;
+  EXPECT_THAT(
+      Words(Finding{facts::UnknownAmbiguous{check, true}}),
+      HasSubstr("accel_misalignment in the place of gyro_misalignment explains the data as "
+                "well, and puts the boresight 28.7, -23.5, 19.9 mdeg elsewhere (33.3 sigma)"));
+  EXPECT_THAT(Words(Finding{facts::UnknownAmbiguous{check, false}}),
+              HasSubstr("puts the trajectory elsewhere"));
+}
+
 TEST(Words, AnglesHaveTheirNames) {
   EXPECT_THAT(Words(Finding{facts::SigmaTooLarge{2}}), HasSubstr("of yaw exceeds 0.5 deg"));
   EXPECT_THAT(Words(Finding{facts::SigmaAbovePairs{0}}), HasSubstr("of roll exceeds ten times"));

@@ -114,6 +114,24 @@ TEST(RestrictedLikelihood, OfAPoseGraphIsItsDefinition) {
               1e-7);
 }
 
+TEST(RestrictedLikelihood, IsKnownWhereItWasAskedForBefore) {
+  const Chain chain(4, 20, 1.3);
+  const LinearizedNetwork linearized(chain.net);
+  const Eigen::VectorXd share = RandomShare(linearized.rows());
+  VarianceLikelihood likelihood(linearized, share, 2);
+  const std::vector<double> first = likelihood.At({0.5, -0.2, 0.5});
+  EXPECT_EQ(first[0], first[2]);
+  const std::vector<double> then = likelihood.At({3.0, -0.2, 0.0, 0.5});
+  EXPECT_EQ(then[1], first[1]);
+  EXPECT_EQ(then[3], first[0]);
+  EXPECT_EQ(likelihood.At(3.0), then[0]);
+  const VarianceProfile profile = ProfileVariance(linearized, share, {3.0, -0.2});
+  EXPECT_NEAR(profile.log_likelihood_ratio[0], then[0] - then[2], 1e-10);
+  EXPECT_NEAR(profile.log_likelihood_ratio[1], then[1] - then[2], 1e-10);
+  EXPECT_THROW(likelihood.At(-1.1), InvalidInput);
+  EXPECT_THROW(VarianceLikelihood(linearized, share.head(4)), InvalidInput);
+}
+
 // What an earlier scale did is stated noise to a later one.
 TEST(RestrictedLikelihood, OfAScaledNetworkGoesOnFromThere) {
   const Chain chain(2, 20);
