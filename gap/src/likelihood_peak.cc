@@ -15,16 +15,17 @@ constexpr int kMostSteps = 15;
 // places beside it.
 constexpr double kForetoldNats = 0.02, kForetoldShare = 0.01;
 
-struct Place {
+struct SizeAndLikelihood {
   double x = 0.0, l = 0.0;
 };
 
 /// The likelihood of errors of one size through three places, its maximum if that lies between them.
-std::optional<LikelihoodPeak> OfOneSize(const Place& a, const Place& b, const Place& c) {
+std::optional<LikelihoodPeak> OfOneSize(const SizeAndLikelihood& a, const SizeAndLikelihood& b,
+                                        const SizeAndLikelihood& c) {
   Eigen::Matrix3d M;
   Eigen::Vector3d l;
   int row = 0;
-  for (const Place& place : {a, b, c}) {  // from the middle one
+  for (const SizeAndLikelihood& place : {a, b, c}) {  // from the middle one
     const double x = place.x - b.x;
     M.row(row) << 1.0, -x, -std::expm1(-2.0 * x);
     l[row++] = place.l - b.l;
@@ -38,7 +39,8 @@ std::optional<LikelihoodPeak> OfOneSize(const Place& a, const Place& b, const Pl
                         1.0 / std::sqrt(2.0 * n)};
 }
 
-std::optional<LikelihoodPeak> Parabola(const Place& a, const Place& b, const Place& c) {
+std::optional<LikelihoodPeak> Parabola(const SizeAndLikelihood& a, const SizeAndLikelihood& b,
+                                       const SizeAndLikelihood& c) {
   const double left = (b.l - a.l) / (b.x - a.x), right = (c.l - b.l) / (c.x - b.x);
   const double curvature = 2.0 * (left - right) / (c.x - a.x);
   if (!(curvature > 0.0)) return std::nullopt;
@@ -61,7 +63,7 @@ class PeakSearch {
         if (!Extend(best == known_.begin())) return std::nullopt;
         continue;
       }
-      const Place a = At(std::prev(best)), b = At(best), c = At(std::next(best));
+      const SizeAndLikelihood a = At(std::prev(best)), b = At(best), c = At(std::next(best));
       std::optional<LikelihoodPeak> peak = OfOneSize(a, b, c);
       if (!peak) peak = Parabola(a, b, c);
       // Where neither helps, the wider side is halved.
@@ -78,7 +80,7 @@ class PeakSearch {
  private:
   using Known = std::map<double, double>;
 
-  static Place At(Known::const_iterator known) { return {known->first, known->second}; }
+  static SizeAndLikelihood At(Known::const_iterator known) { return {known->first, known->second}; }
 
   void Ask(const std::vector<double>& places) {
     const std::vector<double> l = likelihood_(places);

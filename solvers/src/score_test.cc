@@ -18,6 +18,8 @@ namespace {
 
 // Right-hand sides solved together: enough for dense kernels, little memory.
 constexpr Eigen::Index kBatchColumns = 48;
+constexpr Eigen::Index kFewestBatchColumns = 8;
+constexpr Eigen::Index kBatchEntries = Eigen::Index{1} << 24;
 // Share of an effect's signature that the unknowns leave, below which nothing is left of it.
 constexpr double kAbsorbed = 1e-9;
 // The same where effects are conditioned on one another, which costs digits.
@@ -268,8 +270,10 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
   for (const BlockId block : watched)
     num_watched += linearized.impl().block(block).kind.tangent_size;
   score.shift = Eigen::MatrixXd::Zero(num_watched, q);
-  for (Eigen::Index first = 0; first < q; first += kBatchColumns) {
-    const Eigen::Index width = std::min(kBatchColumns, q - first);
+  const Eigen::Index batch = std::clamp(kBatchEntries / std::max<Eigen::Index>(1, G.rows()),
+                                        kFewestBatchColumns, kBatchColumns);
+  for (Eigen::Index first = 0; first < q; first += batch) {
+    const Eigen::Index width = std::min(batch, q - first);
     const Eigen::MatrixXd Z = marginals.Solve(Eigen::MatrixXd(G.middleCols(first, width)));
     SubtractProducts(G, Z, first, score.A.block(first, first, q - first, width));
     PutShift(linearized, Z, watched, first, &score);
