@@ -50,9 +50,6 @@ struct Touched {
   Eigen::MatrixXd L;
 };
 
-/// J^T L of all effects: unknowns x columns.
-using Projections = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 /// Calls use(position of a block, J^T L of the factor for it), L being `L`.
 template <class Use>
 void ForProjections(const LinearizedNetwork& linearized, FactorId factor, const Eigen::MatrixXd& L,
@@ -78,20 +75,6 @@ void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const E
     Eigen::MatrixXd& sum = (*g)[layout.blocks[static_cast<std::size_t>(position)]];
     if (sum.size() == 0) sum = Eigen::MatrixXd::Zero(product.rows(), product.cols());
     sum += product;
-  });
-}
-
-/// The same to G, for columns that stand apart in it.
-void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const Touched& touched,
-                   Projections* G) {
-  const UnknownLayout& layout = linearized.impl().layout;
-  ForProjections(linearized, factor, touched.L, [&](int position, const Eigen::MatrixXd& product) {
-    const int first = layout.offset[static_cast<std::size_t>(position)];
-    for (Eigen::Index i = 0; i < product.rows(); ++i) {
-      for (std::size_t k = 0; k < touched.columns.size(); ++k) {
-        (*G)(first + i, touched.columns[k]) += product(i, static_cast<Eigen::Index>(k));
-      }
-    }
   });
 }
 
@@ -189,15 +172,84 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
   return touched;
 }
 
-/// C -= G^T Z for the columns of G from `first` on, which are as many as C has rows.
-void SubtractProducts(const Projections& G, const Eigen::MatrixXd& Z, Eigen::Index first,
-                      Eigen::Ref<Eigen::MatrixXd> C) {
-  const auto m = static_cast<int>(C.rows()), n = static_cast<int>(C.cols());
-  const auto k = static_cast<int>(G.rows()), q = static_cast<int>(G.cols());
-  const auto stride = static_cast<int>(C.outerStride());
-  dgemm_("N", "N", &m, &n, &k, &kMinusOne, G.data() + first, &q, Z.data(), &k, &kOne, C.data(),
-         &stride);
-}
+/// J^T L of all effects, of the unknowns of the factors that they touch.
+class Projections {
+ public:
+  /// For these factors and so many columns.
+  Projections(const LinearizedNetwork& linearized, const std::map<FactorId, Parts>& factors,
+              Eigen::Index columns)
+      : linearized_(linearized), first_row_(AsSize(layout().num_blocks()), -1) {
+    const LinearizedNetwork::Impl& network = linearized.impl();
+    for (const auto& [factor, parts] : factors) {
+      const Linearization::Edge& edge =
+          network.linearization.edges()[AsSize(network.factor(factor).edge)];
+      for (int b = 0; b < edge.num_blocks; ++b) {
+        first_row_[AsSize(network.linearization.positions(edge)[b])] = 0;
+      }
+    }
+    Eigen::Index rows = 0;
+    for (int position = 0; position < layout().num_blocks(); ++position) {
+      if (first_row_[AsSize(position)] < 0) continue;
+      first_row_[AsSize(position)] = rows;
+      rows += layout().size_of(position);
+    }
+    G_ = RowMajor::Zero(rows, columns);
+  }
+
+  void Add(FactorId factor, const Touched& touched) {
+    ForProjections(
+        linearized_, factor, touched.L, [&](int position, const Eigen::MatrixXd& product) {
+          const Eigen::Index first = first_row_[AsSize(position)];
+          for (Eigen::Index i = 0; i < product.rows(); ++i) {
+            for (std::size_t k = 0; k < touched.columns.size(); ++k) {
+              G_(first + i, touched.columns[k]) += product(i, static_cast<Eigen::Index>(k));
+            }
+          }
+        });
+  }
+
+  /// Some columns, over all unknowns.
+  Eigen::MatrixXd Columns(Eigen::Index first, Eigen::Index count) const {
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(layout().size(), count);
+    ForBlocks([&](Eigen::Index unknown, Eigen::Index row, int size) {
+      columns.middleRows(unknown, size) = G_.block(row, first, size, count);
+    });
+    return columns;
+  }
+
+  /// C -= G^T Z for the columns of G from `first` on, which are as many as C has rows.
+  void SubtractProducts(const Eigen::MatrixXd& Z, Eigen::Index first,
+                        Eigen::Ref<Eigen::MatrixXd> C) const {
+    if (G_.rows() == 0) return;
+    Eigen::MatrixXd touched(G_.rows(), Z.cols());
+    ForBlocks([&](Eigen::Index unknown, Eigen::Index row, int size) {
+      touched.middleRows(row, size) = Z.middleRows(unknown, size);
+    });
+    const auto m = static_cast<int>(C.rows()), n = static_cast<int>(C.cols());
+    const auto k = static_cast<int>(G_.rows()), q = static_cast<int>(G_.cols());
+    const auto stride = static_cast<int>(C.outerStride());
+    dgemm_("N", "N", &m, &n, &k, &kMinusOne, G_.data() + first, &q, touched.data(), &k, &kOne,
+           C.data(), &stride);
+  }
+
+ private:
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  const UnknownLayout& layout() const { return linearized_.impl().layout; }
+
+  /// Calls use(first unknown, row of G_, size) for every block that is touched.
+  template <class Use>
+  void ForBlocks(const Use& use) const {
+    for (int position = 0; position < layout().num_blocks(); ++position) {
+      const Eigen::Index row = first_row_[AsSize(position)];
+      if (row >= 0) use(layout().offset[AsSize(position)], row, layout().size_of(position));
+    }
+  }
+
+  const LinearizedNetwork& linearized_;
+  std::vector<Eigen::Index> first_row_;  // of G_, by position; -1: no effect touches the block
+  RowMajor G_;
+};
 
 // Puts the rows of the watched blocks into columns of the shift from the first on.
 void PutShift(const LinearizedNetwork& linearized, const Eigen::MatrixXd& Z,
@@ -255,27 +307,29 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
   const Eigen::Index q = score.first.back();
   score.s = Eigen::VectorXd::Zero(q);
   score.A = Eigen::MatrixXd::Zero(q, q);
-  Projections G = Projections::Zero(linearized.parameters(), q);
-  for (const auto& [id, parts] : ByFactor(linearized, effects, score.first)) {
+  const std::map<FactorId, Parts> factors = ByFactor(linearized, effects, score.first);
+  Projections G(linearized, factors, q);
+  for (const auto& [id, parts] : factors) {
     const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
     const Touched touched = ColumnsThatTouch(linearized, parts, rows);
     const Eigen::MatrixXd& L = touched.L;
     score.s(touched.columns) +=
         L.transpose() * linearized.residual().segment(rows.first, rows.count);
     score.A(touched.columns, touched.columns) += L.transpose() * L;
-    AddProjection(linearized, id, touched, &G);
+    G.Add(id, touched);
   }
   score.signature2 = score.A.diagonal();
   Eigen::Index num_watched = 0;
   for (const BlockId block : watched)
     num_watched += linearized.impl().block(block).kind.tangent_size;
   score.shift = Eigen::MatrixXd::Zero(num_watched, q);
-  const Eigen::Index batch = std::clamp(kBatchEntries / std::max<Eigen::Index>(1, G.rows()),
-                                        kFewestBatchColumns, kBatchColumns);
+  const Eigen::Index batch =
+      std::clamp(kBatchEntries / std::max<Eigen::Index>(1, linearized.parameters()),
+                 kFewestBatchColumns, kBatchColumns);
   for (Eigen::Index first = 0; first < q; first += batch) {
     const Eigen::Index width = std::min(batch, q - first);
-    const Eigen::MatrixXd Z = marginals.Solve(Eigen::MatrixXd(G.middleCols(first, width)));
-    SubtractProducts(G, Z, first, score.A.block(first, first, q - first, width));
+    const Eigen::MatrixXd Z = marginals.Solve(G.Columns(first, width));
+    G.SubtractProducts(Z, first, score.A.block(first, first, q - first, width));
     PutShift(linearized, Z, watched, first, &score);
   }
   score.A = Eigen::MatrixXd(score.A.selfadjointView<Eigen::Lower>());
