@@ -3,6 +3,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/geo/local_frame.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -81,6 +82,29 @@ std::string TimesWords(const EffectTimes& times) {
     return fmt::format(" from {:.10g} to {:.10g} s", times.window_s->first, times.window_s->second);
   }
   return times.t0_s ? fmt::format(" from {:.10g} s on", *times.t0_s) : "";
+}
+
+std::string DiscrepancyWords(const GapDiscrepancy& discrepancy) {
+  if (discrepancy.period_s) {
+    return fmt::format("{}, {:.0f} s", discrepancy.name, *discrepancy.period_s);
+  }
+  return discrepancy.tau_s ? fmt::format("{}, tau {:.0f} s", discrepancy.name, *discrepancy.tau_s)
+                           : discrepancy.name;
+}
+
+std::string DetectableWords(const HiddenEffect& effect) {
+  const Eigen::VectorXd& sizes = effect.detectable_by_component;
+  const EffectSpec* spec = FindEffect(effect.effect);
+  if (sizes.size() < 2 || spec == nullptr) {
+    return Rounded(effect.minimal_detectable, 2) + " " + effect.unit;
+  }
+  std::vector<std::string> each, names;
+  for (Eigen::Index k = 0; k < sizes.size(); ++k) {
+    each.push_back(std::isfinite(sizes[k]) ? Rounded(sizes[k], 2) : "any");
+    names.push_back(spec->components[static_cast<std::size_t>(k)].name);
+  }
+  return fmt::format("{} {} ({} alone)", fmt::join(each, ", "), effect.unit,
+                     fmt::join(names, ", "));
 }
 
 std::string MdegWords(const Eigen::Vector3d& rad) {

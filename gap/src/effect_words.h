@@ -25,6 +25,9 @@ std::string ValueWords(const GapCause& cause);
 /// " from 381400 to 381450 s", " from 381500 s on", or nothing.
 std::string TimesWords(const EffectTimes& times);
 
+/// "GNSS oscillation, 46 s", "boresight that settles, tau 50 s", or the name alone.
+std::string DiscrepancyWords(const GapDiscrepancy& discrepancy);
+
 /// "3.1, -0.2, 14 mdeg".
 std::string MdegWords(const Eigen::Vector3d& rad);
 
@@ -33,6 +36,10 @@ std::string Alternatives(const std::vector<std::string>& names);
 
 /// "97 % of the gap (90 to 99)"; a lower end below 0 is called so.
 std::string ClosedWords(const GapShrinkage& shrinkage);
+
+/// "0.0012 s", or where an effect has several components, of each alone: "1.2, 3.1, 0.05 deg/h/g (x, y,
+/// z alone)"; what no size shows is "any".
+std::string DetectableWords(const HiddenEffect& effect);
 
 /// By how much they could move the boresight, most first; what has no bound before all others.
 std::vector<HiddenEffect> MostHarmful(std::vector<HiddenEffect> effects);

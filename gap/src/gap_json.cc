@@ -96,6 +96,7 @@ Json Discrepancies(const std::vector<GapDiscrepancy>& discrepancies) {
                     {"log_evidence", Number(one.log_evidence)},
                     {"posterior", Number(one.posterior)}});
     if (one.period_s) list.back()["period_s"] = Number(*one.period_s);
+    if (one.tau_s) list.back()["tau_s"] = Number(*one.tau_s);
   }
   return list;
 }
@@ -138,6 +139,7 @@ Json Hidden(const std::vector<HiddenEffect>& effects) {
     list.push_back(
         {{"effect", effect.effect},
          {"minimal_detectable", Number(effect.minimal_detectable)},
+         {"detectable_by_component", List(effect.detectable_by_component)},
          {"minimal_identifiable", Number(effect.minimal_identifiable)},
          {"unit", effect.unit},
          {"boresight_damage_mdeg", List(Vector3d(kMdegPerRad * effect.boresight_damage_rad))},

@@ -82,10 +82,8 @@ std::string DiscrepancyLines(const GapDiagnosis& d) {
   std::string text;
   for (const GapDiscrepancy& one : d.discrepancies) {
     if (one.posterior < kLeastPosterior) continue;
-    const std::string name =
-        one.period_s ? fmt::format("{}, {:.0f} s", one.name, *one.period_s) : one.name;
-    text += fmt::format("          {:<28}{:>6.2f}{}  without a name\n", name, one.posterior,
-                        Nats(one.log_evidence));
+    text += fmt::format("          {:<28}{:>6.2f}{}  without a name\n",
+                        internal::DiscrepancyWords(one), one.posterior, Nats(one.log_evidence));
   }
   return text;
 }
@@ -135,8 +133,8 @@ std::string ShrinkageLines(const std::optional<GapShrinkage>& shrinkage) {
 }
 
 std::string HiddenLine(const GapDiagnosis& d, const HiddenEffect& effect) {
-  std::string text = fmt::format("          {:<27} below {} {}", effect.effect,
-                                 internal::Rounded(effect.minimal_detectable, 2), effect.unit);
+  std::string text =
+      fmt::format("          {:<27} below {}", effect.effect, internal::DetectableWords(effect));
   if (effect.minimal_identifiable) {
     text += ", its name below " + internal::Rounded(*effect.minimal_identifiable, 2);
   }

@@ -38,6 +38,7 @@ class GaussHelmertLibraryMaker {
       AddFixed(std::move(effect));
     AddDrift();
     AddBoresightByCell();
+    AddBoresightShapes();
     AddGeneric(LaserByScanAngle(lidar_, low_rad_, high_rad_, kScanAngleBumps));
     if (strips_.size() > 1 && strips_.size() <= kMostStrips) AddGeneric(LaserByStrip(strips_));
     AddStripPlaces();
@@ -125,6 +126,15 @@ class GaussHelmertLibraryMaker {
       }
     }
     AddGeneric(own, block);
+  }
+
+  void AddBoresightShapes() {
+    const std::vector<double> taus_s = SettlingTausS(strips_);
+    if (taus_s.empty()) return;
+    const OwnEffect settling = BoresightSettling(strips_.front().t0_s, taus_s);
+    AddSettling(settling.name, AddOwn(settling), taus_s, settling.typical, &out_.library);
+    if (strips_.size() < kFewestHeadings) return;
+    AddGeneric(BoresightByHeading(strips_, flight_.trajectory->InMap(flight_.frame)));
   }
 
   /// A common offset of some pairs.

@@ -2,6 +2,7 @@
 
 #include <dn/factors/gnss_antenna.h>
 #include <dn/factors/lidar_effect.h>
+#include <dn/geo/nearest_pose.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,8 @@ constexpr double kShortestGnssCellS = 5.0;
 constexpr int kMostGnssCells = 120;
 constexpr double kShortestBoresightCellS = 15.0;
 constexpr int kMostBoresightCells = 24;
+
+constexpr double kSettlingOfStrips[] = {1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0};
 
 /// Weights of three-vectors at a time: the value is their sum.
 using Weights = std::function<void(double t_s, Eigen::VectorXd* weights)>;
@@ -159,6 +162,42 @@ OwnEffect BoresightByCell(const TimeCells& cells) {
   auto weights = [cells](double t_s, Eigen::VectorXd* w) { (*w)[cells.At(t_s)] = 1.0; };
   return {"boresight by time", std::make_shared<TurnByTime>(cells.count(), std::move(weights)),
           Eigen::VectorXd::Constant(3 * cells.count(), kBoresightRad)};
+}
+
+std::vector<double> SettlingTausS(const std::vector<StripInterval>& strips) {
+  std::vector<double> taus_s;
+  if (strips.empty()) return taus_s;
+  const double length_s = InTime(strips).back().t1_s - InTime(strips).front().t0_s;
+  for (const double fraction : kSettlingOfStrips) taus_s.push_back(fraction * length_s);
+  return taus_s;
+}
+
+OwnEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s) {
+  auto weights = [begin_s, taus_s](double t_s, Eigen::VectorXd* w) {
+    for (std::size_t k = 0; k < taus_s.size(); ++k) {
+      (*w)[static_cast<Eigen::Index>(k)] = std::exp(-(t_s - begin_s) / taus_s[k]);
+    }
+  };
+  const auto count = static_cast<int>(taus_s.size());
+  return {"boresight that settles", std::make_shared<TurnByTime>(count, std::move(weights)),
+          Eigen::VectorXd::Constant(3 * count, kBoresightRad)};
+}
+
+OwnEffect BoresightByHeading(const std::vector<StripInterval>& strips,
+                             const std::vector<MapPose>& path) {
+  TimeCells of_strips;
+  std::vector<Eigen::Vector2d> course;
+  for (const StripInterval& strip : InTime(strips)) {
+    const MapPose middle = NearestPose(path, 0.5 * (strip.t0_s + strip.t1_s));
+    const Eigen::Vector3d forward = middle.q_mb * Eigen::Vector3d::UnitX();
+    of_strips.start_s.push_back(strip.t0_s);
+    course.emplace_back(forward.head<2>().normalized());
+  }
+  auto weights = [of_strips, course](double t_s, Eigen::VectorXd* w) {
+    *w = course[static_cast<std::size_t>(of_strips.At(t_s))];
+  };
+  return {"boresight by heading", std::make_shared<TurnByTime>(2, std::move(weights)),
+          Eigen::VectorXd::Constant(6, kBoresightRad)};
 }
 
 OwnEffect GnssByCell(const TimeCells& cells) {

@@ -3,6 +3,7 @@
 #include <dn/calibration/candidate_effects.h>
 #include <dn/flight/flight.h>
 #include <dn/flight/scan_angle.h>
+#include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>
 #include <string>
@@ -51,6 +52,22 @@ struct Cosines {
 
 /// The boresight differs by a constant in each cell: three components per cell.
 OwnEffect BoresightByCell(const TimeCells& cells);
+
+/// Time constants at which a boresight is looked for that settles: fractions of the time from the
+/// first strip to the end of the last. What is slower is as good as a drift.
+std::vector<double> SettlingTausS(const std::vector<StripInterval>& strips);
+
+/// A part of the boresight decays from begin_s on, with each of the time constants: three components
+/// each.
+OwnEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s);
+
+/// Over up to three strips cosine and sine are any boresight that each strip has for itself.
+inline constexpr std::size_t kFewestHeadings = 4;
+
+/// The boresight follows the cosine and the sine of the heading that each strip has in its middle:
+/// three components each. `path`: ascending in time, not empty.
+OwnEffect BoresightByHeading(const std::vector<StripInterval>& strips,
+                             const std::vector<MapPose>& path);
 
 /// GNSS positions are off by a constant (map axes) in each cell: three components per cell.
 OwnEffect GnssByCell(const TimeCells& cells);

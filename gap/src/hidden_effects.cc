@@ -156,8 +156,21 @@ class NamingTrials {
   Eigen::MatrixXd cross_, root_;
 };
 
-/// All components at their usual sizes, with the signs of the best-determined direction.
-Eigen::VectorXd UsualDirection(const Candidate& candidate, const Eigen::MatrixXd& A) {
+/// Signatures below this share of their own size are what rounding leaves.
+constexpr double kAbsorbed = 1e-7;
+
+/// Minimal detectable sizes of the components, each alone, SI.
+Eigen::VectorXd DetectableAlone(const Eigen::MatrixXd& A, const Eigen::VectorXd& signature) {
+  Eigen::VectorXd sizes(A.rows());
+  for (Eigen::Index k = 0; k < A.rows(); ++k) {
+    sizes[k] = A(k, k) > kAbsorbed * signature[k] ? RowTest().NonCentrality() / std::sqrt(A(k, k))
+                                                  : std::numeric_limits<double>::infinity();
+  }
+  return sizes;
+}
+
+/// The best-determined direction of components in units of their usual sizes, SI.
+Eigen::VectorXd BestDirection(const Candidate& candidate, const Eigen::MatrixXd& A) {
   const SymmetricEigen eigen(candidate.typical.asDiagonal() * A * candidate.typical.asDiagonal());
   const Eigen::VectorXd best = eigen.vectors.col(eigen.vectors.cols() - 1);
   return candidate.typical.cwiseProduct(best);
@@ -168,16 +181,18 @@ HiddenEffect Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& 
   const std::size_t middle = family.first + (family.past - family.first) / 2;
   const Candidate& candidate = screen.library().candidates[middle];
   const Eigen::MatrixXd A = InformationOf(candidate, screen.score());
-  const Eigen::VectorXd direction = UsualDirection(candidate, A);
+  const Eigen::VectorXd direction = BestDirection(candidate, A);
   const double lambda = direction.dot(A * direction);
-  const double signature = SignatureOf(candidate, screen.score()).dot(direction.cwiseAbs2());
+  const Eigen::VectorXd of_components = SignatureOf(candidate, screen.score());
+  const double signature = of_components.dot(direction.cwiseAbs2());
   HiddenEffect hidden;
   hidden.effect = candidate.name;
   hidden.unit = candidate.unit;
   // Sizes are those of the largest component.
   const double unit = candidate.per_si * direction.cwiseAbs().maxCoeff();
+  hidden.detectable_by_component = candidate.per_si * DetectableAlone(A, of_components);
   hidden.minimal_detectable = std::numeric_limits<double>::infinity();
-  if (lambda > 1e-7 * signature) {
+  if (lambda > kAbsorbed * signature) {
     const double times = RowTest().NonCentrality() / std::sqrt(lambda);
     hidden.minimal_detectable = times * unit;
     if (screen.score().shift.rows() == 3) {

@@ -70,10 +70,21 @@ class LibraryMaker {
     if (!with_pairs_) return own;
     boresight_cells_ = BoresightCells(strips_);
     own.push_back(BoresightByCell(boresight_cells_));
+    settling_taus_s_ = SettlingTausS(strips_);
+    own.push_back(BoresightSettling(strips_.front().t0_s, settling_taus_s_));
+    if (strips_.size() >= kFewestHeadings) own.push_back(BoresightByHeading(strips_, Path()));
     const auto [low, high] = ScanAngles();
     own.push_back(LaserByScanAngle(*network_.flight().config.lidar, low, high, kScanAngleBumps));
     own.push_back(LaserByStrip(strips_));
     return own;
+  }
+
+  std::vector<MapPose> Path() const {
+    std::vector<MapPose> path;
+    for (std::size_t k = 0; k < network_.node_times().size(); ++k) {
+      path.push_back(network_.NodePose(k));
+    }
+    return path;
   }
 
   std::pair<double, double> ScanAngles() const {
@@ -113,6 +124,9 @@ class LibraryMaker {
       return;
     } else if (name == "boresight by time") {
       AddBoresightSteps(block);
+    } else if (name == "boresight that settles") {
+      AddSettling(name, block, settling_taus_s_, typical, &library_);
+      return;
     }
     AddGeneric(name, block, typical);
   }
@@ -244,6 +258,7 @@ class LibraryMaker {
   TimeCells gnss_cells_;
   Cosines gnss_cosines_, bias_cosines_;
   TimeCells boresight_cells_;
+  std::vector<double> settling_taus_s_;
   Library library_;
 };
 
@@ -267,6 +282,21 @@ bool LibraryOptions::Wanted(const std::string& effect) const {
 Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linearized,
                     const LibraryOptions& options) {
   return LibraryMaker(network, linearized, options).Run();
+}
+
+void AddSettling(const std::string& name, std::size_t block, const std::vector<double>& taus_s,
+                 const Eigen::VectorXd& typical, Library* library) {
+  for (int k = 0; k < static_cast<int>(taus_s.size()); ++k) {
+    Candidate settling;
+    settling.name = name;
+    settling.physical = false;
+    settling.block = block;
+    settling.cells = CellRange{k, k + 1};
+    settling.decay_s = taus_s[static_cast<std::size_t>(k)];
+    settling.typical = typical.segment<3>(3 * k);
+    settling.unit = "1";
+    library->candidates.push_back(std::move(settling));
+  }
 }
 
 Eigen::MatrixXd CellRange::Rows(const Eigen::Ref<const Eigen::MatrixXd>& X) const {

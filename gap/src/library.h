@@ -32,6 +32,7 @@ struct Candidate {
   std::size_t block = 0;           ///< of Library::blocks
   std::optional<CellRange> cells;  ///< absent: all columns of the block
   std::optional<double> period_s;  ///< of an oscillation
+  std::optional<double> decay_s;   ///< of what settles: its time constant
   Eigen::VectorXd typical;         ///< usual size of each component, SI
   std::string unit;
   double per_si = 1.0;
@@ -56,6 +57,10 @@ struct LibraryOptions {
 /// cosines; discrepancies without a name.
 Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linearized,
                     const LibraryOptions& options);
+
+/// Adds one candidate of a discrepancy for each time constant of a BoresightSettling block.
+void AddSettling(const std::string& name, std::size_t block, const std::vector<double>& taus_s,
+                 const Eigen::VectorXd& typical, Library* library);
 
 /// The columns of a candidate by themselves.
 EffectModel ModelOf(const Candidate& candidate, const Library& library);

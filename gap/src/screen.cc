@@ -98,11 +98,13 @@ ScreenedEffect Screen::Describe(const EffectFamily& family) const {
   const Candidate& candidate = library_.candidates[effect.candidate];
   effect.times = candidate.times;
   effect.period_s = candidate.period_s;
+  effect.decay_s = candidate.decay_s;
   const ScoreTest test = Test(effect.candidate, score_.s);
   if (test.dof > 0) {
     effect.p_value = std::min(1.0, ChiSquareTail(test.statistic, test.dof) *
                                        static_cast<double>(family.past - family.first));
   }
+  if (!candidate.tau_s) effect.statistic = test.statistic;
   const Eigen::VectorXd signature = SignatureOf(candidate, score_);
   const Eigen::VectorXd weight = candidate.typical.cwiseAbs2();
   effect.absorbed = 1.0 - InformationOf(candidate, score_).diagonal().dot(weight) /

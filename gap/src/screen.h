@@ -22,8 +22,10 @@ struct ScreenedEffect {
   bool physical = true;
   EffectTimes times;
   std::optional<double> period_s;
+  std::optional<double> decay_s;
   double log_evidence = 0.0;  ///< averaged over sizes, windows and time constants
   double p_value = 1.0;       ///< of the best, times the number of those tried
+  double statistic = 0.0;     ///< of the best, chi-square; 0 of a process
   Eigen::VectorXd estimate;   ///< of a process: sigmas, then tau
   Eigen::VectorXd sigma;      ///< NaN of a tau
   double absorbed = 0.0;      ///< share of the signature that the unknowns follow

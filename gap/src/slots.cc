@@ -74,6 +74,19 @@ void TakeSlot(const Slot& slot, GapCause* cause) {
   }
 }
 
+/// Whether a discrepancy without a name is the likelier account, and not only because its usual size
+/// is nearer: it must fit the data as well as the effect does.
+bool Doubtful(const Slot& slot) {
+  if (slot.generic_posterior <= kWithoutName) return false;
+  const auto own = std::find_if(slot.rivals.begin(), slot.rivals.end(),
+                                [&](const auto& rival) { return rival.name == slot.effect; });
+  const auto generic =
+      std::max_element(slot.rivals.begin(), slot.rivals.end(), [](const auto& a, const auto& b) {
+        return a.physical != b.physical ? a.physical : a.log_evidence < b.log_evidence;
+      });
+  return own == slot.rivals.end() || generic->statistic >= own->statistic;
+}
+
 std::vector<std::string> CredibleInAny(const std::vector<Slot>& slots) {
   std::vector<std::string> names;
   for (const Slot& slot : slots) {
@@ -148,7 +161,7 @@ void FillCauses(const std::vector<ScreenedEffect>& screened, const std::vector<S
     const double posterior = ProbabilityInAny(slots, effect.name);
     if (!effect.physical) {
       diagnosis->discrepancies.push_back(
-          {effect.name, effect.log_evidence, posterior, effect.period_s});
+          {effect.name, effect.log_evidence, posterior, effect.period_s, effect.decay_s});
       continue;
     }
     const auto taken = std::any_of(named.begin(), named.end(), [&](const GapCause& cause) {
@@ -164,9 +177,7 @@ GapVerdict Decide(const Decision& decision, const std::vector<std::string>& name
                   const std::vector<Slot>& slots) {
   GapVerdict verdict;
   if (!decision.detected) return verdict;
-  const bool doubtful = std::any_of(slots.begin(), slots.end(), [](const Slot& slot) {
-    return slot.generic_posterior > kWithoutName;
-  });
+  const bool doubtful = std::any_of(slots.begin(), slots.end(), Doubtful);
   if (named.empty() || decision.discrepancy_is_better || (named.size() == 1 && doubtful)) {
     verdict.kind = GapVerdictKind::kUnknown;
     verdict.unknown = true;

@@ -44,7 +44,7 @@ struct Decision {
 };
 
 /// The verdict on effects with a name, each in its slot. A name is not given where a discrepancy
-/// without one is likelier than all names of the slot together.
+/// without one is likelier than all names of the slot together and fits the data as well.
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
                   const std::vector<Slot>& slots);
 

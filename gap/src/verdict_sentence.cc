@@ -103,6 +103,16 @@ std::string Place(const GapDiagnosis& d) {
   return fmt::format(", most in {} {}, {}", first.sensor, first.quantity, first.location);
 }
 
+/// What describes the data without being a cause, where it is likelier than not.
+std::string WithoutName(const GapDiagnosis& d) {
+  for (const GapDiscrepancy& one : d.discrepancies) {
+    if (one.posterior > 0.5) {
+      return fmt::format("; what describes it best is {}", internal::DiscrepancyWords(one));
+    }
+  }
+  return "";
+}
+
 std::string Partial(const GapDiagnosis& d) {
   return WithTieBreaker(
       d, NamedEffects(d) + "; a part of the gap is left that no effect of the library explains" +
@@ -112,8 +122,8 @@ std::string Partial(const GapDiagnosis& d) {
 std::string Unknown(const GapDiagnosis& d) {
   return WithTieBreaker(
       d, fmt::format("the data depart from the assumed model ({}){}, and no effect of the library "
-                     "explains it: do not rely on the boresight, look there first",
-                     internal::PWords(d.p_value), Place(d)));
+                     "explains it: do not rely on the boresight, look there first{}",
+                     internal::PWords(d.p_value), Place(d), WithoutName(d)));
 }
 
 /// On a given trajectory of those that the pairs could show.
@@ -141,8 +151,8 @@ std::string NoGap(const GapDiagnosis& d) {
                                            : fmt::format(" and {} others", more - 1);
     return text + fmt::format("; {}{} of any size could still hide", worst.effect, others);
   }
-  text += fmt::format("; {} of less than {} {} could still hide", worst.effect,
-                      internal::Rounded(worst.minimal_detectable, 2), worst.unit);
+  text += fmt::format("; {} of less than {} could still hide", worst.effect,
+                      internal::DetectableWords(worst));
   if (!internal::HasBoresight(d)) return text;
   return text + ", and move the boresight (roll, pitch, yaw) by up to " +
          MdegWords(worst.boresight_damage_rad.cwiseAbs());

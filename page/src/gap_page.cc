@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,6 +73,12 @@ Headline GapHeadline(const Facts& gap) {
   return headline;
 }
 
+std::string DiscrepancyName(const Facts& one) {
+  const std::string name = one["name"].text();
+  if (one["period_s"]) return fmt::format("{}, {:.0f} s", name, one["period_s"].number());
+  return one["tau_s"] ? fmt::format("{}, tau {:.0f} s", name, one["tau_s"].number()) : name;
+}
+
 Section Causes(const Facts& gap) {
   Section section{"Causes", {}};
   BarChart chart{"Evidence for each effect, with its probability", "log evidence [nats]", {}};
@@ -102,7 +109,7 @@ Section Causes(const Facts& gap) {
       "Ways of departing from the model that have no name", {"", "probability", "nats"}, {}};
   for (const Facts& one : gap["discrepancies"].elements()) {
     nameless.rows.push_back(
-        Row(one["name"].text(), {one["posterior"].Decimals(3), one["log_evidence"].Decimals(1)}));
+        Row(DiscrepancyName(one), {one["posterior"].Decimals(3), one["log_evidence"].Decimals(1)}));
   }
   if (!nameless.rows.empty()) section.contents.emplace_back(std::move(nameless));
   return section;
@@ -152,17 +159,29 @@ Section Closed(const Facts& gap) {
   return section;
 }
 
+/// Of each component alone; "any": no size is seen.
+std::string SeenAlone(const Facts& effect) {
+  std::vector<std::string> each;
+  for (const Facts& size : effect["detectable_by_component"].elements()) {
+    each.push_back(size ? fmt::format("{:.2g}", size.number()) : "any");
+  }
+  return each.size() < 2 ? "" : fmt::format("{}", fmt::join(each, ", "));
+}
+
 Section CouldHide(const Facts& gap) {
   Section section{"What could still hide", {}};
   Table table{"",
-              {"effect", "seen from", "named from", "unit", "moves roll [mdeg]", "pitch", "yaw"},
+              {"effect", "seen from", "components alone", "named from", "unit", "moves roll [mdeg]",
+               "pitch", "yaw"},
               {},
               "An effect below its first size may be there unseen, and move the boresight by up to "
-              "that."};
+              "that. The first size is that of the best-determined direction; a component alone "
+              "may have to be larger."};
   for (const Facts& effect : gap["could_still_hide"].elements()) {
-    std::vector<Cell> row{
-        Text(effect["effect"].text()), effect["minimal_detectable"].Significant(2),
-        effect["minimal_identifiable"].Significant(2), Text(effect["unit"].text())};
+    std::vector<Cell> row{Text(effect["effect"].text()),
+                          effect["minimal_detectable"].Significant(2), Text(SeenAlone(effect)),
+                          effect["minimal_identifiable"].Significant(2),
+                          Text(effect["unit"].text())};
     for (const Cell& cell : Three(effect["boresight_damage_mdeg"], 2)) row.push_back(cell);
     table.rows.push_back(std::move(row));
   }

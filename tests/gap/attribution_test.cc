@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "testing/short_flights.h"
 
@@ -110,6 +113,72 @@ TEST(Attribute, ACorrelatedNoiseLeavesNoOscillation) {
        OfSeeds("{effect: gnss_correlated_noise, value: [0.06, 0.06, 0.1, 20]}")) {
     EXPECT_THAT(Names(attribution), ElementsAre("gnss_correlated_noise"));
     EXPECT_LT(OscillationLeft(attribution).log_evidence, kThresholdNats);
+  }
+}
+
+/// Three strips and the last of them back.
+Scenario FourStrips(const std::string& extra = "") {
+  Scenario scenario = AircraftScenario(extra);
+  PlannedLine back = scenario.plan.lines.back();
+  std::swap(back.start_en_m, back.end_en_m);
+  back.start_en_m.x() += 100.0;
+  back.end_en_m.x() += 100.0;
+  scenario.plan.lines.push_back(back);
+  return scenario;
+}
+
+/// What the screen sees of a boresight that moves.
+std::vector<ScreenedEffect> Moving(const std::function<Eigen::Vector3d(const MapPose&)>& move) {
+  SimulateOptions options;
+  options.own.boresight_rad = move;
+  const Flight flight = Simulate(FourStrips(), options).flight;
+  const GapOptions gap;
+  return Explainer(flight, gap).Explain({}).effects;
+}
+
+const Eigen::Vector3d kMove_rad(6e-4, -5e-4, 6e-4);
+
+TEST(Explainer, ABoresightThatSettlesIsNoStepAndNoDrift) {
+  constexpr double kTauS = 25.0;
+  std::optional<double> first_s;
+  const auto effects = Moving([&](const MapPose& pose) {
+    if (!first_s) first_s = pose.t_s;
+    return Eigen::Vector3d(std::exp(-(pose.t_s - *first_s) / kTauS) * kMove_rad);
+  });
+  const double settling = EvidenceOf(effects, "boresight that settles");
+  EXPECT_GT(settling, kThresholdNats);
+  EXPECT_GT(settling, EvidenceOf(effects, "boresight_step") + 3.0);
+  EXPECT_GT(settling, EvidenceOf(effects, "boresight_drift") + 3.0);
+  const auto found = std::find_if(effects.begin(), effects.end(), [](const ScreenedEffect& effect) {
+    return effect.name == "boresight that settles";
+  });
+  ASSERT_TRUE(found->decay_s.has_value());
+  EXPECT_GT(*found->decay_s, 0.5 * kTauS);
+  EXPECT_LT(*found->decay_s, 2.0 * kTauS);
+}
+
+TEST(Explainer, ABoresightThatFollowsTheHeadingIsNoStep) {
+  const auto effects = Moving([](const MapPose& pose) {
+    return Eigen::Vector3d((pose.q_mb * Eigen::Vector3d::UnitX()).x() * kMove_rad);
+  });
+  const double heading = EvidenceOf(effects, "boresight by heading");
+  EXPECT_GT(heading, kThresholdNats);
+  EXPECT_GT(heading, EvidenceOf(effects, "boresight_step") + 3.0);
+  EXPECT_GT(heading, EvidenceOf(effects, "boresight_drift") + 3.0);
+}
+
+// What the shapes above can follow in part must not take its name away.
+TEST(Explainer, StepsAndDriftsKeepTheirNames) {
+  for (const char* effect : {"{effect: boresight_step, value: [0.02, -0.02, 0.03], t0_s: 381190}",
+                             "{effect: boresight_drift, value: [0.15, -0.12, 0.15]}"}) {
+    const Flight flight = Simulate(FourStrips("effects: [" + std::string(effect) + "]"), {}).flight;
+    const GapOptions gap;
+    const auto effects = Explainer(flight, gap).Explain({}).effects;
+    const ScreenedEffect* best = BestPhysical(effects);
+    ASSERT_NE(best, nullptr);
+    EXPECT_THAT(effect, HasSubstr(best->name));
+    EXPECT_GT(best->log_evidence, EvidenceOf(effects, "boresight that settles")) << effect;
+    EXPECT_GT(best->log_evidence, EvidenceOf(effects, "boresight by heading")) << effect;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "gap/some_diagnosis.h"
@@ -59,6 +60,8 @@ TEST(GapJson, HoldsVerdictAndShrinkage) {
   EXPECT_FALSE(json["discrepancies"][0].contains("period_s"));
   EXPECT_EQ(json["discrepancies"][1]["posterior"], 0.01);
   EXPECT_EQ(json["discrepancies"][1]["period_s"], 42.4);
+  EXPECT_FALSE(json["discrepancies"][1].contains("tau_s"));
+  EXPECT_EQ(json["discrepancies"][2]["tau_s"], 50.0);
   EXPECT_EQ(json["verdict"]["kind"], "identified");
   EXPECT_EQ(json["verdict"]["effects"], Json::array({"gnss_lever_arm"}));
   EXPECT_EQ(json["verdict"]["unknown"], false);
@@ -86,6 +89,10 @@ TEST(GapJson, WritesNullWhereThereIsNoNumber) {
   EXPECT_TRUE(cone["boresight_damage_mdeg"][0].is_null());
   EXPECT_EQ(cone["inseparable_from"], Json::array({"boresight"}));
   EXPECT_EQ(json["could_still_hide"][0]["minimal_identifiable"], 60.0);
+  d.could_still_hide[0].detectable_by_component =
+      Eigen::Vector3d(0.5, std::numeric_limits<double>::infinity(), 2.0);
+  EXPECT_EQ(GapJson(d)["could_still_hide"][0]["detectable_by_component"],
+            Json({0.5, nullptr, 2.0}));
   EXPECT_EQ(json["fingerprint"][0]["twin_mean"], 4.8);
   EXPECT_TRUE(json["fingerprint"][1]["twin_mean"].is_null());
   EXPECT_EQ(json["validity"]["full_twins"], 24);
@@ -164,7 +171,11 @@ TEST(VerdictSentence, OfWhatHasNoNameSaysWhere) {
   d.verdict.effects.clear();
   EXPECT_THAT(VerdictSentence(d),
               AllOf(HasSubstr("p = 0.002"), HasSubstr("strip pair 1-2"),
-                    HasSubstr("do not rely on the boresight"), Not(HasSubstr("gnss_lever_arm"))));
+                    HasSubstr("do not rely on the boresight"), Not(HasSubstr("gnss_lever_arm")),
+                    Not(HasSubstr("describes it best"))));
+  d.discrepancies.back().posterior = 0.9;
+  EXPECT_THAT(VerdictSentence(d),
+              HasSubstr("; what describes it best is boresight that settles, tau 50 s"));
 }
 
 TEST(VerdictSentence, OfNoGapSaysWhatCouldHide) {
@@ -177,6 +188,21 @@ TEST(VerdictSentence, OfNoGapSaysWhatCouldHide) {
   EXPECT_THAT(VerdictSentence(d), HasSubstr("gnss_time_offset of less than 0.0012 s could still "
                                             "hide, and move the boresight (roll, pitch, yaw) by up "
                                             "to 0.2, 7, 5.9 mdeg"));
+}
+
+TEST(VerdictSentence, OfNoGapTellsTheComponentsOfAVector) {
+  GapDiagnosis d = LeverArmDiagnosis();
+  d.verdict.kind = GapVerdictKind::kNoGap;
+  d.verdict.effects.clear();
+  HiddenEffect hidden;
+  hidden.effect = "gyro_g_sensitivity";
+  hidden.unit = "deg/h/g";
+  hidden.minimal_detectable = 0.05;
+  hidden.detectable_by_component =
+      Eigen::Vector3d(1.2, std::numeric_limits<double>::infinity(), 0.052);
+  d.could_still_hide = {hidden};
+  EXPECT_THAT(VerdictSentence(d), HasSubstr("gyro_g_sensitivity of less than 1.2, any, 0.052 "
+                                            "deg/h/g (x, y, z alone) could still hide"));
 }
 
 TEST(VerdictSentence, OfAFlightThatCannotCarryTheDiagnosisSaysWhy) {

@@ -127,6 +127,19 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
   EXPECT_EQ(Decide({.detected = true}, {"a"}, likely).kind, GapVerdictKind::kIdentified);
 }
 
+// Many times its usual size an effect has less evidence than what needs no such size, and fits better.
+TEST_F(Decided, KeepsANameThatFitsBetterThanADiscrepancy) {
+  ScreenedEffect drift = WithEvidence("a", 30.0), heading = WithEvidence("heading", 33.0);
+  heading.physical = false;
+  heading.statistic = 90.0;
+  drift.statistic = 100.0;
+  EXPECT_EQ(Decide({.detected = true}, {"a"}, {MakeSlot("a", {heading, drift})}).kind,
+            GapVerdictKind::kIdentified);
+  drift.statistic = 80.0;
+  EXPECT_EQ(Decide({.detected = true}, {"a"}, {MakeSlot("a", {heading, drift})}).kind,
+            GapVerdictKind::kUnknown);
+}
+
 TEST_F(Decided, SaysNothingOfAFlightWithoutAGap) {
   const GapVerdict verdict = Decide({}, {}, clear_);
   EXPECT_EQ(verdict.kind, GapVerdictKind::kNoGap);

@@ -60,8 +60,9 @@ inline GapDiagnosis LeverArmDiagnosis() {
   d.where = {{"lidar", "p2p", "strip pair 1-2, scan angle 20..30 deg", 8.5, 0.001},
              {"gnss", "position up", "0.01..0.02 Hz", 5.5, 0.02}};
   d.causes = {LeverArmCause(), StepCause(), ProcessCause()};
-  d.discrepancies = {{"laser vectors by strip", 3.5, 0.25, std::nullopt},
-                     {"GNSS oscillation", 0.1, 0.01, 42.4}};
+  d.discrepancies = {{"laser vectors by strip", 3.5, 0.25, std::nullopt, std::nullopt},
+                     {"GNSS oscillation", 0.1, 0.01, 42.4, std::nullopt},
+                     {"boresight that settles", -0.5, 0.005, std::nullopt, 50.0}};
   d.verdict.kind = GapVerdictKind::kIdentified;
   d.verdict.effects = {"gnss_lever_arm"};
   d.verdict.credible_set = {"gnss_lever_arm"};

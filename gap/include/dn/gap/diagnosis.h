@@ -57,6 +57,7 @@ struct GapDiscrepancy {
   double log_evidence = 0.0;       ///< nats
   double posterior = 0.0;          ///< that it is the better account of a part of the gap
   std::optional<double> period_s;  ///< of an oscillation
+  std::optional<double> tau_s;     ///< of what settles
 };
 
 /// How large the gap is: mean Kullback-Leibler divergence of predictive errors, nats/observation.
@@ -98,10 +99,12 @@ struct GapShrinkage {
 struct HiddenEffect {
   std::string effect;
   std::string unit;
-  double minimal_detectable = 0.0;  ///< of the best-determined component; infinite: never
+  double minimal_detectable = 0.0;  ///< in the best-determined direction; infinite: never
   std::optional<double> minimal_identifiable;  ///< nothing where geometry never separates it
   Eigen::Vector3d boresight_damage_rad = Eigen::Vector3d::Zero();  ///< at the minimal detectable
   std::vector<std::string> inseparable_from;  ///< what it could be taken for, at any size
+  /// Minimal detectable sizes of the components, each alone; infinite: never.
+  Eigen::VectorXd detectable_by_component = {};
 };
 
 struct GapVerdict {
