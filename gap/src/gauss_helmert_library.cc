@@ -103,13 +103,7 @@ class GaussHelmertLibraryMaker {
   void AddGeneric(const OwnEffect& own) { AddGeneric(own, AddOwn(own)); }
 
   void AddGeneric(const OwnEffect& own, std::size_t block) {
-    Candidate generic;
-    generic.name = own.name;
-    generic.physical = false;
-    generic.block = block;
-    generic.typical = own.typical;
-    generic.unit = "1";
-    out_.library.candidates.push_back(std::move(generic));
+    out_.library.candidates.push_back(Nameless(own.name, block, own.typical));
   }
 
   void AddBoresightByCell() {

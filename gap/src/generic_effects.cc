@@ -167,7 +167,7 @@ OwnEffect BoresightByCell(const TimeCells& cells) {
 std::vector<double> SettlingTausS(const std::vector<StripInterval>& strips) {
   std::vector<double> taus_s;
   if (strips.empty()) return taus_s;
-  const double length_s = InTime(strips).back().t1_s - InTime(strips).front().t0_s;
+  const double length_s = strips.back().t1_s - strips.front().t0_s;
   for (const double fraction : kSettlingOfStrips) taus_s.push_back(fraction * length_s);
   return taus_s;
 }
@@ -187,7 +187,7 @@ OwnEffect BoresightByHeading(const std::vector<StripInterval>& strips,
                              const std::vector<MapPose>& path) {
   TimeCells of_strips;
   std::vector<Eigen::Vector2d> course;
-  for (const StripInterval& strip : InTime(strips)) {
+  for (const StripInterval& strip : strips) {
     const MapPose middle = NearestPose(path, 0.5 * (strip.t0_s + strip.t1_s));
     const Eigen::Vector3d forward = middle.q_mb * Eigen::Vector3d::UnitX();
     of_strips.start_s.push_back(strip.t0_s);

@@ -53,7 +53,7 @@ struct Cosines {
 /// The boresight differs by a constant in each cell: three components per cell.
 OwnEffect BoresightByCell(const TimeCells& cells);
 
-/// Time constants at which a boresight is looked for that settles: fractions of the time from the
+/// Time constants at which a boresight is looked for that settles, of strips in time: fractions of the time from the
 /// first strip to the end of the last. What is slower is as good as a drift.
 std::vector<double> SettlingTausS(const std::vector<StripInterval>& strips);
 
@@ -65,7 +65,7 @@ OwnEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s);
 inline constexpr std::size_t kFewestHeadings = 4;
 
 /// The boresight follows the cosine and the sine of the heading that each strip has in its middle:
-/// three components each. `path`: ascending in time, not empty.
+/// three components each. Strips and path in time; the path is not empty.
 OwnEffect BoresightByHeading(const std::vector<StripInterval>& strips,
                              const std::vector<MapPose>& path);
 

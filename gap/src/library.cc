@@ -70,8 +70,7 @@ class LibraryMaker {
     if (!with_pairs_) return own;
     boresight_cells_ = BoresightCells(strips_);
     own.push_back(BoresightByCell(boresight_cells_));
-    settling_taus_s_ = SettlingTausS(strips_);
-    own.push_back(BoresightSettling(strips_.front().t0_s, settling_taus_s_));
+    own.push_back(BoresightSettling(strips_.front().t0_s, SettlingTausS(strips_)));
     if (strips_.size() >= kFewestHeadings) own.push_back(BoresightByHeading(strips_, Path()));
     const auto [low, high] = ScanAngles();
     own.push_back(LaserByScanAngle(*network_.flight().config.lidar, low, high, kScanAngleBumps));
@@ -125,20 +124,14 @@ class LibraryMaker {
     } else if (name == "boresight by time") {
       AddBoresightSteps(block);
     } else if (name == "boresight that settles") {
-      AddSettling(name, block, settling_taus_s_, typical, &library_);
+      AddSettling(name, block, SettlingTausS(strips_), typical, &library_);
       return;
     }
     AddGeneric(name, block, typical);
   }
 
   void AddGeneric(const std::string& name, std::size_t block, const Eigen::VectorXd& typical) {
-    Candidate generic;
-    generic.name = name;
-    generic.physical = false;
-    generic.block = block;
-    generic.typical = typical;
-    generic.unit = "1";
-    library_.candidates.push_back(std::move(generic));
+    library_.candidates.push_back(Nameless(name, block, typical));
   }
 
   void AddGnssSteps(std::size_t block) {
@@ -197,14 +190,9 @@ class LibraryMaker {
   void AddPeriods(const std::string& words, std::size_t block, const Cosines& cosines,
                   const Eigen::Vector3d& axes) {
     for (int k = 1; k + 1 < cosines.count; ++k) {
-      Candidate wave;
-      wave.name = words;
-      wave.physical = false;
-      wave.block = block;
+      Candidate wave = Nameless(words, block, axes.replicate<2, 1>());
       wave.cells = CellRange{k, k + 2, 3, false};
       wave.period_s = 2.0 / (cosines.FrequencyHz(k) + cosines.FrequencyHz(k + 1));
-      wave.typical = axes.replicate<2, 1>();
-      wave.unit = "1";
       library_.candidates.push_back(std::move(wave));
     }
   }
@@ -258,7 +246,6 @@ class LibraryMaker {
   TimeCells gnss_cells_;
   Cosines gnss_cosines_, bias_cosines_;
   TimeCells boresight_cells_;
-  std::vector<double> settling_taus_s_;
   Library library_;
 };
 
@@ -284,17 +271,22 @@ Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linea
   return LibraryMaker(network, linearized, options).Run();
 }
 
+Candidate Nameless(const std::string& name, std::size_t block, const Eigen::VectorXd& typical) {
+  Candidate candidate;
+  candidate.name = name;
+  candidate.physical = false;
+  candidate.block = block;
+  candidate.typical = typical;
+  candidate.unit = "1";
+  return candidate;
+}
+
 void AddSettling(const std::string& name, std::size_t block, const std::vector<double>& taus_s,
                  const Eigen::VectorXd& typical, Library* library) {
   for (int k = 0; k < static_cast<int>(taus_s.size()); ++k) {
-    Candidate settling;
-    settling.name = name;
-    settling.physical = false;
-    settling.block = block;
+    Candidate settling = Nameless(name, block, typical.segment<3>(3 * k));
     settling.cells = CellRange{k, k + 1};
     settling.decay_s = taus_s[static_cast<std::size_t>(k)];
-    settling.typical = typical.segment<3>(3 * k);
-    settling.unit = "1";
     library->candidates.push_back(std::move(settling));
   }
 }

@@ -58,6 +58,9 @@ struct LibraryOptions {
 Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linearized,
                     const LibraryOptions& options);
 
+/// A discrepancy of all columns of a block.
+Candidate Nameless(const std::string& name, std::size_t block, const Eigen::VectorXd& typical);
+
 /// Adds one candidate of a discrepancy for each time constant of a BoresightSettling block.
 void AddSettling(const std::string& name, std::size_t block, const std::vector<double>& taus_s,
                  const Eigen::VectorXd& typical, Library* library);
