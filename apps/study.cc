@@ -1,5 +1,7 @@
 #include <dn/calibration/result_files.h>
 #include <dn/config/yaml_value.h>
+#include <dn/gap/limits.h>
+#include <dn/gap/report.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
 #include <dn/study/report.h>
@@ -22,6 +24,7 @@ struct StudyArguments {
   std::string what;  ///< a scenario or a flight
   std::string estimate;
   bool no_remedies = false;
+  bool no_limits = false;
   std::uint64_t seed = 1;
   SweepOptions sweep;
   std::string lines;  ///< file of candidates
@@ -49,16 +52,37 @@ StudyOptions MakeOptions(const StudyArguments& options, const Run& run) {
   return study;
 }
 
-StudyResult StudyScenario(const StudyArguments& options, Run* run) {
+/// A study, and what could be there in such a flight without being found.
+struct StudyAndLimits {
+  StudyResult study;
+  std::vector<HiddenEffect> could_hide;  ///< none where it was not asked, or nothing is determined
+};
+
+StudyAndLimits StudyDesigned(const StudyArguments& options, const StudyDesign& design,
+                             const StudyOptions& study, Run* run) {
+  StudyAndLimits result{Study(design, study), {}};
+  if (options.no_limits || !result.study.observable()) return result;
+  run->progress.Stage("which effects it would show");
+  GapOptions gap;
+  gap.threads = study.design.threads;
+  gap.interrupted = study.design.interrupted;
+  result.could_hide = HiddenOnDesign(design.flight, design.states, gap);
+  return result;
+}
+
+StudyAndLimits StudyScenario(const StudyArguments& options, Run* run) {
   const Scenario scenario = ReadScenario(options.what);
   run->progress.Stage("studying " + scenario.name);
   run->report["seed"] = options.seed;
-  StudyResult study = Study(scenario, MakeOptions(options, *run));
+  const StudyOptions study = MakeOptions(options, *run);
+  StudyAndLimits result = StudyDesigned(options, DesignOf(scenario, study.design), study, run);
+  if (study.remedies) run->progress.Stage("trying remedies");
+  AddRemedies(scenario, study, &result.study);
   run->AddFile("config.resolved.yaml", FormatScenario(scenario));
-  return study;
+  return result;
 }
 
-StudyResult StudyFlight(const StudyArguments& options, Run* run) {
+StudyAndLimits StudyFlight(const StudyArguments& options, Run* run) {
   run->progress.Stage("reading " + options.what);
   FlightNeeds needs;
   needs.imu = needs.gnss = needs.pairs = needs.trajectory = true;
@@ -67,9 +91,11 @@ StudyResult StudyFlight(const StudyArguments& options, Run* run) {
   const std::string config = FormatFlightConfig(flight.config);
   run->report["timings_s"]["read"] = flight.read_time_s;
   run->progress.Stage("studying " + flight.config.name);
-  StudyResult study = Study(std::move(flight), MakeOptions(options, *run));
+  const StudyOptions study = MakeOptions(options, *run);
+  StudyAndLimits result =
+      StudyDesigned(options, DesignOf(std::move(flight), study.design), study, run);
   run->AddFile("config.resolved.yaml", config);
-  return study;
+  return result;
 }
 
 void AddSeries(const StudyResult& study, Run* run) {
@@ -94,16 +120,18 @@ void AddPlots(const StudyResult& study, Run* run) {
 }
 
 void RunStudy(const StudyArguments& options, Run& run) {
-  const StudyResult study =
+  const auto [study, could_hide] =
       IsScenario(options.what) ? StudyScenario(options, &run) : StudyFlight(options, &run);
   run.progress.Stage("writing " + options.common.out.string());
-  const std::string summary = StudySummary(study);
+  const std::string summary = StudySummary(study) + HiddenEffectsSummary(could_hide, true);
+  Json json = StudyJson(study);
+  if (!could_hide.empty()) json["could_still_hide"] = HiddenEffectsJson(could_hide);
   run.report["flight"] = study.name;
   run.report["counts"] = {{"imu epochs", study.imu_epochs},
                           {"gnss epochs", study.gnss_epochs},
                           {"pairs", study.pairs},
                           {"strips", study.geometry.strips.size()}};
-  run.AddFile("study.json", FormatJson(StudyJson(study)));
+  run.AddFile("study.json", FormatJson(json));
   run.AddFile("summary.txt", summary);
   AddSeries(study, &run);
   AddPlots(study, &run);
@@ -127,6 +155,8 @@ void AddStudyOptions(CLI::App* app, StudyArguments* options) {
       ->capture_default_str();
   app->add_flag("--no-remedies", options->no_remedies,
                 "Do not try which change of the scenario would help its weak directions");
+  app->add_flag("--no-limits", options->no_limits,
+                "Do not ask from which size on each effect that the model lacks would be seen");
   CLI::Option* sweep =
       app->add_option("--sweep", options->sweep.file,
                       "File that names a base scenario and values of its keys: every combination "

@@ -1,6 +1,8 @@
 #include "design_limits.h"
 
 #include <dn/builder/build.h>
+#include <dn/gap/limits.h>
+#include <dn/interrupted.h>
 #include <dn/solvers/marginals.h>
 
 #include <utility>
@@ -11,7 +13,8 @@
 #include "stopwatch.h"
 #include "unavailable.h"
 
-namespace dn::internal {
+namespace dn {
+namespace internal {
 namespace {
 
 constexpr PlannedRates kRates{.imu_hz = 100.0, .gnss_hz = 1.0};
@@ -19,6 +22,14 @@ constexpr PlannedRates kRates{.imu_hz = 100.0, .gnss_hz = 1.0};
 const Trajectory& PosesOf(const Flight& flight) {
   if (flight.trajectory) return *flight.trajectory;
   return flight.initial_guess ? *flight.initial_guess : *flight.reference;
+}
+
+Screen ScreenOfStates(const Flight& flight, const NetworkDesign& states, const GapOptions& options,
+                      long* rows) {
+  const FlightNetwork network = Build(flight, states);
+  const Marginals marginals(network.net, {.threads = options.threads});
+  if (rows != nullptr) *rows = marginals.linearized().rows();
+  return Screen(network, marginals, {options.effects, options.left_out, options.threads});
 }
 
 }  // namespace
@@ -31,10 +42,7 @@ Screen ScreenOfDesign(const Flight& flight, const GapOptions& options, long* row
   Flight plan = flight;
   const NetworkDesign design{PosesOf(flight).InMap(flight.frame)};
   PlanMeasurements(design, kRates, &plan);
-  const FlightNetwork network = Build(plan, design);
-  const Marginals marginals(network.net, {.threads = options.threads});
-  if (rows != nullptr) *rows = marginals.linearized().rows();
-  return Screen(network, marginals, {options.effects, options.left_out, options.threads});
+  return ScreenOfStates(plan, design, options, rows);
 }
 
 GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
@@ -47,4 +55,18 @@ GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
   return WithLimits(flight, std::move(diagnosis));
 }
 
-}  // namespace dn::internal
+}  // namespace internal
+
+std::vector<HiddenEffect> HiddenOnDesign(const Flight& flight, const NetworkDesign& states,
+                                         const GapOptions& options) {
+  options.Validate();
+  const auto poll = [&] {
+    if (options.interrupted && options.interrupted()) throw Interrupted();
+  };
+  poll();
+  const internal::Screen screen = internal::ScreenOfStates(flight, states, options, nullptr);
+  poll();
+  return internal::HiddenEffects(screen, internal::kThresholdOfDesignNats, options.seed);
+}
+
+}  // namespace dn

@@ -133,21 +133,6 @@ Json Shrinkage(const std::optional<GapShrinkage>& shrinkage) {
           {"boresight_sigma_after_deg", Scaled(after.boresight_sigma_rad, kDegPerRad)}};
 }
 
-Json Hidden(const std::vector<HiddenEffect>& effects) {
-  Json list = Json::array();
-  for (const HiddenEffect& effect : effects) {
-    list.push_back(
-        {{"effect", effect.effect},
-         {"minimal_detectable", Number(effect.minimal_detectable)},
-         {"detectable_by_component", List(effect.detectable_by_component)},
-         {"minimal_identifiable", Number(effect.minimal_identifiable)},
-         {"unit", effect.unit},
-         {"boresight_damage_mdeg", List(Vector3d(kMdegPerRad * effect.boresight_damage_rad))},
-         {"inseparable_from", effect.inseparable_from}});
-  }
-  return list;
-}
-
 Json Fingerprint(const std::vector<FingerprintValue>& values) {
   Json list = Json::array();
   for (const FingerprintValue& value : values) {
@@ -191,7 +176,7 @@ Json GapJson(const GapDiagnosis& diagnosis) {
           {"discrepancies", Discrepancies(diagnosis.discrepancies)},
           {"verdict", VerdictPart(diagnosis.verdict)},
           {"shrinkage", Shrinkage(diagnosis.shrinkage)},
-          {"could_still_hide", Hidden(diagnosis.could_still_hide)},
+          {"could_still_hide", HiddenEffectsJson(diagnosis.could_still_hide)},
           {"fingerprint", Fingerprint(diagnosis.fingerprint)},
           {"validity", Validity(diagnosis.validity)},
           {"timings_s", Timings(diagnosis.timings_s)}};

@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::size_t kMostPlaces = 5;
 constexpr std::size_t kMostCausesTold = 8;
-constexpr std::size_t kMostHidden = 5;
 constexpr double kLeastPosterior = 0.05;
 
 std::string P(double p_value) { return fmt::format("{:.2g}", p_value); }
@@ -132,40 +131,6 @@ std::string ShrinkageLines(const std::optional<GapShrinkage>& shrinkage) {
   return text + StateLine("before", shrinkage->before) + StateLine("after", shrinkage->after);
 }
 
-std::string HiddenLine(const GapDiagnosis& d, const HiddenEffect& effect) {
-  std::string text =
-      fmt::format("          {:<27} below {}", effect.effect, internal::DetectableWords(effect));
-  if (effect.minimal_identifiable) {
-    text += ", its name below " + internal::Rounded(*effect.minimal_identifiable, 2);
-  }
-  if (internal::HasBoresight(d)) {
-    text += ", by which the boresight moves " + internal::MdegWords(effect.boresight_damage_rad);
-  }
-  return text + "\n";
-}
-
-/// Those without a bound in one line, then the most harmful of the others.
-std::string HiddenLines(const GapDiagnosis& d) {
-  if (d.could_still_hide.empty()) return "";
-  std::vector<std::string> of_any_size;
-  std::string bounded;
-  std::size_t told = 0;
-  for (const HiddenEffect& effect : internal::MostHarmful(d.could_still_hide)) {
-    if (!std::isfinite(effect.minimal_detectable)) {
-      of_any_size.push_back(effect.effect);
-    } else if (told++ < kMostHidden) {
-      bounded += HiddenLine(d, effect);
-    }
-  }
-  const std::string text = "could still hide\n";
-  if (of_any_size.empty()) return text + bounded;
-  return text +
-         fmt::format(
-             "          {}",
-             Wrapped(fmt::format("of any size: {}", fmt::join(of_any_size, ", ")), "          ")) +
-         bounded;
-}
-
 std::string ValidityLines(const GapValidity& validity) {
   std::string text = "no twins";
   if (validity.twins > 0) {
@@ -191,9 +156,12 @@ std::string GapSummary(const GapDiagnosis& diagnosis) {
   const std::string head =
       fmt::format("flight {}: {}\n  ", diagnosis.flight, Word(diagnosis.verdict.kind)) +
       Wrapped(diagnosis.verdict.text, "  ");
-  if (diagnosis.verdict.kind == GapVerdictKind::kUnavailable) return head + HiddenLines(diagnosis);
+  if (diagnosis.verdict.kind == GapVerdictKind::kUnavailable)
+    return head +
+           HiddenEffectsSummary(diagnosis.could_still_hide, internal::HasBoresight(diagnosis));
   return head + SizeLines(diagnosis) + PlaceLines(diagnosis) + CauseLines(diagnosis) +
-         ShrinkageLines(diagnosis.shrinkage) + HiddenLines(diagnosis) +
+         ShrinkageLines(diagnosis.shrinkage) +
+         HiddenEffectsSummary(diagnosis.could_still_hide, internal::HasBoresight(diagnosis)) +
          ValidityLines(diagnosis.validity);
 }
 

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -159,36 +158,6 @@ Section Closed(const Facts& gap) {
   return section;
 }
 
-/// Of each component alone; "any": no size is seen.
-std::string SeenAlone(const Facts& effect) {
-  std::vector<std::string> each;
-  for (const Facts& size : effect["detectable_by_component"].elements()) {
-    each.push_back(size ? fmt::format("{:.2g}", size.number()) : "any");
-  }
-  return each.size() < 2 ? "" : fmt::format("{}", fmt::join(each, ", "));
-}
-
-Section CouldHide(const Facts& gap) {
-  Section section{"What could still hide", {}};
-  Table table{"",
-              {"effect", "seen from", "components alone", "named from", "unit", "moves roll [mdeg]",
-               "pitch", "yaw"},
-              {},
-              "An effect below its first size may be there unseen, and move the boresight by up to "
-              "that. The first size is that of the best-determined direction; a component alone "
-              "may have to be larger."};
-  for (const Facts& effect : gap["could_still_hide"].elements()) {
-    std::vector<Cell> row{Text(effect["effect"].text()),
-                          effect["minimal_detectable"].Significant(2), Text(SeenAlone(effect)),
-                          effect["minimal_identifiable"].Significant(2),
-                          Text(effect["unit"].text())};
-    for (const Cell& cell : Three(effect["boresight_damage_mdeg"], 2)) row.push_back(cell);
-    table.rows.push_back(std::move(row));
-  }
-  if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
-  return section;
-}
-
 double Deviation(const Facts& statistic) {
   return (statistic["value"].number() - statistic["null_mean"].number()) /
          statistic["null_sigma"].number();
@@ -240,8 +209,8 @@ Document GapPage(const ResultFolder& folder) {
   const Facts gap = folder.Read("gap.json");
   Document document = Begin(folder, gap["flight"].text(), "do the data depart from the model?");
   document.headlines = {GapHeadline(gap)};
-  for (Section section : {Closed(gap), Causes(gap), CouldHide(gap), Where(gap),
-                          TrajectorySection(folder), Fingerprint(gap), Validity(gap)}) {
+  for (Section section : {Closed(gap), Causes(gap), CouldHideSection(gap["could_still_hide"]),
+                          Where(gap), TrajectorySection(folder), Fingerprint(gap), Validity(gap)}) {
     Append(std::move(section), &document);
   }
   return document;

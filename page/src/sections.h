@@ -61,6 +61,9 @@ std::vector<std::string> FirstReasons(const Facts& assessment);
 /// Groups, effects, clocks, findings.
 Section ModelCheckSection(const Facts& result);
 
+/// `could_still_hide` of a result: from which size on each effect is seen and named, and the damage.
+Section CouldHideSection(const Facts& effects);
+
 /// Innovations and residuals per sensor and axis.
 Section StatisticsSection(const Facts& innovations, const Facts& residuals);
 

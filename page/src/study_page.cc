@@ -24,7 +24,6 @@ Headline StudyHeadline(const Facts& study) {
   for (const Facts& weak : study["weak_directions"].elements()) {
     headline.next.push_back(weak["sigma_of"].text() + ": " + weak["remedy"].text());
   }
-  headline.next.push_back("dn gap FLIGHT --limits --out DIR says which effects would be seen.");
   return headline;
 }
 
@@ -93,6 +92,7 @@ Document StudyPage(const ResultFolder& folder) {
   Append(std::move(boresight), &document);
   Append(BiasCorrelationSection(study["correlations"]), &document);
   Append(CorrelationsOverTime(folder), &document);
+  Append(CouldHideSection(study["could_still_hide"]), &document);
   Append(TrajectorySection(folder), &document);
   Append(Strips(study), &document);
   return document;

@@ -80,9 +80,13 @@ StudyResult Study(const StudyDesign& design, const StudyOptions& options) {
 
 StudyResult Study(const Scenario& scenario, const StudyOptions& options) {
   StudyResult result = Study(DesignOf(scenario, options.design), options);
-  if (!options.remedies) return result;
-  TryRemedies(RemediesFor(scenario, result.geometry), options.design, &result.weak);
+  AddRemedies(scenario, options, &result);
   return result;
+}
+
+void AddRemedies(const Scenario& scenario, const StudyOptions& options, StudyResult* study) {
+  if (!options.remedies) return;
+  TryRemedies(RemediesFor(scenario, study->geometry), options.design, &study->weak);
 }
 
 StudyResult Study(Flight flight, const StudyOptions& options) {

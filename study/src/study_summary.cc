@@ -73,9 +73,7 @@ std::string StudySummary(const StudyResult& study) {
       study.strips.roll_pitch_rad * kDegPerRad, study.strips.yaw_rad * kDegPerRad,
       study.strips.position_m);
   for (const StudyDirection& direction : study.weak) text += DirectionLines(study, direction);
-  return text +
-         "Effects that the model lacks, and from which size on they would be seen: dn gap FLIGHT "
-         "--limits.\n";
+  return text;
 }
 
 }  // namespace dn

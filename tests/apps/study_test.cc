@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <sstream>
 
 #include "page_numbers.h"
@@ -58,6 +59,42 @@ TEST(CliStudy, OfAFlightAgreesWithItsCalibration) {
     EXPECT_NEAR(ratio, 1.0, 0.02) << i;
   }
   EXPECT_TRUE(study["weak_directions"][0]["sigma_after_remedy"].is_null());
+}
+
+TEST(CliStudy, SizesOfEffectsAreThoseOfTheDiagnosis) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "study", limits = folder.path() / "limits";
+  // The flight has this seed's turbulence.
+  const ProgramRun run =
+      RunProgram({"study", ShortScenario(), "--seed", "3", "--no-remedies", "--out", out});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("could still hide"));
+  ASSERT_EQ(RunProgram({"gap", ShortFlight(), "--limits", "--out", limits}).exit_code, 0);
+  std::map<std::string, Json> planned;
+  const Json study = JsonIn(out / "study.json");
+  for (const Json& effect : study["could_still_hide"]) {
+    planned[effect["effect"]] = effect;
+  }
+  const Json flown = JsonIn(limits / "gap.json")["could_still_hide"];
+  ASSERT_GT(flown.size(), 15u);
+  EXPECT_EQ(planned.size(), flown.size());
+  for (const Json& effect : flown) {
+    const std::string name = effect["effect"];
+    ASSERT_TRUE(planned.contains(name)) << name;
+    EXPECT_EQ(planned[name]["unit"], effect["unit"]) << name;
+    if (effect["minimal_detectable"].is_null()) continue;
+    const double size = effect["minimal_detectable"];
+    EXPECT_NEAR(planned[name]["minimal_detectable"].get<double>(), size, 0.05 * size) << name;
+  }
+}
+
+TEST(CliStudy, SizesOfEffectsCanBeLeftOut) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "study";
+  const ProgramRun run =
+      RunProgram({"study", ShortScenario(), "--no-remedies", "--no-limits", "--out", out});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_FALSE(JsonIn(out / "study.json").contains("could_still_hide"));
 }
 
 /// The short scenario with one line less, and a sweep over its lines.

@@ -13,6 +13,12 @@ namespace dn {
 /// before and after in mm. What is absent, infinite or not a number is null.
 Json GapJson(const GapDiagnosis& diagnosis);
 
+/// What could still hide, as in gap.json: sizes in the units of the table of effects, damage in mdeg.
+Json HiddenEffectsJson(const std::vector<HiddenEffect>& effects);
+
+/// Those of any size in one line, then the five that may move the boresight most, a line each.
+std::string HiddenEffectsSummary(const std::vector<HiddenEffect>& effects, bool with_boresight);
+
 /// What a diagnosis comes to, in a sentence without its full stop, from its numbers: each effect
 /// with size, sigma, the move of the boresight and the key of flight.yaml that models it.
 std::string VerdictSentence(const GapDiagnosis& diagnosis);

@@ -113,4 +113,7 @@ StudyResult Study(Flight flight, const StudyOptions& options = {});
 /// Of a design alone: everything but remedies.
 StudyResult Study(const StudyDesign& design, const StudyOptions& options = {});
 
+/// Tries what would help the weak directions of the study of a scenario, where `options` wants it.
+void AddRemedies(const Scenario& scenario, const StudyOptions& options, StudyResult* study);
+
 }  // namespace dn

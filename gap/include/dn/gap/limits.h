@@ -1,0 +1,22 @@
+#pragma once
+
+#include <dn/builder/build.h>
+#include <dn/flight/flight.h>
+#include <dn/gap/diagnose.h>
+#include <dn/gap/diagnosis.h>
+
+#include <vector>
+
+namespace dn {
+
+/// What could be there without being found in a flight whose states are known, the most harmful
+/// first: of each fixed effect that the flight's configuration does not model the minimal
+/// detectable size (Baarda: a test of .001, power .8) and the minimal identifiable one (named with
+/// power .8 beside all others). By geometry and stated noise alone; no measured value counts.
+/// `flight` has the times of its inertial and GNSS epochs and the laser vectors of its pairs. Of
+/// the options, effects, left_out, seed and threads count, and `interrupted`. Throws as Build,
+/// RankDeficient, and InvalidConfig for bad options.
+std::vector<HiddenEffect> HiddenOnDesign(const Flight& flight, const NetworkDesign& states,
+                                         const GapOptions& options = {});
+
+}  // namespace dn

@@ -1,0 +1,77 @@
+#include <dn/gap/report.h>
+#include <dn/geo/local_frame.h>
+#include <dn/report/wrapped.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "effect_words.h"
+
+namespace dn {
+namespace {
+
+constexpr std::size_t kMostHidden = 5;
+
+Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+template <class Values>
+Json NumbersOrNull(const Values& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(NumberOrNull(value));
+  return list;
+}
+
+std::string HiddenLine(const HiddenEffect& effect, bool with_boresight) {
+  std::string text =
+      fmt::format("          {:<27} below {}", effect.effect, internal::DetectableWords(effect));
+  if (effect.minimal_identifiable) {
+    text += ", its name below " + internal::Rounded(*effect.minimal_identifiable, 2);
+  }
+  if (with_boresight) {
+    text += ", by which the boresight moves " + internal::MdegWords(effect.boresight_damage_rad);
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+Json HiddenEffectsJson(const std::vector<HiddenEffect>& effects) {
+  Json list = Json::array();
+  for (const HiddenEffect& effect : effects) {
+    const Eigen::Vector3d damage_mdeg = 1e3 * kDegPerRad * effect.boresight_damage_rad;
+    list.push_back(
+        {{"effect", effect.effect},
+         {"minimal_detectable", NumberOrNull(effect.minimal_detectable)},
+         {"detectable_by_component", NumbersOrNull(effect.detectable_by_component)},
+         {"minimal_identifiable",
+          effect.minimal_identifiable ? NumberOrNull(*effect.minimal_identifiable) : Json()},
+         {"unit", effect.unit},
+         {"boresight_damage_mdeg", NumbersOrNull(damage_mdeg)},
+         {"inseparable_from", effect.inseparable_from}});
+  }
+  return list;
+}
+
+std::string HiddenEffectsSummary(const std::vector<HiddenEffect>& effects, bool with_boresight) {
+  if (effects.empty()) return "";
+  std::vector<std::string> of_any_size;
+  std::string bounded;
+  std::size_t told = 0;
+  for (const HiddenEffect& effect : internal::MostHarmful(effects)) {
+    if (!std::isfinite(effect.minimal_detectable)) {
+      of_any_size.push_back(effect.effect);
+    } else if (told++ < kMostHidden) {
+      bounded += HiddenLine(effect, with_boresight);
+    }
+  }
+  const std::string text = "could still hide\n";
+  if (of_any_size.empty()) return text + bounded;
+  return text +
+         fmt::format(
+             "          {}",
+             Wrapped(fmt::format("of any size: {}", fmt::join(of_any_size, ", ")), "          ")) +
+         bounded;
+}
+
+}  // namespace dn

@@ -1,0 +1,41 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sections.h"
+
+namespace dn::internal {
+namespace {
+
+/// Of each component alone; "any": no size is seen.
+std::string SeenAlone(const Facts& effect) {
+  std::vector<std::string> each;
+  for (const Facts& size : effect["detectable_by_component"].elements()) {
+    each.push_back(size ? fmt::format("{:.2g}", size.number()) : "any");
+  }
+  return each.size() < 2 ? "" : fmt::format("{}", fmt::join(each, ", "));
+}
+
+}  // namespace
+
+Section CouldHideSection(const Facts& effects) {
+  Section section{"What could still hide", {}};
+  Table table{"",
+              {"effect", "seen from", "components alone", "named from", "unit", "moves roll [mdeg]",
+               "pitch", "yaw"},
+              {},
+              "An effect below its first size may be there unseen, and move the boresight by up to "
+              "that. The first size is that of the best-determined direction; a component alone "
+              "may have to be larger."};
+  for (const Facts& effect : effects.elements()) {
+    std::vector<Cell> row{Text(effect["effect"].text()),
+                          effect["minimal_detectable"].Significant(2), Text(SeenAlone(effect)),
+                          effect["minimal_identifiable"].Significant(2),
+                          Text(effect["unit"].text())};
+    for (const Cell& cell : Three(effect["boresight_damage_mdeg"], 2)) row.push_back(cell);
+    table.rows.push_back(std::move(row));
+  }
+  if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
+  return section;
+}
+
+}  // namespace dn::internal
