@@ -63,12 +63,14 @@ bool IsFound(const Scenario& scenario, std::uint64_t seed) {
   throw std::runtime_error("no test of " + options.effects.front() + ": " + diagnosis.verdict.text);
 }
 
-Count Fly(Scenario scenario, const HiddenEffect& effect, double times, int flights) {
+/// `first_seed`: of the flights, which no other count may share.
+Count Fly(Scenario scenario, const HiddenEffect& effect, double times, int flights,
+          std::uint64_t first_seed) {
   Count count;
   for (int i = 0; i < flights; ++i) {
     const double side = i % 2 == 0 ? 1.0 : -1.0;
     scenario.effects = {{effect.effect, {side * times * effect.minimal_detectable}, {}, {}}};
-    count.found += IsFound(scenario, 1000 + static_cast<std::uint64_t>(i)) ? 1 : 0;
+    count.found += IsFound(scenario, first_seed + static_cast<std::uint64_t>(i)) ? 1 : 0;
     ++count.flights;
   }
   return count;
@@ -83,12 +85,14 @@ void Print(const std::string& what, const Power& power, const Count& count) {
 void Run(int flights, const std::vector<std::string>& scenarios) {
   fmt::print("{:<34} {:>9} {:>15} {:>8}\n", "", "predicted", "seen", "flights");
   Count all[std::size(kPowers)];
+  std::uint64_t seed = 1000;
   for (const std::string& name : scenarios) {
     const Scenario scenario = ReadScenario(name);
     for (const HiddenEffect& effect : Predict(scenario)) {
       if (!std::isfinite(effect.minimal_detectable)) continue;
       for (std::size_t k = 0; k < std::size(kPowers); ++k) {
-        const Count count = Fly(scenario, effect, kPowers[k].times, flights);
+        const Count count = Fly(scenario, effect, kPowers[k].times, flights, seed);
+        seed += static_cast<std::uint64_t>(flights);
         Print(name + " " + effect.effect, kPowers[k], count);
         all[k].flights += count.flights;
         all[k].found += count.found;

@@ -80,6 +80,10 @@ class Findings {
     }
   }
 
+  void JudgeDiagnosis(const FlightConfig& config) {
+    if (!config.unexplained.empty()) Add(facts::GapUnexplained{config.unexplained}, true, kCertain);
+  }
+
   void JudgeMounting(const Eigen::Vector3d& angles_rad) {
     if (angles_rad.cwiseAbs().maxCoeff() * kDegPerRad <= kLargestBoresightDeg) return;
     Add(facts::MountingImpossible{angles_rad}, true, kCertain);
@@ -130,6 +134,7 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
                  ModelCheck* check) {
   const FlightNetwork& network = *adjustment.network;
   Findings findings(check);
+  findings.JudgeDiagnosis(network.flight().config);
   findings.JudgePriors();
   if (check->of_boresight) findings.JudgeMounting(Log(network.net.Value(network.boresight)));
   findings.JudgeAttitude(network);
@@ -146,8 +151,10 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   findings.Sort();
 }
 
-void AddFindings(const GaussHelmertCalibration& calibration, ModelCheck* check) {
+void AddFindings(const FlightConfig& config, const GaussHelmertCalibration& calibration,
+                 ModelCheck* check) {
   Findings findings(check);
+  findings.JudgeDiagnosis(config);
   findings.JudgePriors();
   findings.JudgeMounting(calibration.boresight.angles_rad);
   findings.JudgeEffects(false);
@@ -158,8 +165,10 @@ void AddFindings(const GaussHelmertCalibration& calibration, ModelCheck* check) 
   findings.Sort();
 }
 
-void AddFindings(const PlaneCalibration& calibration, ModelCheck* check) {
+void AddFindings(const FlightConfig& config, const PlaneCalibration& calibration,
+                 ModelCheck* check) {
   Findings findings(check);
+  findings.JudgeDiagnosis(config);
   findings.JudgeMounting(calibration.boresight.angles_rad);
   findings.JudgeSigma0(check->sigma0_beside_effects);
   findings.JudgeGroups();

@@ -88,7 +88,7 @@ void Assess(const Flight& flight, PlaneCalibration* calibration) {
   }
 }
 
-ModelCheck Check(const PlaneCalibration& calibration) {
+ModelCheck Check(const FlightConfig& config, const PlaneCalibration& calibration) {
   ModelCheck check;
   check.of_boresight = true;
   check.groups.push_back(internal::GroupOf("lidar planes", calibration.figures.correspondences,
@@ -96,7 +96,7 @@ ModelCheck Check(const PlaneCalibration& calibration) {
   check.sigma0_beside_effects =
       calibration.figures.sigma0 / std::sqrt(calibration.scatter.trajectory.expected_ratio);
   check.p_value = check.SmallestPValue();
-  internal::AddFindings(calibration, &check);
+  internal::AddFindings(config, calibration, &check);
   return check;
 }
 
@@ -204,7 +204,7 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> pl
   FillFigures(&calibration);
   FillUnknowns(&calibration);
   Assess(flight, &calibration);
-  calibration.model_check = Check(calibration);
+  calibration.model_check = Check(flight.config, calibration);
   Assess(calibration.model_check, &calibration.boresight);
   calibration.covariance_time_s = SecondsSince(covariance_start);
   return calibration;

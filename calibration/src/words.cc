@@ -129,6 +129,13 @@ std::string Say(const facts::PriorContradicted& fact) {
       prior.unknown, std::sqrt(prior.statistic / prior.dof), P(prior.p_value), key);
 }
 
+std::string Say(const facts::GapUnexplained& fact) {
+  return fmt::format(
+      "a diagnosis of the flight found what its configuration does not model: {} (unexplained in "
+      "flight.yaml; model it, diagnose the flight again, then take that line out)",
+      fact.what);
+}
+
 std::string Say(const facts::MountingImpossible& fact) {
   const Eigen::Vector3d deg = fact.angles_rad * kDegPerRad;
   return fmt::format(

@@ -128,7 +128,8 @@ std::string NameOfFolder(const fs::path& folder) {
 FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   const YamlValue root = ParseYaml(text, file.string());
   root.ExpectMap({"name", "data_folder", "body", "frame", "time_span_s", "strips", "strips_crs",
-                  "imu", "gnss", "lidar", "trajectory", "gh", "estimate", "network"});
+                  "imu", "gnss", "lidar", "trajectory", "gh", "estimate", "network",
+                  "unexplained"});
   FlightConfig config;
   config.file = file;
   if (root["body"]) config.body_is_flu = root["body"].Choice(internal::BodyWords());
@@ -140,6 +141,7 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   if (root["gh"]) config.gh = ReadGh(root["gh"]);
   if (root["estimate"]) config.estimate = internal::ReadEstimate(root["estimate"]);
   if (root["network"]) config.network = ReadNetwork(root["network"]);
+  if (root["unexplained"]) config.unexplained = root["unexplained"].Name();
   config.folder = DataFolder(root["data_folder"], file.parent_path(), config);
   config.name = root["name"] ? root["name"].Name() : NameOfFolder(config.folder);
   return config;

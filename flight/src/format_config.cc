@@ -216,6 +216,7 @@ void WriteHead(const FlightConfig& config, Writer& out) {
                   Number(o->lon_rad, &RadFromDeg) + ", " + Number(o->h_m) + "]}"
             : "{origin_deg_m: ~}");
   out.Key(0, "time_span_s", config.time_span_s ? List(*config.time_span_s) : "~");
+  if (!config.unexplained.empty()) out.Key(0, "unexplained", QuoteYaml(config.unexplained));
   WriteStrips(config.strips, out);
   out.Key(0, "strips_crs", QuoteYaml(config.strips_crs));
 }

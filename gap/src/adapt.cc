@@ -1,6 +1,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/gap/adapt.h>
+#include <dn/gap/report.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -186,6 +187,12 @@ FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes) 
       statement->put(flight, cause, ValueInSi(spec, FileValue(cause)), &config);
     }
   }
+  return config;
+}
+
+FlightConfig Adapted(const Flight& flight, const GapDiagnosis& diagnosis) {
+  FlightConfig config = Adapted(flight, CausesOfVerdict(diagnosis));
+  config.unexplained = UnexplainedWords(diagnosis);
   return config;
 }
 

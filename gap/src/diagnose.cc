@@ -407,7 +407,7 @@ class Diagnosis {
   GapResult Result(const Attribution& attribution, const Trajectory& trajectory) {
     GapResult result;
     const ExplainedFlight& last = attribution.last();
-    result.adapted = Adapted(flight_, CausesOfVerdict(out_));
+    result.adapted = Adapted(flight_, out_);
     result.trajectory = trajectory;
     result.boresight_rad = BoresightOf(last);
     result.diagnosis = std::move(out_);

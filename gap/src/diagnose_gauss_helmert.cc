@@ -449,7 +449,7 @@ class GaussHelmertDiagnosis {
 
   GapResult Result() {
     GapResult result;
-    result.adapted = Adapted(flight_, CausesOfVerdict(out_));
+    result.adapted = Adapted(flight_, out_);
     result.trajectory = *flight_.trajectory;
     result.boresight_rad =
         out_.verdict.effects.empty() ? calibration_.boresight.angles_rad : BoresightAfter();

@@ -15,6 +15,8 @@ namespace dn::internal {
 namespace {
 
 constexpr int kFineCells = 16;  // to either side of an end
+// An error of fewer GNSS epochs is a gross one, and its size is not to be estimated.
+constexpr std::ptrdiff_t kFewestEpochs = 4;
 
 /// Cells over which a step may begin or end, and the sums of them that are tried.
 struct FineCells {
@@ -55,6 +57,14 @@ FineCells AroundWindow(const std::pair<double, double>& window_s, double reach_s
   return fine;
 }
 
+std::ptrdiff_t EpochsWithin(const FlightNetwork& network,
+                            const std::pair<double, double>& window_s) {
+  const std::vector<MapGnssEpoch>& epochs = network.flight().gnss->epochs;
+  return std::count_if(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
+    return epoch.t_s >= window_s.first && epoch.t_s < window_s.second;
+  });
+}
+
 double CellLength(const FlightNetwork& network, const std::string& name) {
   if (name == "boresight_step") return 1.5 * BoresightCellS(FindStrips(network.flight()));
   return GnssCellS(network.node_times().back() - network.node_times().front());
@@ -85,6 +95,10 @@ void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int t
   }
   double best = -std::numeric_limits<double>::infinity();
   for (const auto& [first, past] : fine.ranges) {
+    const auto last = static_cast<std::size_t>(std::min(past, fine.cells.count() - 1));
+    const std::pair<double, double> range_s{fine.cells.start_s[static_cast<std::size_t>(first)],
+                                            fine.cells.start_s[last]};
+    if (!start && EpochsWithin(network, range_s) < kFewestEpochs) continue;
     candidate.cells = CellRange{first, past};
     const Eigen::MatrixXd A = InformationOf(candidate, score);
     const Eigen::VectorXd s = ScoreOf(candidate, score, score.s);
@@ -95,12 +109,10 @@ void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int t
     effect->estimate = test.estimate;
     effect->sigma = test.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     if (score.shift.rows() == 3) effect->boresight_rad = ShiftOf(candidate, score) * test.estimate;
-    const double from_s = fine.cells.start_s[static_cast<std::size_t>(first)];
     if (start) {
-      effect->times.t0_s = from_s;
+      effect->times.t0_s = range_s.first;
     } else {
-      const auto last = static_cast<std::size_t>(std::min(past, fine.cells.count() - 1));
-      effect->times.window_s = {{from_s, fine.cells.start_s[last]}};
+      effect->times.window_s = range_s;
     }
   }
 }

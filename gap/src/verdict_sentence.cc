@@ -185,6 +185,12 @@ std::string OfKind(const GapDiagnosis& diagnosis) {
 
 }  // namespace
 
+std::string UnexplainedWords(const GapDiagnosis& d) {
+  if (!d.verdict.unknown) return "";
+  return fmt::format("{} of a gap ({}){}{}", d.verdict.effects.empty() ? "all" : "a part",
+                     internal::PWords(d.p_value), Place(d), WithoutName(d));
+}
+
 std::string VerdictSentence(const GapDiagnosis& diagnosis) {
   const std::string text = OfKind(diagnosis);
   const bool hides =

@@ -204,6 +204,14 @@ TEST(ModelCheck, AnHonestPriorIsNot) {
   EXPECT_EQ(Checked(std::move(simulated)).boresight().verdict, Verdict::kCalibrated);
 }
 
+TEST(ModelCheck, WhatADiagnosisLeftUnexplainedContradicts) {
+  SimulatedFlight simulated = Fly(DroneScenario(), 3);
+  simulated.flight.config.unexplained = "a part of a gap (p = 0.002)";
+  const Checked flight(std::move(simulated));
+  EXPECT_EQ(flight.boresight().verdict, Verdict::kContradicted);
+  EXPECT_THAT(flight.first_reason(), HasSubstr("a part of a gap (p = 0.002)"));
+}
+
 TEST(ModelCheck, NoiseOfTwiceItsStatedSigmaIsTooMuch) {
   SimulatedFlight simulated = Fly(DroneScenario(), 4);
   simulated.flight.config.lidar->sigma_p_m *= 0.5;

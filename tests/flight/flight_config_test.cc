@@ -183,6 +183,7 @@ void ExpectSameRest(const FlightConfig& a, const FlightConfig& b) {
   }
   EXPECT_EQ(a.network.inertial, b.network.inertial);
   EXPECT_EQ(a.network.node_rate_hz, b.network.node_rate_hz);
+  EXPECT_EQ(a.unexplained, b.unexplained);
 }
 
 void ExpectRoundTrip(const FlightConfig& config) {
@@ -261,6 +262,7 @@ TEST(FlightConfig, ReadsBackWhatItFormats) {
   ExpectRoundTrip(Parse("{}"));
   ExpectRoundTrip(Parse("{imu: {grade: ln200}, gnss: {}, lidar: {gsd_m: 0.3}, trajectory: {}}"));
   ExpectRoundTrip(Parse("{estimate: []}"));
+  ExpectRoundTrip(Parse("{unexplained: 'all of a gap (p < 1e-12), most in \"GNSS\": east'}"));
   ExpectRoundTrip(ParseFlightConfig("name: x", "/f"));
 }
 

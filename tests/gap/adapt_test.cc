@@ -16,6 +16,7 @@ namespace dn::adapt_test {
 using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 constexpr double kSigmas = 4.0;      // of a normal variable; 6e-5 lies outside
 constexpr double kRelative = 1e-12;  // roundings
@@ -172,6 +173,22 @@ TEST(Adapted, TakesTheCausesOfTheVerdictInItsOrder) {
   ASSERT_EQ(named.size(), 2u);
   EXPECT_EQ(named[0].effect, "gyro_noise_scale");
   EXPECT_EQ(named[1].effect, "lidar_time_offset");
+}
+
+TEST(Adapted, CarriesWhatNothingExplains) {
+  GapDiagnosis diagnosis;
+  diagnosis.p_value = 0.002;
+  diagnosis.where = {{"lidar", "p2p", "strip pair 1-2", 8.5, 0.001}};
+  diagnosis.causes = {Cause("gyro_noise_scale", {2})};
+  diagnosis.verdict.effects = {"gyro_noise_scale"};
+  Flight flight = PlainDrone();
+  flight.config.unexplained = "of an earlier diagnosis";
+  EXPECT_EQ(Adapted(flight, diagnosis).unexplained, "");
+  diagnosis.verdict.unknown = true;
+  EXPECT_EQ(Adapted(flight, diagnosis).unexplained,
+            "a part of a gap (p = 0.002), most in lidar p2p, strip pair 1-2");
+  diagnosis.verdict.effects.clear();
+  EXPECT_THAT(Adapted(flight, diagnosis).unexplained, StartsWith("all of a gap"));
 }
 
 /// Adjusts a drone flight that has the effect, with it in the estimator, as flight.yaml gives it.

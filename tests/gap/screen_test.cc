@@ -106,6 +106,23 @@ TEST(RefineTimes, FindsTheEndsOfAWindow) {
   }
 }
 
+TEST(RefineTimes, AStepLastsForFourEpochsAtLeast) {
+  const Flight flight = Simulate(AircraftScenario("effects: [{effect: gnss_position_step, value: "
+                                                  "[0.3, 0.2, 0.3], window_s: [381151, 381153]}]"),
+                                 {})
+                            .flight;
+  const GapOptions options;
+  const ExplainedFlight explained = Explainer(flight, options).Explain({});
+  const auto found = std::find_if(
+      explained.effects.begin(), explained.effects.end(),
+      [](const ScreenedEffect& effect) { return effect.name == "gnss_position_step"; });
+  ASSERT_NE(found, explained.effects.end());
+  ScreenedEffect refined = *found;
+  RefineTimes(explained.solution->network(), explained.solution->marginals(), 1, &refined);
+  constexpr double kEpochS = 1.0;
+  EXPECT_GE(refined.times.window_s->second - refined.times.window_s->first, 3.0 * kEpochS);
+}
+
 TEST(RefineTimes, LeavesOtherEffectsAlone) {
   const Flight flight = Simulate(AircraftScenario(), {}).flight;
   const GapOptions options;

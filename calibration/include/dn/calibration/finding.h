@@ -48,6 +48,11 @@ struct PriorContradicted {
   PriorCheck prior;
 };
 
+/// The flight states that a diagnosis found what its configuration does not model.
+struct GapUnexplained {
+  std::string what;
+};
+
 /// Boresight angles that no mounting has.
 struct MountingImpossible {
   Eigen::Vector3d angles_rad;
@@ -163,13 +168,13 @@ struct NetworkDiffers {
 
 using Fact =
     std::variant<facts::EffectPresent, facts::UnknownAmbiguous, facts::VarianceTooLarge,
-                 facts::ErrorsShared, facts::PriorContradicted, facts::MountingImpossible,
-                 facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut, facts::GnssLeftOut,
-                 facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize,
-                 facts::GnssErrorsLast, facts::SigmaTooLarge, facts::SigmaAbovePairs,
-                 facts::AnglesInseparable, facts::TrajectoryEstimated, facts::AttitudeInPairs,
-                 facts::StripsAlike, facts::FewPairs, facts::SigmasWidened, facts::NotEstimated,
-                 facts::NetworkDiffers>;
+                 facts::ErrorsShared, facts::PriorContradicted, facts::GapUnexplained,
+                 facts::MountingImpossible, facts::UpsideDown, facts::Sigma0TooLarge,
+                 facts::PairsLeftOut, facts::GnssLeftOut, facts::GnssLeverArmOff,
+                 facts::GnssTimeOff, facts::InnovationSize, facts::GnssErrorsLast,
+                 facts::SigmaTooLarge, facts::SigmaAbovePairs, facts::AnglesInseparable,
+                 facts::TrajectoryEstimated, facts::AttitudeInPairs, facts::StripsAlike,
+                 facts::FewPairs, facts::SigmasWidened, facts::NotEstimated, facts::NetworkDiffers>;
 
 /// What speaks for or against the assumed model, or for the verdict.
 struct Finding {

@@ -49,7 +49,8 @@ struct ModelCheck {
 /// A finding contradicts when it is significant at 0.001 for the family and moves the boresight
 /// (without pairs: an attitude or a position) by more than its sigma, when a group has more than
 /// twice its variance, sigma0 exceeds 3, more than 30 % of the pairs or 10 % of the GNSS epochs
-/// were left out, a boresight angle exceeds 15 deg, or the body flies on its back.
+/// were left out, a boresight angle exceeds 15 deg, the body flies on its back, or the
+/// configuration says that a diagnosis found what it does not model.
 ///
 /// `marginals` must be of the adjusted network with its selected inverse, `trajectory` what
 /// ExtractTrajectory gave for both. CheckFit says the same of any network, as far as it can be said

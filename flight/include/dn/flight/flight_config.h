@@ -115,6 +115,8 @@ struct FlightConfig {
   GhConfig gh;
   std::vector<EstimateEntry> estimate{{.unknown = "boresight"}};
   NetworkConfig network;
+  /// What a diagnosis found in the data that this configuration does not model; empty: nothing.
+  std::string unexplained;
 };
 
 /// The columns of a text trajectory of the flight, as `trajectory` declares them, with the body and

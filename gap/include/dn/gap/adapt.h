@@ -30,6 +30,10 @@ namespace dn {
 /// without its window, and where the flight has not the section of its sensor.
 FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes);
 
+/// With what a diagnosis names, and in words what it could not explain (`unexplained`), which keeps
+/// the flight from being called calibrated.
+FlightConfig Adapted(const Flight& flight, const GapDiagnosis& diagnosis);
+
 /// What Adapted changes of flight.yaml for an effect: "estimate", "gnss.processes". Empty for a
 /// fault, which no key models.
 std::string AdaptedKey(const std::string& effect);

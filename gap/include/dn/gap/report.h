@@ -19,6 +19,9 @@ Json HiddenEffectsJson(const std::vector<HiddenEffect>& effects);
 /// Those of any size in one line, then the five that may move the boresight most, a line each.
 std::string HiddenEffectsSummary(const std::vector<HiddenEffect>& effects, bool with_boresight);
 
+/// What of the gap no effect explains, in a few words; empty where nothing is left.
+std::string UnexplainedWords(const GapDiagnosis& diagnosis);
+
 /// What a diagnosis comes to, in a sentence without its full stop, from its numbers: each effect
 /// with size, sigma, the move of the boresight and the key of flight.yaml that models it.
 std::string VerdictSentence(const GapDiagnosis& diagnosis);
