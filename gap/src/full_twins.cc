@@ -94,32 +94,34 @@ double EnergyDistance(const Eigen::MatrixXd& D, const std::vector<std::size_t>& 
          outside.dot(D * outside) / (m * m);
 }
 
-/// The names in which the flight departs most from the assumed model.
-std::vector<std::string> MostConspicuous(const NamedStatistics& flight,
-                                         std::vector<std::string> names,
-                                         const LinearTwins& linear) {
-  const Eigen::VectorXd z = Standardised(flight, names, linear).cwiseAbs();
-  std::vector<std::size_t> order(names.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return z[static_cast<Eigen::Index>(a)] > z[static_cast<Eigen::Index>(b)];
-  });
-  std::vector<std::string> most;
-  for (std::size_t k = 0; k < std::min(kMostConspicuous, order.size()); ++k) {
-    most.push_back(names[order[k]]);
-  }
-  return most;
+/// The statistics in which a flight departs most from the assumed model.
+std::vector<Eigen::Index> MostConspicuous(const Eigen::VectorXd& z) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(z.size()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return std::abs(z[a]) > std::abs(z[b]); });
+  order.resize(std::min(kMostConspicuous, order.size()));
+  return order;
 }
 
 /// Of the first half of the linear twins.
-Eigen::LLT<Eigen::MatrixXd> CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
+Eigen::MatrixXd CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
   const Eigen::Index n = z.front().size();
   const std::size_t half = z.size() / 2;
   Eigen::MatrixXd C = kShrunk * Eigen::MatrixXd::Identity(n, n);
   for (std::size_t k = 0; k < half; ++k) {
     C += (1.0 - kShrunk) / static_cast<double>(half) * z[k] * z[k].transpose();
   }
-  return Eigen::LLT<Eigen::MatrixXd>(C);
+  return C;
+}
+
+/// Squared length of what a flight is off from the mean of its twins, by the statistics in which it
+/// is most conspicuous.
+double SizeOff(const Eigen::VectorXd& flight, const Eigen::VectorXd& off,
+               const Eigen::MatrixXd& correlation) {
+  const std::vector<Eigen::Index> most = MostConspicuous(flight);
+  const Eigen::LLT<Eigen::MatrixXd> llt(correlation(most, most));
+  return llt.matrixL().solve(off(most)).squaredNorm();
 }
 
 }  // namespace
@@ -208,24 +210,23 @@ std::optional<double> LikeTwins(const NamedStatistics& flight,
                                 const LinearTwins& linear, std::uint64_t seed) {
   std::vector<NamedStatistics> both = twins;
   both.push_back(flight);
-  const std::vector<std::string> names =
-      MostConspicuous(flight, CommonNames(both, linear.mean), linear);
+  const std::vector<std::string> names = CommonNames(both, linear.mean);
   const std::size_t half = linear.all.size() / 2;
   if (twins.size() < kFewestTwins || names.empty() || half <= twins.size()) return std::nullopt;
   std::vector<Eigen::VectorXd> z;
   for (const NamedStatistics& one : linear.all) z.push_back(Standardised(one, names, linear));
-  const Eigen::LLT<Eigen::MatrixXd> correlation = CorrelationOf(z);
-  const auto size = [&](const Eigen::VectorXd& off) {
-    return correlation.matrixL().solve(off).squaredNorm();
-  };
-  Eigen::VectorXd off(static_cast<Eigen::Index>(names.size()));
+  const Eigen::MatrixXd correlation = CorrelationOf(z);
+  const Eigen::VectorXd of_flight = Standardised(flight, names, linear);
+  Eigen::VectorXd mark(of_flight.size()), off(of_flight.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
     const MeanAndSigma of_twins = *MeanOver(twins, names[k]);
-    const double mark = of_twins.mean - linear.mean.at(names[k]);
-    const double scatter = std::max(of_twins.sigma, linear.sigma.at(names[k]));
-    off[static_cast<Eigen::Index>(k)] =
-        (flight.at(names[k]) - of_twins.mean) / std::hypot(scatter, kOtherGround * mark);
+    const double unit = linear.sigma.at(names[k]);
+    mark[at] = (of_twins.mean - linear.mean.at(names[k])) / unit;
+    const double scatter = std::max(of_twins.sigma / unit, 1.0);
+    off[at] = (of_flight[at] - mark[at]) / std::hypot(scatter, kOtherGround * mark[at]);
   }
+  const double size = SizeOff(of_flight, off, correlation);
   Random random(seed, "flight among its twins");
   int as_far = 0;
   for (int draw = 0; draw < kPermutations; ++draw) {
@@ -234,7 +235,7 @@ std::optional<double> LikeTwins(const NamedStatistics& flight,
     for (std::size_t k = 1; k < some.size(); ++k) {
       off_of_twin -= z[half + some[k]] / static_cast<double>(twins.size());
     }
-    if (size(off_of_twin) >= size(off)) ++as_far;
+    if (SizeOff(mark + z[half + some[0]], off_of_twin, correlation) >= size) ++as_far;
   }
   return (1.0 + as_far) / (1.0 + kPermutations);
 }

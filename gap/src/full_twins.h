@@ -54,7 +54,7 @@ std::optional<double> FullAgainstLinear(const std::vector<NamedStatistics>& full
                                         const LinearTwins& linear, std::uint64_t seed);
 
 /// p of the flight as one more of the simulated twins with the effects, by the statistics in which
-/// it departs most from the assumed model. Their scatter and correlation are those of the linear
+/// it departs most from the assumed model; each twin is judged by those in which it does. Their scatter and correlation are those of the linear
 /// twins, or wider where the simulated ones scatter more; a quarter of what the effects change may
 /// come from the ground of the twins, which is not that of the flight. Nothing with fewer than three.
 std::optional<double> LikeTwins(const NamedStatistics& flight,

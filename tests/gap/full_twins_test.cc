@@ -2,6 +2,7 @@
 
 #include <dn/calibration/result.h>
 #include <dn/gap/twin.h>
+#include <dn/sim/random.h>
 #include <gtest/gtest.h>
 
 #include "explained_flight.h"
@@ -106,6 +107,34 @@ TEST_F(FullTwins, OfFewThereIsNoTest) {
   const std::vector<NamedStatistics> two(with_->begin(), with_->begin() + 2);
   EXPECT_FALSE(FullAgainstLinear(two, *linear_, 1).has_value());
   EXPECT_FALSE(LikeTwins(*shown_, two, *linear_, 1).has_value());
+}
+
+/// Statistics of noise alone.
+NamedStatistics Noise(int count, Random* random) {
+  NamedStatistics values;
+  for (int k = 0; k < count; ++k) values["statistic " + std::to_string(k)] = random->Normal();
+  return values;
+}
+
+// The statistics are those in which the flight is conspicuous: by chance, where there is nothing.
+TEST(LikeTwins, IsUniformForAFlightThatIsOneMoreOfItsTwins) {
+  constexpr int kFlights = 60, kStatistics = 120;
+  int below = 0;
+  for (int flight = 0; flight < kFlights; ++flight) {
+    Random random(static_cast<std::uint64_t>(flight), "flights like their twins");
+    LinearTwins linear;
+    for (int k = 0; k < 2 * kLinearTwins; ++k) linear.all.push_back(Noise(kStatistics, &random));
+    for (const auto& [name, value] : linear.all.front()) {
+      linear.mean[name] = 0.0;
+      linear.sigma[name] = 1.0;
+    }
+    std::vector<NamedStatistics> twins;
+    for (int k = 0; k < 8; ++k) twins.push_back(Noise(kStatistics, &random));
+    const auto p = LikeTwins(Noise(kStatistics, &random), twins, linear, 1);
+    ASSERT_TRUE(p.has_value());
+    below += *p < 0.1 ? 1 : 0;
+  }
+  EXPECT_LE(below, 13);  // 6 +- 2.3 are expected
 }
 
 TEST(MeanOver, IsThatOfTheTwinsThatHaveIt) {
