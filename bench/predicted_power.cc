@@ -1,9 +1,9 @@
 /// predicted_power FLIGHTS SCENARIO...: whether effects are found as often as it was said before the
 /// flight; the figures of docs/blind-check.md.
 ///
-/// Of each scenario the size of every scalar effect is predicted that a test of .001 finds with a
-/// given probability. Flights with other turbulence and noise are then flown with it, to either
-/// side, and diagnosed; counted is how often the test finds it.
+/// Of each scenario it is predicted, from eight plans with other turbulence, how often a test of
+/// .001 finds a scalar effect of a given size. Flights with turbulence and noise of their own are
+/// then flown with it, to either side, and diagnosed; counted is how often the test finds it.
 #include <dn/effects/effect_table.h>
 #include <dn/gap/diagnose.h>
 #include <dn/gap/limits.h>
@@ -15,6 +15,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <map>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -22,31 +24,44 @@ namespace dn::bench {
 namespace {
 
 constexpr double kAlpha = 1e-3;
-constexpr double kQuantile = 3.2905;  // of the normal distribution, two sides of kAlpha
+constexpr double kQuantile = 3.2905;       // of the normal distribution, two sides of kAlpha
+constexpr double kNonCentrality = 4.1321;  // at which that has a power of .8
+constexpr std::uint64_t kPlans = 8;
 const std::vector<std::string> kEffects{
     "gnss_time_offset",   "gnss_time_drift",   "lidar_time_offset", "lidar_time_drift",
     "lidar_range_offset", "lidar_range_scale", "lidar_angle_scale", "lidar_scan_cone"};
 
-/// A power, and the size that has it in units of the size with a power of .8.
-struct Power {
-  double predicted;
-  double times;
-};
-constexpr Power kPowers[] = {{0.5, kQuantile / (kQuantile + 0.8416)}, {0.8, 1.0}};
+// Sizes in those that the first plan finds with a power of .8; that of .5 and it.
+constexpr double kTimes[] = {kQuantile / kNonCentrality, 1.0};
 
 struct Count {
+  double predicted = 0.0;  ///< sum over the flights
   int flights = 0, found = 0;
-  double share() const { return static_cast<double>(found) / flights; }
-  double sigma(double predicted) const {
-    return std::sqrt(predicted * (1.0 - predicted) / flights);
-  }
 };
 
-std::vector<HiddenEffect> Predict(const Scenario& scenario) {
-  const StudyDesign design = DesignOf(scenario);
+/// Minimal detectable sizes by effect, in a flight with the turbulence of a seed.
+std::map<std::string, double> Plan(const Scenario& scenario, std::uint64_t seed) {
+  DesignOptions planning;
+  planning.seed = seed;
+  const StudyDesign design = DesignOf(scenario, planning);
   GapOptions options;
   options.effects = kEffects;
-  return HiddenOnDesign(design.flight, design.states, options);
+  std::map<std::string, double> sizes;
+  for (const HiddenEffect& effect : HiddenOnDesign(design.flight, design.states, options)) {
+    if (std::isfinite(effect.minimal_detectable)) sizes[effect.effect] = effect.minimal_detectable;
+  }
+  return sizes;
+}
+
+/// Of an effect of that size, the mean over plans: the air of the flight is not known before.
+double PowerOf(const std::string& effect, double size,
+               const std::vector<std::map<std::string, double>>& plans) {
+  double power = 0.0;
+  for (const auto& plan : plans) {
+    const double off = size / plan.at(effect) * kNonCentrality - kQuantile;
+    power += 0.5 * std::erfc(-off / std::numbers::sqrt2) / static_cast<double>(plans.size());
+  }
+  return power;
 }
 
 bool IsFound(const Scenario& scenario, std::uint64_t seed) {
@@ -64,42 +79,46 @@ bool IsFound(const Scenario& scenario, std::uint64_t seed) {
 }
 
 /// `first_seed`: of the flights, which no other count may share.
-Count Fly(Scenario scenario, const HiddenEffect& effect, double times, int flights,
+int Found(Scenario scenario, const std::string& effect, double size, int flights,
           std::uint64_t first_seed) {
-  Count count;
+  int found = 0;
   for (int i = 0; i < flights; ++i) {
-    const double side = i % 2 == 0 ? 1.0 : -1.0;
-    scenario.effects = {{effect.effect, {side * times * effect.minimal_detectable}, {}, {}}};
-    count.found += IsFound(scenario, first_seed + static_cast<std::uint64_t>(i)) ? 1 : 0;
-    ++count.flights;
+    scenario.effects = {{effect, {i % 2 == 0 ? size : -size}, {}, {}}};
+    found += IsFound(scenario, first_seed + static_cast<std::uint64_t>(i)) ? 1 : 0;
   }
-  return count;
+  return found;
 }
 
-void Print(const std::string& what, const Power& power, const Count& count) {
-  fmt::print("{:<34} {:>9.2f} {:>6.3f} +- {:.3f} {:>8}\n", what, power.predicted, count.share(),
-             count.sigma(power.predicted), count.flights);
+void Print(const std::string& what, const Count& count) {
+  const double p = count.predicted / count.flights;
+  fmt::print("{:<34} {:>9.3f} {:>6.3f} +- {:.3f} {:>8}\n", what, p,
+             static_cast<double>(count.found) / count.flights,
+             std::sqrt(p * (1.0 - p) / count.flights), count.flights);
   std::fflush(stdout);
 }
 
 void Run(int flights, const std::vector<std::string>& scenarios) {
   fmt::print("{:<34} {:>9} {:>15} {:>8}\n", "", "predicted", "seen", "flights");
-  Count all[std::size(kPowers)];
+  Count all[std::size(kTimes)];
   std::uint64_t seed = 1000;
   for (const std::string& name : scenarios) {
     const Scenario scenario = ReadScenario(name);
-    for (const HiddenEffect& effect : Predict(scenario)) {
-      if (!std::isfinite(effect.minimal_detectable)) continue;
-      for (std::size_t k = 0; k < std::size(kPowers); ++k) {
-        const Count count = Fly(scenario, effect, kPowers[k].times, flights, seed);
-        seed += static_cast<std::uint64_t>(flights);
-        Print(name + " " + effect.effect, kPowers[k], count);
+    std::vector<std::map<std::string, double>> plans;
+    for (std::uint64_t plan = 1; plan <= kPlans; ++plan) plans.push_back(Plan(scenario, plan));
+    for (const auto& [effect, detectable] : plans.front()) {
+      for (std::size_t k = 0; k < std::size(kTimes); ++k) {
+        const double size = kTimes[k] * detectable;
+        const Count count{flights * PowerOf(effect, size, plans), flights,
+                          Found(scenario, effect, size, flights, seed)};
+        Print(name + " " + effect, count);
+        all[k].predicted += count.predicted;
         all[k].flights += count.flights;
         all[k].found += count.found;
+        seed += static_cast<std::uint64_t>(flights);
       }
     }
   }
-  for (std::size_t k = 0; k < std::size(kPowers); ++k) Print("all", kPowers[k], all[k]);
+  for (const Count& count : all) Print("all", count);
 }
 
 }  // namespace
