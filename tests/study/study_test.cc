@@ -222,7 +222,6 @@ TEST(Study, TheSummaryFitsOneScreen) {
   const std::string summary = StudySummary(Study(TwoStrips(), WithoutRemedies()));
   EXPECT_LE(std::count(summary.begin(), summary.end(), '\n'), 40);
   EXPECT_THAT(summary, HasSubstr("condition number"));
-  EXPECT_THAT(summary, HasSubstr("dn gap FLIGHT --limits"));
 }
 
 }  // namespace dn::testing::study_test
