@@ -4,7 +4,6 @@
 /// Of each scenario it is predicted, from eight plans with other turbulence, how often a test of
 /// .001 finds a scalar effect of a given size. Flights with turbulence and noise of their own are
 /// then flown with it, to either side, and diagnosed; counted is how often the test finds it.
-#include <dn/effects/effect_table.h>
 #include <dn/gap/diagnose.h>
 #include <dn/gap/limits.h>
 #include <dn/sim/simulate.h>
@@ -110,7 +109,7 @@ void Run(int flights, const std::vector<std::string>& scenarios) {
         const double size = kTimes[k] * detectable;
         const Count count{flights * PowerOf(effect, size, plans), flights,
                           Found(scenario, effect, size, flights, seed)};
-        Print(name + " " + effect, count);
+        Print(fmt::format("{} {}", name, effect), count);
         all[k].predicted += count.predicted;
         all[k].flights += count.flights;
         all[k].found += count.found;

@@ -108,7 +108,7 @@ std::string DetectableWords(const HiddenEffect& effect) {
 }
 
 std::string MdegWords(const Eigen::Vector3d& rad) {
-  const Eigen::Vector3d mdeg = 1e3 * kDegPerRad * rad;
+  const Eigen::Vector3d mdeg = kMdegPerRad * rad;
   return Rounded(mdeg.x(), 2) + ", " + Rounded(mdeg.y(), 2) + ", " + Rounded(mdeg.z(), 2) + " mdeg";
 }
 

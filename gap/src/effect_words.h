@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/gap/diagnosis.h>
+#include <dn/geo/local_frame.h>
 
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 namespace dn::internal {
 
 inline constexpr double kMmPerM = 1e3;
+inline constexpr double kMdegPerRad = 1e3 * kDegPerRad;
 
 /// To so many significant digits: "0.0012", "930", "1.2e+06".
 std::string Rounded(double value, int digits);

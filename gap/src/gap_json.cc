@@ -1,35 +1,17 @@
 #include <dn/gap/report.h>
 #include <dn/geo/local_frame.h>
 
-#include <cmath>
-
 #include "effect_words.h"
+#include "json_numbers.h"
 
 namespace dn {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kMdegPerRad = 1e3 * kDegPerRad;
-
-Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
-Json Scaled(const std::optional<double>& value, double factor) {
-  return value ? Number(factor * *value) : Json();
-}
-
-Json Number(const std::optional<double>& value) { return Scaled(value, 1.0); }
-
-template <class Values>
-Json List(const Values& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(Number(value));
-  return list;
-}
-
-Json Scaled(const std::optional<Vector3d>& value, double factor) {
-  return value ? List(Vector3d(factor * *value)) : Json();
-}
+using internal::kMdegPerRad;
+using internal::List;
+using internal::Number;
+using internal::Scaled;
 
 Json Pair(double low, double high) { return Json::array({Number(low), Number(high)}); }
 

@@ -35,7 +35,7 @@ std::string SizeLines(const GapDiagnosis& d) {
   if (units.gnss_excess_m) parts.push_back(fmt::format("GNSS {} mm", Mm(units.gnss_excess_m)));
   if (units.boresight_inconsistency_rad) {
     parts.push_back(fmt::format("boresight of parts of the flight {:.2g} mdeg",
-                                1e3 * kDegPerRad * *units.boresight_inconsistency_rad));
+                                internal::kMdegPerRad * *units.boresight_inconsistency_rad));
   }
   if (units.gh_minus_dn_rad) {
     parts.push_back("gh - dn " + internal::MdegWords(*units.gh_minus_dn_rad));

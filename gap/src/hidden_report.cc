@@ -1,5 +1,4 @@
 #include <dn/gap/report.h>
-#include <dn/geo/local_frame.h>
 #include <dn/report/wrapped.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -7,20 +6,15 @@
 #include <cmath>
 
 #include "effect_words.h"
+#include "json_numbers.h"
 
 namespace dn {
 namespace {
 
+using internal::List;
+using internal::Number;
+
 constexpr std::size_t kMostHidden = 5;
-
-Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
-template <class Values>
-Json NumbersOrNull(const Values& values) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(NumberOrNull(value));
-  return list;
-}
 
 std::string HiddenLine(const HiddenEffect& effect, bool with_boresight) {
   std::string text =
@@ -39,16 +33,14 @@ std::string HiddenLine(const HiddenEffect& effect, bool with_boresight) {
 Json HiddenEffectsJson(const std::vector<HiddenEffect>& effects) {
   Json list = Json::array();
   for (const HiddenEffect& effect : effects) {
-    const Eigen::Vector3d damage_mdeg = 1e3 * kDegPerRad * effect.boresight_damage_rad;
-    list.push_back(
-        {{"effect", effect.effect},
-         {"minimal_detectable", NumberOrNull(effect.minimal_detectable)},
-         {"detectable_by_component", NumbersOrNull(effect.detectable_by_component)},
-         {"minimal_identifiable",
-          effect.minimal_identifiable ? NumberOrNull(*effect.minimal_identifiable) : Json()},
-         {"unit", effect.unit},
-         {"boresight_damage_mdeg", NumbersOrNull(damage_mdeg)},
-         {"inseparable_from", effect.inseparable_from}});
+    const Eigen::Vector3d damage_mdeg = internal::kMdegPerRad * effect.boresight_damage_rad;
+    list.push_back({{"effect", effect.effect},
+                    {"minimal_detectable", Number(effect.minimal_detectable)},
+                    {"detectable_by_component", List(effect.detectable_by_component)},
+                    {"minimal_identifiable", Number(effect.minimal_identifiable)},
+                    {"unit", effect.unit},
+                    {"boresight_damage_mdeg", List(damage_mdeg)},
+                    {"inseparable_from", effect.inseparable_from}});
   }
   return list;
 }

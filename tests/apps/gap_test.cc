@@ -44,11 +44,12 @@ TEST(CliGap, TheAdaptedFlightCalibratesFromWhereItLiesAndFromTheFlightFolder) {
   const int expected = ReadFlightConfig(adapted).unexplained.empty() ? 0 : 1;
   EXPECT_EQ(there.exit_code, expected) << there.err;
   fs::copy(ShortFlight(), folder.path() / "copy", fs::copy_options::recursive);
-  fs::copy(adapted, folder.path() / "copy/flight.yaml", fs::copy_options::overwrite_existing);
+  fs::remove(folder.path() / "copy/flight.yaml");
+  folder.Write("copy/flight.yaml", WithoutLines(ContentOf(adapted), "unexplained:"));
   EXPECT_EQ(ReadFlightConfig(folder.path() / "copy").folder, folder.path() / "copy");
   const ProgramRun copied = RunProgram({"calibrate", (folder.path() / "copy").string(), "--out",
                                         (folder.path() / "result").string()});
-  EXPECT_EQ(copied.exit_code, expected) << copied.err;
+  EXPECT_EQ(copied.exit_code, 0) << copied.err;
   const auto angles = [&](const char* result) {
     const Json json = Json::parse(ContentOf(folder.path() / result / "result.json"));
     return json["boresight"]["angles_deg"];

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <stdexcept>
 
 namespace dn::testing {
@@ -134,6 +135,15 @@ std::string ContentOf(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error("cannot read " + file.string());
   return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string WithoutLines(const std::string& text, const std::string& part) {
+  std::istringstream in(text);
+  std::string kept;
+  for (std::string line; std::getline(in, line);) {
+    if (line.find(part) == std::string::npos) kept += line + "\n";
+  }
+  return kept;
 }
 
 std::vector<std::string> NamesIn(const fs::path& folder) {

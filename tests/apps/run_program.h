@@ -56,6 +56,9 @@ std::filesystem::path ShortScenario();
 
 std::string ContentOf(const std::filesystem::path& file);
 
+/// A text without the lines that hold `part`.
+std::string WithoutLines(const std::string& text, const std::string& part);
+
 /// Names in a folder, hidden ones too, sorted.
 std::vector<std::string> NamesIn(const std::filesystem::path& folder);
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <sstream>
 
 #include "page_numbers.h"
 #include "run_program.h"
@@ -102,14 +101,7 @@ struct OneStrip {
   TempFolder folder;
   fs::path scenario = folder.path() / "one.yaml";
 
-  OneStrip() {
-    std::istringstream in(ContentOf(ShortScenario()));
-    std::string text;
-    for (std::string line; std::getline(in, line);) {
-      if (line.find("[0, -400,") == std::string::npos) text += line + "\n";
-    }
-    folder.Write("one.yaml", text);
-  }
+  OneStrip() { folder.Write("one.yaml", WithoutLines(ContentOf(ShortScenario()), "[0, -400,")); }
 };
 
 TEST(CliStudy, OneStripFails) {

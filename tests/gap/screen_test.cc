@@ -86,11 +86,16 @@ TEST(Screen, FindsNothingInNoise) {
   EXPECT_LT(explained.effects.front().log_evidence, 6.0) << explained.effects.front().name;
 }
 
+Flight FlightWithGnssStep(const std::string& window_s) {
+  return Simulate(AircraftScenario("effects: [{effect: gnss_position_step, value: [0.3, 0.2, 0.3], "
+                                   "window_s: " +
+                                   window_s + "}]"),
+                  {})
+      .flight;
+}
+
 TEST(RefineTimes, FindsTheEndsOfAWindow) {
-  const Flight flight = Simulate(AircraftScenario("effects: [{effect: gnss_position_step, value: "
-                                                  "[0.3, 0.2, 0.3], window_s: [381131, 381177]}]"),
-                                 {})
-                            .flight;
+  const Flight flight = FlightWithGnssStep("[381131, 381177]");
   const GapOptions options;
   const ExplainedFlight explained = Explainer(flight, options).Explain({});
   const ScreenedEffect& best = explained.effects.front();
@@ -107,10 +112,7 @@ TEST(RefineTimes, FindsTheEndsOfAWindow) {
 }
 
 TEST(RefineTimes, AStepLastsForFourEpochsAtLeast) {
-  const Flight flight = Simulate(AircraftScenario("effects: [{effect: gnss_position_step, value: "
-                                                  "[0.3, 0.2, 0.3], window_s: [381151, 381153]}]"),
-                                 {})
-                            .flight;
+  const Flight flight = FlightWithGnssStep("[381151, 381153]");
   const GapOptions options;
   const ExplainedFlight explained = Explainer(flight, options).Explain({});
   const auto found = std::find_if(
