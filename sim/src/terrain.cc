@@ -15,7 +15,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kTallestObject_m = 22.0;  // above the highest ground
+constexpr double kTallestObject_m = 22.0;  // above the relief at its centre
+constexpr double kWidestObject_m = 16.0;   // from its centre to its rim
+constexpr double kSurelyClear_m = 1e-6;    // more than rounding makes of a height
 constexpr double kRayStep_m = 0.25;
 constexpr int kWavesPerOctave = 4;
 constexpr double kSmallestCell_m = 12.0;  // of buildings: they would touch
@@ -51,12 +53,17 @@ Terrain::Terrain(const TerrainScenario& scenario)
                         random.Uniform(0.0, 2.0 * kPi), amplitude});
       sum += amplitude;
     }
-    for (Wave& wave : waves_) wave.amplitude_m *= 0.5 * scenario_.relief_m / sum;
+    for (Wave& wave : waves_) {
+      wave.amplitude_m *= 0.5 * scenario_.relief_m / sum;
+      relief_slope_bound_ += wave.amplitude_m * wave.wavenumber.norm();
+    }
     relief_bound_m_ = 0.5 * scenario_.relief_m;
   }
   const bool objects = buildings_.cell_m > 0.0 || trees_.cell_m > 0.0;
   highest_m_ = scenario_.base_m + relief_bound_m_ + roughness_.bound_m() +
                (objects ? kTallestObject_m : 0.0);
+  above_relief_m_ = roughness_.bound_m() +
+                    (objects ? kTallestObject_m + relief_slope_bound_ * kWidestObject_m : 0.0);
   if (scenario_.water_share > 0.0) water_m_ = WaterLevel();
 }
 
@@ -131,6 +138,16 @@ double Terrain::Surface(const Vector2d& en_m) const {
   return height_m;
 }
 
+/// A range up to which the ray meets nothing: no slope of the relief outruns it.
+double Terrain::ClearUpTo(const Vector3d& origin_m, const Vector3d& direction,
+                          double range_m) const {
+  const Vector3d point = origin_m + range_m * direction;
+  double top_m = Relief(point.head<2>()) + above_relief_m_;
+  if (water_m_) top_m = std::max(top_m, *water_m_);
+  const double nearing = -direction.z() + relief_slope_bound_ * direction.head<2>().norm();
+  return range_m + (point.z() - top_m - kSurelyClear_m) / nearing;
+}
+
 std::optional<double> Terrain::Intersect(const Vector3d& origin_m, const Vector3d& direction,
                                          double max_range_m) const {
   if (!(direction.z() < 0.0)) throw InvalidInput("a laser ray must point downwards");
@@ -141,7 +158,13 @@ std::optional<double> Terrain::Intersect(const Vector3d& origin_m, const Vector3
   double above_m = std::max(0.0, (highest_m_ - origin_m.z()) / direction.z());
   if (above_m >= max_range_m) return std::nullopt;
   if (clearance_m(above_m) <= 0.0) return above_m;
+  bool far = true;
   while (above_m < max_range_m) {
+    if (far) {
+      const double clear_m = std::min(ClearUpTo(origin_m, direction, above_m), max_range_m);
+      far = above_m + kRayStep_m < clear_m;
+      while (above_m + kRayStep_m < clear_m) above_m += kRayStep_m;
+    }
     double below_m = std::min(above_m + kRayStep_m, max_range_m);
     if (clearance_m(below_m) > 0.0) {
       above_m = below_m;

@@ -162,7 +162,6 @@ std::optional<double> TerrainCaster::Ray::Hit(const Crown& crown, const Stretch&
 
 TerrainCaster::TerrainCaster(const Terrain& terrain) : terrain_(terrain), tiles_(kTiles) {
   for (const Terrain::Wave& wave : terrain_.waves_) {
-    slope_bound_ += wave.amplitude_m * wave.wavenumber.norm();
     curvature_bound_ += wave.amplitude_m * wave.wavenumber.squaredNorm();
   }
 }
@@ -198,7 +197,7 @@ void TerrainCaster::BoundGround(const Vector2d& centre_en_m, Tile* tile) const {
   const double bend = curvature_bound_ * kTileRadius_m;
   const double slope = gradient.norm();
   const Roughness& roughness = terrain_.roughness_;
-  tile->slope = std::min(slope_bound_, slope + bend) + roughness.slope_bound();
+  tile->slope = std::min(terrain_.relief_slope_bound_, slope + bend) + roughness.slope_bound();
   tile->ground_top_m =
       terrain_.Relief(centre_en_m) + (slope + 0.5 * bend) * kTileRadius_m + roughness.bound_m();
   if (terrain_.water_m_) tile->ground_top_m = std::max(tile->ground_top_m, *terrain_.water_m_);

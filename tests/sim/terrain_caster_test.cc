@@ -89,6 +89,30 @@ TEST_P(EveryLandscape, TheCasterFindsWhatSmallStepsFind) {
   EXPECT_LE(nearer, kRays / 40);
 }
 
+/// The first of steps of 0.25 m that is not above the surface, halved down; none is left out.
+double StepByStep(const Terrain& terrain, const RandomRay& ray) {
+  double above_m = (terrain.highest_m() - ray.origin_m.z()) / ray.direction.z();
+  while (Above(terrain, ray.At(above_m + 0.25)) > 0.0) above_m += 0.25;
+  double below_m = above_m + 0.25;
+  for (int i = 0; i < 40; ++i) {
+    const double middle_m = 0.5 * (above_m + below_m);
+    (Above(terrain, ray.At(middle_m)) > 0.0 ? above_m : below_m) = middle_m;
+  }
+  return below_m;
+}
+
+TEST_P(EveryLandscape, StepsThatAreLeftOutMeetNothing) {
+  const Terrain terrain(GetParam().scenario);
+  Random random(3, "rays");
+  constexpr int kRays = 100;
+  for (int i = 0; i < kRays; ++i) {
+    const RandomRay ray(terrain, random);
+    const auto hit_m = terrain.Intersect(ray.origin_m, ray.direction, 2e4);
+    ASSERT_TRUE(hit_m);
+    EXPECT_EQ(*hit_m, StepByStep(terrain, ray));
+  }
+}
+
 TEST_P(EveryLandscape, RoughGroundStaysWithinItsBounds) {
   const TerrainScenario& scenario = GetParam().scenario;
   const Roughness roughness(scenario.roughness_m, 7);

@@ -50,6 +50,8 @@ class Terrain {
   double Relief(const Eigen::Vector2d& en_m) const;  // without roughness and water
   double DryGround(const Eigen::Vector2d& en_m) const { return Relief(en_m) + roughness_.At(en_m); }
   double WaterLevel() const;
+  double ClearUpTo(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
+                   double range_m) const;
   std::optional<Building> BuildingIn(const Eigen::Vector2i& cell) const;
   std::optional<Tree> TreeIn(const Eigen::Vector2i& cell) const;
   double BuildingTop(const Eigen::Vector2d& en_m) const;
@@ -63,6 +65,8 @@ class Terrain {
   Roughness roughness_;
   std::optional<double> water_m_;  // height of every water
   double relief_bound_m_ = 0.0;
+  double relief_slope_bound_ = 0.0;
+  double above_relief_m_ = 0.0;  // nothing rises higher above the relief at its place
   double highest_m_ = 0.0;
 };
 

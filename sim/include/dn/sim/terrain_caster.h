@@ -47,7 +47,6 @@ class TerrainCaster {
                                   double to_m) const;
 
   const Terrain& terrain_;
-  double slope_bound_ = 0.0;      // of the relief
   double curvature_bound_ = 0.0;  // 1/m, of the relief: of its second derivative in any direction
   std::vector<Tile> tiles_;
 };
