@@ -26,7 +26,7 @@ struct BlindCheckArguments {
   std::vector<std::string> scenarios = BlindScenarioNames();
   std::string gap_options = "quick";
   std::string shard = "1/1";
-  bool left_out = false;
+  std::string only;  ///< a word of BlindContent, or nothing
   bool discard_flights = false;
 };
 
@@ -58,7 +58,8 @@ std::string FailureOf(const BlindRecord& record) {
 
 std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFolder& folder,
                              const std::vector<std::uint64_t>& numbers, Run* run) {
-  const BlindSuite suite{options.seed, options.scenarios, options.left_out};
+  BlindSuite suite{options.seed, options.scenarios};
+  if (!options.only.empty()) suite.only = ContentOf(options.only);
   const BlindRunOptions how{options.common.out, GapOptions(options.gap_options),
                             options.discard_flights};
   std::vector<BlindRecord> records(numbers.size());
@@ -82,7 +83,7 @@ void BlindCheck(const BlindCheckArguments& options, Run& run) {
   const Json made_from = {{"seed", options.seed},
                           {"scenarios", ScenariosJson(options.scenarios)},
                           {"gap_options", options.gap_options},
-                          {"left_out", options.left_out},
+                          {"only", options.only},
                           {"version", DN_VERSION}};
   const Series series{"blind-check", 1, static_cast<std::uint64_t>(options.flights),
                       ParseShard(options.shard)};
@@ -180,8 +181,15 @@ void AddBlindCheck(CLI::App* program, Action* action) {
                   "Fly only every N-th flight, from the i-th on; dn merge joins the shards")
       ->check(ShardText())
       ->capture_default_str();
-  app->add_flag("--left-out", options->left_out,
-                "Every flight contains one effect, and dn gap has to do without it");
+  CLI::Option* only =
+      app->add_option("--only", options->only,
+                      "What every flight contains: nothing, one effect, two, or an outsider, "
+                      "physics that the table of effects does not have")
+          ->check(OneOf({"nothing", "one", "two", "outsider"}));
+  app->add_flag_callback(
+         "--left-out", [options] { options->only = Word(BlindContent::kLeftOut); },
+         "Every flight contains one effect, and dn gap has to do without it")
+      ->excludes(only);
   app->add_flag("--discard-flights", options->discard_flights,
                 "Remove the folder of a flight (some 20 MB) when it is recorded");
   AddCommonOptions(app, &options->common, true);

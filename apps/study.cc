@@ -4,11 +4,13 @@
 #include <dn/gap/report.h>
 #include <dn/report/plot.h>
 #include <dn/sim/scenario.h>
+#include <dn/study/remedies.h>
 #include <dn/study/report.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "command.h"
 #include "option_checks.h"
@@ -60,13 +62,14 @@ struct StudyAndLimits {
 
 StudyAndLimits StudyDesigned(const StudyArguments& options, const StudyDesign& design,
                              const StudyOptions& study, Run* run) {
-  StudyAndLimits result{Study(design, study), {}};
+  const Solution at_states = AtStates(design, study.design.threads);
+  StudyAndLimits result{Study(design, at_states), {}};
   if (options.no_limits || !result.study.observable()) return result;
   run->progress.Stage("which effects it would show");
   GapOptions gap;
   gap.threads = study.design.threads;
   gap.interrupted = study.design.interrupted;
-  result.could_hide = HiddenOnDesign(design.flight, design.states, gap);
+  result.could_hide = HiddenOnDesign(at_states, gap);
   return result;
 }
 
@@ -75,9 +78,14 @@ StudyAndLimits StudyScenario(const StudyArguments& options, Run* run) {
   run->progress.Stage("studying " + scenario.name);
   run->report["seed"] = options.seed;
   const StudyOptions study = MakeOptions(options, *run);
-  StudyAndLimits result = StudyDesigned(options, DesignOf(scenario, study.design), study, run);
-  if (study.remedies) run->progress.Stage("trying remedies");
-  AddRemedies(scenario, study, &result.study);
+  const StudyDesign design = DesignOf(scenario, study.design);
+  std::optional<RemedyTrials> remedies;
+  if (study.remedies) remedies.emplace(scenario, design, study.design);
+  StudyAndLimits result = StudyDesigned(options, design, study, run);
+  if (remedies) {
+    run->progress.Stage("trying remedies");
+    remedies->Finish(&result.study);
+  }
   run->AddFile("config.resolved.yaml", FormatScenario(scenario));
   return result;
 }

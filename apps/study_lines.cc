@@ -12,7 +12,9 @@ void RunLineChoice(const LineOptions& options, Run& run) {
   const LineCandidates candidates = LineCandidates::Parse(text, options.file);
   const std::string stage = "choosing lines";
   LineSearchOptions search_options;
-  search_options.design = {run.options().threads, options.seed, {}, [] { return SignalCame(); }};
+  search_options.design.threads = run.options().threads;
+  search_options.design.seed = options.seed;
+  search_options.design.interrupted = [] { return SignalCame(); };
   search_options.progress = [&](std::size_t studied) {
     run.progress.Stage(stage, fmt::format("{} choices", studied));
   };

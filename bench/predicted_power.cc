@@ -8,6 +8,7 @@
 #include <dn/gap/limits.h>
 #include <dn/sim/simulate.h>
 #include <dn/study/design.h>
+#include <dn/study/study.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -46,7 +47,7 @@ std::map<std::string, double> Plan(const Scenario& scenario, std::uint64_t seed)
   GapOptions options;
   options.effects = kEffects;
   std::map<std::string, double> sizes;
-  for (const HiddenEffect& effect : HiddenOnDesign(design.flight, design.states, options)) {
+  for (const HiddenEffect& effect : HiddenOnDesign(AtStates(design), options)) {
     if (std::isfinite(effect.minimal_detectable)) sizes[effect.effect] = effect.minimal_detectable;
   }
   return sizes;

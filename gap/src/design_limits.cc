@@ -24,12 +24,8 @@ const Trajectory& PosesOf(const Flight& flight) {
   return flight.initial_guess ? *flight.initial_guess : *flight.reference;
 }
 
-Screen ScreenOfStates(const Flight& flight, const NetworkDesign& states, const GapOptions& options,
-                      long* rows) {
-  const FlightNetwork network = Build(flight, states);
-  const Marginals marginals(network.net, {.threads = options.threads});
-  if (rows != nullptr) *rows = marginals.linearized().rows();
-  return Screen(network, marginals, {options.effects, options.left_out, options.threads});
+LibraryOptions LibraryOf(const GapOptions& options) {
+  return {options.effects, options.left_out, options.threads};
 }
 
 }  // namespace
@@ -42,7 +38,10 @@ Screen ScreenOfDesign(const Flight& flight, const GapOptions& options, long* row
   Flight plan = flight;
   const NetworkDesign design{PosesOf(flight).InMap(flight.frame)};
   PlanMeasurements(design, kRates, &plan);
-  return ScreenOfStates(plan, design, options, rows);
+  const FlightNetwork network = Build(plan, design);
+  const Marginals marginals(network.net, {.threads = options.threads});
+  if (rows != nullptr) *rows = marginals.linearized().rows();
+  return Screen(network, marginals, LibraryOf(options));
 }
 
 GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
@@ -57,14 +56,14 @@ GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
 
 }  // namespace internal
 
-std::vector<HiddenEffect> HiddenOnDesign(const Flight& flight, const NetworkDesign& states,
-                                         const GapOptions& options) {
+std::vector<HiddenEffect> HiddenOnDesign(const Solution& solution, const GapOptions& options) {
   options.Validate();
   const auto poll = [&] {
     if (options.interrupted && options.interrupted()) throw Interrupted();
   };
   poll();
-  const internal::Screen screen = internal::ScreenOfStates(flight, states, options, nullptr);
+  const internal::Screen screen(solution.network(), solution.marginals(),
+                                internal::LibraryOf(options));
   poll();
   return internal::HiddenEffects(screen, internal::kThresholdOfDesignNats, options.seed);
 }

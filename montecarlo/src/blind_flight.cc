@@ -75,8 +75,9 @@ BlindFlight DrawBlindFlight(const BlindSuite& suite, int number) {
   flight.scenario = DrawScenario(flight.base, random);
   flight.scenario.name = fmt::format("flight_{:03}", number);
   const FlightTimes times = PlannedTimes(flight.scenario, flight.seed);
-  flight.left_out = suite.left_out;
-  switch (suite.left_out ? BlindContent::kLeftOut : DrawContent(random)) {
+  const BlindContent content = suite.only ? *suite.only : DrawContent(random);
+  flight.left_out = content == BlindContent::kLeftOut;
+  switch (content) {
     case BlindContent::kNothing:
       break;
     case BlindContent::kOneEffect:

@@ -97,4 +97,13 @@ const char* Word(BlindContent content) {
   return "";
 }
 
+BlindContent ContentOf(const std::string& word) {
+  for (const BlindContent content :
+       {BlindContent::kNothing, BlindContent::kOneEffect, BlindContent::kTwoEffects,
+        BlindContent::kOutsider, BlindContent::kLeftOut}) {
+    if (word == Word(content)) return content;
+  }
+  throw InvalidInput("no flight contains '" + word + "'");
+}
+
 }  // namespace dn

@@ -35,15 +35,6 @@ Effect EffectFromJson(const Json& json) {
   return effect;
 }
 
-BlindContent ContentOf(const std::string& word) {
-  for (const BlindContent content :
-       {BlindContent::kNothing, BlindContent::kOneEffect, BlindContent::kTwoEffects,
-        BlindContent::kOutsider, BlindContent::kLeftOut}) {
-    if (word == Word(content)) return content;
-  }
-  throw InvalidInput("no flight contains '" + word + "'");
-}
-
 Json ResultToJson(const BlindDiagnosis& diagnosis) {
   Json causes = Json::array();
   for (const BlindCause& cause : diagnosis.causes) {

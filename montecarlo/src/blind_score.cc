@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kAlarmLevel = 0.05;
 constexpr double kBeyond_sigmas = 5.0;
+constexpr double kTwinsOfQuick = 100.0;  // that p-values of dn gap are ranks among, at least
 constexpr double kCovered_sigmas = 1.959963984540054;
 
 bool Holds(const std::vector<std::string>& names, const std::string& name) {
@@ -226,6 +227,9 @@ void Finish(const Samples& samples, BlindScore* score) {
   }
   for (std::size_t k = 0; k < score->sizes.size(); ++k) score->sizes[k].from = kSizeLimits[k];
   score->null_p_value = QuartilesOf(samples.null_p_value);
+  if (!samples.null_p_value.empty()) {
+    score->null_uniformity_p = UniformityP(samples.null_p_value, kTwinsOfQuick);
+  }
   score->truth_posterior = QuartilesOf(samples.truth_posterior);
   score->shrinkage_right = QuartilesOf(samples.shrinkage_right);
   score->shrinkage_wrong = QuartilesOf(samples.shrinkage_wrong);

@@ -235,7 +235,8 @@ Json ToJson(const BlindScore& s) {
            {{"false_alarms", ToJson(s.false_alarms)},
             {"allowed_95", {s.alarms_allowed.low, s.alarms_allowed.high}},
             {"false_names", ToJson(s.false_names)},
-            {"p_value", ToJson(s.null_p_value)}}},
+            {"p_value", ToJson(s.null_p_value)},
+            {"uniformity_p", s.null_uniformity_p}}},
           {"verdicts", ToJson(s.verdicts)},
           {"one_effect",
            {{"detected", ToJson(s.one_detected)},
@@ -272,6 +273,9 @@ std::string FormatTable(const BlindScore& s) {
                       Percent(s.alarms_allowed.low), Percent(s.alarms_allowed.high));
   text += Line("an effect is named", s.false_names);
   text += Line("p-values", s.null_p_value);
+  if (s.null_p_value.count > 0) {
+    text += fmt::format("  {:<44} p {:.2g}\n", "uniform, as they should be", s.null_uniformity_p);
+  }
   text += "flights with one effect\n";
   text += Line("detected", s.one_detected);
   text += Line("named, and nothing else", s.one_named);

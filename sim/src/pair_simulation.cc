@@ -56,6 +56,7 @@ class Footprint {
 
 struct Strip {
   StripInterval interval;
+  MapPose first, last;
   Footprint footprint;
 };
 
@@ -95,7 +96,7 @@ class PairSampler {
  private:
   /// One of the sightings of a strip.
   std::optional<Sighting> See(const Vector3d& point_m, const Strip& strip, Random& random) const {
-    const auto seen = scanner_.See(point_m, strip.interval.t0_s, strip.interval.t1_s);
+    const auto seen = scanner_.See(point_m, strip.first, strip.last);
     if (seen.empty()) return std::nullopt;
     return seen.size() == 2 && random.Uniform() < 0.5 ? seen[1] : seen[0];
   }
@@ -109,10 +110,10 @@ std::vector<Strip> Footprints(const Scenario& scenario, const std::vector<StripI
   const double angle = std::min(0.5 * scenario.lidar.fov_rad + kExtraAngle_rad, kWidestAngle_rad);
   std::vector<Strip> strips;
   for (const StripInterval& interval : intervals) {
-    const Vector3d begin_m = truth.Pose(interval.t0_s).p_mb;
-    const Vector3d end_m = truth.Pose(interval.t1_s).p_mb;
-    const double above_m = std::max(begin_m.z(), end_m.z()) - terrain.lowest_m();
-    strips.push_back({interval, Footprint(begin_m, end_m, above_m * std::tan(angle))});
+    const MapPose first = truth.Pose(interval.t0_s), last = truth.Pose(interval.t1_s);
+    const double above_m = std::max(first.p_mb.z(), last.p_mb.z()) - terrain.lowest_m();
+    strips.push_back(
+        {interval, first, last, Footprint(first.p_mb, last.p_mb, above_m * std::tan(angle))});
   }
   return strips;
 }

@@ -57,50 +57,54 @@ double Scanner::InsideCone(const Vector3d& u_s) const {
   return measured_s.dot(nadir_axis_s_) - std::cos(half_fov_rad_) * u_s.norm();
 }
 
-Vector3d Scanner::VectorTo(const Vector3d& point_m, double t_s) const {
-  const MapPose pose = truth_->Pose(t_s);
+Vector3d Scanner::VectorTo(const Vector3d& point_m, const MapPose& pose) const {
   const Eigen::Matrix3d R_mb = pose.q_mb.toRotationMatrix();
-  return R_bs(t_s).transpose() *
+  return R_bs(pose.t_s).transpose() *
          (R_mb.transpose() * (point_m - pose.p_mb) - mounting_.lever_arm_b_m);
 }
 
-std::optional<double> Scanner::SweepTime(FromBeams from_beams, const Vector3d& point_m, double t0_s,
-                                         double t1_s) const {
-  const auto distance_m = [&](double t_s) { return (this->*from_beams)(VectorTo(point_m, t_s)); };
-  double g0 = distance_m(t0_s), g1 = distance_m(t1_s);
+std::optional<MapPose> Scanner::Swept(FromBeams from_beams, const Vector3d& point_m,
+                                      const MapPose& first, const MapPose& last) const {
+  const auto distance_m = [&](const MapPose& pose) {
+    return (this->*from_beams)(VectorTo(point_m, pose));
+  };
+  double g0 = distance_m(first), g1 = distance_m(last);
   if (g0 * g1 > 0.0) return std::nullopt;
-  for (int step = 0; step < kMaxSteps && std::abs(t1_s - t0_s) > kSameTime_s; ++step) {
-    const double t_s = t1_s - g1 * (t1_s - t0_s) / (g1 - g0);
-    const double g = distance_m(t_s);
-    if (std::abs(g) < kOnPlane_m) return t_s;
+  double t0_s = first.t_s;
+  MapPose latest = last;
+  for (int step = 0; step < kMaxSteps && std::abs(latest.t_s - t0_s) > kSameTime_s; ++step) {
+    const double t1_s = latest.t_s;
+    latest = truth_->Pose(t1_s - g1 * (t1_s - t0_s) / (g1 - g0));
+    const double g = distance_m(latest);
+    if (std::abs(g) < kOnPlane_m) return latest;
     if (g * g1 < 0.0) {
       t0_s = t1_s;
       g0 = g1;
     } else {
       g0 *= 0.5;  // Illinois: the end that stays must not stall the secant
     }
-    t1_s = t_s;
     g1 = g;
   }
   if (std::abs(g1) > kJump_m) return std::nullopt;  // the boresight steps over the point
-  return t1_s;
+  return latest;
 }
 
 /// A cone is passed once on each side of the plane across its axis of travel.
-std::vector<double> Scanner::SweepTimes(const Vector3d& point_m, double t0_s, double t1_s) const {
-  const std::optional<double> abeam_s = SweepTime(&Scanner::Ahead, point_m, t0_s, t1_s);
-  std::vector<double> times_s;
+std::vector<MapPose> Scanner::AllSwept(const Vector3d& point_m, const MapPose& first,
+                                       const MapPose& last) const {
+  const std::optional<MapPose> abeam = Swept(&Scanner::Ahead, point_m, first, last);
+  std::vector<MapPose> poses;
   if (pattern_ == ScanPattern::kLine) {
-    if (abeam_s) times_s.push_back(*abeam_s);
-    return times_s;
+    if (abeam) poses.push_back(*abeam);
+    return poses;
   }
-  const double turn_s = abeam_s.value_or(t1_s);
-  for (const auto& [from_s, to_s] : {std::pair(t0_s, turn_s), std::pair(turn_s, t1_s)}) {
-    if (from_s == to_s) continue;
-    const auto t_s = SweepTime(&Scanner::InsideCone, point_m, from_s, to_s);
-    if (t_s) times_s.push_back(*t_s);
+  const MapPose turn = abeam.value_or(last);
+  for (const auto& [from, to] : {std::pair(first, turn), std::pair(turn, last)}) {
+    if (from.t_s == to.t_s) continue;
+    const auto pose = Swept(&Scanner::InsideCone, point_m, from, to);
+    if (pose) poses.push_back(*pose);
   }
-  return times_s;
+  return poses;
 }
 
 bool Scanner::InView(const Vector3d& u_s) const {
@@ -110,19 +114,19 @@ bool Scanner::InView(const Vector3d& u_s) const {
   return std::abs(angle) <= half_fov_rad_;
 }
 
-bool Scanner::Hidden(const Vector3d& point_m, double t_s) const {
-  const MapPose pose = truth_->Pose(t_s);
+bool Scanner::Hidden(const Vector3d& point_m, const MapPose& pose) const {
   const Vector3d origin_m = pose.p_mb + pose.q_mb * mounting_.lever_arm_b_m;
   const Vector3d ray_m = point_m - origin_m;
   const double range_m = ray_m.norm();
   return terrain_->Intersect(origin_m, ray_m / range_m, range_m - kNearSurface_m).has_value();
 }
 
-std::vector<Sighting> Scanner::See(const Vector3d& point_m, double t0_s, double t1_s) const {
+std::vector<Sighting> Scanner::See(const Vector3d& point_m, const MapPose& first,
+                                   const MapPose& last) const {
   std::vector<Sighting> seen;
-  for (const double t_s : SweepTimes(point_m, t0_s, t1_s)) {
-    const Vector3d u_s = VectorTo(point_m, t_s);
-    if (InView(u_s) && !Hidden(point_m, t_s)) seen.push_back({t_s, u_s});
+  for (const MapPose& pose : AllSwept(point_m, first, last)) {
+    const Vector3d u_s = VectorTo(point_m, pose);
+    if (InView(u_s) && !Hidden(point_m, pose)) seen.push_back({pose.t_s, u_s});
   }
   return seen;
 }

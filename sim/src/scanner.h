@@ -30,13 +30,11 @@ class Scanner {
   Scanner(const LidarScenario& lidar, const ActiveEffects& effects, const LidarSpan& span,
           std::shared_ptr<const TruthTrajectory> truth, std::shared_ptr<const Terrain> terrain);
 
-  /// When, in [t0_s, t1_s], the beams sweep over the point, in the order of time: at most once for a
-  /// line, twice for a cone. Not where the point is outside the field of view then, or hidden behind
-  /// the surface.
-  std::vector<Sighting> See(const Eigen::Vector3d& point_m, double t0_s, double t1_s) const;
-
-  /// Vector from the scanner to a point, in the sensor frame, m.
-  Eigen::Vector3d VectorTo(const Eigen::Vector3d& point_m, double t_s) const;
+  /// When, between two poses of the true path, the beams sweep over the point, in the order of time:
+  /// at most once for a line, twice for a cone. Not where the point is outside the field of view
+  /// then, or hidden behind the surface.
+  std::vector<Sighting> See(const Eigen::Vector3d& point_m, const MapPose& first,
+                            const MapPose& last) const;
 
   /// True rotation sensor -> body, and the true origin of the sensor in body.
   Eigen::Matrix3d R_bs(double t_s) const;
@@ -48,11 +46,15 @@ class Scanner {
 
   double Ahead(const Eigen::Vector3d& u_s) const;
   double InsideCone(const Eigen::Vector3d& u_s) const;
-  std::optional<double> SweepTime(FromBeams from_beams, const Eigen::Vector3d& point_m, double t0_s,
-                                  double t1_s) const;
-  std::vector<double> SweepTimes(const Eigen::Vector3d& point_m, double t0_s, double t1_s) const;
+  /// Vector from the scanner to a point, in the sensor frame, m.
+  Eigen::Vector3d VectorTo(const Eigen::Vector3d& point_m, const MapPose& pose) const;
+  /// The pose at which the point lies on the beams.
+  std::optional<MapPose> Swept(FromBeams from_beams, const Eigen::Vector3d& point_m,
+                               const MapPose& first, const MapPose& last) const;
+  std::vector<MapPose> AllSwept(const Eigen::Vector3d& point_m, const MapPose& first,
+                                const MapPose& last) const;
   bool InView(const Eigen::Vector3d& u_s) const;
-  bool Hidden(const Eigen::Vector3d& point_m, double t_s) const;
+  bool Hidden(const Eigen::Vector3d& point_m, const MapPose& pose) const;
 
   std::shared_ptr<const TruthTrajectory> truth_;
   std::shared_ptr<const Terrain> terrain_;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "disturbance_table.h"
+
 namespace dn {
 namespace {
 
@@ -52,18 +54,15 @@ Vector3d RateFromAngles(const Vector3d& rph, const Vector3d& rate) {
 
 }  // namespace
 
-TruthTrajectory::TruthTrajectory(LocalFrame frame, UniformSpline path, Disturbance disturbance,
-                                 double t_begin_s, double t_end_s)
-    : frame_(std::move(frame)),
-      path_(std::move(path)),
-      disturbance_(std::move(disturbance)),
-      t_begin_s_(t_begin_s),
-      t_end_s_(t_end_s) {
+TruthTrajectory::TruthTrajectory(LocalFrame frame, UniformSpline path,
+                                 const Disturbance& disturbance, double t_begin_s, double t_end_s)
+    : frame_(std::move(frame)), path_(std::move(path)), t_begin_s_(t_begin_s), t_end_s_(t_end_s) {
   if (!(t_end_s_ > t_begin_s_)) throw InvalidInput("a trajectory must end after it begins");
-  const double lead_s = disturbance_.lead_s.Bound() + kEndsMargin_s;
+  const double lead_s = disturbance.lead_s.Bound() + kEndsMargin_s;
   if (path_.t_begin_s() > -lead_s || path_.t_end_s() < t_end_s_ - t_begin_s_ + lead_s) {
     throw InvalidInput("the path does not cover the trajectory's time span");
   }
+  disturbance_ = std::make_shared<DisturbanceTable>(disturbance, t_end_s_ - t_begin_s_);
 }
 
 TruthTrajectory::Motion TruthTrajectory::MotionAt(double t_s) const {
@@ -71,21 +70,17 @@ TruthTrajectory::Motion TruthTrajectory::MotionAt(double t_s) const {
     throw InvalidInput("time outside the simulated trajectory");
   }
   const double t = t_s - t_begin_s_;
-  const SumOfSines::Sample lead = disturbance_.lead_s.At(t);
-  const SumOfSines::Sample height = disturbance_.height_m.At(t);
-  const SumOfSines::Sample roll = disturbance_.roll_rad.At(t);
-  const SumOfSines::Sample pitch = disturbance_.pitch_rad.At(t);
-  const SumOfSines::Sample heading = disturbance_.heading_rad.At(t);
-  const UniformSpline::Sample path = path_.At(t + lead.value);
-  const double pace = 1.0 + lead.first;
+  const DisturbanceTable::Sample air = disturbance_->At(t);
+  const UniformSpline::Sample path = path_.At(t + air.value[0]);
+  const double pace = 1.0 + air.first[0];
 
   Motion motion;
-  motion.p = path.value.head<3>() + height.value * Vector3d::UnitZ();
-  motion.v = pace * path.first.head<3>() + height.first * Vector3d::UnitZ();
-  motion.a = pace * pace * path.second.head<3>() + lead.second * path.first.head<3>() +
-             height.second * Vector3d::UnitZ();
-  motion.rph = path.value.tail<3>() + Vector3d(roll.value, pitch.value, heading.value);
-  motion.rph_rate = pace * path.first.tail<3>() + Vector3d(roll.first, pitch.first, heading.first);
+  motion.p = path.value.head<3>() + air.value[1] * Vector3d::UnitZ();
+  motion.v = pace * path.first.head<3>() + air.first[1] * Vector3d::UnitZ();
+  motion.a = pace * pace * path.second.head<3>() + air.second[0] * path.first.head<3>() +
+             air.second[1] * Vector3d::UnitZ();
+  motion.rph = path.value.tail<3>() + air.value.tail<3>();
+  motion.rph_rate = pace * path.first.tail<3>() + air.first.tail<3>();
   return motion;
 }
 

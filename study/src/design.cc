@@ -36,6 +36,10 @@ void FreeUnknowns(const DesignOptions& options, Flight* flight) {
   if (!options.estimate.empty()) flight->config.estimate = EstimateOf(options.estimate);
 }
 
+void LimitNodeRate(double most_hz, Flight* flight) {
+  if (NodeRateHz(*flight, true) > most_hz) flight->config.network.node_rate_hz = most_hz;
+}
+
 bool HasGnss(const Flight& flight) {
   return flight.gnss && flight.gnss->epochs.size() >= kFewestGnssEpochs;
 }
@@ -142,6 +146,7 @@ StudyDesign DesignOf(const Scenario& scenario, const DesignOptions& options) {
   design.flight = std::move(simulated.flight);
   design.strips = std::move(simulated.strips);
   FreeUnknowns(options, &design.flight);
+  LimitNodeRate(options.most_node_rate_hz, &design.flight);
   CalibrationState calibration = AssumedCalibration(design.flight);
   calibration.q_boresight = Exp(simulated.boresight_rad);
   design.states.calibration = std::move(calibration);

@@ -1,25 +1,74 @@
-#include "remedies.h"
-
+#include <dn/builder/flight_nodes.h>
 #include <dn/error.h>
 #include <dn/sim/extra_lines.h>
 #include <dn/solvers/marginals.h>
+#include <dn/study/remedies.h>
 
 #include <algorithm>
-#include <atomic>
-#include <future>
-#include <map>
+#include <cmath>
+#include <limits>
 
+#include "geometry.h"
 #include "joint_covariance.h"
 
 namespace dn {
 namespace {
 
 constexpr double kWorthWhile = 0.95;
+// Of the nodes in strips: what a change does to a sigma hardly depends on it.
+constexpr double kNodeRateHz = 2.0;
 
-using Sigmas = std::map<std::string, double>;
+/// NaN where there is none.
+double SigmaOf(const std::string& unknown, const std::map<std::string, double>& sigmas) {
+  const auto sigma = sigmas.find(unknown);
+  return sigma == sigmas.end() ? std::numeric_limits<double>::quiet_NaN() : sigma->second;
+}
 
-/// Sigmas of the calibration unknowns by name, in their units; none where there are none to be had.
-Sigmas SigmasWith(const Scenario& scenario, const DesignOptions& options) {
+}  // namespace
+
+std::optional<TriedRemedy> StudyDirection::remedy() const {
+  if (tried.empty() || tried.front().sigma > kWorthWhile * sigma) return std::nullopt;
+  return tried.front();
+}
+
+RemedyTrials::RemedyTrials(const Scenario& scenario, const StudyDesign& design,
+                           const DesignOptions& options)
+    : options_(options), fewer_nodes_(NodeRateHz(design.flight, true) > kNodeRateHz) {
+  options_.threads = 1;
+  options_.most_node_rate_hz = kNodeRateHz;
+  if (scenario.plan.lines.empty() || scenario.plan.replay) return;
+  Prepare(scenario, GeometryOf(design));
+  const auto threads = std::min(static_cast<std::size_t>(options.threads), scenarios_.size());
+  for (std::size_t k = 1; k < threads; ++k) {
+    workers_.push_back(std::async(std::launch::async, [this] { Work(); }));
+  }
+}
+
+/// Those that have not begun are not tried any more.
+RemedyTrials::~RemedyTrials() { next_ = scenarios_.size(); }
+
+void RemedyTrials::Prepare(const Scenario& scenario, const FlightGeometry& geometry) {
+  const auto add = [&](RemedyKind kind) -> Scenario& {
+    kinds_.push_back(kind);
+    return scenarios_.emplace_back(scenario);
+  };
+  const auto add_line = [&](RemedyKind kind, const PlannedLine& line) {
+    add(kind).plan.lines.push_back(line);
+  };
+  const PlannedLine& first = scenario.plan.lines.front();
+  if (geometry.parallel) add_line(RemedyKind::kCrossStrip, CrossLine(scenario.plan.lines));
+  if (geometry.one_direction) add_line(RemedyKind::kOppositeStrip, Reversed(first));
+  if (geometry.one_height) {
+    add_line(RemedyKind::kOtherHeight, Higher(first, geometry.strips.front().height_m));
+  }
+  if (geometry.one_speed) add_line(RemedyKind::kOtherSpeed, Faster(first));
+  add(RemedyKind::kMorePairs).pairs.count *= 2;
+  if (fewer_nodes_) scenarios_.push_back(scenario);
+  sigmas_.resize(scenarios_.size());
+}
+
+RemedyTrials::Sigmas RemedyTrials::SigmasWith(const Scenario& scenario,
+                                              const DesignOptions& options) {
   try {
     const StudyDesign design = DesignOf(scenario, options);
     const FlightNetwork network = Build(design.flight, design.states);
@@ -38,58 +87,23 @@ Sigmas SigmasWith(const Scenario& scenario, const DesignOptions& options) {
   }
 }
 
-std::vector<Sigmas> SigmasOfAll(const std::vector<Remedy>& remedies, const DesignOptions& options) {
-  DesignOptions each = options;
-  each.threads = 1;
-  std::vector<Sigmas> sigmas(remedies.size());
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t k = next++; k < remedies.size(); k = next++) {
-      sigmas[k] = SigmasWith(remedies[k].scenario, each);
-    }
-  };
-  std::vector<std::future<void>> workers;
-  const auto threads = std::min(static_cast<std::size_t>(options.threads), remedies.size());
-  for (std::size_t k = 1; k < threads; ++k) workers.push_back(std::async(std::launch::async, work));
-  work();
-  for (std::future<void>& worker : workers) worker.get();
-  return sigmas;
-}
-
-}  // namespace
-
-std::optional<TriedRemedy> StudyDirection::remedy() const {
-  if (tried.empty() || tried.front().sigma > kWorthWhile * sigma) return std::nullopt;
-  return tried.front();
-}
-
-std::vector<Remedy> RemediesFor(const Scenario& scenario, const FlightGeometry& geometry) {
-  if (scenario.plan.lines.empty() || scenario.plan.replay) return {};
-  std::vector<Remedy> remedies;
-  const auto add_line = [&](RemedyKind kind, const PlannedLine& line) {
-    remedies.push_back({kind, scenario});
-    remedies.back().scenario.plan.lines.push_back(line);
-  };
-  const PlannedLine& first = scenario.plan.lines.front();
-  if (geometry.parallel) add_line(RemedyKind::kCrossStrip, CrossLine(scenario.plan.lines));
-  if (geometry.one_direction) add_line(RemedyKind::kOppositeStrip, Reversed(first));
-  if (geometry.one_height) {
-    add_line(RemedyKind::kOtherHeight, Higher(first, geometry.strips.front().height_m));
+void RemedyTrials::Work() {
+  for (std::size_t k = next_++; k < scenarios_.size(); k = next_++) {
+    sigmas_[k] = SigmasWith(scenarios_[k], options_);
   }
-  if (geometry.one_speed) add_line(RemedyKind::kOtherSpeed, Faster(first));
-  remedies.push_back({RemedyKind::kMorePairs, scenario});
-  remedies.back().scenario.pairs.count *= 2;
-  return remedies;
 }
 
-void TryRemedies(const std::vector<Remedy>& remedies, const DesignOptions& options,
-                 std::vector<StudyDirection>* directions) {
-  const std::vector<Sigmas> sigmas = SigmasOfAll(remedies, options);
-  for (StudyDirection& direction : *directions) {
-    for (std::size_t k = 0; k < remedies.size(); ++k) {
-      const auto sigma = sigmas[k].find(direction.leading);
-      if (sigma == sigmas[k].end()) continue;
-      direction.tried.push_back({remedies[k].kind, sigma->second});
+void RemedyTrials::Finish(StudyResult* study) {
+  if (scenarios_.empty()) return;
+  Work();
+  for (std::future<void>& worker : workers_) worker.get();
+  for (StudyDirection& direction : study->weak) {
+    const double unchanged =
+        fewer_nodes_ ? SigmaOf(direction.leading, sigmas_.back()) : direction.sigma;
+    for (std::size_t k = 0; k < kinds_.size(); ++k) {
+      const double left = SigmaOf(direction.leading, sigmas_[k]) / unchanged;
+      if (std::isnan(left)) continue;
+      direction.tried.push_back({kinds_[k], left * direction.sigma});
     }
     std::stable_sort(direction.tried.begin(), direction.tried.end(),
                      [](const TriedRemedy& a, const TriedRemedy& b) { return a.sigma < b.sigma; });

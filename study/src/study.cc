@@ -2,28 +2,22 @@
 #include <dn/calibration/trajectory_sigma.h>
 #include <dn/error.h>
 #include <dn/flight/strip_at.h>
+#include <dn/study/remedies.h>
 #include <dn/study/study.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "geometry.h"
 #include "joint_covariance.h"
 #include "observability.h"
-#include "remedies.h"
 #include "weak_directions.h"
 
 namespace dn {
 namespace {
-
-Solution Unsolved(const StudyDesign& design, int threads) {
-  Adjustment adjustment;
-  adjustment.network = std::make_unique<FlightNetwork>(Build(design.flight, design.states));
-  adjustment.converged = true;
-  return Solution(std::move(adjustment), threads);
-}
 
 StripSigmas SigmasOnStrips(const std::vector<TrajectorySigma>& trajectory,
                            const std::vector<StripInterval>& strips) {
@@ -57,8 +51,14 @@ bool StudyResult::observable() const {
   return boresight.verdict != Verdict::kNotObservable && unobservable.empty();
 }
 
-StudyResult Study(const StudyDesign& design, const StudyOptions& options) {
-  const Solution solution = Unsolved(design, options.design.threads);
+Solution AtStates(const StudyDesign& design, int threads) {
+  Adjustment adjustment;
+  adjustment.network = std::make_unique<FlightNetwork>(Build(design.flight, design.states));
+  adjustment.converged = true;
+  return Solution(std::move(adjustment), threads);
+}
+
+StudyResult Study(const StudyDesign& design, const Solution& solution) {
   const FlightNetwork& network = solution.network();
   const Marginals& marginals = solution.marginals();
   StudyResult result;
@@ -79,18 +79,17 @@ StudyResult Study(const StudyDesign& design, const StudyOptions& options) {
 }
 
 StudyResult Study(const Scenario& scenario, const StudyOptions& options) {
-  StudyResult result = Study(DesignOf(scenario, options.design), options);
-  AddRemedies(scenario, options, &result);
+  const StudyDesign design = DesignOf(scenario, options.design);
+  std::optional<RemedyTrials> trials;
+  if (options.remedies) trials.emplace(scenario, design, options.design);
+  StudyResult result = Study(design, AtStates(design, options.design.threads));
+  if (trials) trials->Finish(&result);
   return result;
 }
 
-void AddRemedies(const Scenario& scenario, const StudyOptions& options, StudyResult* study) {
-  if (!options.remedies) return;
-  TryRemedies(RemediesFor(scenario, study->geometry), options.design, &study->weak);
-}
-
 StudyResult Study(Flight flight, const StudyOptions& options) {
-  return Study(DesignOf(std::move(flight), options.design), options);
+  const StudyDesign design = DesignOf(std::move(flight), options.design);
+  return Study(design, AtStates(design, options.design.threads));
 }
 
 }  // namespace dn

@@ -1,6 +1,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/montecarlo/blind_flight.h>
+#include <dn/montecarlo/blind_record.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,13 +44,26 @@ TEST(BlindFlight, ItsContentHasTheStatedShares) {
 
 TEST(BlindFlight, OfASuiteOfEffectsLeftOutHasOne) {
   BlindSuite suite = Suite();
-  suite.left_out = true;
+  suite.only = BlindContent::kLeftOut;
   for (int number = 1; number <= 8; ++number) {
     const BlindFlight flight = DrawBlindFlight(suite, number);
     EXPECT_EQ(flight.content(), BlindContent::kLeftOut);
     EXPECT_EQ(flight.scenario.effects.size(), 1u);
     EXPECT_FALSE(flight.outsider.has_value());
   }
+}
+
+TEST(BlindFlight, OfASuiteOfOneContentHasThat) {
+  for (const BlindContent content : {BlindContent::kNothing, BlindContent::kOneEffect,
+                                     BlindContent::kTwoEffects, BlindContent::kOutsider}) {
+    BlindSuite suite = Suite();
+    suite.only = content;
+    for (int number = 1; number <= 4; ++number) {
+      EXPECT_EQ(DrawBlindFlight(suite, number).content(), content) << Word(content);
+    }
+    EXPECT_EQ(ContentOf(Word(content)), content);
+  }
+  EXPECT_THROW(ContentOf("everything"), InvalidInput);
 }
 
 TEST(BlindFlight, IsTheSameForTheSameSuiteAndNumber) {

@@ -1,7 +1,9 @@
 #include <dn/report/distributions.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace dn::distributions_test {
 
@@ -49,6 +51,22 @@ TEST(Distributions, BinomialIntervalByHand) {
   const Interval rare = BinomialInterval(0.99, 300, 0.9973);
   EXPECT_EQ(rare.high, 1.0);
   EXPECT_LT(rare.low, 0.9973);
+}
+
+TEST(Distributions, UniformValuesAreCalledSoAndOthersNot) {
+  constexpr int kValues = 100;
+  constexpr double kOfReference = 1e9;
+  std::vector<double> even, squared;
+  for (int k = 0; k < kValues; ++k) {
+    even.push_back((k + 0.5) / kValues);
+    squared.push_back(even.back() * even.back());
+  }
+  EXPECT_GT(UniformityP(even, kOfReference), 0.999);
+  EXPECT_LT(UniformityP(squared, kOfReference), 1e-4);
+  // Printed tables: of 100 values a largest distance of 0.134 has p = 0.05.
+  std::vector<double> shifted;
+  for (const double value : even) shifted.push_back(std::min(1.0, value + 0.129));
+  EXPECT_NEAR(UniformityP(shifted, kOfReference), 0.05, 0.01);
 }
 
 }  // namespace dn::distributions_test

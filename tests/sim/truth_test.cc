@@ -111,6 +111,29 @@ TEST(TruthTrajectory, SensorsIntegrateToTheTrajectoryInInertialSpace) {
   EXPECT_LT(Log<double>(q_mb.conjugate() * end.q_mb).norm(), kAttitude_rad);
 }
 
+TEST(TruthTrajectory, TheAirMovesItAsItsWavesDo) {
+  constexpr double kStart_s = 1000.0, kDuration_s = 60.0;
+  const TurbulenceScenario turbulence{.roll_rad = 1.0 * kRadPerDeg,
+                                      .pitch_rad = 0.0,
+                                      .heading_rad = 0.0,
+                                      .speed_mps = 0.0,
+                                      .height_m = 2.0};
+  const Disturbance air = MakeDisturbance(turbulence, 45.0, false, 3);
+  UniformSpline::Vector at;
+  at << 0.0, 0.0, 150.0, 0.0, 0.0, 0.0;
+  const UniformSpline path(-10.0, 2.0, std::vector<UniformSpline::Vector>(50, at));
+  const LocalFrame frame(Geodetic{46.57 * kRadPerDeg, 6.52 * kRadPerDeg, 400.0});
+  const TruthTrajectory truth(frame, path, air, kStart_s, kStart_s + kDuration_s);
+  constexpr double kHeight_m = 1e-10, kRate_radps = 1e-7;
+  for (double t = 0.0; t <= kDuration_s; t += 0.0371) {
+    const TruthState state = truth.State(kStart_s + t);
+    const SumOfSines::Sample height = air.height_m.At(t);
+    EXPECT_NEAR(state.pose.p_mb.z(), 150.0 + height.value, kHeight_m);
+    EXPECT_NEAR(state.pose.v_m.z(), height.first, 100.0 * kHeight_m);
+    EXPECT_NEAR(state.w_mb_b.x(), air.roll_rad.At(t).first, kRate_radps);
+  }
+}
+
 TEST(TruthTrajectory, StillPlatformSensesGravityAndEarthRate) {
   const LocalFrame frame(Geodetic{46.57 * kRadPerDeg, 6.52 * kRadPerDeg, 400.0});
   UniformSpline::Vector at;

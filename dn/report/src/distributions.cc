@@ -1,7 +1,9 @@
 #include <dn/report/distributions.h>
 
+#include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
+#include <vector>
 
 namespace dn {
 namespace {
@@ -76,6 +78,26 @@ Interval BinomialInterval(double probability, long n, double p) {
     below = up_to;
   }
   return interval;
+}
+
+double UniformityP(std::vector<double> values, double of_reference) {
+  std::sort(values.begin(), values.end());
+  const auto n = static_cast<double>(values.size());
+  double largest = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const auto below = static_cast<double>(k) / n, up_to = static_cast<double>(k + 1) / n;
+    // A rank is known to one step of the reference.
+    largest = std::max({largest, up_to - values[k], values[k] - 1.0 / of_reference - below});
+  }
+  const double root = std::sqrt(n * of_reference / (n + of_reference));
+  const double x = largest * (root + 0.12 + 0.11 / root);
+  if (x < 0.3) return 1.0;  // where the series does not help, the tail is 1 to 1e-5
+  double tail = 0.0;
+  constexpr int kTerms = 100;
+  for (int k = 1; k <= kTerms; ++k) {
+    tail += (k % 2 == 1 ? 2.0 : -2.0) * std::exp(-2.0 * k * k * x * x);
+  }
+  return std::clamp(tail, 0.0, 1.0);
 }
 
 }  // namespace dn

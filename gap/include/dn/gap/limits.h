@@ -1,7 +1,6 @@
 #pragma once
 
-#include <dn/builder/build.h>
-#include <dn/flight/flight.h>
+#include <dn/calibration/solution.h>
 #include <dn/gap/diagnose.h>
 #include <dn/gap/diagnosis.h>
 
@@ -13,10 +12,9 @@ namespace dn {
 /// first: of each fixed effect that the flight's configuration does not model the minimal
 /// detectable size (Baarda: a test of .001, power .8) and the minimal identifiable one (named with
 /// power .8 beside all others). By geometry and stated noise alone; no measured value counts.
-/// `flight` has the times of its inertial and GNSS epochs and the laser vectors of its pairs. Of
-/// the options, effects, left_out, seed and threads count, and `interrupted`. Throws as Build,
+/// `solution` is of a flight that is adjusted, or of a design at its states. Of
+/// the options, effects, left_out, seed and threads count, and `interrupted`. Throws
 /// RankDeficient, and InvalidConfig for bad options.
-std::vector<HiddenEffect> HiddenOnDesign(const Flight& flight, const NetworkDesign& states,
-                                         const GapOptions& options = {});
+std::vector<HiddenEffect> HiddenOnDesign(const Solution& solution, const GapOptions& options = {});
 
 }  // namespace dn

@@ -10,16 +10,17 @@
 
 namespace dn {
 
+/// What a flight of a series contains.
+enum class BlindContent { kNothing, kOneEffect, kTwoEffects, kOutsider, kLeftOut };
+
 /// A series of flights whose content their diagnosis does not know.
 struct BlindSuite {
   std::uint64_t seed = 1;
   std::vector<std::string> scenarios;  ///< at least one; the flights are made from them
-  /// Every flight contains one effect of the table, which its diagnosis has to do without.
-  bool left_out = false;
+  /// What every flight contains; none: drawn for each. kLeftOut, which is not drawn: an effect of the
+  /// table that its diagnosis has to do without.
+  std::optional<BlindContent> only = {};
 };
-
-/// What a flight of a series contains.
-enum class BlindContent { kNothing, kOneEffect, kTwoEffects, kOutsider, kLeftOut };
 
 /// One flight of a series.
 struct BlindFlight {
@@ -41,7 +42,7 @@ double SizeOf(const Effect& effect);
 
 /// Draws flight `number`, from 1: the lines (heading, height, length, number), the terrain and the
 /// true boresight; then what it contains: nothing in 20 % of the flights, one effect in 50, two in
-/// 10, an outsider in 20; or what a suite of effects left out says. It depends on the suite and the
+/// 10, an outsider in 20; or what the suite says. It depends on the suite and the
 /// number alone.
 ///
 /// Sizes are uniform in their logarithm: between 1 and 10 times the usual one of the table, for a

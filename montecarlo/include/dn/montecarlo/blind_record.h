@@ -80,7 +80,8 @@ BlindCalibration CalibrationFromResultJson(const Json& result,
 Json ToJson(const BlindRecord& record);
 BlindRecord BlindRecordFromJson(const Json& json);
 
-/// "nothing", "one", "two", "outsider", "left out".
+/// "nothing", "one", "two", "outsider", "left out"; and back, throws InvalidInput for no such word.
 const char* Word(BlindContent content);
+BlindContent ContentOf(const std::string& word);
 
 }  // namespace dn

@@ -81,10 +81,11 @@ struct BlindScore {
   long flights = 0;
   std::vector<std::string> failures;  ///< "flight 7: dn gap: ..."
 
-  Share false_alarms;       ///< of the flights with nothing
-  Interval alarms_allowed;  ///< holds 95 % of the shares that a level of 5 % gives
-  Share false_names;        ///< flights with nothing of which an effect is named
-  Quartiles null_p_value;   ///< of the flights with nothing: uniform when the level is right
+  Share false_alarms;              ///< of the flights with nothing
+  Interval alarms_allowed;         ///< holds 95 % of the shares that a level of 5 % gives
+  Share false_names;               ///< flights with nothing of which an effect is named
+  Quartiles null_p_value;          ///< of the flights with nothing: uniform when the level is right
+  double null_uniformity_p = 1.0;  ///< of such p-values, if uniform (Kolmogorov and Smirnov)
 
   Share one_detected, one_named, one_named_with_group;
   Share two_detected, two_named, two_named_with_group;

@@ -6,8 +6,11 @@
 #include <dn/sim/uniform_spline.h>
 
 #include <Eigen/Core>
+#include <memory>
 
 namespace dn {
+
+class DisturbanceTable;
 
 /// Exact motion at one instant, and what ideal inertial sensors feel there.
 struct TruthState {
@@ -27,13 +30,13 @@ struct TruthState {
 ///   w_ib_b = R_bm w + R_bn w_en_n + E(roll, pitch) d/dt (roll, pitch, heading)
 ///   f_b    = R_bm (a + 2 w x v + w x (w x (r0 + p)) - attraction(p))
 ///
-/// Position is C4, attitude C4: rates and forces are smooth. Thread-safe.
+/// The path is C4, what the air adds C2: rates and forces are smooth. Thread-safe.
 class TruthTrajectory {
  public:
   /// The path's times count from t_begin_s. Throws InvalidInput when the path, led by the
   /// disturbance, does not cover [t_begin_s, t_end_s].
-  TruthTrajectory(LocalFrame frame, UniformSpline path, Disturbance disturbance, double t_begin_s,
-                  double t_end_s);
+  TruthTrajectory(LocalFrame frame, UniformSpline path, const Disturbance& disturbance,
+                  double t_begin_s, double t_end_s);
 
   const LocalFrame& frame() const { return frame_; }
   double t_begin_s() const { return t_begin_s_; }
@@ -57,7 +60,7 @@ class TruthTrajectory {
 
   LocalFrame frame_;
   UniformSpline path_;
-  Disturbance disturbance_;
+  std::shared_ptr<const DisturbanceTable> disturbance_;
   double t_begin_s_;
   double t_end_s_;
 };

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct DesignOptions {
   /// What is free beside the boresight: elements of `estimate` of flight.yaml, joined by commas;
   /// empty: the boresight, and what the flight's own `estimate` names.
   std::string estimate;
+  /// Of the trajectory nodes within the strips of a scenario; lower than network.node_rate_hz asks
+  /// for, sigmas come out some percent off (docs/benchmarks.md).
+  double most_node_rate_hz = std::numeric_limits<double>::infinity();
   std::function<bool()> interrupted = {};  ///< polled; true ends the work with Interrupted
 };
 

@@ -2,6 +2,7 @@
 
 #include <dn/calibration/bias_correlation.h>
 #include <dn/calibration/result.h>
+#include <dn/calibration/solution.h>
 #include <dn/study/design.h>
 
 #include <optional>
@@ -110,10 +111,11 @@ StudyResult Study(const Scenario& scenario, const StudyOptions& options = {});
 /// The same for a flight; no remedy is tried.
 StudyResult Study(Flight flight, const StudyOptions& options = {});
 
-/// Of a design alone: everything but remedies.
-StudyResult Study(const StudyDesign& design, const StudyOptions& options = {});
+/// The network of a design, linearised at its states, with its covariances. The design must outlive
+/// it. Throws RankDeficient where an unknown is free.
+Solution AtStates(const StudyDesign& design, int threads = 1);
 
-/// Tries what would help the weak directions of the study of a scenario, where `options` wants it.
-void AddRemedies(const Scenario& scenario, const StudyOptions& options, StudyResult* study);
+/// Of a design at its states: everything but remedies.
+StudyResult Study(const StudyDesign& design, const Solution& at_states);
 
 }  // namespace dn

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 namespace dn {
 
 /// A two-sided interval.
@@ -29,5 +31,10 @@ double NormalQuantile(double p);
 /// Shares of successes in n trials of probability p that hold at least the given probability,
 /// equal tails (exact binomial).
 Interval BinomialInterval(double probability, long n, double p);
+
+/// Probability that the values depart so far from a uniform distribution on [0, 1] when they follow
+/// it (Kolmogorov and Smirnov). Each value is a rank among `of_reference` others, known to one step
+/// of them. At least one value.
+double UniformityP(std::vector<double> values, double of_reference);
 
 }  // namespace dn
