@@ -105,11 +105,13 @@ double NodeRateHz(const Flight& flight, bool with_pairs) {
 }
 
 std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span, bool with_pairs,
-                                    const CalibrationState& calibration) {
+                                    const CalibrationState& calibration,
+                                    std::optional<NetworkConfig::Inertial> inertial) {
   NodeGridOptions options;
   options.rate_in_strips_hz = NodeRateHz(flight, with_pairs);
   options.max_spacing_s = 1.0 / kLowestRateHz;
-  options.every_imu_epoch = flight.config.network.inertial == NetworkConfig::Inertial::kRaw;
+  options.every_imu_epoch =
+      inertial.value_or(flight.config.network.inertial) == NetworkConfig::Inertial::kRaw;
   std::vector<TimeInterval> dense{span};
   if (with_pairs) {
     dense = StripsOfPairs(flight);

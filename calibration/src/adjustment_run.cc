@@ -16,6 +16,13 @@ constexpr double kCostTolerance = 1e-13;
 
 }  // namespace
 
+AdjustmentRun::AdjustmentRun(const Flight& flight, const AdjustOptions& options)
+    : flight_(flight),
+      options_(options),
+      inertial_(options.stages.empty() && !options.customise_before_lidar
+                    ? NetworkConfig::Inertial::kPreintegrated
+                    : flight.config.network.inertial) {}
+
 FlightNetwork& AdjustmentRun::network() {
   if (!result_.network) {
     throw InvalidConfig(

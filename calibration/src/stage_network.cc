@@ -1,10 +1,12 @@
 #include <dn/builder/flight_nodes.h>
+#include <dn/builder/keep_in_use.h>
 #include <dn/calibration/stages.h>
 #include <dn/imu/strapdown.h>
 #include <dn/navigation/alignment.h>
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "network_at.h"
 
@@ -60,8 +62,9 @@ std::unique_ptr<FlightNetwork> NetworkAt(AdjustmentRun& run, const CalibrationSt
   const Flight& flight = run.flight();
   const FlightNetwork& before = run.network();
   const bool with_pairs = run.options().with_pairs;
-  const std::vector<double> node_t_s = FlightNodeTimes(
-      flight, NetworkSpan(flight, with_pairs, calibration), with_pairs, calibration);
+  const std::vector<double> node_t_s =
+      FlightNodeTimes(flight, NetworkSpan(flight, with_pairs, calibration), with_pairs, calibration,
+                      run.inertial());
   InitialStates initial = StatesAtNodes(flight, node_t_s, StatesOf(before));
   initial.calibration = calibration;
   auto network = std::make_unique<FlightNetwork>(flight, node_t_s, initial, run.network_options());
@@ -82,12 +85,22 @@ void MakeNetwork(AdjustmentRun& run) {
       NodeTimes(*flight.imu, gnss_span, GnssTimes(flight, gnss_span), {}, {});
   const Alignment alignment = Align(flight, coarse, run.options().interrupted);
   const std::vector<double> node_t_s =
-      FlightNodeTimes(flight, NetworkSpan(flight, with_pairs), with_pairs);
+      FlightNodeTimes(flight, NetworkSpan(flight, with_pairs), with_pairs, {}, run.inertial());
   run.result().alignment_method = alignment.method;
   run.result().node_rate_hz = NodeRateHz(flight, with_pairs);
   run.result().network = std::make_unique<FlightNetwork>(
       flight, node_t_s, StatesAtNodes(flight, node_t_s, alignment.run.states),
       run.network_options());
+}
+
+void GoToInertialRate(AdjustmentRun& run) {
+  if (run.inertial() == run.flight().config.network.inertial) return;
+  run.Announce("inertial rate");
+  run.TakeRawInertial();
+  std::unique_ptr<FlightNetwork> network = internal::NetworkAt(run, run.network().Calibration());
+  if (run.options().with_pairs) network->AddPairs(run.flight().pairs->pairs);
+  KeepInUse(run.network(), network.get());
+  run.result().network = std::move(network);
 }
 
 }  // namespace dn

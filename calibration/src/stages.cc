@@ -17,6 +17,7 @@ std::vector<AdjustmentStage> DefaultStages(bool with_pairs) {
     stages.push_back({"lidar, robust", SolvePairsRobustly});
     stages.push_back({"pair rejection", RejectPairs});
   }
+  stages.push_back({"inertial rate", GoToInertialRate});
   stages.push_back({"before final", AddOwnBeforeFinal});
   stages.push_back({"final least squares", SolveFinally});
   return stages;

@@ -12,6 +12,9 @@
 namespace dn {
 namespace {
 
+// A place of the data, with names of strips, and a shape.
+constexpr std::size_t kLongestUnexplained = 1000;
+
 namespace fs = std::filesystem;
 
 /// The file of a flight folder, or the file itself.
@@ -141,7 +144,7 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
   if (root["gh"]) config.gh = ReadGh(root["gh"]);
   if (root["estimate"]) config.estimate = internal::ReadEstimate(root["estimate"]);
   if (root["network"]) config.network = ReadNetwork(root["network"]);
-  if (root["unexplained"]) config.unexplained = root["unexplained"].Name();
+  if (root["unexplained"]) config.unexplained = root["unexplained"].Line(kLongestUnexplained);
   config.folder = DataFolder(root["data_folder"], file.parent_path(), config);
   config.name = root["name"] ? root["name"].Name() : NameOfFolder(config.folder);
   return config;

@@ -1,9 +1,9 @@
 #include "network_beside.h"
 
 #include <dn/builder/build.h>
+#include <dn/builder/keep_in_use.h>
 
 #include <cstddef>
-#include <map>
 #include <set>
 #include <vector>
 
@@ -11,23 +11,6 @@ namespace dn::internal {
 namespace {
 
 constexpr double kShortestStepS = 0.45;
-
-void KeepInUse(const FlightNetwork& solved, FlightNetwork* network) {
-  std::map<std::size_t, const FlightNetwork::GnssEdge*> of_epoch;
-  for (const FlightNetwork::GnssEdge& edge : solved.gnss_edges) of_epoch[edge.epoch] = &edge;
-  const auto keep = [&](FactorId before, FactorId now) {
-    const bool in_use = before >= 0 && solved.net.factor(before).active;
-    if (now >= 0) network->net.SetActive(now, in_use);
-  };
-  for (const FlightNetwork::GnssEdge& edge : network->gnss_edges) {
-    const auto found = of_epoch.find(edge.epoch);
-    keep(found == of_epoch.end() ? -1 : found->second->position, edge.position);
-    keep(found == of_epoch.end() ? -1 : found->second->velocity, edge.velocity);
-  }
-  for (std::size_t k = 0; k < network->pair_edges.size(); ++k) {
-    keep(k < solved.pair_edges.size() ? solved.pair_edges[k].id : -1, network->pair_edges[k].id);
-  }
-}
 
 /// Node times without those that follow another too closely and have no GNSS epoch.
 std::vector<double> Thinned(const FlightNetwork& solved) {

@@ -1,8 +1,12 @@
 // A node at every inertial sample against preintegrated increments: the same adjustment.
+#include <dn/calibration/adjust.h>
+#include <dn/rotation.h>
 #include <dn/sim/random.h>
+#include <dn/solvers/marginals.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "testing/short_flights.h"
@@ -92,6 +96,39 @@ TEST(RawInertial, EqualsPreintegrationWherePairsAreOnNodes) {
 // Between nodes the noise of the partial increment counts for each pair by itself.
 TEST(RawInertial, IsCloseToPreintegrationWherePairsLieBetweenNodes) {
   ExpectSameBoresight(TwoStrips().flight, 0.02, 0.01);
+}
+
+/// The flight with some wrong pairs and GNSS epochs, adjusted with raw inertial data.
+Adjustment AdjustSpoilt(Flight flight, const std::function<void(FlightNetwork&)>& before_lidar) {
+  for (const std::size_t k : {5u, 50u}) flight.pairs->pairs[k].u_i_s += Eigen::Vector3d(3, -4, 5);
+  flight.gnss->epochs[20].p_m += Eigen::Vector3d(2.0, 0.0, -3.0);
+  flight.config.network.inertial = NetworkConfig::Inertial::kRaw;
+  AdjustOptions options;
+  options.customise_before_lidar = before_lidar;
+  return Adjust(flight, options);
+}
+
+// What is left out is decided with nodes farther apart; a function of the user's own has it decided
+// at the inertial rate.
+TEST(RawInertial, IsTheSameWhereItIsTakenLast) {
+  constexpr double kSame = 1e-4;      // sigmas; solutions end at steps of 1e-3
+  constexpr double kSameCost = 1e-7;  // relative: half of 1e-3 squared, over some hundred
+  const Flight flight = TwoStrips().flight;
+  const Adjustment last = AdjustSpoilt(flight, {});
+  const Adjustment first = AdjustSpoilt(flight, [](FlightNetwork&) {});
+  ASSERT_EQ(last.network->nodes.size(), first.network->nodes.size());
+  EXPECT_EQ(last.outliers, 2);
+  EXPECT_EQ(first.outliers, 2);
+  EXPECT_EQ(last.gnss_rejected, first.gnss_rejected);
+  EXPECT_EQ(last.gnss_rejected, std::vector<std::size_t>{20});
+  const Marginals marginals(first.network->net);
+  const Eigen::Vector3d sigma =
+      marginals.Covariance(first.network->boresight.id).diagonal().cwiseSqrt();
+  const Eigen::Vector3d apart =
+      Log<double>(last.network->net.Value(last.network->boresight) *
+                  first.network->net.Value(first.network->boresight).conjugate());
+  EXPECT_LT(apart.cwiseQuotient(sigma).norm(), kSame);
+  EXPECT_NEAR(last.cost / first.cost, 1.0, kSameCost);
 }
 
 }  // namespace dn::raw_inertial_test

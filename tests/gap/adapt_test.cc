@@ -191,6 +191,19 @@ TEST(Adapted, CarriesWhatNothingExplains) {
   EXPECT_THAT(Adapted(flight, diagnosis).unexplained, StartsWith("all of a gap"));
 }
 
+TEST(Adapted, IsReadBackHoweverMuchThereIsToSay) {
+  GapDiagnosis diagnosis;
+  diagnosis.verdict.unknown = true;
+  const std::string name(100, 'n');  // the longest that a strip may have
+  diagnosis.where = {{"accel", "inertial velocity x",
+                      "neighbours, strips " + name + "-" + name + ", scan angle 22..37 deg", 8.5,
+                      0.001}};
+  diagnosis.discrepancies = {{"laser vectors by scan angle", 30.0, 1.0, {}, {}}};
+  const FlightConfig adapted = Adapted(PlainDrone(), diagnosis);
+  EXPECT_GT(adapted.unexplained.size(), 300u);
+  EXPECT_EQ(ParseFlightConfig(FormatFlightConfig(adapted), "/f").unexplained, adapted.unexplained);
+}
+
 /// Adjusts a drone flight that has the effect, with it in the estimator, as flight.yaml gives it.
 Flight Reread(Flight flight, const std::vector<GapCause>& causes) {
   const std::string text = FormatFlightConfig(Adapted(flight, causes));

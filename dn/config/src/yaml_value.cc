@@ -143,12 +143,15 @@ std::string YamlValue::Text() const {
   return Scalar();
 }
 
-std::string YamlValue::Name() const {
-  constexpr std::size_t kLongestName = 100;
-  std::string name = Text();
-  if (HasControls(name)) Fail("holds a line break or another control character");
-  if (name.size() > kLongestName) Fail("must be one line of up to 100 characters");
-  return name;
+std::string YamlValue::Name() const { return Line(100); }
+
+std::string YamlValue::Line(std::size_t longest) const {
+  std::string line = Text();
+  if (HasControls(line)) Fail("holds a line break or another control character");
+  if (line.size() > longest) {
+    Fail("must be one line of up to " + std::to_string(longest) + " characters");
+  }
+  return line;
 }
 
 bool YamlValue::Bool() const {

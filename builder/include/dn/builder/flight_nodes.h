@@ -4,6 +4,7 @@
 #include <dn/builder/node_grid.h>
 #include <dn/flight/flight.h>
 
+#include <optional>
 #include <vector>
 
 namespace dn {
@@ -31,8 +32,9 @@ double AutoNodeRateHz(const Flight& flight);
 double NodeRateHz(const Flight& flight, bool with_pairs);
 
 /// The nodes of a flight's network over a span, at NodeRateHz; with `inertial: raw` at every IMU
-/// epoch.
+/// epoch. `inertial`: instead of the configuration's.
 std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span, bool with_pairs,
-                                    const CalibrationState& calibration = {});
+                                    const CalibrationState& calibration = {},
+                                    std::optional<NetworkConfig::Inertial> inertial = {});
 
 }  // namespace dn

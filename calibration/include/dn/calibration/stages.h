@@ -13,8 +13,7 @@ namespace dn {
 class AdjustmentRun {
  public:
   /// Both must outlive the run.
-  AdjustmentRun(const Flight& flight, const AdjustOptions& options)
-      : flight_(flight), options_(options) {}
+  AdjustmentRun(const Flight& flight, const AdjustOptions& options);
 
   const Flight& flight() const { return flight_; }
   const AdjustOptions& options() const { return options_; }
@@ -24,6 +23,12 @@ class AdjustmentRun {
 
   /// Throws InvalidConfig where no stage has made it yet.
   FlightNetwork& network();
+
+  /// Of the nodes of the network as it stands. Raw inertial data are taken last, as increments
+  /// between fewer nodes decide as well what is left out; from the start on where the options have
+  /// stages or blocks of a user's own, which only the first network would get.
+  NetworkConfig::Inertial inertial() const { return inertial_; }
+  void TakeRawInertial() { inertial_ = NetworkConfig::Inertial::kRaw; }
 
   /// What is known so far.
   Adjustment& result() { return result_; }
@@ -57,6 +62,7 @@ class AdjustmentRun {
  private:
   const Flight& flight_;
   const AdjustOptions& options_;
+  NetworkConfig::Inertial inertial_;
   Adjustment result_;
   std::unique_ptr<FlightNetwork> set_aside_;
 };
@@ -76,10 +82,11 @@ class AdjustmentRun {
 ///   boresight start        | StartBoresight    | boresight alone, the trajectory held
 ///   lidar, robust          | SolvePairsRobustly| everything, with a robust loss on the pairs as well
 ///   pair rejection         | RejectPairs       | takes out pairs that cannot be noise
+///   inertial rate          | GoToInertialRate  | with `inertial: raw`: nodes at every inertial epoch
 ///   before final           | AddOwnBeforeFinal | AdjustOptions::customise
 ///   final least squares    | SolveFinally      | no robust loss; increments integrated anew
 ///
-/// Without pairs the first four and the last two.
+/// Without pairs the first four and the last three.
 std::vector<AdjustmentStage> DefaultStages(bool with_pairs = true);
 
 /// The place of a stage in a list, for insert and erase. Throws InvalidConfig naming the stages
@@ -115,6 +122,10 @@ void SolvePairsRobustly(AdjustmentRun& run);
 
 /// Takes out the pairs whose residuals exceed what noise of the median scale brings.
 void RejectPairs(AdjustmentRun& run);
+
+/// With `inertial: raw` the network anew with nodes at every inertial epoch, where it has not, with
+/// what is in use of the measurements, from the present trajectory.
+void GoToInertialRate(AdjustmentRun& run);
 
 /// Calls the user's functions, where there are any.
 void AddOwnBeforeLidar(AdjustmentRun& run);

@@ -48,6 +48,8 @@ class YamlValue {
   /// Conversions; each throws naming the wanted type or range and what was found.
   std::string Text() const;
   std::string Name() const;  ///< a text that messages can show
+  /// One line of at most so many characters.
+  std::string Line(std::size_t longest) const;
   bool Bool() const;
   double Number() const;    ///< within -1e12 and 1e12
   double Positive() const;  ///< from 1e-12 on

@@ -1,0 +1,41 @@
+#include <dn/builder/keep_in_use.h>
+
+#include <cstddef>
+#include <map>
+
+namespace dn {
+namespace {
+
+bool SamePair(const LidarPair& a, const LidarPair& b) {
+  return a.t_i_s == b.t_i_s && a.t_j_s == b.t_j_s && a.u_i_s == b.u_i_s && a.u_j_s == b.u_j_s;
+}
+
+/// Both networks have their pairs in the order of the flight.
+void KeepPairs(const FlightNetwork& other, FlightNetwork* network) {
+  std::size_t theirs = 0;
+  for (const FlightNetwork::PairEdge& edge : network->pair_edges) {
+    std::size_t k = theirs;
+    while (k < other.pair_edges.size() && !SamePair(other.pair_edges[k].pair, edge.pair)) ++k;
+    const bool found = k < other.pair_edges.size();
+    network->net.SetActive(edge.id, found && other.net.factor(other.pair_edges[k].id).active);
+    if (found) theirs = k + 1;
+  }
+}
+
+}  // namespace
+
+void KeepInUse(const FlightNetwork& other, FlightNetwork* network) {
+  std::map<std::size_t, const FlightNetwork::GnssEdge*> of_epoch;
+  for (const FlightNetwork::GnssEdge& edge : other.gnss_edges) of_epoch[edge.epoch] = &edge;
+  const auto keep = [&](FactorId theirs, FactorId ours) {
+    if (ours >= 0) network->net.SetActive(ours, theirs >= 0 && other.net.factor(theirs).active);
+  };
+  for (const FlightNetwork::GnssEdge& edge : network->gnss_edges) {
+    const auto found = of_epoch.find(edge.epoch);
+    keep(found == of_epoch.end() ? -1 : found->second->position, edge.position);
+    keep(found == of_epoch.end() ? -1 : found->second->velocity, edge.velocity);
+  }
+  KeepPairs(other, network);
+}
+
+}  // namespace dn
