@@ -56,7 +56,7 @@ TEST(Stages, TheDefaultOnesStandInOneList) {
   std::vector<std::string> names;
   for (const AdjustmentStage& stage : DefaultStages(false)) names.push_back(stage.name);
   EXPECT_THAT(names, ElementsAre("network", "INS/GNSS", "GNSS clock", "GNSS screening",
-                                 "before final", "final least squares"));
+                                 "inertial rate", "before final", "final least squares"));
   std::vector<AdjustmentStage> all = DefaultStages();
   EXPECT_EQ(StageNamed("pair rejection", &all)->name, "pair rejection");
   try {
