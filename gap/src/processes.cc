@@ -245,8 +245,11 @@ void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* eff
       return;
     }
   }
-  // The flight is too short, or the node rate too low, for the end of the correlation to show.
-  Take(at[middle], effect);
+  // The flight is too short, or the node rate too low, for the end of the correlation to show: the
+  // size goes with the time constant, which may be anything from where it began on.
+  AtTau open = at[middle];
+  open.relative_sigma = std::hypot(open.relative_sigma, std::log(open.size / at[0].size));
+  Take(open, effect);
 }
 
 }  // namespace dn::internal

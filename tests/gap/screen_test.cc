@@ -183,6 +183,17 @@ TEST(JudgeProcess, SizesAndTimesAreWithinTheirSigmas) {
   }
 }
 
+// In seven minutes errors that last for hours have no time constant to be seen; the size that is told
+// goes with the one that is told, and is as uncertain.
+TEST(JudgeProcess, WhatOutlastsTheFlightHasNoSureSize) {
+  const ScreenedEffect found =
+      Judged("effects: [{effect: gnss_correlated_noise, value: [0.5, 0.5, 0.5, 10000]}]");
+  ASSERT_GT(found.log_evidence, 10.0);
+  EXPECT_TRUE(std::isnan(found.sigma[3]));
+  EXPECT_GT(found.sigma[0], 0.2 * found.estimate[0]);
+  EXPECT_LT(std::abs(std::log(found.estimate[0] / 0.5)), 3.0 * found.sigma[0] / found.estimate[0]);
+}
+
 TEST(JudgeProcess, FindsNoneInNoise) { EXPECT_LT(Judged("").log_evidence, 2.0); }
 
 }  // namespace dn::internal::screen_test
