@@ -41,6 +41,10 @@ using namespace internal;
 constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // of each kind
 // Share of its evidence that a large effect may lose by what is not of first order.
 constexpr double kSecondOrder = 0.05;
+// Usual sizes beyond which an effect is no ordinary one; and how much of its evidence a discrepancy
+// without a name must have to be in question then, whose many components have their price.
+constexpr double kPlausibleSizes = 10.0, kNearlyAsMuch = 0.9;
+constexpr double kSurely_sigmas = 2.0;
 // p-value of the high band and of gross errors, which the twins do not have, that counts by itself.
 constexpr double kCertain = 1e-3;
 // p-value of twins against twins below which they are no reference.
@@ -254,6 +258,36 @@ class Diagnosis {
     const Decision decision{out_.detected, GenericIsBetter(attribution),
                             SomethingLeft(attribution)};
     out_.verdict = Decide(decision, named, attribution.slots);
+    out_.verdict.implausible = Implausible(attribution);
+  }
+
+  /// A wrong name for physics without one comes out with any size.
+  std::optional<GapImplausible> Implausible(const Attribution& attribution) const {
+    const ScreenedEffect* generic = BestGeneric(attribution.base->effects);
+    if (generic == nullptr || generic->log_evidence < kNearlyAsMuch * attribution.explained_nats) {
+      return std::nullopt;
+    }
+    for (const GapCause& cause : NamedCauses(attribution)) {
+      const EffectSpec& spec = *FindEffect(cause.effect);
+      if (spec.kind != EffectKind::kFixed) continue;
+      for (Eigen::Index k = 0; k < cause.estimate.size(); ++k) {
+        const double typical = spec.components[static_cast<std::size_t>(k)].typical;
+        const double size = std::abs(cause.estimate[k]);
+        if (size - kSurely_sigmas * cause.sigma[k] > kPlausibleSizes * typical) {
+          return GapImplausible{cause.effect, size / typical, generic->name};
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
+  static const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects) {
+    const ScreenedEffect* best = nullptr;
+    for (const ScreenedEffect& effect : effects) {
+      if (effect.physical) continue;
+      if (best == nullptr || effect.log_evidence > best->log_evidence) best = &effect;
+    }
+    return best;
   }
 
   /// A large effect is of more than first order: a discrepancy of many components may fit that as

@@ -62,12 +62,22 @@ std::string Moved(const GapDiagnosis& d) {
          MdegWords(*after.boresight_rad - *before.boresight_rad);
 }
 
+/// Nothing where all sizes are ordinary ones.
+std::string ImplausibleWords(const GapDiagnosis& d) {
+  if (!d.verdict.implausible) return "";
+  const GapImplausible& one = *d.verdict.implausible;
+  return fmt::format(
+      "; {} has {:.0f} times its usual size, and {} describes the data nearly as "
+      "well: make sure that it can be so large",
+      one.effect, one.usual_sizes, one.discrepancy);
+}
+
 std::string NamedEffects(const GapDiagnosis& d) {
   std::vector<std::string> each;
   for (const GapCause& cause : CausesOfVerdict(d)) each.push_back(Effect(d, cause));
   std::string text = fmt::format("the data hold, beyond the model, {}", fmt::join(each, "; and "));
-  return d.shrinkage ? text + "; that closes " + internal::ClosedWords(*d.shrinkage) + Moved(d)
-                     : text;
+  if (d.shrinkage) text += "; that closes " + internal::ClosedWords(*d.shrinkage) + Moved(d);
+  return text + ImplausibleWords(d);
 }
 
 /// What else the verdict's effects could be.

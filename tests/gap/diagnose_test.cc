@@ -63,6 +63,19 @@ TEST(Diagnose, NamesAnEffectWithItsSize) {
   EXPECT_FALSE(diagnosis.validity.like_twins_p.has_value());
 }
 
+// The laser vectors may then be off by something else that looks like it.
+TEST(Diagnose, DoubtsASizeThatIsFarFromTheUsualOne) {
+  EXPECT_FALSE(Diagnose(OffsetDrone(), Quick()).diagnosis.verdict.implausible.has_value());
+  const GapResult result =
+      Diagnose(Drone("effects: [{effect: lidar_range_offset, value: 1.0}]"), Quick());
+  const GapVerdict& verdict = result.diagnosis.verdict;
+  ASSERT_THAT(verdict.effects, ElementsAre("lidar_range_offset"));
+  ASSERT_TRUE(verdict.implausible.has_value());
+  EXPECT_EQ(verdict.implausible->effect, "lidar_range_offset");
+  EXPECT_NEAR(verdict.implausible->usual_sizes, 50.0, 3.0);  // 0.02 m is usual
+  EXPECT_EQ(verdict.implausible->discrepancy, "laser vectors by scan angle");
+}
+
 TEST(Diagnose, TheAdaptedFlightIsCalibratedAtTheTrueBoresight) {
   const SimulatedFlight flown =
       Simulate(DroneScenario("effects: [{effect: lidar_range_offset, value: 0.15}]"), {});

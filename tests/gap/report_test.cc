@@ -151,6 +151,15 @@ TEST(VerdictSentence, SaysTheKeyOfEachOfSeveralEffects) {
           HasSubstr("state it in imu.gyro.processes of flight.yaml")));
 }
 
+TEST(VerdictSentence, SaysThatASizeIsFarFromTheUsualOne) {
+  GapDiagnosis d = LeverArmDiagnosis();
+  EXPECT_THAT(VerdictSentence(d), Not(HasSubstr("usual size")));
+  d.verdict.implausible = {"gnss_lever_arm", 43.7, "GNSS positions by time"};
+  EXPECT_THAT(VerdictSentence(d),
+              HasSubstr("gnss_lever_arm has 44 times its usual size, and GNSS positions by time "
+                        "describes the data nearly as well"));
+}
+
 TEST(VerdictSentence, OfAGroupSaysWhatItCouldBeAndWhatToFly) {
   GapDiagnosis d = LeverArmDiagnosis();
   d.verdict.kind = GapVerdictKind::kGroup;

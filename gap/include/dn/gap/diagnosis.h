@@ -107,13 +107,22 @@ struct HiddenEffect {
   Eigen::VectorXd detectable_by_component = {};
 };
 
+/// An effect that is named with a size far beyond the usual ones, while a discrepancy without a name
+/// describes the data nearly as well.
+struct GapImplausible {
+  std::string effect;
+  double usual_sizes = 0.0;  ///< of its largest component
+  std::string discrepancy;
+};
+
 struct GapVerdict {
   GapVerdictKind kind = GapVerdictKind::kNoGap;
   std::vector<std::string> effects;       ///< one for each effect that is present
   std::vector<std::string> credible_set;  ///< 95 %
   bool unknown = false;                   ///< a part of the gap has no name
-  std::string tie_breaker;                ///< what to fly to tell the members of a group apart
-  std::string text;                       ///< one sentence that a person can act on
+  std::optional<GapImplausible> implausible;
+  std::string tie_breaker;  ///< what to fly to tell the members of a group apart
+  std::string text;         ///< one sentence that a person can act on
 };
 
 /// One statistic of the flight beside what twins without and with the effects make of it.
