@@ -281,15 +281,6 @@ class Diagnosis {
     return std::nullopt;
   }
 
-  static const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects) {
-    const ScreenedEffect* best = nullptr;
-    for (const ScreenedEffect& effect : effects) {
-      if (effect.physical) continue;
-      if (best == nullptr || effect.log_evidence > best->log_evidence) best = &effect;
-    }
-    return best;
-  }
-
   /// A large effect is of more than first order: a discrepancy of many components may fit that as
   /// well, and is nothing once the flight is adjusted with the effect.
   bool GenericIsBetter(const Attribution& attribution) const {

@@ -134,12 +134,18 @@ double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string&
   return -std::numeric_limits<double>::infinity();
 }
 
-double GenericEvidence(const std::vector<ScreenedEffect>& effects) {
-  double most = 0.0;
+const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects) {
+  const ScreenedEffect* best = nullptr;
   for (const ScreenedEffect& effect : effects) {
-    if (!effect.physical) most = std::max(most, effect.log_evidence);
+    if (effect.physical) continue;
+    if (best == nullptr || effect.log_evidence > best->log_evidence) best = &effect;
   }
-  return most;
+  return best;
+}
+
+double GenericEvidence(const std::vector<ScreenedEffect>& effects) {
+  const ScreenedEffect* best = BestGeneric(effects);
+  return best == nullptr ? 0.0 : std::max(0.0, best->log_evidence);
 }
 
 const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects) {

@@ -26,7 +26,9 @@ std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects);
 
 /// The evidence of an effect; minus infinity where it is not among them.
 double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string& name);
-/// Most evidence of a discrepancy without a name; 0 without any.
+/// The likeliest discrepancy without a name; null without any.
+const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects);
+/// Most evidence of one; 0 without any.
 double GenericEvidence(const std::vector<ScreenedEffect>& effects);
 /// The likeliest with a name, of effects sorted by evidence; null without any.
 const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects);
