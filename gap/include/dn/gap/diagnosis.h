@@ -111,7 +111,7 @@ struct HiddenEffect {
 /// describes the data nearly as well.
 struct GapImplausible {
   std::string effect;
-  double usual_sizes = 0.0;  ///< of its largest component
+  double usual_sizes = 0.0;  ///< of its first component that is so large
   std::string discrepancy;
 };
 
