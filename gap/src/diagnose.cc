@@ -259,6 +259,7 @@ class Diagnosis {
                             SomethingLeft(attribution)};
     out_.verdict = Decide(decision, named, attribution.slots);
     out_.verdict.implausible = Implausible(attribution);
+    AllowForOutsiders(out_.verdict, &out_.causes);
   }
 
   /// A wrong name for physics without one comes out with any size.

@@ -365,6 +365,7 @@ class GaussHelmertDiagnosis {
                             GenericEvidence(base_.others) > explained_nats_ + kGenericNats,
                             !chosen_.empty() && PValue(final_) <= options_.alpha};
     out_.verdict = Decide(decision, named, slots_);
+    AllowForOutsiders(out_.verdict, &out_.causes);
   }
 
   std::vector<GapCause> NamedCauses() const {

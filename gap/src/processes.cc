@@ -25,7 +25,7 @@ constexpr double kProcessTausS[] = {4.0, 15.0, 60.0, 240.0};
 // How likely the sizes are that are a tenth of the usual one, to ten times that, by equal factors.
 constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
 constexpr double kMostLogSize = 3.5;
-constexpr int kMostTauSteps = 6;
+constexpr int kMostTauSteps = 6, kMostStepsAside = 4;
 // Of the logarithm of sizes that are tried first about one that is nearly known.
 constexpr double kSizeStep = 0.2;
 // Share of the sigma at which a process is as good as absent.
@@ -61,19 +61,6 @@ struct AtTau {
   double size = 1.0;  ///< of the likeliest sigma, in usual ones
   double relative_sigma = 0.3;
 };
-
-/// Where the parabola through three values, `step` apart, has its maximum: from the middle one; and
-/// the standard deviation of a normal likelihood there.
-struct Vertex {
-  double move = 0.0, sigma = 0.0;
-};
-
-std::optional<Vertex> VertexOf(const std::array<double, 3>& l, double step) {
-  const double slope = (l[2] - l[0]) / (2.0 * step);
-  const double curvature = (2.0 * l[1] - l[0] - l[2]) / (step * step);
-  if (!(curvature > 0.0)) return std::nullopt;
-  return Vertex{std::clamp(slope / curvature, -step, step), 1.0 / std::sqrt(curvature)};
-}
 
 /// Log likelihoods of the size of a process by its logarithm, in usual sizes, against a process that
 /// is as good as absent.
@@ -183,16 +170,121 @@ void Take(const AtTau& at, ScreenedEffect* effect) {
   effect->sigma[last] = std::numeric_limits<double>::quiet_NaN();
 }
 
-/// At the likeliest of three time constants, equally spaced in their logarithm; the size changes
-/// with that, which makes it less certain.
-AtTau Between(const AtTau& before, const AtTau& at, const AtTau& after, const Vertex& vertex) {
-  const double step = 0.5 * std::log(after.tau_s / before.tau_s);
-  const double slope_of_ln_size = std::log(after.size / before.size) / (2.0 * step);
-  AtTau between = at;
-  between.tau_s = at.tau_s * std::exp(vertex.move);
-  between.size = at.size * std::exp(slope_of_ln_size * vertex.move);
-  between.relative_sigma = std::hypot(at.relative_sigma, slope_of_ln_size * vertex.sigma);
-  return between;
+/// Half the width of an interval of 95 %, in standard deviations, and how far the logarithm of a
+/// likelihood falls to either side of it.
+constexpr double kInterval_sigmas = 1.96;
+constexpr double kFall_nats = 0.5 * kInterval_sigmas * kInterval_sigmas;
+
+/// A size and a time constant by their logarithms.
+struct LogProcess {
+  double tau = 0.0, size = 0.0;
+};
+
+/// Time constants in equal steps of their logarithm, each tried once.
+class TauSteps {
+ public:
+  TauSteps(const Trial& trial, double tau_s) : trial_(trial), tau_s_(tau_s) {}
+
+  /// In which the likelihood of ln(tau) is a parabola, or nearly.
+  static double length() { return std::log(1.6); }
+
+  /// Null where there is no such network.
+  const AtTau* At(int step) {
+    const auto known = known_.find(step);
+    if (known != known_.end()) return known->second ? &*known->second : nullptr;
+    const std::optional<AtTau>& at = known_[step] =
+        trial_.At(tau_s_ * std::exp(step * length()), [](SizeLikelihood& likelihood) {
+          return LikeliestSize(likelihood, {-kSizeStep, 0.0, kSizeStep});
+        });
+    return at ? &*at : nullptr;
+  }
+
+ private:
+  const Trial& trial_;
+  double tau_s_;
+  std::map<int, std::optional<AtTau>> known_;
+};
+
+/// Where the likelihood has its maximum between the time constants beside a step.
+struct TauPeak {
+  int step = 0;
+  LogProcess at;
+  double log_likelihood = 0.0;
+  double relative_sigma = 0.0;  ///< of the size at the time constant
+};
+
+std::optional<TauPeak> PeakBeside(TauSteps& steps, int step) {
+  const AtTau &before = *steps.At(step - 1), &middle = *steps.At(step),
+              &after = *steps.At(step + 1);
+  const std::array<double, 3> l{before.best_log_likelihood, middle.best_log_likelihood,
+                                after.best_log_likelihood};
+  const double length = TauSteps::length();
+  const double curvature = (2.0 * l[1] - l[0] - l[2]) / (length * length);
+  if (!(curvature > 0.0)) return std::nullopt;
+  const double slope = (l[2] - l[0]) / (2.0 * length);
+  const double move = std::clamp(slope / curvature, -length, length);
+  const double slope_of_size = std::log(after.size / before.size) / (2.0 * length);
+  return TauPeak{step,
+                 {std::log(middle.tau_s) + move, std::log(middle.size) + slope_of_size * move},
+                 l[1] + 0.5 * slope * move,
+                 middle.relative_sigma};
+}
+
+/// From the peak to the end of its interval, towards longer (1) or shorter (-1) time constants; as
+/// far as was tried where the likelihood does not fall so far.
+LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
+  LogProcess last = peak.at;
+  double last_root = 0.0;  // of the fall
+  for (int k = 1; k <= kMostStepsAside; ++k) {
+    const AtTau* at = steps.At(peak.step + direction * k);
+    if (at == nullptr) break;
+    const LogProcess here{std::log(at->tau_s), std::log(at->size)};
+    const double root = std::sqrt(std::max(0.0, peak.log_likelihood - at->best_log_likelihood));
+    if (root >= std::sqrt(kFall_nats)) {
+      const double part = (std::sqrt(kFall_nats) - last_root) / (root - last_root);
+      last.tau += part * (here.tau - last.tau);
+      last.size += part * (here.size - last.size);
+      break;
+    }
+    last = here;
+    last_root = root;
+  }
+  return {last.tau - peak.at.tau, last.size - peak.at.size};
+}
+
+/// The standard deviation, in units of a value, whose interval about it reaches as far up as that of
+/// its logarithm, which is the longer side.
+double OfLongerSide(double reach) { return std::expm1(std::abs(reach)) / kInterval_sigmas; }
+
+void Take(const TauPeak& peak, const LogProcess& longer, const LogProcess& shorter,
+          ScreenedEffect* effect) {
+  const double with_tau = std::max(std::abs(longer.size), std::abs(shorter.size));
+  const double reach = std::hypot(kInterval_sigmas * peak.relative_sigma, with_tau);
+  AtTau at;
+  at.tau_s = std::exp(peak.at.tau);
+  at.size = std::exp(peak.at.size);
+  at.relative_sigma = OfLongerSide(reach);
+  Take(at, effect);
+  effect->sigma[effect->sigma.size() - 1] =
+      at.tau_s * std::max(OfLongerSide(longer.tau), -std::expm1(shorter.tau) / kInterval_sigmas);
+}
+
+/// The step beside which the likelihood falls to both sides; nothing where there is none near.
+std::optional<int> LikeliestStep(TauSteps& steps, int* last) {
+  for (int pass = 0; pass < kMostTauSteps; ++pass) {
+    const AtTau *before = steps.At(*last - 1), *at = steps.At(*last), *after = steps.At(*last + 1);
+    if (before == nullptr || at == nullptr || after == nullptr) return std::nullopt;
+    const double l = at->best_log_likelihood;
+    if (before->best_log_likelihood > l &&
+        before->best_log_likelihood >= after->best_log_likelihood) {
+      --*last;
+    } else if (after->best_log_likelihood > l) {
+      ++*last;
+    } else {
+      return *last;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -216,39 +308,19 @@ void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effe
 void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
   const double scale = effect->estimate[0] / FindEffect(effect->name)->components[0].typical_si();
   const Trial trial(solved, threads, effect->name, scale);
-  const Eigen::Index last = effect->estimate.size() - 1;
-  // A step in which the likelihood of ln(tau) is a parabola, or nearly.
-  const double step = std::log(1.6);
-  double tau_s = effect->estimate[last];
-  std::map<int, AtTau> at;  // by steps from where it began
-  int middle = 0;
-  for (int pass = 0; pass < kMostTauSteps; ++pass) {
-    for (int k = middle - 1; k <= middle + 1; ++k) {
-      if (at.count(k) > 0) continue;
-      const std::optional<AtTau> one =
-          trial.At(tau_s * std::exp(k * step), [](SizeLikelihood& likelihood) {
-            return LikeliestSize(likelihood, {-kSizeStep, 0.0, kSizeStep});
-          });
-      if (!one) return;
-      at[k] = *one;
-    }
-    const auto l = [&](int k) { return at[middle + k].best_log_likelihood; };
-    if (l(-1) > l(0) && l(-1) >= l(1)) {
-      --middle;
-    } else if (l(1) > l(0)) {
-      ++middle;
-    } else {
-      const std::optional<Vertex> vertex = VertexOf({l(-1), l(0), l(1)}, step);
-      if (!vertex) return;
-      Take(Between(at[middle - 1], at[middle], at[middle + 1], *vertex), effect);
-      effect->sigma[last] = vertex->sigma * effect->estimate[last];
-      return;
-    }
+  TauSteps steps(trial, effect->estimate[effect->estimate.size() - 1]);
+  int last = 0;
+  const std::optional<int> likeliest = LikeliestStep(steps, &last);
+  const std::optional<TauPeak> peak = likeliest ? PeakBeside(steps, *likeliest) : std::nullopt;
+  if (peak) {
+    Take(*peak, Reach(steps, *peak, 1), Reach(steps, *peak, -1), effect);
+    return;
   }
+  if (steps.At(0) == nullptr || steps.At(last) == nullptr) return;
   // The flight is too short, or the node rate too low, for the end of the correlation to show: the
   // size goes with the time constant, which may be anything from where it began on.
-  AtTau open = at[middle];
-  open.relative_sigma = std::hypot(open.relative_sigma, std::log(open.size / at[0].size));
+  AtTau open = *steps.At(last);
+  open.relative_sigma = std::hypot(open.relative_sigma, std::log(open.size / steps.At(0)->size));
   Take(open, effect);
 }
 

@@ -38,6 +38,11 @@ const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects);
 void FillCauses(const std::vector<ScreenedEffect>& screened, const std::vector<Slot>& slots,
                 const std::vector<GapCause>& named, GapDiagnosis* diagnosis);
 
+/// Makes the probabilities of causes those that have been borne out. Physics that the table lacks
+/// looks like its nearest relative there, whatever the evidence; the more likely so where something is
+/// left that no effect explains.
+void AllowForOutsiders(const GapVerdict& verdict, std::vector<GapCause>* causes);
+
 /// What decides the kind of a verdict.
 struct Decision {
   bool detected = false;

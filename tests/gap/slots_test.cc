@@ -72,6 +72,25 @@ TEST(FillCauses, AddsTheProbabilitiesOfAllSlots) {
   EXPECT_NEAR(diagnosis.causes[0].posterior, 1.0 - (1.0 - one) * (1.0 - one), 1e-12);
 }
 
+TEST(AllowForOutsiders, LeavesRoomForWhatTheTableLacks) {
+  const auto allowed = [](const GapVerdict& verdict) {
+    std::vector<GapCause> causes{Cause("a"), Cause("b")};
+    causes[0].posterior = 1.0;
+    causes[1].posterior = 0.2;
+    AllowForOutsiders(verdict, &causes);
+    EXPECT_DOUBLE_EQ(causes[1].posterior, 0.2 * causes[0].posterior);
+    return causes[0].posterior;
+  };
+  GapVerdict named;
+  named.effects = {"a"};
+  GapVerdict with_rest = named;
+  with_rest.unknown = true;
+  EXPECT_EQ(allowed(GapVerdict{}), 1.0) << "there is no gap";
+  EXPECT_LT(allowed(named), 1.0);
+  EXPECT_GT(allowed(named), 0.9);
+  EXPECT_LT(allowed(with_rest), 0.7);
+}
+
 class Decided : public ::testing::Test {
  protected:
   const std::vector<Slot> clear_{MakeSlot("a", {WithEvidence("a", 30.0), WithEvidence("b", 0.0)})};
