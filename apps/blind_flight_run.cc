@@ -1,7 +1,9 @@
 #include "blind_flight_run.h"
 
+#include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/flight/atomic_file.h>
+#include <dn/gap/signature.h>
 #include <dn/interrupted.h>
 #include <dn/sim/simulate.h>
 #include <fmt/format.h>
@@ -38,14 +40,18 @@ struct Places {
   fs::path flight, truth, runs, adapted_config;
 };
 
-void WriteFlight(const BlindFlight& flight, const Places& places) {
+SimulateOptions OptionsOf(const BlindFlight& flight) {
   SimulateOptions simulate;
   simulate.seed = flight.seed;
   simulate.progress = [](const std::string&, double) {
     if (SignalCame()) throw dn::Interrupted();
   };
   if (flight.outsider) simulate.own = MakeOwnErrors(*flight.outsider, flight.scenario);
-  const SimulatedFlight simulated = Simulate(flight.scenario, simulate);
+  return simulate;
+}
+
+void WriteFlight(const BlindFlight& flight, const Places& places) {
+  const SimulatedFlight simulated = Simulate(flight.scenario, OptionsOf(flight));
   std::string truth = FormatTruth(simulated) + "base: " + flight.base + "\n";
   if (flight.outsider) {
     truth += fmt::format("outsider: {{name: {}, parameters: {}}}\n", flight.outsider->name,
@@ -57,6 +63,35 @@ void WriteFlight(const BlindFlight& flight, const Places& places) {
   OutputDirectory folder(places.flight);
   WriteMeasurements(simulated, folder);
   folder.Commit();
+}
+
+/// Of what the diagnosis does not have; noise that it does not have has no signature, nor has what
+/// leaves an unknown free.
+std::optional<BlindSignature> SignatureOfOutsider(const BlindFlight& flight) {
+  const BlindContent content = flight.content();
+  if (content != BlindContent::kOutsider && content != BlindContent::kLeftOut) return std::nullopt;
+  dn::GapOptions options;
+  options.interrupted = [] { return SignalCame(); };
+  for (const Effect& effect : flight.scenario.effects) {
+    if (FindEffect(effect.name)->kind != EffectKind::kFixed) return std::nullopt;
+    options.left_out.push_back(effect.name);
+  }
+  SimulateOptions simulate = OptionsOf(flight);
+  simulate.noise = false;
+  const Flight with = Simulate(flight.scenario, simulate).flight;
+  Scenario nothing = flight.scenario;
+  nothing.effects.clear();
+  simulate.own = {};
+  try {
+    const Signature signature = SignatureOf(with, Simulate(nothing, simulate).flight, options);
+    return BlindSignature{signature.lambda, signature.lambda_left, signature.nearest};
+  } catch (const InvalidInput&) {
+    return std::nullopt;
+  } catch (const NotConverged&) {
+    return std::nullopt;
+  } catch (const RankDeficient&) {
+    return std::nullopt;
+  }
 }
 
 /// Runs a command of this program; `read` makes the outcome of its result file.
@@ -115,6 +150,7 @@ BlindRecord RunBlindFlight(const BlindFlight& flight, const BlindRunOptions& opt
   BlindRecord record = TruthOf(flight);
   try {
     WriteFlight(flight, places);
+    record.signature = SignatureOfOutsider(flight);
   } catch (const InvalidInput& error) {
     record.diagnosis.failure = std::string("the flight cannot be flown: ") + error.what();
     return record;

@@ -35,6 +35,18 @@ Effect EffectFromJson(const Json& json) {
   return effect;
 }
 
+Json SignatureToJson(const std::optional<BlindSignature>& signature) {
+  if (!signature) return {};
+  return {{"lambda", signature->lambda},
+          {"lambda_left", signature->lambda_left},
+          {"nearest", signature->nearest}};
+}
+
+std::optional<BlindSignature> SignatureFromJson(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  return BlindSignature{json.at("lambda"), json.at("lambda_left"), json.at("nearest")};
+}
+
 Json ResultToJson(const BlindDiagnosis& diagnosis) {
   Json causes = Json::array();
   for (const BlindCause& cause : diagnosis.causes) {
@@ -115,6 +127,7 @@ Json ToJson(const BlindRecord& record) {
           {"outsider", outsider},
           {"boresight_deg", dn::ToJson(record.boresight_deg)},
           {"strips", record.strips},
+          {"signature", SignatureToJson(record.signature)},
           {"diagnosis", OutcomeToJson(record.diagnosis)},
           {"calibrated", OutcomeToJson(record.calibrated)},
           {"adapted", OutcomeToJson(record.adapted)}};
@@ -131,6 +144,7 @@ BlindRecord BlindRecordFromJson(const Json& json) {
   if (!outsider.is_null()) record.outsider = {outsider.at("name"), outsider.at("parameters")};
   record.boresight_deg = Vector3FromJson(json.at("boresight_deg"));
   record.strips = json.at("strips");
+  record.signature = SignatureFromJson(json.at("signature"));
   record.diagnosis = OutcomeFromJson<BlindDiagnosis>(json.at("diagnosis"));
   record.calibrated = OutcomeFromJson<BlindCalibration>(json.at("calibrated"));
   record.adapted = OutcomeFromJson<BlindCalibration>(json.at("adapted"));

@@ -58,6 +58,14 @@ std::size_t SizeClass(double size) {
   return size < kSizeLimits[2] ? 1 : 2;
 }
 
+constexpr std::array<double, 3> kSignatureLimits{0.0, 5.0, 8.0};  // sigmas
+
+SignatureScore& OfSignature(const BlindSignature& signature, BlindScore* score) {
+  const double sigmas = std::sqrt(signature.lambda_left);
+  if (sigmas < kSignatureLimits[1]) return score->signatures[0];
+  return score->signatures[sigmas < kSignatureLimits[2] ? 1 : 2];
+}
+
 template <class Score>
 void Count(bool detected, bool named, bool with_group, Score* score) {
   score->detected.Count(detected);
@@ -120,12 +128,19 @@ void ScoreOutsider(const std::string& name, const BlindRecord& record, BlindScor
   OutsiderScore& of_outsider = Entry(name, &OutsiderScore::outsider, &score->outsiders);
   score->outsider_detected.Count(diagnosis.detected);
   of_outsider.detected.Count(diagnosis.detected);
+  SignatureScore* of_signature =
+      record.signature ? &OfSignature(*record.signature, score) : nullptr;
+  if (of_signature != nullptr) of_signature->detected.Count(diagnosis.detected);
   if (!diagnosis.detected) return;
   const bool rejected =
       diagnosis.unknown || diagnosis.verdict == "unknown" || diagnosis.verdict == "partial";
   score->outsider_rejected.Count(rejected);
   of_outsider.rejected.Count(rejected);
-  score->outsider_misnamed.Count(!rejected && diagnosis.verdict == "identified");
+  const bool misnamed = !rejected && diagnosis.verdict == "identified";
+  score->outsider_misnamed.Count(misnamed);
+  if (of_signature == nullptr) return;
+  of_signature->rejected.Count(rejected);
+  of_signature->misnamed.Count(misnamed);
 }
 
 void ScoreReliability(const BlindRecord& record, BlindScore* score, Samples* samples) {
@@ -226,6 +241,9 @@ void Finish(const Samples& samples, BlindScore* score) {
     bin.stated = samples.stated_sum[k] / static_cast<double>(bin.true_ones.of);
   }
   for (std::size_t k = 0; k < score->sizes.size(); ++k) score->sizes[k].from = kSizeLimits[k];
+  for (std::size_t k = 0; k < score->signatures.size(); ++k) {
+    score->signatures[k].from_sigmas = kSignatureLimits[k];
+  }
   score->null_p_value = QuartilesOf(samples.null_p_value);
   if (!samples.null_p_value.empty()) {
     score->null_uniformity_p = UniformityP(samples.null_p_value, kTwinsOfQuick);

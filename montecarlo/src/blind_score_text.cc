@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace dn {
@@ -71,6 +73,17 @@ Json ToJson(const std::vector<OutsiderScore>& outsiders) {
   return rows;
 }
 
+Json ToJson(const std::array<SignatureScore, 3>& signatures) {
+  Json rows = Json::array();
+  for (const SignatureScore& score : signatures) {
+    rows.push_back({{"from_sigmas", score.from_sigmas},
+                    {"detected", ToJson(score.detected)},
+                    {"rejected_of_detected", ToJson(score.rejected)},
+                    {"misnamed_of_detected", ToJson(score.misnamed)}});
+  }
+  return rows;
+}
+
 Json ToJson(const std::array<ReliabilityBin, 10>& bins) {
   Json rows = Json::array();
   for (const ReliabilityBin& bin : bins) {
@@ -133,6 +146,22 @@ std::string EffectLines(const BlindScore& s) {
   for (const OutsiderScore& score : s.outsiders) {
     text += fmt::format("  {:<28} {:>9} {:>9}\n", score.outsider, Fraction(score.detected),
                         Fraction(score.rejected));
+  }
+  return text;
+}
+
+std::string SignatureLines(const BlindScore& s) {
+  const auto any = std::any_of(s.signatures.begin(), s.signatures.end(),
+                               [](const SignatureScore& score) { return score.detected.of > 0; });
+  if (!any) return {};
+  std::string text =
+      "by what of it no fixed effect of the table can mimic, in sigmas\n" +
+      fmt::format("  {:<28} {:>9} {:>9} {:>12}\n", "", "detected", "rejected", "one named");
+  const std::array<const char*, 3> names{"below 5", "5 to 8", "above 8"};
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const SignatureScore& score = s.signatures[k];
+    text += fmt::format("  {:<28} {:>9} {:>9} {:>12}\n", names[k], Fraction(score.detected),
+                        Fraction(score.rejected), Fraction(score.misnamed));
   }
   return text;
 }
@@ -215,6 +244,12 @@ std::string CalibrationFields(const Outcome<BlindCalibration>& outcome) {
                      c.error_sigmas[2]);
 }
 
+std::string SignatureFields(const std::optional<BlindSignature>& signature) {
+  if (!signature) return ",,";
+  return fmt::format("{:.4g},{:.4g},{}", signature->lambda, signature->lambda_left,
+                     signature->nearest);
+}
+
 /// A field that may hold anything.
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
@@ -256,6 +291,7 @@ Json ToJson(const BlindScore& s) {
           {"by_size", ToJson(s.sizes)},
           {"by_effect", ToJson(s.effects)},
           {"by_outsider", ToJson(s.outsiders)},
+          {"by_signature", ToJson(s.signatures)},
           {"reliability", ToJson(s.reliability)},
           {"coverage_95",
            {{"fixed", ToJson(s.fixed_coverage)}, {"stochastic", ToJson(s.stochastic_coverage)}}},
@@ -301,7 +337,7 @@ std::string FormatTable(const BlindScore& s) {
   text += ReliabilityLines(s);
   text += Lines("boresight of dn calibrate, by its verdict", s.calibrated);
   text += Lines("boresight of the adapted flight, by its verdict", s.adapted);
-  text += EffectLines(s);
+  text += EffectLines(s) + SignatureLines(s);
   for (const std::string& failure : s.failures) text += failure + "\n";
   return text;
 }
@@ -311,13 +347,13 @@ std::string FormatCsv(const std::vector<BlindRecord>& records) {
       "flight,seed,scenario,strips,content,truth,value,size,detected,p_value,verdict,effects,"
       "credible_set,posterior_of_truth,best_cause,shrinkage,named,named_with_group,"
       "calibrate,z_roll,z_pitch,z_yaw,adapted,adapted_z_roll,adapted_z_pitch,adapted_z_yaw,"
-      "failure\n";
+      "lambda,lambda_left,nearest,failure\n";
   for (const BlindRecord& r : records) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.number, r.seed, r.base,
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.number, r.seed, r.base,
                         r.strips, Word(r.content), TruthWords(r), TruthValues(r), Sizes(r),
                         DiagnosisFields(r), NamedStrictly(r) ? 1 : 0, NamedWithGroup(r) ? 1 : 0,
                         CalibrationFields(r.calibrated), CalibrationFields(r.adapted),
-                        Quoted(r.diagnosis.failure));
+                        SignatureFields(r.signature), Quoted(r.diagnosis.failure));
   }
   return text;
 }

@@ -99,10 +99,16 @@ TEST(BlindRecord, SurvivesItsFile) {
   EXPECT_EQ(back.effects[1].times.window_s, window.times.window_s);
   EXPECT_FALSE(back.calibrated.result);
 
+  EXPECT_FALSE(back.signature);
+
   record.outsider = {"scan_torsion", {{"amplitude_deg", 0.02}, {"harmonic", 4}}};
+  record.signature = {400.0, 1.0 / 3.0, "lidar_scan_cone"};
   const BlindRecord outside = BlindRecordFromJson(ToJson(record));
   ASSERT_TRUE(outside.outsider);
   EXPECT_EQ(outside.outsider->parameters.at("harmonic"), 4);
+  ASSERT_TRUE(outside.signature);
+  EXPECT_EQ(outside.signature->lambda_left, 1.0 / 3.0);
+  EXPECT_EQ(outside.signature->nearest, "lidar_scan_cone");
 }
 
 }  // namespace dn::blind_record_test

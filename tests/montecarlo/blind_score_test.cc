@@ -192,6 +192,37 @@ TEST(BlindScore, BoresightsAreJudgedByVerdict) {
   EXPECT_EQ(score.failures[0], "flight 1: dn calibrate: exit code 1: no attitude");
 }
 
+TEST(BlindScore, GradesWhatIsOutsideByWhatNoEffectCanMimic) {
+  const auto with_left = [](double sigmas, BlindRecord record) {
+    record.signature = {10.0 * sigmas * sigmas, sigmas * sigmas, "lidar_scan_cone"};
+    return record;
+  };
+  const Said named{"identified", {"lidar_scan_cone"}}, unknown{"unknown", {}};
+  const std::vector<BlindRecord> records{with_left(1.0, Outside(1, named)),
+                                         with_left(4.9, Outside(2, {"no_gap", {}})),
+                                         with_left(5.1, Outside(3, unknown)),
+                                         with_left(7.9, Outside(4, named)),
+                                         with_left(8.1, Outside(5, unknown)),
+                                         with_left(90.0, Outside(6, unknown)),
+                                         with_left(9.0, Outside(7, {"group", {"lidar_scan_cone"}})),
+                                         Outside(8, unknown)};
+  const BlindScore score = ScoreBlindFlights(records);
+  const auto is = [](const Share& share, long hits, long of) {
+    EXPECT_EQ(share.hits, hits);
+    EXPECT_EQ(share.of, of);
+  };
+  is(score.signatures[0].detected, 1, 2);
+  is(score.signatures[0].misnamed, 1, 1);
+  is(score.signatures[1].rejected, 1, 2);
+  is(score.signatures[1].misnamed, 1, 2);
+  is(score.signatures[2].rejected, 2, 3);
+  is(score.signatures[2].misnamed, 0, 3);
+  is(score.outsider_detected, 7, 8);
+  EXPECT_THAT(FormatTable(score), HasSubstr("above 8"));
+  EXPECT_EQ(ToJson(score).at("by_signature").at(1).at("from_sigmas"), 5.0);
+  EXPECT_THAT(FormatCsv(records), HasSubstr(",10,1,lidar_scan_cone,"));
+}
+
 TEST(BlindScore, WritesATableAJsonAndRows) {
   std::vector<BlindRecord> records{
       Record(1, {"gravity_tilt"}, {"identified", {"gravity_tilt"}, {"gravity_tilt"}}),

@@ -49,6 +49,14 @@ struct BlindCalibration {
   double worst() const { return error_sigmas.cwiseAbs().maxCoeff(); }
 };
 
+/// How a departure from the model would show without noise, and what of that no single fixed effect
+/// of the table can take the place of: noncentralities, squares of numbers of sigmas.
+struct BlindSignature {
+  double lambda = 0.0;
+  double lambda_left = 0.0;
+  std::string nearest;  ///< the effect that takes most of it
+};
+
 /// A flight of the series: what it contains, and what was said of it.
 struct BlindRecord {
   int number = 1;
@@ -59,6 +67,8 @@ struct BlindRecord {
   std::optional<Outsider> outsider;
   Eigen::Vector3d boresight_deg = Eigen::Vector3d::Zero();  ///< true
   std::size_t strips = 0;
+  /// Of what the diagnosis does not have: an outsider, or a fixed effect that it is without.
+  std::optional<BlindSignature> signature;
   Outcome<BlindDiagnosis> diagnosis;
   Outcome<BlindCalibration> calibrated;
   Outcome<BlindCalibration> adapted;  ///< with the effects of the verdict among the unknowns

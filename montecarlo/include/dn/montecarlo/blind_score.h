@@ -53,6 +53,16 @@ struct OutsiderScore {
   Share rejected;  ///< called unknown, or partly so
 };
 
+/// Flights with an outsider, or a fixed effect left out, by what of its signature no fixed effect of
+/// the table can take the place of: little, and the name of the nearest relative is all that can be
+/// expected.
+struct SignatureScore {
+  double from_sigmas = 0.0;  ///< of the root of BlindSignature::lambda_left
+  Share detected;
+  Share rejected;  ///< of the detected ones: called unknown, or partly so
+  Share misnamed;  ///< of the detected ones: one effect is named, and nothing left open
+};
+
 /// Boresights of one verdict of `dn calibrate`.
 struct CalibrationScore {
   std::string verdict;
@@ -98,6 +108,7 @@ struct BlindScore {
   std::array<SizeScore, 3> sizes;  ///< the smaller, the middle and the larger third
   std::vector<EffectScore> effects;
   std::vector<OutsiderScore> outsiders;
+  std::array<SignatureScore, 3> signatures;  ///< below 5 sigma, 5 to 8, above
 
   std::array<ReliabilityBin, 10> reliability;
   Quartiles truth_posterior;  ///< of the effect that is there, one effect, detected
