@@ -97,13 +97,19 @@ class SpawnSettings {
   posix_spawnattr_t attributes_{};
 };
 
+/// The standard input by name: gnuplot reads a file by blocks, what is not named byte by byte.
+constexpr const char* kInputByName = "/proc/self/fd/0";
+
 /// The process, or -1.
 pid_t Start(const MemoryFile& script, const MemoryFile& svg) {
   const SpawnSettings settings(script.fd(), svg.fd());
   const char* search = std::getenv("PATH");
   std::string path = std::string("PATH=") + (search == nullptr ? "/usr/bin:/bin" : search);
   std::string locale = "LC_ALL=C.UTF-8", program = "gnuplot", without_start_up_files = "-d";
-  const std::array<char*, 3> argv{program.data(), without_start_up_files.data(), nullptr};
+  std::string input = kInputByName;
+  const bool has_name = ::access("/proc/self/fd", X_OK) == 0;
+  const std::array<char*, 4> argv{program.data(), without_start_up_files.data(),
+                                  has_name ? input.data() : nullptr, nullptr};
   const std::array<char*, 3> environment{path.data(), locale.data(), nullptr};
   pid_t child = -1;
   const int error = ::posix_spawnp(&child, program.c_str(), settings.actions(),
