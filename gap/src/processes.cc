@@ -7,16 +7,16 @@
 #include <dn/solvers/restricted_likelihood.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <set>
+#include <type_traits>
 #include <utility>
 
 #include "likelihood_peak.h"
 #include "network_beside.h"
+#include "time_constant.h"
 
 namespace dn::internal {
 namespace {
@@ -25,7 +25,6 @@ constexpr double kProcessTausS[] = {4.0, 15.0, 60.0, 240.0};
 // How likely the sizes are that are a tenth of the usual one, to ten times that, by equal factors.
 constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
 constexpr double kMostLogSize = 3.5;
-constexpr int kMostTauSteps = 6, kMostStepsAside = 4;
 // Of the logarithm of sizes that are tried first about one that is nearly known.
 constexpr double kSizeStep = 0.2;
 // Share of the sigma at which a process is as good as absent.
@@ -54,12 +53,11 @@ Eigen::VectorXd RowsOfChain(const FlightNetwork& network, const LinearizedNetwor
   return share;
 }
 
-struct AtTau {
+/// A process with one time constant, over all its sizes.
+struct Judged {
   double tau_s = 0.0;
+  SizeAtTau likeliest;
   double log_evidence = 0.0;
-  double best_log_likelihood = 0.0;
-  double size = 1.0;  ///< of the likeliest sigma, in usual ones
-  double relative_sigma = 0.3;
 };
 
 /// Log likelihoods of the size of a process by its logarithm, in usual sizes, against a process that
@@ -86,35 +84,31 @@ class SizeLikelihood {
 };
 
 /// The likeliest size; `first`: logarithms to begin with.
-AtTau LikeliestSize(SizeLikelihood& likelihood, const std::vector<double>& first) {
+SizeAtTau LikeliestSize(SizeLikelihood& likelihood, const std::vector<double>& first) {
   const auto values = [&](const std::vector<double>& log_sizes) { return likelihood(log_sizes); };
-  AtTau at;
   if (const auto peak = FindPeak(values, first, -kMostLogSize, kMostLogSize)) {
-    at.size = std::exp(peak->log_size);
-    at.relative_sigma = peak->width;
-    at.best_log_likelihood = peak->value;
-    return at;
+    return {std::exp(peak->log_size), peak->width, peak->value};
   }
   const std::vector<double> l = likelihood(first);
   const auto best = static_cast<std::size_t>(std::max_element(l.begin(), l.end()) - l.begin());
+  SizeAtTau at;
   at.size = std::exp(first[best]);
-  at.best_log_likelihood = l[best];
+  at.log_likelihood = l[best];
   return at;
 }
 
-AtTau Judge(SizeLikelihood& likelihood) {
+Judged Judge(SizeLikelihood& likelihood) {
   const double step = 0.5 * std::log(10.0);
   const std::vector<double> log_sizes{-2.0 * step, -step, 0.0, step, 2.0 * step};
-  AtTau at = LikeliestSize(likelihood, log_sizes);
+  const SizeAtTau at = LikeliestSize(likelihood, log_sizes);
   const std::vector<double> l = likelihood(log_sizes);
   double sum = 0.0;
   for (std::size_t g = 0; g < l.size(); ++g) {
-    sum += kWeights[g] * std::exp(l[g] - at.best_log_likelihood);
+    sum += kWeights[g] * std::exp(l[g] - at.log_likelihood);
   }
   // Between the five sizes the likelihood may have its peak: they are taken as wide as their steps.
   const double peak = std::min(1.0, at.relative_sigma / step) * 0.2;
-  at.log_evidence = at.best_log_likelihood + std::log(std::max({sum, peak, 1e-300}));
-  return at;
+  return {0.0, at, at.log_likelihood + std::log(std::max({sum, peak, 1e-300}))};
 }
 
 /// A process of the usual size beside what the flight has, at one time constant after another.
@@ -124,10 +118,11 @@ class Trial {
   Trial(const FlightNetwork& solved, int threads, const std::string& effect, double scale)
       : solved_(solved), threads_(threads), effect_(effect), scale_(scale) {}
 
-  /// What `judge` makes of the likelihood of the size at a time constant; nothing where there is no
-  /// such network.
+  /// What `judge` makes of the likelihood of the size, in units of the scale, at a time constant;
+  /// nothing where there is no such network.
   template <class Judge>
-  std::optional<AtTau> At(double tau_s, const Judge& judge) const {
+  auto At(double tau_s, const Judge& judge) const
+      -> std::optional<std::invoke_result_t<Judge, SizeLikelihood&>> {
     const EffectSpec& spec = *FindEffect(effect_);
     GapCause process;
     process.effect = effect_;
@@ -140,10 +135,7 @@ class Trial {
     with.config = Adapted(solved_.flight(), {process});
     try {
       SizeLikelihood likelihood(NetworkBeside(solved_, with, threads_), effect_, threads_);
-      AtTau at = judge(likelihood);
-      at.tau_s = tau_s;
-      at.size *= scale_;
-      return at;
+      return judge(likelihood);
     } catch (const InvalidInput&) {
       return std::nullopt;
     } catch (const RankDeficient&) {
@@ -159,169 +151,57 @@ class Trial {
 };
 
 /// Size and time constant as those of an effect.
-void Take(const AtTau& at, ScreenedEffect* effect) {
+void Take(const ProcessEstimate& process, ScreenedEffect* effect) {
   const EffectSpec& spec = *FindEffect(effect->name);
   const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
   for (Eigen::Index k = 0; k < last; ++k) {
-    effect->estimate[k] = at.size * spec.components[static_cast<std::size_t>(k)].typical_si();
-    effect->sigma[k] = at.relative_sigma * effect->estimate[k];
+    const double usual = spec.components[static_cast<std::size_t>(k)].typical_si();
+    effect->estimate[k] = process.size * usual;
+    effect->sigma[k] = process.sigma_of_size * usual;
   }
-  effect->estimate[last] = at.tau_s;
-  effect->sigma[last] = std::numeric_limits<double>::quiet_NaN();
-}
-
-/// Half the width of an interval of 95 %, in standard deviations, and how far the logarithm of a
-/// likelihood falls to either side of it.
-constexpr double kInterval_sigmas = 1.96;
-constexpr double kFall_nats = 0.5 * kInterval_sigmas * kInterval_sigmas;
-
-/// A size and a time constant by their logarithms.
-struct LogProcess {
-  double tau = 0.0, size = 0.0;
-};
-
-/// Time constants in equal steps of their logarithm, each tried once.
-class TauSteps {
- public:
-  TauSteps(const Trial& trial, double tau_s) : trial_(trial), tau_s_(tau_s) {}
-
-  /// In which the likelihood of ln(tau) is a parabola, or nearly.
-  static double length() { return std::log(1.6); }
-
-  /// Null where there is no such network.
-  const AtTau* At(int step) {
-    const auto known = known_.find(step);
-    if (known != known_.end()) return known->second ? &*known->second : nullptr;
-    const std::optional<AtTau>& at = known_[step] =
-        trial_.At(tau_s_ * std::exp(step * length()), [](SizeLikelihood& likelihood) {
-          return LikeliestSize(likelihood, {-kSizeStep, 0.0, kSizeStep});
-        });
-    return at ? &*at : nullptr;
-  }
-
- private:
-  const Trial& trial_;
-  double tau_s_;
-  std::map<int, std::optional<AtTau>> known_;
-};
-
-/// Where the likelihood has its maximum between the time constants beside a step.
-struct TauPeak {
-  int step = 0;
-  LogProcess at;
-  double log_likelihood = 0.0;
-  double relative_sigma = 0.0;  ///< of the size at the time constant
-};
-
-std::optional<TauPeak> PeakBeside(TauSteps& steps, int step) {
-  const AtTau &before = *steps.At(step - 1), &middle = *steps.At(step),
-              &after = *steps.At(step + 1);
-  const std::array<double, 3> l{before.best_log_likelihood, middle.best_log_likelihood,
-                                after.best_log_likelihood};
-  const double length = TauSteps::length();
-  const double curvature = (2.0 * l[1] - l[0] - l[2]) / (length * length);
-  if (!(curvature > 0.0)) return std::nullopt;
-  const double slope = (l[2] - l[0]) / (2.0 * length);
-  const double move = std::clamp(slope / curvature, -length, length);
-  const double slope_of_size = std::log(after.size / before.size) / (2.0 * length);
-  return TauPeak{step,
-                 {std::log(middle.tau_s) + move, std::log(middle.size) + slope_of_size * move},
-                 l[1] + 0.5 * slope * move,
-                 middle.relative_sigma};
-}
-
-/// From the peak to the end of its interval, towards longer (1) or shorter (-1) time constants; as
-/// far as was tried where the likelihood does not fall so far.
-LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
-  LogProcess last = peak.at;
-  double last_root = 0.0;  // of the fall
-  for (int k = 1; k <= kMostStepsAside; ++k) {
-    const AtTau* at = steps.At(peak.step + direction * k);
-    if (at == nullptr) break;
-    const LogProcess here{std::log(at->tau_s), std::log(at->size)};
-    const double root = std::sqrt(std::max(0.0, peak.log_likelihood - at->best_log_likelihood));
-    if (root >= std::sqrt(kFall_nats)) {
-      const double part = (std::sqrt(kFall_nats) - last_root) / (root - last_root);
-      last.tau += part * (here.tau - last.tau);
-      last.size += part * (here.size - last.size);
-      break;
-    }
-    last = here;
-    last_root = root;
-  }
-  return {last.tau - peak.at.tau, last.size - peak.at.size};
-}
-
-/// The standard deviation, in units of a value, whose interval about it reaches as far up as that of
-/// its logarithm, which is the longer side.
-double OfLongerSide(double reach) { return std::expm1(std::abs(reach)) / kInterval_sigmas; }
-
-void Take(const TauPeak& peak, const LogProcess& longer, const LogProcess& shorter,
-          ScreenedEffect* effect) {
-  const double with_tau = std::max(std::abs(longer.size), std::abs(shorter.size));
-  const double reach = std::hypot(kInterval_sigmas * peak.relative_sigma, with_tau);
-  AtTau at;
-  at.tau_s = std::exp(peak.at.tau);
-  at.size = std::exp(peak.at.size);
-  at.relative_sigma = OfLongerSide(reach);
-  Take(at, effect);
-  effect->sigma[effect->sigma.size() - 1] =
-      at.tau_s * std::max(OfLongerSide(longer.tau), -std::expm1(shorter.tau) / kInterval_sigmas);
-}
-
-/// The step beside which the likelihood falls to both sides; nothing where there is none near.
-std::optional<int> LikeliestStep(TauSteps& steps, int* last) {
-  for (int pass = 0; pass < kMostTauSteps; ++pass) {
-    const AtTau *before = steps.At(*last - 1), *at = steps.At(*last), *after = steps.At(*last + 1);
-    if (before == nullptr || at == nullptr || after == nullptr) return std::nullopt;
-    const double l = at->best_log_likelihood;
-    if (before->best_log_likelihood > l &&
-        before->best_log_likelihood >= after->best_log_likelihood) {
-      --*last;
-    } else if (after->best_log_likelihood > l) {
-      ++*last;
-    } else {
-      return *last;
-    }
-  }
-  return std::nullopt;
+  effect->estimate[last] = process.tau_s;
+  effect->sigma[last] = process.sigma_of_tau_s;
 }
 
 }  // namespace
 
 void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
   const Trial trial(solved, threads, effect->name, 1.0);
-  std::vector<AtTau> all;
+  std::vector<Judged> all;
   for (const double tau_s : kProcessTausS) {
-    if (const std::optional<AtTau> at = trial.At(tau_s, &Judge)) all.push_back(*at);
+    std::optional<Judged> at = trial.At(tau_s, &Judge);
+    if (!at) continue;
+    at->tau_s = tau_s;
+    all.push_back(*at);
   }
   if (all.empty()) return;
   LogSum sum;
-  for (const AtTau& at : all) sum.Add(at.log_evidence);
+  for (const Judged& at : all) sum.Add(at.log_evidence);
   effect->log_evidence = sum.Value() - std::log(static_cast<double>(std::size(kProcessTausS)));
-  Take(*std::max_element(
-           all.begin(), all.end(),
-           [](const AtTau& a, const AtTau& b) { return a.log_evidence < b.log_evidence; }),
+  const Judged& best = *std::max_element(
+      all.begin(), all.end(),
+      [](const Judged& a, const Judged& b) { return a.log_evidence < b.log_evidence; });
+  const SizeAtTau& size = best.likeliest;
+  Take({size.size, size.size * size.relative_sigma, best.tau_s,
+        std::numeric_limits<double>::quiet_NaN()},
        effect);
 }
 
 void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
-  const double scale = effect->estimate[0] / FindEffect(effect->name)->components[0].typical_si();
+  const EffectSpec& spec = *FindEffect(effect->name);
+  const Eigen::Index last = effect->estimate.size() - 1;
+  const double scale = effect->estimate[0] / spec.components[0].typical_si();
   const Trial trial(solved, threads, effect->name, scale);
-  TauSteps steps(trial, effect->estimate[effect->estimate.size() - 1]);
-  int last = 0;
-  const std::optional<int> likeliest = LikeliestStep(steps, &last);
-  const std::optional<TauPeak> peak = likeliest ? PeakBeside(steps, *likeliest) : std::nullopt;
-  if (peak) {
-    Take(*peak, Reach(steps, *peak, 1), Reach(steps, *peak, -1), effect);
-    return;
-  }
-  if (steps.At(0) == nullptr || steps.At(last) == nullptr) return;
-  // The flight is too short, or the node rate too low, for the end of the correlation to show: the
-  // size goes with the time constant, which may be anything from where it began on.
-  AtTau open = *steps.At(last);
-  open.relative_sigma = std::hypot(open.relative_sigma, std::log(open.size / steps.At(0)->size));
-  Take(open, effect);
+  const auto sizes = [&](double tau_s) {
+    return trial.At(tau_s, [scale](SizeLikelihood& likelihood) {
+      SizeAtTau at = LikeliestSize(likelihood, {-kSizeStep, 0.0, kSizeStep});
+      at.size *= scale;
+      return at;
+    });
+  };
+  const std::optional<ProcessEstimate> likeliest = LikeliestProcess(sizes, effect->estimate[last]);
+  if (!likeliest) return;
+  Take(*likeliest, effect);
 }
 
 }  // namespace dn::internal

@@ -1,0 +1,158 @@
+#include "time_constant.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace dn::internal {
+namespace {
+
+constexpr int kMostSteps = 6, kMostStepsAside = 4;
+// Half the width of an interval of 95 %, and how far the logarithm of the likelihood falls to its ends.
+constexpr double kInterval_sigmas = 1.96;
+constexpr double kFall_nats = 0.5 * kInterval_sigmas * kInterval_sigmas;
+
+/// Time constants in equal steps of their logarithm, each tried once.
+class TauSteps {
+ public:
+  TauSteps(const SizesByTau& sizes, double tau_s) : sizes_(sizes), log_tau_(std::log(tau_s)) {}
+
+  /// In which the likelihood of ln(tau) is a parabola, or nearly.
+  static double length() { return std::log(1.6); }
+
+  double LogTau(int step) const { return log_tau_ + step * length(); }
+
+  /// Null where there is no such network.
+  const SizeAtTau* At(int step) {
+    auto known = known_.find(step);
+    if (known == known_.end()) {
+      known = known_.emplace(step, sizes_(std::exp(LogTau(step)))).first;
+    }
+    return known->second ? &*known->second : nullptr;
+  }
+
+ private:
+  const SizesByTau& sizes_;
+  double log_tau_;
+  std::map<int, std::optional<SizeAtTau>> known_;
+};
+
+/// Logarithms of a size and a time constant.
+struct LogProcess {
+  double tau = 0.0, size = 0.0;
+};
+
+/// Where the likelihood has its maximum between the time constants beside a step.
+struct TauPeak {
+  int step = 0;
+  LogProcess at;
+  double log_likelihood = 0.0;
+  double relative_sigma = 0.0;  ///< of the size at the time constant
+};
+
+/// The search for the step beside which the likelihood falls to both sides.
+struct Search {
+  int last = 0;
+  bool complete = true;  ///< there was a network at all time constants
+  bool found = false;
+};
+
+Search FindLikeliestStep(TauSteps& steps) {
+  Search search;
+  for (int pass = 0; pass < kMostSteps && !search.found; ++pass) {
+    const SizeAtTau *before = steps.At(search.last - 1), *at = steps.At(search.last),
+                    *after = steps.At(search.last + 1);
+    if (before == nullptr || at == nullptr || after == nullptr) {
+      search.complete = false;
+      return search;
+    }
+    const double l = at->log_likelihood;
+    if (before->log_likelihood > l && before->log_likelihood >= after->log_likelihood) {
+      --search.last;
+    } else if (after->log_likelihood > l) {
+      ++search.last;
+    } else {
+      search.found = true;
+    }
+  }
+  return search;
+}
+
+std::optional<TauPeak> PeakBeside(TauSteps& steps, int step) {
+  const SizeAtTau &before = *steps.At(step - 1), &middle = *steps.At(step),
+                  &after = *steps.At(step + 1);
+  const double length = TauSteps::length();
+  const double curvature =
+      (2.0 * middle.log_likelihood - before.log_likelihood - after.log_likelihood) /
+      (length * length);
+  if (!(curvature > 0.0)) return std::nullopt;
+  const double slope = (after.log_likelihood - before.log_likelihood) / (2.0 * length);
+  const double move = std::clamp(slope / curvature, -length, length);
+  const double slope_of_size = std::log(after.size / before.size) / (2.0 * length);
+  return TauPeak{step,
+                 {steps.LogTau(step) + move, std::log(middle.size) + slope_of_size * move},
+                 middle.log_likelihood + 0.5 * slope * move,
+                 middle.relative_sigma};
+}
+
+/// From the peak to the end of its interval, towards longer (1) or shorter (-1) time constants.
+LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
+  LogProcess end = peak.at;
+  double end_root = 0.0;  // of the fall, which is linear in ln(tau) where the likelihood is normal
+  for (int k = 1; k <= kMostStepsAside; ++k) {
+    const int step = peak.step + direction * k;
+    const SizeAtTau* at = steps.At(step);
+    if (at == nullptr) break;
+    const LogProcess here{steps.LogTau(step), std::log(at->size)};
+    const double root = std::sqrt(std::max(0.0, peak.log_likelihood - at->log_likelihood));
+    const bool beyond = root >= std::sqrt(kFall_nats);
+    const double part = beyond ? (std::sqrt(kFall_nats) - end_root) / (root - end_root) : 1.0;
+    end.tau += part * (here.tau - end.tau);
+    end.size += part * (here.size - end.size);
+    if (beyond) break;
+    end_root = root;
+  }
+  return {end.tau - peak.at.tau, end.size - peak.at.size};
+}
+
+/// In units of a value, by the reach of the interval of its logarithm: upwards it is the wider one.
+double OfLongerSide(double reach) { return std::expm1(std::abs(reach)) / kInterval_sigmas; }
+
+ProcessEstimate Estimate(TauSteps& steps, const TauPeak& peak) {
+  const LogProcess longer = Reach(steps, peak, 1), shorter = Reach(steps, peak, -1);
+  const double with_tau = std::max(std::abs(longer.size), std::abs(shorter.size));
+  const double reach = std::hypot(kInterval_sigmas * peak.relative_sigma, with_tau);
+  ProcessEstimate estimate;
+  estimate.size = std::exp(peak.at.size);
+  estimate.sigma_of_size = estimate.size * OfLongerSide(reach);
+  estimate.tau_s = std::exp(peak.at.tau);
+  estimate.sigma_of_tau_s = estimate.tau_s * std::max(OfLongerSide(longer.tau),
+                                                      -std::expm1(shorter.tau) / kInterval_sigmas);
+  return estimate;
+}
+
+/// The flight is too short, or the node rate too low, for the end of the correlation to show: the
+/// size goes with the time constant, which may be anything from where it began on.
+ProcessEstimate OpenEstimate(TauSteps& steps, int last) {
+  const SizeAtTau &start = *steps.At(0), &open = *steps.At(last);
+  ProcessEstimate estimate;
+  estimate.size = open.size;
+  estimate.sigma_of_size =
+      open.size * std::hypot(open.relative_sigma, std::log(open.size / start.size));
+  estimate.tau_s = std::exp(steps.LogTau(last));
+  estimate.sigma_of_tau_s = std::numeric_limits<double>::quiet_NaN();
+  return estimate;
+}
+
+}  // namespace
+
+std::optional<ProcessEstimate> LikeliestProcess(const SizesByTau& sizes, double tau_s) {
+  TauSteps steps(sizes, tau_s);
+  const Search search = FindLikeliestStep(steps);
+  if (!search.complete) return std::nullopt;
+  const std::optional<TauPeak> peak = search.found ? PeakBeside(steps, search.last) : std::nullopt;
+  return peak ? Estimate(steps, *peak) : OpenEstimate(steps, search.last);
+}
+
+}  // namespace dn::internal
