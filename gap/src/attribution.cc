@@ -1,5 +1,6 @@
 #include "attribution.h"
 
+#include <dn/effects/effect_table.h>
 #include <dn/interrupted.h>
 
 #include <algorithm>
@@ -73,7 +74,28 @@ class Attributor {
       if (!next) break;
       if (out_.final) before_.push_back(std::move(out_.final));
       out_.final = std::move(next);
+      ReconsiderNoise();
     }
+  }
+
+  /// A noise was chosen and sized by all that nothing else explained then, of later causes, too.
+  void ReconsiderNoise() {
+    std::vector<GapCause> causes = out_.causes;
+    bool changed = false;
+    for (std::size_t k = 0; k + 1 < causes.size(); ++k) {
+      if (FindEffect(causes[k].effect)->kind != EffectKind::kStochastic) continue;
+      const std::unique_ptr<ExplainedFlight> others = TryExplain(Without(k));
+      const ScreenedEffect* best = others ? BestPhysical(others->effects) : nullptr;
+      const ScreenedEffect* own = others ? Find(others->effects, causes[k].effect) : nullptr;
+      if (best == nullptr || own == nullptr) continue;
+      const bool another = best->log_evidence >= own->log_evidence + kSwapNats;
+      const GapCause anew = Refined(*others, another ? *best : *own);
+      const double moved = std::abs(anew.estimate[0] - causes[k].estimate[0]);
+      if (!another && moved <= causes[k].sigma[0]) continue;
+      causes[k] = anew;
+      changed = true;
+    }
+    if (changed) Replace(causes);
   }
 
   std::vector<GapCause> Without(std::size_t k) const {

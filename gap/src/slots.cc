@@ -130,11 +130,16 @@ Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& riva
   return slot;
 }
 
-double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string& name) {
+const ScreenedEffect* Find(const std::vector<ScreenedEffect>& effects, const std::string& name) {
   for (const ScreenedEffect& effect : effects) {
-    if (effect.name == name) return effect.log_evidence;
+    if (effect.name == name) return &effect;
   }
-  return -std::numeric_limits<double>::infinity();
+  return nullptr;
+}
+
+double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string& name) {
+  const ScreenedEffect* effect = Find(effects, name);
+  return effect == nullptr ? -std::numeric_limits<double>::infinity() : effect->log_evidence;
 }
 
 const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects) {

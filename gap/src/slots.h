@@ -24,6 +24,8 @@ Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& riva
 /// Probabilities of effects, of nothing at last; see docs/gap.md.
 std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects);
 
+/// The effect of a name; null where it is not among them.
+const ScreenedEffect* Find(const std::vector<ScreenedEffect>& effects, const std::string& name);
 /// The evidence of an effect; minus infinity where it is not among them.
 double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string& name);
 /// The likeliest discrepancy without a name; null without any.

@@ -16,6 +16,7 @@
 namespace dn::internal::attribution_test {
 
 using testing::AircraftScenario;
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
@@ -49,6 +50,21 @@ TEST(Attribute, FindsBothOfTwoEffects) {
     if (unknown.name != "lidar_range_offset") continue;
     EXPECT_NEAR(unknown.value[0], 0.15, 4.0 * unknown.sigma[0]);
   }
+  EXPECT_LT(attribution.final->effects.front().log_evidence, kThresholdNats);
+}
+
+// Both make the pairs' misclosures larger. The noise, whichever of the two kinds that look alike, is
+// what is left of them once the scale is known: no third effect has to take any of it back.
+TEST(Attribute, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
+  const Flight flight =
+      Simulate(AircraftScenario("effects: [{effect: p2p_noise_scale, value: 1.6}, "
+                                "{effect: lidar_angle_scale, value: 800}]"),
+               {})
+          .flight;
+  const Attribution attribution = Attributed(flight);
+  EXPECT_THAT(Names(attribution), UnorderedElementsAre(AnyOf("p2p_noise_scale", "p2p_range_noise"),
+                                                       "lidar_angle_scale"));
+  ASSERT_NE(attribution.final, nullptr);
   EXPECT_LT(attribution.final->effects.front().log_evidence, kThresholdNats);
 }
 
