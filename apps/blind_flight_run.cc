@@ -65,16 +65,17 @@ void WriteFlight(const BlindFlight& flight, const Places& places) {
   folder.Commit();
 }
 
-/// Of what the diagnosis does not have; noise that it does not have has no signature, nor has what
-/// leaves an unknown free.
-std::optional<BlindSignature> SignatureOfOutsider(const BlindFlight& flight) {
+/// Of the one thing in a flight; noise has no signature, nor has what leaves an unknown free.
+std::optional<BlindSignature> SignatureOfContent(const BlindFlight& flight) {
   const BlindContent content = flight.content();
-  if (content != BlindContent::kOutsider && content != BlindContent::kLeftOut) return std::nullopt;
+  if (content == BlindContent::kNothing || content == BlindContent::kTwoEffects) {
+    return std::nullopt;
+  }
   dn::GapOptions options;
   options.interrupted = [] { return SignalCame(); };
   for (const Effect& effect : flight.scenario.effects) {
     if (FindEffect(effect.name)->kind != EffectKind::kFixed) return std::nullopt;
-    options.left_out.push_back(effect.name);
+    if (flight.left_out) options.left_out.push_back(effect.name);
   }
   SimulateOptions simulate = OptionsOf(flight);
   simulate.noise = false;
@@ -150,7 +151,7 @@ BlindRecord RunBlindFlight(const BlindFlight& flight, const BlindRunOptions& opt
   BlindRecord record = TruthOf(flight);
   try {
     WriteFlight(flight, places);
-    record.signature = SignatureOfOutsider(flight);
+    record.signature = SignatureOfContent(flight);
   } catch (const InvalidInput& error) {
     record.diagnosis.failure = std::string("the flight cannot be flown: ") + error.what();
     return record;

@@ -53,17 +53,18 @@ const BlindCause* CauseOf(const BlindDiagnosis& diagnosis, const std::string& ef
 
 constexpr std::array<double, 3> kSizeLimits{0.0, 2.154, 4.642};  // 10^(1/3), 10^(2/3)
 
-std::size_t SizeClass(double size) {
-  if (size < kSizeLimits[1]) return 0;
-  return size < kSizeLimits[2] ? 1 : 2;
+constexpr std::array<double, 4> kStrengthLimits{0.0, 4.5, 6.0, 8.0};  // sigmas
+constexpr std::array<double, 3> kSignatureLimits{0.0, 5.0, 8.0};
+
+/// The last of some limits that is not above x.
+template <std::size_t N>
+std::size_t ClassOf(double x, const std::array<double, N>& limits) {
+  const auto above = std::upper_bound(limits.begin(), limits.end(), x);
+  return static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, above - limits.begin()) - 1);
 }
 
-constexpr std::array<double, 3> kSignatureLimits{0.0, 5.0, 8.0};  // sigmas
-
 SignatureScore& OfSignature(const BlindSignature& signature, BlindScore* score) {
-  const double sigmas = std::sqrt(signature.lambda_left);
-  if (sigmas < kSignatureLimits[1]) return score->signatures[0];
-  return score->signatures[sigmas < kSignatureLimits[2] ? 1 : 2];
+  return score->signatures[ClassOf(std::sqrt(signature.lambda_left), kSignatureLimits)];
 }
 
 template <class Score>
@@ -107,7 +108,16 @@ void ScoreOne(const BlindRecord& record, BlindScore* score, Samples* samples) {
   Count(diagnosis.detected, named, with_group,
         &Entry(effect, &EffectScore::effect, &score->effects));
   Count(diagnosis.detected, named, with_group,
-        &score->sizes[SizeClass(SizeOf(record.effects.front()))]);
+        &score->sizes[ClassOf(SizeOf(record.effects.front()), kSizeLimits)]);
+  if (record.signature) {
+    StrengthScore& strength =
+        score->strengths[ClassOf(std::sqrt(record.signature->lambda), kStrengthLimits)];
+    Count(diagnosis.detected, named, with_group, &strength);
+    if (const auto& calibrated = record.calibrated.result) {
+      strength.calibrated_beyond_5_sigma.Count(calibrated->verdict == "calibrated" &&
+                                               calibrated->worst() > kBeyond_sigmas);
+    }
+  }
   const BlindCause* cause = CauseOf(diagnosis, effect);
   if (diagnosis.detected) samples->truth_posterior.push_back(cause ? cause->posterior : 0.0);
 }
@@ -241,6 +251,9 @@ void Finish(const Samples& samples, BlindScore* score) {
     bin.stated = samples.stated_sum[k] / static_cast<double>(bin.true_ones.of);
   }
   for (std::size_t k = 0; k < score->sizes.size(); ++k) score->sizes[k].from = kSizeLimits[k];
+  for (std::size_t k = 0; k < score->strengths.size(); ++k) {
+    score->strengths[k].from_sigmas = kStrengthLimits[k];
+  }
   for (std::size_t k = 0; k < score->signatures.size(); ++k) {
     score->signatures[k].from_sigmas = kSignatureLimits[k];
   }

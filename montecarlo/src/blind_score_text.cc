@@ -73,6 +73,18 @@ Json ToJson(const std::vector<OutsiderScore>& outsiders) {
   return rows;
 }
 
+Json ToJson(const std::array<StrengthScore, 4>& strengths) {
+  Json rows = Json::array();
+  for (const StrengthScore& score : strengths) {
+    rows.push_back({{"from_sigmas", score.from_sigmas},
+                    {"detected", ToJson(score.detected)},
+                    {"named", ToJson(score.named)},
+                    {"named_with_group", ToJson(score.named_with_group)},
+                    {"calibrated_beyond_5_sigma", ToJson(score.calibrated_beyond_5_sigma)}});
+  }
+  return rows;
+}
+
 Json ToJson(const std::array<SignatureScore, 3>& signatures) {
   Json rows = Json::array();
   for (const SignatureScore& score : signatures) {
@@ -146,6 +158,23 @@ std::string EffectLines(const BlindScore& s) {
   for (const OutsiderScore& score : s.outsiders) {
     text += fmt::format("  {:<28} {:>9} {:>9}\n", score.outsider, Fraction(score.detected),
                         Fraction(score.rejected));
+  }
+  return text;
+}
+
+std::string StrengthLines(const BlindScore& s) {
+  const auto any = std::any_of(s.strengths.begin(), s.strengths.end(),
+                               [](const StrengthScore& score) { return score.detected.of > 0; });
+  if (!any) return {};
+  std::string text = "flights with one fixed effect, by how strongly it shows, in sigmas\n" +
+                     fmt::format("  {:<28} {:>9} {:>9} {:>12} {:>24}\n", "", "detected", "named",
+                                 "with groups", "calibrated beyond 5");
+  const std::array<const char*, 4> names{"below 4.5", "4.5 to 6", "6 to 8", "above 8"};
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const StrengthScore& score = s.strengths[k];
+    text += fmt::format("  {:<28} {:>9} {:>9} {:>12} {:>24}\n", names[k], Fraction(score.detected),
+                        Fraction(score.named), Fraction(score.named_with_group),
+                        Fraction(score.calibrated_beyond_5_sigma));
   }
   return text;
 }
@@ -289,6 +318,7 @@ Json ToJson(const BlindScore& s) {
             {"rejected_of_detected", ToJson(s.outsider_rejected)},
             {"misnamed_of_detected", ToJson(s.outsider_misnamed)}}},
           {"by_size", ToJson(s.sizes)},
+          {"by_strength", ToJson(s.strengths)},
           {"by_effect", ToJson(s.effects)},
           {"by_outsider", ToJson(s.outsiders)},
           {"by_signature", ToJson(s.signatures)},
@@ -337,7 +367,7 @@ std::string FormatTable(const BlindScore& s) {
   text += ReliabilityLines(s);
   text += Lines("boresight of dn calibrate, by its verdict", s.calibrated);
   text += Lines("boresight of the adapted flight, by its verdict", s.adapted);
-  text += EffectLines(s) + SignatureLines(s);
+  text += EffectLines(s) + StrengthLines(s) + SignatureLines(s);
   for (const std::string& failure : s.failures) text += failure + "\n";
   return text;
 }

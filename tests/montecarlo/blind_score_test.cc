@@ -192,6 +192,36 @@ TEST(BlindScore, BoresightsAreJudgedByVerdict) {
   EXPECT_EQ(score.failures[0], "flight 1: dn calibrate: exit code 1: no attitude");
 }
 
+TEST(BlindScore, GradesOneEffectByHowStronglyItShows) {
+  const auto shows = [](double sigmas, int number, const Said& said, double error_sigmas) {
+    BlindRecord record = Record(number, {"lidar_range_offset"}, said);
+    record.signature = {sigmas * sigmas, 0.0, "lidar_range_offset"};
+    BlindCalibration calibration;
+    calibration.verdict = said.verdict == "no_gap" ? "calibrated" : "contradicted";
+    calibration.error_sigmas = {0.0, error_sigmas, 0.0};
+    record.calibrated.result = calibration;
+    return record;
+  };
+  const Said right{"identified", {"lidar_range_offset"}}, none{"no_gap", {}};
+  const Said group{"group", {"lidar_range_scale"}, {"lidar_range_scale", "lidar_range_offset"}};
+  const BlindScore score = ScoreBlindFlights(
+      {shows(4.4, 1, none, 9.0), shows(4.6, 2, right, 9.0), shows(5.9, 3, none, 1.0),
+       shows(6.1, 4, group, 9.0), shows(80.0, 5, right, 30.0), Record(6, {"gnss_outliers"}, none)});
+  const auto is = [](const Share& share, long hits, long of) {
+    EXPECT_EQ(share.hits, hits);
+    EXPECT_EQ(share.of, of);
+  };
+  is(score.strengths[0].detected, 0, 1);
+  is(score.strengths[0].calibrated_beyond_5_sigma, 1, 1);
+  is(score.strengths[1].detected, 1, 2);
+  is(score.strengths[1].calibrated_beyond_5_sigma, 0, 2);
+  is(score.strengths[2].named, 0, 1);
+  is(score.strengths[2].named_with_group, 1, 1);
+  is(score.strengths[3].named, 1, 1);
+  EXPECT_THAT(FormatTable(score), HasSubstr("4.5 to 6"));
+  EXPECT_EQ(ToJson(score).at("by_strength").at(2).at("from_sigmas"), 6.0);
+}
+
 TEST(BlindScore, GradesWhatIsOutsideByWhatNoEffectCanMimic) {
   const auto with_left = [](double sigmas, BlindRecord record) {
     record.signature = {10.0 * sigmas * sigmas, sigmas * sigmas, "lidar_scan_cone"};

@@ -67,7 +67,8 @@ struct BlindRecord {
   std::optional<Outsider> outsider;
   Eigen::Vector3d boresight_deg = Eigen::Vector3d::Zero();  ///< true
   std::size_t strips = 0;
-  /// Of what the diagnosis does not have: an outsider, or a fixed effect that it is without.
+  /// Of the one fixed effect or the outsider in it; of an effect of the table nothing is left unless
+  /// the diagnosis is without it.
   std::optional<BlindSignature> signature;
   Outcome<BlindDiagnosis> diagnosis;
   Outcome<BlindCalibration> calibrated;

@@ -46,6 +46,15 @@ struct SizeScore {
   Share named_with_group;
 };
 
+/// Flights with one fixed effect, by how strongly it shows.
+struct StrengthScore {
+  double from_sigmas = 0.0;  ///< of the root of BlindSignature::lambda
+  Share detected;
+  Share named;
+  Share named_with_group;
+  Share calibrated_beyond_5_sigma;  ///< of those whose boresight `dn calibrate` gave as assumed
+};
+
 /// Flights with one outsider, or one effect left out, of one name.
 struct OutsiderScore {
   std::string outsider;
@@ -105,7 +114,8 @@ struct BlindScore {
   Share outsider_rejected;  ///< of the detected ones: unknown, or partial
   Share outsider_misnamed;  ///< of the detected ones: one effect is named, and nothing left open
   std::vector<VerdictCount> verdicts;
-  std::array<SizeScore, 3> sizes;  ///< the smaller, the middle and the larger third
+  std::array<SizeScore, 3> sizes;          ///< the smaller, the middle and the larger third
+  std::array<StrengthScore, 4> strengths;  ///< below 4.5 sigma, 4.5 to 6, 6 to 8, above
   std::vector<EffectScore> effects;
   std::vector<OutsiderScore> outsiders;
   std::array<SignatureScore, 3> signatures;  ///< below 5 sigma, 5 to 8, above
