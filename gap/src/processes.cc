@@ -54,7 +54,7 @@ Eigen::VectorXd RowsOfChain(const FlightNetwork& network, const LinearizedNetwor
 }
 
 /// A process with one time constant, over all its sizes.
-struct Judged {
+struct JudgedProcess {
   double tau_s = 0.0;
   SizeAtTau likeliest;
   double log_evidence = 0.0;
@@ -97,7 +97,7 @@ SizeAtTau LikeliestSize(SizeLikelihood& likelihood, const std::vector<double>& f
   return at;
 }
 
-Judged Judge(SizeLikelihood& likelihood) {
+JudgedProcess Judge(SizeLikelihood& likelihood) {
   const double step = 0.5 * std::log(10.0);
   const std::vector<double> log_sizes{-2.0 * step, -step, 0.0, step, 2.0 * step};
   const SizeAtTau at = LikeliestSize(likelihood, log_sizes);
@@ -167,20 +167,21 @@ void Take(const ProcessEstimate& process, ScreenedEffect* effect) {
 
 void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
   const Trial trial(solved, threads, effect->name, 1.0);
-  std::vector<Judged> all;
+  std::vector<JudgedProcess> all;
   for (const double tau_s : kProcessTausS) {
-    std::optional<Judged> at = trial.At(tau_s, &Judge);
+    std::optional<JudgedProcess> at = trial.At(tau_s, &Judge);
     if (!at) continue;
     at->tau_s = tau_s;
     all.push_back(*at);
   }
   if (all.empty()) return;
   LogSum sum;
-  for (const Judged& at : all) sum.Add(at.log_evidence);
+  for (const JudgedProcess& at : all) sum.Add(at.log_evidence);
   effect->log_evidence = sum.Value() - std::log(static_cast<double>(std::size(kProcessTausS)));
-  const Judged& best = *std::max_element(
-      all.begin(), all.end(),
-      [](const Judged& a, const Judged& b) { return a.log_evidence < b.log_evidence; });
+  const JudgedProcess& best =
+      *std::max_element(all.begin(), all.end(), [](const JudgedProcess& a, const JudgedProcess& b) {
+        return a.log_evidence < b.log_evidence;
+      });
   const SizeAtTau& size = best.likeliest;
   Take({size.size, size.size * size.relative_sigma, best.tau_s,
         std::numeric_limits<double>::quiet_NaN()},

@@ -8,7 +8,7 @@
 namespace dn::internal {
 namespace {
 
-constexpr int kMostSteps = 6, kMostStepsAside = 4;
+constexpr int kMostTauSteps = 6, kMostStepsAside = 4;
 // Half the width of an interval of 95 %, and how far the logarithm of the likelihood falls to its ends.
 constexpr double kInterval_sigmas = 1.96;
 constexpr double kFall_nats = 0.5 * kInterval_sigmas * kInterval_sigmas;
@@ -60,7 +60,7 @@ struct Search {
 
 Search FindLikeliestStep(TauSteps& steps) {
   Search search;
-  for (int pass = 0; pass < kMostSteps && !search.found; ++pass) {
+  for (int pass = 0; pass < kMostTauSteps && !search.found; ++pass) {
     const SizeAtTau *before = steps.At(search.last - 1), *at = steps.At(search.last),
                     *after = steps.At(search.last + 1);
     if (before == nullptr || at == nullptr || after == nullptr) {
