@@ -64,6 +64,22 @@ void PrintAssessment(const BoresightResult& boresight) {
   fmt::print("\n");
 }
 
+/// What a verdict cannot know of.
+void PrintUnseen(const std::vector<UnseenEffect>& unseen) {
+  constexpr std::size_t kMostTold = 3;
+  if (unseen.empty()) return;
+  fmt::print("could hide, each of its usual size (dn gap has more):\n");
+  for (std::size_t k = 0; k < std::min(kMostTold, unseen.size()); ++k) {
+    const UnseenEffect& one = unseen[k];
+    const std::string shows = std::isfinite(one.minimal_detectable)
+                                  ? fmt::format("shows from {:.2g} on", one.minimal_detectable)
+                                  : "never shows";
+    fmt::print("  {}{}{}, {:.2g} {}: would move the boresight by {:.1f} sigma, {}\n", one.name,
+               one.component.empty() ? "" : " ", one.component, one.usual, one.unit, one.damage,
+               shows);
+  }
+}
+
 void PrintTimes(const RunTimings& timings) {
   fmt::print("time: reading {:.2f} s, solving {:.2f} s, covariances {:.2f} s\n", timings.read_s,
              timings.solve_s, timings.covariance_s);
@@ -108,6 +124,7 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
              flight_run.adjustment().residual_initial_m, flight_run.adjustment().residual_final_m);
   PrintClocks(flight_run.solution->model_check().clocks);
   PrintAssessment(boresight);
+  PrintUnseen(flight_run.solution->model_check().unseen);
   PrintTimes(flight_run.timings);
 }
 

@@ -14,6 +14,7 @@
 #include "effect_screen.h"
 #include "model_findings.h"
 #include "rival_effects.h"
+#include "unseen_effects.h"
 
 namespace dn {
 namespace {
@@ -153,9 +154,10 @@ class Checker {
         internal::FindRivals(network_, marginals_, candidates_, score,
                              {watched_, watched_sigma_, check_.of_boresight}, unknowns, tests_);
     score.shift.conservativeResize(watched_sigma_.size(), Eigen::NoChange);
-    screen_ =
-        internal::ScreenEffects(candidates_, score, {tests_, watched_sigma_, check_.of_boresight});
+    const internal::ScreenOptions options{tests_, watched_sigma_, check_.of_boresight};
+    screen_ = internal::ScreenEffects(candidates_, score, options);
     check_.effects = screen_.effects;
+    check_.unseen = internal::FindUnseen(candidates_, score, options);
     FindClocks(score);
   }
 

@@ -3,6 +3,8 @@
 #include <dn/calibration/words.h>
 #include <dn/rotation.h>
 
+#include <cmath>
+
 namespace dn {
 namespace {
 
@@ -33,6 +35,18 @@ Json EffectJson(const EffectCheck& effect, bool has_boresight) {
           {"inseparable_from", effect.inseparable_from}};
 }
 
+Json UnseenJson(const UnseenEffect& unseen, bool has_boresight) {
+  const bool ever = std::isfinite(unseen.minimal_detectable);
+  return {{"effect", unseen.name},
+          {"component", unseen.component.empty() ? Json(nullptr) : Json(unseen.component)},
+          {"usual", unseen.usual},
+          {"minimal_detectable", ever ? Json(unseen.minimal_detectable) : Json(nullptr)},
+          {"unit", unseen.unit},
+          {"boresight_damage_mdeg",
+           has_boresight ? ToJson(unseen.boresight_rad * kDegPerRad * 1e3) : Json(nullptr)},
+          {"damage_sigmas", unseen.damage}};
+}
+
 Json RivalJson(const RivalCheck& rival, bool has_boresight) {
   return {{"unknown", rival.unknown},
           {"rival", rival.rival},
@@ -57,6 +71,10 @@ Json ModelCheckJson(const ModelCheck& check) {
           {"effects",
            List(check.effects,
                 [&](const EffectCheck& effect) { return EffectJson(effect, check.of_boresight); })},
+          {"unseen", List(check.unseen,
+                          [&](const UnseenEffect& unseen) {
+                            return UnseenJson(unseen, check.of_boresight);
+                          })},
           {"rivals",
            List(check.rivals,
                 [&](const RivalCheck& rival) { return RivalJson(rival, check.of_boresight); })},

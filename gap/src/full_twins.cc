@@ -18,7 +18,7 @@ namespace dn::internal {
 namespace {
 
 constexpr std::size_t kFewestTwins = 3;
-constexpr std::size_t kMostConspicuous = 20;
+constexpr Eigen::Index kMostConspicuous = 20;
 constexpr std::size_t kMostLinear = 100;  // that the energy distance looks at
 constexpr int kPermutations = 999;
 // By this share the mark of an effect may differ where pairs lie elsewhere, on ground of another
@@ -95,13 +95,11 @@ double EnergyDistance(const Eigen::MatrixXd& D, const std::vector<std::size_t>& 
 }
 
 /// The statistics in which a flight departs most from the assumed model.
-std::vector<Eigen::Index> MostConspicuous(const Eigen::VectorXd& z) {
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(z.size()));
-  std::iota(order.begin(), order.end(), Eigen::Index{0});
+Eigen::VectorXi MostConspicuous(const Eigen::VectorXd& z) {
+  Eigen::VectorXi order = Eigen::VectorXi::LinSpaced(z.size(), 0, static_cast<int>(z.size()) - 1);
   std::stable_sort(order.begin(), order.end(),
-                   [&](Eigen::Index a, Eigen::Index b) { return std::abs(z[a]) > std::abs(z[b]); });
-  order.resize(std::min(kMostConspicuous, order.size()));
-  return order;
+                   [&](int a, int b) { return std::abs(z[a]) > std::abs(z[b]); });
+  return order.head(std::min(kMostConspicuous, order.size()));
 }
 
 /// Of the first half of the linear twins.
@@ -119,7 +117,7 @@ Eigen::MatrixXd CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
 /// is most conspicuous.
 double SizeOff(const Eigen::VectorXd& flight, const Eigen::VectorXd& off,
                const Eigen::MatrixXd& correlation) {
-  const std::vector<Eigen::Index> most = MostConspicuous(flight);
+  const Eigen::VectorXi most = MostConspicuous(flight);
   const Eigen::LLT<Eigen::MatrixXd> llt(correlation(most, most));
   return llt.matrixL().solve(off(most)).squaredNorm();
 }

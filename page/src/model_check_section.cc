@@ -55,6 +55,25 @@ Table Effects(const Facts& check) {
   return table;
 }
 
+Table Unseen(const Facts& check) {
+  Table table{"What could hide, each of its usual size",
+              {"effect", "usual size", "shows from", "unit", "moves roll [mdeg]", "pitch", "yaw",
+               "[sigma]"},
+              {},
+              "Effects that this flight would not show, though they would move the result by more "
+              "than its sigma: by geometry alone, whether they are there or not."};
+  for (const Facts& unseen : check["unseen"].elements()) {
+    std::vector<Cell> cells{Text(unseen["effect"].text() + " " + unseen["component"].text()),
+                            unseen["usual"].Significant(2),
+                            unseen["minimal_detectable"].Significant(2),
+                            Text(unseen["unit"].text())};
+    for (const Cell& cell : Three(unseen["boresight_damage_mdeg"], 2)) cells.push_back(cell);
+    cells.push_back(unseen["damage_sigmas"].Decimals(1));
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
+
 Table Clocks(const Facts& clocks) {
   Table table{"Clocks against that of the inertial data",
               {"sensor", "offset [ms]", "sigma", "drift [ppm]", "sigma"},
@@ -108,7 +127,7 @@ Section ModelCheckSection(const Facts& result) {
     section.contents.emplace_back(
         Paragraph{"No test of the model check speaks against the assumed model.", Tone::kGood});
   }
-  for (Table table : {Effects(check), Groups(check), Clocks(result["clocks"])}) {
+  for (Table table : {Effects(check), Unseen(check), Groups(check), Clocks(result["clocks"])}) {
     if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
   }
   return section;

@@ -219,7 +219,17 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
               AnyOf("calibrated", "absorbed", "not_observable"));
   EXPECT_TRUE(result["assessment"]["reasons"].is_array());
   EXPECT_THAT(KeysOf(result["model_check"]),
-              IsSupersetOf({"groups", "effects", "p_value", "findings"}));
+              IsSupersetOf({"groups", "effects", "p_value", "findings", "unseen"}));
+  ASSERT_FALSE(result["model_check"]["unseen"].empty());
+  for (const Json& unseen : result["model_check"]["unseen"]) {
+    EXPECT_THAT(KeysOf(unseen),
+                UnorderedElementsAre("effect", "component", "usual", "minimal_detectable", "unit",
+                                     "boresight_damage_mdeg", "damage_sigmas"));
+    EXPECT_GT(unseen["damage_sigmas"], 1.0);
+    ExpectNumbers(unseen["boresight_damage_mdeg"], 3);
+  }
+  EXPECT_THAT(ContentOf(CalibrateResult() / "report.html"),
+              HasSubstr("What could hide, each of its usual size"));
   ASSERT_FALSE(result["model_check"]["groups"].empty());
   EXPECT_THAT(KeysOf(result["model_check"]["groups"][0]),
               UnorderedElementsAre("name", "observations", "redundancy", "variance_ratio",

@@ -1,6 +1,7 @@
 #include <dn/calibration/candidate_effects.h>
 #include <dn/calibration/model_check.h>
 #include <dn/calibration/words.h>
+#include <dn/effects/effect_table.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -53,6 +54,42 @@ TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
       EXPECT_TRUE(flight.check.effects.empty());
       EXPECT_GT(flight.check.p_value, 1e-3);
     }
+  }
+}
+
+// An error of the usual size that is said to hide is put into the data: it moves the boresight as
+// foretold, and the verdict does not see it.
+TEST(ModelCheck, WhatCouldHideDoesAsForetold) {
+  const Checked without(Fly(AircraftScenario(), 3));
+  ASSERT_FALSE(without.check.unseen.empty());
+  const UnseenEffect& worst = without.check.unseen.front();
+  EXPECT_GT(worst.damage, 1.0);
+  EXPECT_GT(worst.minimal_detectable, worst.usual);
+  const EffectSpec& spec = *FindEffect(worst.name);
+  std::string value;
+  for (const EffectComponent& component : spec.components) {
+    const bool is_it = spec.components.size() == 1 || component.name == worst.component;
+    value += (value.empty() ? "[" : ", ") + std::to_string(is_it ? worst.usual : 0.0);
+  }
+  const Checked with(
+      Fly(AircraftScenario("effects: [{effect: " + worst.name + ", value: " + value + "]}]\n"), 3));
+  EXPECT_EQ(with.boresight().verdict, Verdict::kCalibrated) << with.first_reason();
+  const Eigen::Vector3d moved_rad = with.boresight().angles_rad - without.boresight().angles_rad;
+  EXPECT_LE((moved_rad - worst.boresight_rad).norm(), 0.1 * worst.boresight_rad.norm());
+  EXPECT_GT(moved_rad.cwiseQuotient(without.boresight().sigma_rad()).cwiseAbs().maxCoeff(), 0.9);
+}
+
+TEST(ModelCheck, WhatCouldHideDoesNotDependOnTheData) {
+  const Checked one(Fly(AircraftScenario(), 3));
+  for (std::size_t k = 1; k < one.check.unseen.size(); ++k) {
+    EXPECT_GE(one.check.unseen[k - 1].damage, one.check.unseen[k].damage);
+    EXPECT_NE(one.check.unseen[k - 1].name, one.check.unseen[k].name);
+  }
+  SimulatedFlight simulated = Fly(AircraftScenario(), 3);
+  simulated.flight.config.estimate.push_back({.unknown = one.check.unseen[0].name});
+  const Checked estimated(std::move(simulated));
+  for (const UnseenEffect& unseen : estimated.check.unseen) {
+    EXPECT_NE(unseen.name, one.check.unseen[0].name) << "an unknown hides nothing";
   }
 }
 

@@ -46,6 +46,18 @@ struct EffectCheck {
   std::vector<std::string> inseparable_from;
 };
 
+/// An effect that in its usual size would move a watched unknown by more than its sigma, and that the
+/// data would not show: of its components the one that moves it farthest, by itself.
+struct UnseenEffect {
+  std::string name;
+  std::string component;            ///< "x", "east"; empty where there is one only
+  std::string unit;                 ///< of both sizes
+  double usual = 0.0;               ///< 1 sigma of what is to be expected
+  double minimal_detectable = 0.0;  ///< Baarda's (RowTest), to first order; infinite: no size shows
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< move of the boresight at `usual`
+  double damage = 0.0;  ///< there, of the watched unknown that moves farthest, in its sigmas
+};
+
 /// An effect that explains the data as well as an unknown that is estimated: of all that do, the one
 /// that moves the watched unknowns farthest in its place.
 struct RivalCheck {

@@ -16,6 +16,7 @@ struct ModelCheck {
   std::vector<GroupCheck> groups;
   std::vector<CommonErrorCheck> common_errors;
   std::vector<EffectCheck> effects;  ///< the significant ones, in the order found
+  std::vector<UnseenEffect> unseen;  ///< what could hide, the most harmful first
   std::vector<RivalCheck> rivals;    ///< of estimated unknowns
   std::vector<PriorCheck> priors;
   /// Estimates of the adjustment where they are among its unknowns, of the screening where it has
@@ -38,7 +39,9 @@ struct ModelCheck {
 ///   effects        score tests of CandidateEffects, the likeliest first, each beside those before
 ///                  (the ratio of likelihoods over sizes around the usual one), with the move of
 ///                  the boresight that its estimate explains;
-///   rivals         the same with a candidate in the place of an unknown that is estimated: another
+///   unseen         effects whose usual size is below the minimal detectable one and moves a watched
+///                  unknown by more than its sigma: by geometry alone, no measured value counts;
+///   rivals         score tests with a candidate in the place of an unknown that is estimated: another
 ///                  cause of what that explains, and where it would put the boresight;
 ///   priors         predicted residual of each stated prior (PredictFactor);
 ///   shares of pairs and GNSS epochs that were left out, size of the boresight, sigma0.

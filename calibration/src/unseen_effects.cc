@@ -1,0 +1,78 @@
+#include "unseen_effects.h"
+
+#include <dn/effects/effect_table.h>
+#include <dn/solvers/fit_check.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace dn::internal {
+namespace {
+
+// Signatures below this share of their own size are what rounding leaves.
+constexpr double kAbsorbed = 1e-7;
+// An error of this many sigmas of an unknown is one that its covariance does not cover.
+constexpr double kHarmful_sigmas = 1.0;
+
+double MinimalDetectable(double information, double signature2) {
+  if (!(information > kAbsorbed * signature2)) return std::numeric_limits<double>::infinity();
+  return RowTest().NonCentrality() / std::sqrt(information);
+}
+
+std::string NameOf(const CandidateEffect& candidate, Eigen::Index component) {
+  const EffectSpec* spec = FindEffect(candidate.name);
+  if (candidate.typical.size() == 1 || spec == nullptr) return "";
+  return spec->components[static_cast<std::size_t>(component)].name;
+}
+
+/// The most harmful component that could hide; nothing where none could.
+std::optional<UnseenEffect> Unseen(const CandidateEffect& candidate,
+                                   const std::vector<Eigen::Index>& components,
+                                   const JointScore& score, const ScreenOptions& options) {
+  std::optional<UnseenEffect> worst;
+  for (Eigen::Index k = 0; k < candidate.typical.size(); ++k) {
+    const Eigen::Index c = components[static_cast<std::size_t>(k)];
+    const double usual = candidate.typical[k];
+    const double detectable = MinimalDetectable(score.A(c, c), score.signature2[c]);
+    const Eigen::VectorXd move = usual * score.shift.col(c);
+    const double damage = move.cwiseQuotient(options.watched_sigma).cwiseAbs().maxCoeff();
+    if (detectable <= usual || damage <= kHarmful_sigmas) continue;
+    if (worst && damage <= worst->damage) continue;
+    worst = UnseenEffect{candidate.name,
+                         NameOf(candidate, k),
+                         candidate.unit,
+                         candidate.per_si * usual,
+                         candidate.per_si * detectable,
+                         Eigen::Vector3d::Zero(),
+                         damage};
+    if (options.of_boresight) worst->boresight_rad = move;
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::vector<UnseenEffect> FindUnseen(const std::vector<CandidateEffect>& candidates,
+                                     const JointScore& score, const ScreenOptions& options) {
+  std::vector<UnseenEffect> found;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    std::optional<UnseenEffect> unseen = Unseen(candidates[k], score.Components(k), score, options);
+    if (unseen) found.push_back(std::move(*unseen));
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.damage > b.damage; });
+  std::vector<UnseenEffect> of_names;
+  for (UnseenEffect& one : found) {
+    const bool told = std::any_of(of_names.begin(), of_names.end(), [&](const UnseenEffect& other) {
+      return other.name == one.name;
+    });
+    if (!told) of_names.push_back(std::move(one));
+  }
+  return of_names;
+}
+
+}  // namespace dn::internal
