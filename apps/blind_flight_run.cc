@@ -1,5 +1,6 @@
 #include "blind_flight_run.h"
 
+#include <dn/calibration/adjust.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/flight/atomic_file.h>
