@@ -101,16 +101,14 @@ class EffectScreener {
     }
     if (components.empty()) return;
     const ScoreTest test = TestTogether(score_, components);
-    Eigen::VectorXd largest(test.estimate.size());
+    Eigen::VectorXd usual(test.estimate.size());
     Eigen::Index at = 0;
     for (const std::size_t k : out_.chosen) {
       const Eigen::VectorXd& typical = candidates_[k].typical;
-      largest.segment(at, typical.size()) = kLargestPerTypical * typical;
+      usual.segment(at, typical.size()) = typical;
       at += typical.size();
     }
-    Eigen::MatrixXd A = score_.A(components, components);
-    A.diagonal() += largest.cwiseAbs2().cwiseInverse();
-    const Eigen::VectorXd shrunk = -A.ldlt().solve(score_.s(components));
+    const Eigen::VectorXd shrunk = ShrunkEstimate(score_, components, usual);
     at = 0;
     for (std::size_t e = 0; e < out_.chosen.size(); ++e) {
       const CandidateEffect& candidate = candidates_[out_.chosen[e]];
@@ -139,6 +137,13 @@ class EffectScreener {
 double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& components,
                    const Eigen::VectorXd& typical) {
   return EvidenceForm(score.A(components, components), typical).LogEvidence(score.s(components));
+}
+
+Eigen::VectorXd ShrunkEstimate(const JointScore& score, const std::vector<Eigen::Index>& components,
+                               const Eigen::VectorXd& typical) {
+  Eigen::MatrixXd A = score.A(components, components);
+  A.diagonal() += (kLargestPerTypical * typical).cwiseAbs2().cwiseInverse();
+  return -A.ldlt().solve(score.s(components));
 }
 
 EffectScreen ScreenEffects(const std::vector<CandidateEffect>& candidates, const JointScore& score,

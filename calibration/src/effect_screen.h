@@ -35,6 +35,10 @@ struct EffectScreen {
 double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& components,
                    const Eigen::VectorXd& typical);
 
+/// Estimates of components together, SI, shrunk towards zero from kLargestPerTypical usual sizes on.
+Eigen::VectorXd ShrunkEstimate(const JointScore& score, const std::vector<Eigen::Index>& components,
+                               const Eigen::VectorXd& typical);
+
 /// Takes the likeliest significant effect, again and again, each beside those before, up to four,
 /// and estimates all of them together. `score`: of the candidates, in their order.
 EffectScreen ScreenEffects(const std::vector<CandidateEffect>& candidates, const JointScore& score,

@@ -1,11 +1,15 @@
 #include <dn/calibration/candidate_effects.h>
+#include <dn/calibration/laser_departures.h>
 #include <dn/calibration/model_check.h>
+#include <dn/effects/effect_table.h>
+#include <dn/flight/flight.h>
 #include <dn/report/distributions.h>
 #include <dn/solvers/fit_check.h>
 #include <dn/solvers/prediction.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -22,6 +26,16 @@ namespace {
 constexpr int kWatchedNodes = 8;
 // What averaging over the size of an error costs, against its likeliest size.
 constexpr double kPriceOfASizeNats = 2.0;
+// More strips than a test of all of them together is good for.
+constexpr std::size_t kMostStrips = 24;
+
+std::vector<OwnEffect> Departures(const FlightNetwork& network) {
+  if (network.pair_edges.empty()) return {};
+  std::vector<OwnEffect> departures{LaserByScanAngle(network)};
+  const std::vector<StripInterval> strips = FindStrips(network.flight());
+  if (strips.size() > 1 && strips.size() <= kMostStrips) departures.push_back(LaserByStrip(strips));
+  return departures;
+}
 
 class Checker {
  public:
@@ -34,11 +48,12 @@ class Checker {
         linearized_(marginals.linearized()),
         forms_(ChannelForms(linearized_)),
         num_channels_(forms_.size()),
-        candidates_(CandidateEffects(network_, threads)) {
+        candidates_(CandidateEffects(network_, threads, Departures(network_))) {
+    SeparateDepartures();
     for (ResidualForm& common : internal::CommonErrorForms(network_, linearized_)) {
       forms_.push_back(std::move(common));
     }
-    tests_ = static_cast<double>(forms_.size() + candidates_.size());
+    tests_ = static_cast<double>(forms_.size() + candidates_.size() + departures_.size());
     Watch();
   }
 
@@ -50,6 +65,7 @@ class Checker {
     check_.sigma0_beside_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
     CheckGroups(left);
+    CheckDepartures();
     CheckCommonErrors(left);
     check_.p_value = check_.SmallestPValue();
     return std::move(check_);
@@ -57,6 +73,15 @@ class Checker {
 
  private:
   double ForFamily(double p_value) const { return std::min(1.0, p_value * tests_); }
+
+  /// What has no name stands last among the candidates.
+  void SeparateDepartures() {
+    const auto first = std::find_if(
+        candidates_.begin(), candidates_.end(),
+        [](const CandidateEffect& candidate) { return FindEffect(candidate.name) == nullptr; });
+    departures_.assign(std::make_move_iterator(first), std::make_move_iterator(candidates_.end()));
+    candidates_.erase(first, candidates_.end());
+  }
 
   /// The unknowns whose move counts: the boresight, else poses along the trajectory.
   void Watch() {
@@ -146,6 +171,7 @@ class Checker {
   void FindEffects() {
     std::vector<EffectModel> models;
     for (const CandidateEffect& candidate : candidates_) models.push_back(candidate.model);
+    for (const CandidateEffect& departure : departures_) models.push_back(departure.model);
     const std::vector<BlockId> unknowns = internal::EffectUnknowns(network_);
     std::vector<BlockId> shifted = watched_;
     shifted.insert(shifted.end(), unknowns.begin(), unknowns.end());
@@ -159,6 +185,46 @@ class Checker {
     check_.effects = screen_.effects;
     check_.unseen = internal::FindUnseen(candidates_, score, options);
     FindClocks(score);
+    beside_effects_ =
+        screen_.chosen.empty() ? std::move(score) : GivenComponents(score, ChosenComponents(score));
+  }
+
+  std::vector<Eigen::Index> ChosenComponents(const JointScore& score) const {
+    std::vector<Eigen::Index> components;
+    for (const std::size_t k : screen_.chosen) {
+      for (const Eigen::Index c : score.Components(k)) components.push_back(c);
+    }
+    return components;
+  }
+
+  /// Of the noise that the pairs show beside the effects, over the stated one; 1 where it is less.
+  double ExcessOfPairs() const {
+    double ratio = 1.0;
+    for (const GroupCheck& group : check_.groups) {
+      if (group.name == "lidar p2p") ratio = std::max(ratio, group.ratio_beside_effects);
+    }
+    return ratio;
+  }
+
+  void CheckDepartures() {
+    for (std::size_t k = 0; k < departures_.size(); ++k) {
+      if (departures_[k].model.empty()) continue;
+      const std::vector<Eigen::Index> components =
+          beside_effects_.Components(candidates_.size() + k);
+      const ScoreTest test = TestTogether(beside_effects_, components);
+      if (test.dof == 0) continue;
+      const Eigen::VectorXd move =
+          beside_effects_.shift(Eigen::all, components) *
+          internal::ShrunkEstimate(beside_effects_, components, departures_[k].typical);
+      DepartureCheck departure;
+      departure.name = departures_[k].name;
+      departure.statistic = test.statistic / ExcessOfPairs();
+      departure.dof = test.dof;
+      departure.p_value = ForFamily(ChiSquareTail(departure.statistic, test.dof));
+      departure.damage = InSigmas(move);
+      if (check_.of_boresight) departure.boresight_rad = move;
+      check_.departures.push_back(std::move(departure));
+    }
   }
 
   void FindClocks(const JointScore& score) {
@@ -255,6 +321,8 @@ class Checker {
   std::vector<ResidualForm> forms_;  // of the channels, then of common errors
   std::size_t num_channels_;
   std::vector<CandidateEffect> candidates_;
+  std::vector<CandidateEffect> departures_;
+  JointScore beside_effects_;  // of candidates, then departures
   double tests_ = 1.0;
   std::vector<BlockId> watched_;
   Eigen::VectorXd watched_sigma_;
@@ -281,6 +349,7 @@ double ModelCheck::SmallestPValue() const {
   note(groups);
   note(common_errors);
   note(effects);
+  note(departures);
   note(priors);
   return smallest;
 }

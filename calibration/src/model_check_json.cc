@@ -35,6 +35,15 @@ Json EffectJson(const EffectCheck& effect, bool has_boresight) {
           {"inseparable_from", effect.inseparable_from}};
 }
 
+Json DepartureJson(const DepartureCheck& departure) {
+  return {{"name", departure.name},
+          {"statistic", departure.statistic},
+          {"dof", departure.dof},
+          {"p_value", departure.p_value},
+          {"boresight_damage_mdeg", ToJson(departure.boresight_rad * kDegPerRad * 1e3)},
+          {"damage_sigmas", departure.damage}};
+}
+
 Json UnseenJson(const UnseenEffect& unseen, bool has_boresight) {
   const bool ever = std::isfinite(unseen.minimal_detectable);
   return {{"effect", unseen.name},
@@ -71,6 +80,7 @@ Json ModelCheckJson(const ModelCheck& check) {
           {"effects",
            List(check.effects,
                 [&](const EffectCheck& effect) { return EffectJson(effect, check.of_boresight); })},
+          {"departures", List(check.departures, DepartureJson)},
           {"unseen", List(check.unseen,
                           [&](const UnseenEffect& unseen) {
                             return UnseenJson(unseen, check.of_boresight);

@@ -52,6 +52,12 @@ class Findings {
     }
   }
 
+  void JudgeDepartures() {
+    for (const DepartureCheck& departure : check_.departures) {
+      if (departure.p_value <= kFamilyLevel) Add(facts::DepartureUnnamed{departure}, true, 0.0);
+    }
+  }
+
   void JudgeRivals() {
     for (const RivalCheck& rival : check_.rivals) {
       if (rival.damage <= kDamageInSigmas) continue;
@@ -140,6 +146,7 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   findings.JudgeAttitude(network);
   findings.JudgeGnssClock(adjustment.gnss_clock);
   findings.JudgeEffects(adjustment.gnss_clock.has_value());
+  findings.JudgeDepartures();
   findings.JudgeRivals();
   findings.JudgeCommonErrors();
   findings.JudgeSigma0(trajectory.figures.sigma0);

@@ -85,6 +85,14 @@ std::string Say(const facts::EffectPresent& fact) {
   return text + ": " + effect.remedy;
 }
 
+std::string Say(const facts::DepartureUnnamed& fact) {
+  const DepartureCheck& departure = fact.departure;
+  return fmt::format(
+      "{} differ as no effect of the table explains ({}), which may move the boresight by "
+      "{:.1f} sigma: dn gap says where; look at the scanner's calibration and at the pairs",
+      departure.name, P(departure.p_value), departure.damage);
+}
+
 std::string Say(const facts::UnknownAmbiguous& fact) {
   const RivalCheck& check = fact.check;
   const Eigen::Vector3d mdeg = check.boresight_rad * kDegPerRad * 1e3;

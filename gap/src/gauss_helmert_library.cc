@@ -1,7 +1,9 @@
 #include "gauss_helmert_library.h"
 
 #include <dn/calibration/candidate_effects.h>
+#include <dn/calibration/laser_departures.h>
 #include <dn/effects/effect_table.h>
+#include <dn/flight/scan_angle.h>
 #include <dn/flight/strip_at.h>
 #include <fmt/format.h>
 
@@ -39,7 +41,7 @@ class GaussHelmertLibraryMaker {
     AddDrift();
     AddBoresightByCell();
     AddBoresightShapes();
-    AddGeneric(LaserByScanAngle(lidar_, low_rad_, high_rad_, kScanAngleBumps));
+    AddGeneric(LaserByScanAngle(lidar_, low_rad_, high_rad_));
     if (strips_.size() > 1 && strips_.size() <= kMostStrips) AddGeneric(LaserByStrip(strips_));
     AddStripPlaces();
     AddScanAnglePlaces();

@@ -17,7 +17,6 @@ namespace {
 // Usual sizes of what has no name.
 constexpr double kBoresightRad = 5e-5;
 constexpr double kGnssM = 0.02;
-constexpr double kLaserM = 0.02;
 
 constexpr double kShortestGnssCellS = 5.0;
 constexpr int kMostGnssCells = 120;
@@ -67,28 +66,6 @@ class ShiftByTime final : public GnssEffect {
  private:
   int count_;
   Weights weights_;
-};
-
-/// measured = true + sum of weighted three-vectors in the sensor frame.
-class LaserOffset final : public LidarEffect {
- public:
-  using WeightsOf = std::function<void(const LidarReading&, Eigen::VectorXd*)>;
-  LaserOffset(int count, WeightsOf weights) : count_(count), weights_(std::move(weights)) {}
-  int components() const override { return 3 * count_; }
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
-               LidarReading* reading) const override {
-    Eigen::VectorXd w = Eigen::VectorXd::Zero(count_);
-    weights_(*reading, &w);
-    for (int k = 0; k < count_; ++k) {
-      if (w[k] == 0.0) continue;
-      reading->u_s -= w[k] * value.segment<3>(3 * k);
-      reading->J_u.middleCols<3>(column + 3 * k) = -w[k] * Eigen::Matrix3d::Identity();
-    }
-  }
-
- private:
-  int count_;
-  WeightsOf weights_;
 };
 
 }  // namespace
@@ -212,31 +189,6 @@ OwnEffect GnssByCosine(const Cosines& cosines) {
   return {"GNSS positions by frequency",
           std::make_shared<ShiftByTime>(cosines.count, std::move(weights)),
           Eigen::VectorXd::Constant(3 * cosines.count, kGnssM)};
-}
-
-OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double last_rad, int bumps) {
-  const double step = (last_rad - first_rad) / (bumps - 1);
-  auto weights = [=](const LidarReading& reading, Eigen::VectorXd* w) {
-    const double angle = ScanAngle(lidar, reading.u_s);
-    for (int k = 0; k < bumps; ++k) {
-      const double off = (angle - first_rad - step * k) / step;
-      (*w)[k] = std::exp(-0.5 * off * off);
-    }
-  };
-  return {"laser vectors by scan angle", std::make_shared<LaserOffset>(bumps, std::move(weights)),
-          Eigen::VectorXd::Constant(3 * bumps, kLaserM)};
-}
-
-OwnEffect LaserByStrip(const std::vector<StripInterval>& strips) {
-  auto weights = [strips](const LidarReading& reading, Eigen::VectorXd* w) {
-    const double t_s = reading.tag_s - reading.delay_s;
-    for (std::size_t k = 0; k < strips.size(); ++k) {
-      if (t_s >= strips[k].t0_s && t_s <= strips[k].t1_s) (*w)[static_cast<Eigen::Index>(k)] = 1.0;
-    }
-  };
-  const auto count = static_cast<int>(strips.size());
-  return {"laser vectors by strip", std::make_shared<LaserOffset>(count, std::move(weights)),
-          Eigen::VectorXd::Constant(3 * count, kLaserM)};
 }
 
 }  // namespace dn::internal

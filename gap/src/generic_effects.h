@@ -2,7 +2,6 @@
 
 #include <dn/calibration/candidate_effects.h>
 #include <dn/flight/flight.h>
-#include <dn/flight/scan_angle.h>
 #include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>
@@ -10,9 +9,6 @@
 #include <vector>
 
 namespace dn::internal {
-
-/// Bumps of LaserByScanAngle over the scan angles of a flight.
-inline constexpr int kScanAngleBumps = 7;
 
 /// Stretches of time, one after the other; the first and the last have no outer end.
 struct TimeCells {
@@ -74,12 +70,5 @@ OwnEffect GnssByCell(const TimeCells& cells);
 
 /// GNSS positions are off by a sum of cosines: axis by axis within each cosine.
 OwnEffect GnssByCosine(const Cosines& cosines);
-
-/// The laser vectors are off by a smooth function of the scan angle: bumps, three components
-/// (sensor axes) each.
-OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double last_rad, int bumps);
-
-/// The laser vectors are off by a constant in each strip: three components (sensor axes) each.
-OwnEffect LaserByStrip(const std::vector<StripInterval>& strips);
 
 }  // namespace dn::internal

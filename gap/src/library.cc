@@ -1,6 +1,7 @@
 #include "library.h"
 
 #include <dn/calibration/candidate_effects.h>
+#include <dn/calibration/laser_departures.h>
 #include <dn/effects/effect_table.h>
 
 #include <algorithm>
@@ -72,8 +73,7 @@ class LibraryMaker {
     own.push_back(BoresightByCell(boresight_cells_));
     own.push_back(BoresightSettling(strips_.front().t0_s, SettlingTausS(strips_)));
     if (strips_.size() >= kFewestHeadings) own.push_back(BoresightByHeading(strips_, Path()));
-    const auto [low, high] = ScanAngles();
-    own.push_back(LaserByScanAngle(*network_.flight().config.lidar, low, high, kScanAngleBumps));
+    own.push_back(LaserByScanAngle(network_));
     own.push_back(LaserByStrip(strips_));
     return own;
   }
@@ -84,18 +84,6 @@ class LibraryMaker {
       path.push_back(network_.NodePose(k));
     }
     return path;
-  }
-
-  std::pair<double, double> ScanAngles() const {
-    const LidarConfig& lidar = *network_.flight().config.lidar;
-    double low = 0.0, high = 0.0;
-    for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
-      for (const Eigen::Vector3d& u_s : {edge.pair.u_i_s, edge.pair.u_j_s}) {
-        low = std::min(low, ScanAngle(lidar, u_s));
-        high = std::max(high, ScanAngle(lidar, u_s));
-      }
-    }
-    return {low, std::max(high, low + 1e-3)};
   }
 
   std::size_t AddBlock(EffectModel model) {

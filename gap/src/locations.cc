@@ -1,5 +1,6 @@
 #include "locations.h"
 
+#include <dn/flight/scan_angle.h>
 #include <dn/flight/strip_at.h>
 #include <fmt/format.h>
 

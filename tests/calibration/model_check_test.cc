@@ -2,6 +2,7 @@
 #include <dn/calibration/model_check.h>
 #include <dn/calibration/words.h>
 #include <dn/effects/effect_table.h>
+#include <dn/rotation.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -264,6 +265,55 @@ TEST(ModelCheck, AShiftOfOnePairOfStripsIsFound) {
   }
   const Checked flight(std::move(simulated));
   EXPECT_EQ(flight.boresight().verdict, Verdict::kContradicted) << flight.first_reason();
+}
+
+/// A mirror that leaves its plane by a sine of a multiple of the scan angle: no effect of the table.
+SimulatedFlight FlyWithTorsion(const Scenario& scenario, double amplitude_deg) {
+  const Eigen::Vector3d axis_s = scenario.lidar.scan_axis_s.normalized();
+  const Eigen::Vector3d nadir_s = scenario.lidar.nadir_axis_s.normalized();
+  SimulateOptions options;
+  options.seed = 3;
+  options.own.laser_vector = [=](const Eigen::Vector3d& u_s, double) {
+    const double angle = std::atan2(u_s.dot(axis_s.cross(nadir_s)), u_s.dot(nadir_s));
+    const double forward_rad = kRadPerDeg * amplitude_deg * std::sin(8.0 * angle + 0.4);
+    return Eigen::Vector3d(u_s + u_s.norm() * forward_rad * axis_s);
+  };
+  return Simulate(scenario, options);
+}
+
+TEST(ModelCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
+  const Checked without(Fly(AircraftScenario(), 3));
+  const Checked with(FlyWithTorsion(AircraftScenario(), 0.02));
+  const DepartureCheck& by_angle = with.check.departures.front();
+  EXPECT_EQ(by_angle.name, "laser vectors by scan angle");
+  EXPECT_LT(by_angle.p_value, 1e-4);
+  EXPECT_GT(without.check.departures.front().p_value, 0.1);
+  const Finding* unnamed = nullptr;
+  for (const Finding& finding : with.check.findings) {
+    if (finding.As<facts::DepartureUnnamed>() != nullptr) unnamed = &finding;
+  }
+  ASSERT_NE(unnamed, nullptr);
+  EXPECT_TRUE(unnamed->contradicts);
+  EXPECT_EQ(with.boresight().verdict, Verdict::kContradicted);
+}
+
+TEST(ModelCheck, AnEffectThatIsNamedLeavesNoDeparture) {
+  const Checked flight(
+      Fly(AircraftScenario("effects: [{effect: lidar_angle_scale, value: 1500}]\n"), 3));
+  ASSERT_FALSE(flight.check.effects.empty());
+  EXPECT_EQ(flight.check.effects.front().name, "lidar_angle_scale");
+  for (const DepartureCheck& departure : flight.check.departures) {
+    EXPECT_GT(departure.p_value, 0.01) << departure.name;
+  }
+}
+
+TEST(ModelCheck, NoiseOfThePairsIsNoDeparture) {
+  SimulatedFlight simulated = Fly(AircraftScenario(), 3);
+  simulated.flight.config.lidar->sigma_p_m *= 0.5;
+  const Checked flight(std::move(simulated));
+  for (const DepartureCheck& departure : flight.check.departures) {
+    EXPECT_GT(departure.p_value, 0.01) << departure.name;
+  }
 }
 
 TEST(ModelCheck, WithoutPairsTheTrajectoryIsChecked) {

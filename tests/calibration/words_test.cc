@@ -53,6 +53,16 @@ TEST(Words, AnEffectIsToldWithWhatItMoves) {
             "trajectory (12.0 sigma); a or b would explain it nearly as well: estimate it");
 }
 
+TEST(Words, ADepartureIsToldWithWhatItMayMove) {
+  DepartureCheck check;
+  check.name = "laser vectors by scan angle";
+  check.p_value = 2e-5;
+  check.damage = 5.36;
+  EXPECT_THAT(Words(Finding{facts::DepartureUnnamed{check}, true}),
+              HasSubstr("laser vectors by scan angle differ as no effect of the table explains "
+                        "(p = 2e-05), which may move the boresight by 5.4 sigma"));
+}
+
 TEST(Words, ARivalIsToldWithWhereItPutsTheBoresight) {
   RivalCheck check{"gyro_misalignment", "accel_misalignment", -0.5, {}, 33.3};
   check.boresight_rad = Eigen::Vector3d(28.7, -23.5, 19.9) * 1e-3 * kRadPerDeg;

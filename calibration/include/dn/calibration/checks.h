@@ -46,6 +46,17 @@ struct EffectCheck {
   std::vector<std::string> inseparable_from;
 };
 
+/// A way in which the data depart from the model that no effect of the table is: a score test beside
+/// the effects found, against the noise that the pairs show where that is above the stated one.
+struct DepartureCheck {
+  std::string name;  ///< "laser vectors by scan angle" ...
+  double statistic = 0.0;
+  int dof = 0;
+  double p_value = 1.0;
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< move of the boresight by what shows
+  double damage = 0.0;  ///< largest move of a watched unknown by it, in its sigmas
+};
+
 /// An effect that in its usual size would move a watched unknown by more than its sigma, and that the
 /// data would not show: of its components the one that moves it farthest, by itself.
 struct UnseenEffect {

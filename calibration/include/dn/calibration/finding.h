@@ -27,6 +27,11 @@ struct EffectPresent {
   bool moves_boresight = false;  ///< else the trajectory
 };
 
+/// The data depart from the model in a way that no effect explains.
+struct DepartureUnnamed {
+  DepartureCheck departure;
+};
+
 /// What an unknown is estimated for has another cause as likely.
 struct UnknownAmbiguous {
   RivalCheck check;
@@ -166,15 +171,14 @@ struct NetworkDiffers {
 
 }  // namespace facts
 
-using Fact =
-    std::variant<facts::EffectPresent, facts::UnknownAmbiguous, facts::VarianceTooLarge,
-                 facts::ErrorsShared, facts::PriorContradicted, facts::GapUnexplained,
-                 facts::MountingImpossible, facts::UpsideDown, facts::Sigma0TooLarge,
-                 facts::PairsLeftOut, facts::GnssLeftOut, facts::GnssLeverArmOff,
-                 facts::GnssTimeOff, facts::InnovationSize, facts::GnssErrorsLast,
-                 facts::SigmaTooLarge, facts::SigmaAbovePairs, facts::AnglesInseparable,
-                 facts::TrajectoryEstimated, facts::AttitudeInPairs, facts::StripsAlike,
-                 facts::FewPairs, facts::SigmasWidened, facts::NotEstimated, facts::NetworkDiffers>;
+using Fact = std::variant<
+    facts::EffectPresent, facts::DepartureUnnamed, facts::UnknownAmbiguous, facts::VarianceTooLarge,
+    facts::ErrorsShared, facts::PriorContradicted, facts::GapUnexplained, facts::MountingImpossible,
+    facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut, facts::GnssLeftOut,
+    facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize, facts::GnssErrorsLast,
+    facts::SigmaTooLarge, facts::SigmaAbovePairs, facts::AnglesInseparable,
+    facts::TrajectoryEstimated, facts::AttitudeInPairs, facts::StripsAlike, facts::FewPairs,
+    facts::SigmasWidened, facts::NotEstimated, facts::NetworkDiffers>;
 
 /// What speaks for or against the assumed model, or for the verdict.
 struct Finding {

@@ -15,9 +15,10 @@ struct ModelCheck {
   bool of_boresight = false;  ///< what an effect moves is the boresight; else poses
   std::vector<GroupCheck> groups;
   std::vector<CommonErrorCheck> common_errors;
-  std::vector<EffectCheck> effects;  ///< the significant ones, in the order found
-  std::vector<UnseenEffect> unseen;  ///< what could hide, the most harmful first
-  std::vector<RivalCheck> rivals;    ///< of estimated unknowns
+  std::vector<EffectCheck> effects;        ///< the significant ones, in the order found
+  std::vector<DepartureCheck> departures;  ///< without a name, tested beside those
+  std::vector<UnseenEffect> unseen;        ///< what could hide, the most harmful first
+  std::vector<RivalCheck> rivals;          ///< of estimated unknowns
   std::vector<PriorCheck> priors;
   /// Estimates of the adjustment where they are among its unknowns, of the screening where it has
   /// found the clock off, else by the scores of the effects, offset and drift together.
@@ -27,7 +28,7 @@ struct ModelCheck {
   double p_value = 1.0;                ///< smallest of all, for the family
   std::vector<Finding> findings;       ///< those that contradict first
 
-  double SmallestPValue() const;  ///< of groups, common errors, effects and priors; 1 without any
+  double SmallestPValue() const;  ///< of all tests; 1 without any
   bool contradicted() const;
 };
 
@@ -39,6 +40,8 @@ struct ModelCheck {
 ///   effects        score tests of CandidateEffects, the likeliest first, each beside those before
 ///                  (the ratio of likelihoods over sizes around the usual one), with the move of
 ///                  the boresight that its estimate explains;
+///   departures     score tests of laser vectors that differ by scan angle or by strip, beside the
+///                  effects found: what is significant there has no name;
 ///   unseen         effects whose usual size is below the minimal detectable one and moves a watched
 ///                  unknown by more than its sigma: by geometry alone, no measured value counts;
 ///   rivals         score tests with a candidate in the place of an unknown that is estimated: another
@@ -50,8 +53,8 @@ struct ModelCheck {
 /// of one fixed seed. p-values follow from the chi-square distribution of the same two moments.
 ///
 /// A finding contradicts when it is significant at 0.001 for the family and moves the boresight
-/// (without pairs: an attitude or a position) by more than its sigma, when a group has more than
-/// twice its variance, sigma0 exceeds 3, more than 30 % of the pairs or 10 % of the GNSS epochs
+/// (without pairs: an attitude or a position) by more than its sigma, or has no name, when a group has
+/// more than twice its variance, sigma0 exceeds 3, more than 30 % of the pairs or 10 % of the GNSS epochs
 /// were left out, a boresight angle exceeds 15 deg, the body flies on its back, or the
 /// configuration says that a diagnosis found what it does not model.
 ///

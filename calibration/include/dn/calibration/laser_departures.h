@@ -1,0 +1,23 @@
+#pragma once
+
+#include <dn/builder/flight_network.h>
+#include <dn/calibration/candidate_effects.h>
+#include <dn/flight/flight.h>
+
+#include <vector>
+
+namespace dn {
+
+/// Ways in which laser vectors may be off that no effect of the table is: what has no name can be
+/// found by them, and is never corrected.
+
+/// The laser vectors are off by a smooth function of the scan angle: Gaussian bumps from one angle to
+/// another, three components (sensor axes, m) each.
+OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double last_rad);
+/// The same over the scan angles of the network's pairs.
+OwnEffect LaserByScanAngle(const FlightNetwork& network);
+
+/// The laser vectors are off by a constant in each strip: three components (sensor axes, m) each.
+OwnEffect LaserByStrip(const std::vector<StripInterval>& strips);
+
+}  // namespace dn
