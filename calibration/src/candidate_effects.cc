@@ -245,40 +245,67 @@ class Candidates {
 
   const double* Value(BlockId id) const { return network_.net.block(id).value.get(); }
 
-  /// Of an edge by all blocks and effects; none of an edge that is not active.
-  std::vector<Eigen::MatrixXd> DerivativesOf(const EdgeKind& kind, std::size_t k) const {
+  /// Of an edge by the effects, side by side; none of an edge that is not active.
+  Eigen::MatrixXd DerivativesOf(const EdgeKind& kind, std::size_t k) const {
     const FactorRecord& record = network_.net.factor(kind.edges[k]);
     if (!record.active) return {};
     const std::shared_ptr<const FactorBase> factor = kind.make(k);
-    if (factor->residual_size() != record.factor->residual_size()) return {};  // a user's own
-    Eigen::VectorXd r;
-    std::vector<Eigen::MatrixXd> J;
-    if (!EvaluateInTangent(*factor, ValuesOf(kind, k), &r, &J)) return {};
-    return J;
+    const int rows = factor->residual_size();
+    if (rows != record.factor->residual_size()) return {};  // a user's own
+    const std::vector<BlockKind>& blocks = factor->block_kinds();
+    const std::span of_effects = std::span(blocks).last(kind.effects.size());
+    int columns = 0;
+    for (const BlockKind& block : of_effects) columns += block.stored_size;
+    // Effects are vectors: their stored coordinates are the tangent ones.
+    std::vector<double> stored(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+    std::vector<double*> J(blocks.size(), nullptr);
+    double* next = stored.data();
+    for (std::size_t b = 0; b < of_effects.size(); ++b) {
+      J[blocks.size() - of_effects.size() + b] = next;
+      next += rows * of_effects[b].stored_size;
+    }
+    Eigen::VectorXd r(rows);
+    if (!factor->Evaluate(ValuesOf(kind, k).data(), r.data(), J.data())) return {};
+    return SideBySide(stored.data(), rows, columns, of_effects);
+  }
+
+  static Eigen::MatrixXd SideBySide(const double* stored, int rows, int columns,
+                                    std::span<const BlockKind> blocks) {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Eigen::MatrixXd L(rows, columns);
+    Eigen::Index column = 0;
+    for (const BlockKind& block : blocks) {
+      L.middleCols(column, block.stored_size) =
+          Eigen::Map<const RowMajor>(stored, rows, block.stored_size);
+      stored += rows * block.stored_size;
+      column += block.stored_size;
+    }
+    return L;
   }
 
   void Differentiate(const EdgeKind& kind) {
     const bool any = std::any_of(kind.effects.begin(), kind.effects.end(),
                                  [&](std::size_t e) { return of_state_[e] != nullptr; });
     if (!any) return;
-    std::vector<std::vector<Eigen::MatrixXd>> J_of(kind.edges.size());
+    std::vector<Eigen::MatrixXd> L_of(kind.edges.size());
     constexpr std::size_t kAtOnce = FlightNetwork::kPairsAtOnce;
-    for (std::size_t first = 0; first < J_of.size(); first += kAtOnce) {
-      const std::size_t past = std::min(first + kAtOnce, J_of.size());
+    for (std::size_t first = 0; first < L_of.size(); first += kAtOnce) {
+      const std::size_t past = std::min(first + kAtOnce, L_of.size());
       if (kind.prepare) kind.prepare(first, past);
       ParallelFor(static_cast<int>(past - first), threads_, [&](int at) {
         const std::size_t k = first + static_cast<std::size_t>(at);
-        J_of[k] = DerivativesOf(kind, k);
+        L_of[k] = DerivativesOf(kind, k);
       });
     }
-    for (std::size_t k = 0; k < J_of.size(); ++k) {
-      if (J_of[k].empty()) continue;
-      const std::size_t first = J_of[k].size() - kind.effects.size();
-      for (std::size_t e = 0; e < kind.effects.size(); ++e) {
-        CandidateEffect* candidate = of_state_[kind.effects[e]];
-        if (candidate == nullptr) continue;
-        candidate->model.push_back({kind.edges[k], std::move(J_of[k][first + e])});
+    Eigen::Index column = 0;
+    for (const std::size_t e : kind.effects) {
+      const Eigen::Index size = state_.effects[e].value.size();
+      CandidateEffect* candidate = of_state_[e];
+      for (std::size_t k = 0; candidate != nullptr && k < L_of.size(); ++k) {
+        if (L_of[k].size() == 0) continue;
+        candidate->model.push_back({kind.edges[k], L_of[k].middleCols(column, size)});
       }
+      column += size;
     }
   }
 

@@ -12,7 +12,9 @@ namespace {
 
 constexpr Eigen::Index kRowsOfExactMoments = 400;
 constexpr int kSamples = 32;
-constexpr int kSamplesAtOnce = 8;
+// Enough for two threads, few enough for networks of millions of rows.
+constexpr int kSamplesAtOnce = 16, kSamplesAtOnceOfMany = 8;
+constexpr Eigen::Index kManyRows = 1 << 20;
 constexpr unsigned kSeed = 20240501;
 
 /// Forms in which every row has a label of its own.
@@ -51,11 +53,38 @@ std::vector<FormMoments> ExactMoments(const Marginals& marginals,
   return moments;
 }
 
+/// The rows of a form that take part.
+class FewRows {
+ public:
+  explicit FewRows(const ResidualForm& form) : sum_(Eigen::VectorXd::Zero(form.labels)) {
+    for (std::size_t row = 0; row < form.label.size(); ++row) {
+      if (form.label[row] < 0) continue;
+      row_.push_back(static_cast<Eigen::Index>(row));
+      label_.push_back(form.label[row]);
+    }
+  }
+
+  /// ResidualForm::Energy
+  double Energy(const Eigen::Ref<const Eigen::VectorXd>& residual) {
+    sum_.setZero();
+    for (std::size_t k = 0; k < row_.size(); ++k) sum_[label_[k]] += residual[row_[k]];
+    return sum_.squaredNorm();
+  }
+
+ private:
+  std::vector<Eigen::Index> row_;
+  std::vector<int> label_;
+  Eigen::VectorXd sum_;
+};
+
 std::vector<FormMoments> SampledMoments(const Marginals& marginals,
                                         const std::vector<ResidualForm>& forms) {
+  std::vector<FewRows> of_forms(forms.begin(), forms.end());
   std::vector<std::vector<double>> energies(forms.size());
   ForSampledResiduals(marginals, [&](const auto& residual) {
-    for (std::size_t i = 0; i < forms.size(); ++i) energies[i].push_back(forms[i].Energy(residual));
+    for (std::size_t i = 0; i < forms.size(); ++i) {
+      energies[i].push_back(of_forms[i].Energy(residual));
+    }
   });
   std::vector<FormMoments> moments;
   for (const std::vector<double>& sample : energies) moments.push_back(MomentsOfSample(sample));
@@ -117,11 +146,13 @@ void ForSampledResiduals(const Marginals& marginals,
                          const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use) {
   std::mt19937_64 generator(kSeed);
   std::normal_distribution<double> normal;
-  for (int k = 0; k < kSamples; k += kSamplesAtOnce) {
-    Eigen::MatrixXd E(marginals.linearized().rows(), kSamplesAtOnce);
+  const Eigen::Index rows = marginals.linearized().rows();
+  const int at_once = rows < kManyRows ? kSamplesAtOnce : kSamplesAtOnceOfMany;
+  for (int k = 0; k < kSamples; k += at_once) {
+    Eigen::MatrixXd E(rows, at_once);
     for (double& e : E.reshaped()) e = normal(generator);
     E = marginals.Project(E);
-    for (int c = 0; c < kSamplesAtOnce; ++c) use(E.col(c));
+    for (int c = 0; c < at_once; ++c) use(E.col(c));
   }
 }
 

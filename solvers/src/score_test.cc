@@ -44,16 +44,25 @@ void CheckPart(const LinearizedNetwork& linearized, const EffectPart& part, Eige
                      " derivatives");
 }
 
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Columns side by side of all effects.
+struct ColumnRun {
+  Eigen::Index first = 0;  ///< of all columns
+  Eigen::Index at = 0;     ///< of those that touch
+  Eigen::Index count = 0;
+};
+
 /// Columns of several effects side by side that are not zero on one factor.
 struct Touched {
   std::vector<Eigen::Index> columns;
-  Eigen::MatrixXd L;
+  std::vector<ColumnRun> runs;
+  RowMajor L;
 };
 
-/// Calls use(position of a block, J^T L of the factor for it), L being `L`.
+/// Calls use(position of a block, its columns of the factor's Jacobian).
 template <class Use>
-void ForProjections(const LinearizedNetwork& linearized, FactorId factor, const Eigen::MatrixXd& L,
-                    const Use& use) {
+void ForJacobians(const LinearizedNetwork& linearized, FactorId factor, const Use& use) {
   const LinearizedNetwork::Impl& network = linearized.impl();
   const Linearization::Edge& edge =
       network.linearization.edges()[static_cast<std::size_t>(network.factor(factor).edge)];
@@ -62,7 +71,7 @@ void ForProjections(const LinearizedNetwork& linearized, FactorId factor, const 
   for (int b = 0; b < edge.num_blocks; ++b) {
     const int position = network.linearization.positions(edge)[b];
     const int size = network.layout.size_of(position);
-    use(position, Eigen::MatrixXd(J.middleCols(column, size).transpose() * L));
+    use(position, J.middleCols(column, size));
     column += size;
   }
 }
@@ -71,10 +80,10 @@ void ForProjections(const LinearizedNetwork& linearized, FactorId factor, const 
 void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const Eigen::MatrixXd& L,
                    BlockColumns* g) {
   const UnknownLayout& layout = linearized.impl().layout;
-  ForProjections(linearized, factor, L, [&](int position, const Eigen::MatrixXd& product) {
+  ForJacobians(linearized, factor, [&](int position, const auto& J) {
     Eigen::MatrixXd& sum = (*g)[layout.blocks[static_cast<std::size_t>(position)]];
-    if (sum.size() == 0) sum = Eigen::MatrixXd::Zero(product.rows(), product.cols());
-    sum += product;
+    if (sum.size() == 0) sum = Eigen::MatrixXd::Zero(J.cols(), L.cols());
+    sum += J.transpose() * L;
   });
 }
 
@@ -153,6 +162,17 @@ std::map<FactorId, Parts> ByFactor(const LinearizedNetwork& linearized,
   return by_factor;
 }
 
+std::vector<ColumnRun> Runs(const std::vector<Eigen::Index>& columns) {
+  std::vector<ColumnRun> runs;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (runs.empty() || runs.back().first + runs.back().count != columns[k]) {
+      runs.push_back({columns[k], static_cast<Eigen::Index>(k), 0});
+    }
+    ++runs.back().count;
+  }
+  return runs;
+}
+
 Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts,
                          const LinearizedNetwork::FactorRows& rows) {
   Touched touched;
@@ -169,6 +189,7 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
     touched.L.col(static_cast<Eigen::Index>(k)) = from[k].first->col(from[k].second);
   }
   touched.L = linearized.AsRows(rows, touched.L);
+  touched.runs = Runs(touched.columns);
   return touched;
 }
 
@@ -197,15 +218,17 @@ class Projections {
   }
 
   void Add(FactorId factor, const Touched& touched) {
-    ForProjections(
-        linearized_, factor, touched.L, [&](int position, const Eigen::MatrixXd& product) {
-          const Eigen::Index first = first_row_[AsSize(position)];
-          for (Eigen::Index i = 0; i < product.rows(); ++i) {
-            for (std::size_t k = 0; k < touched.columns.size(); ++k) {
-              G_(first + i, touched.columns[k]) += product(i, static_cast<Eigen::Index>(k));
-            }
+    ForJacobians(linearized_, factor, [&](int position, const auto& J) {
+      const Eigen::Index first = first_row_[AsSize(position)];
+      for (Eigen::Index i = 0; i < J.cols(); ++i) {
+        for (Eigen::Index r = 0; r < J.rows(); ++r) {
+          for (const ColumnRun& run : touched.runs) {
+            G_.row(first + i).segment(run.first, run.count) +=
+                J(r, i) * touched.L.row(r).segment(run.at, run.count);
           }
-        });
+        }
+      }
+    });
   }
 
   /// Some columns, over all unknowns.
@@ -233,8 +256,6 @@ class Projections {
   }
 
  private:
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
   const UnknownLayout& layout() const { return linearized_.impl().layout; }
 
   /// Calls use(first unknown, row of G_, size) for every block that is touched.
@@ -250,6 +271,58 @@ class Projections {
   std::vector<Eigen::Index> first_row_;  // of G_, by position; -1: no effect touches the block
   RowMajor G_;
 };
+
+/// L^T r and L^T L, of many factors with the same columns at once.
+class ScoreSum {
+ public:
+  ScoreSum(const LinearizedNetwork& linearized, JointScore* score)
+      : linearized_(linearized), score_(*score) {}
+  ~ScoreSum() { AddStack(); }
+  ScoreSum(const ScoreSum&) = delete;
+  ScoreSum& operator=(const ScoreSum&) = delete;
+
+  void Add(const LinearizedNetwork::FactorRows& rows, const Touched& touched) {
+    const auto count = touched.L.rows();
+    if (touched.columns != columns_ || filled_ + count > L_.rows()) {
+      AddStack();
+      columns_ = touched.columns;
+      L_.resize(std::max(kStackedRows, count), touched.L.cols());
+      r_.resize(L_.rows());
+    }
+    L_.middleRows(filled_, count) = touched.L;
+    r_.segment(filled_, count) = linearized_.residual().segment(rows.first, count);
+    filled_ += count;
+  }
+
+ private:
+  static constexpr Eigen::Index kStackedRows = 192;
+
+  void AddStack() {
+    if (filled_ == 0) return;
+    const auto L = L_.topRows(filled_);
+    score_.s(columns_) += L.transpose() * r_.head(filled_);
+    score_.A(columns_, columns_) += L.transpose() * L;
+    filled_ = 0;
+  }
+
+  const LinearizedNetwork& linearized_;
+  JointScore& score_;
+  std::vector<Eigen::Index> columns_;
+  Eigen::MatrixXd L_;
+  Eigen::VectorXd r_;
+  Eigen::Index filled_ = 0;
+};
+
+void SumScores(const LinearizedNetwork& linearized, const std::map<FactorId, Parts>& factors,
+               Projections* G, JointScore* score) {
+  ScoreSum sum(linearized, score);
+  for (const auto& [id, parts] : factors) {
+    const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
+    const Touched touched = ColumnsThatTouch(linearized, parts, rows);
+    sum.Add(rows, touched);
+    G->Add(id, touched);
+  }
+}
 
 // Puts the rows of the watched blocks into columns of the shift from the first on.
 void PutShift(const LinearizedNetwork& linearized, const Eigen::MatrixXd& Z,
@@ -309,15 +382,7 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectMode
   score.A = Eigen::MatrixXd::Zero(q, q);
   const std::map<FactorId, Parts> factors = ByFactor(linearized, effects, score.first);
   Projections G(linearized, factors, q);
-  for (const auto& [id, parts] : factors) {
-    const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
-    const Touched touched = ColumnsThatTouch(linearized, parts, rows);
-    const Eigen::MatrixXd& L = touched.L;
-    score.s(touched.columns) +=
-        L.transpose() * linearized.residual().segment(rows.first, rows.count);
-    score.A(touched.columns, touched.columns) += L.transpose() * L;
-    G.Add(id, touched);
-  }
+  SumScores(linearized, factors, &G, &score);
   score.signature2 = score.A.diagonal();
   Eigen::Index num_watched = 0;
   for (const BlockId block : watched)
