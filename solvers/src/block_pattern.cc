@@ -1,44 +1,62 @@
 #include "block_pattern.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace dn {
 namespace {
 
-/// Pairs (column, row) of blocks with row >= column, packed into one number each.
+/// Pairs (column, row) of blocks with row >= column, each as often as factors have it.
 class BlockPairs {
  public:
   /// All pairs of the blocks of one factor, by their positions.
   void Add(const int* position, int num_blocks) {
     for (int a = 0; a < num_blocks; ++a) {
       for (int b = 0; b < num_blocks; ++b) {
-        if (position[a] < position[b]) continue;
-        pairs_.push_back(static_cast<std::uint64_t>(position[b]) << 32 |
-                         static_cast<std::uint64_t>(position[a]));
+        if (position[a] >= position[b]) pairs_.push_back({position[b], position[a]});
       }
     }
   }
 
-  SymmetricCsc Pattern(int num_blocks) {
-    std::sort(pairs_.begin(), pairs_.end());
-    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+  SymmetricCsc Pattern(int num_blocks) const {
+    const std::vector<int> start = Starts(num_blocks);
+    const std::vector<int> rows = ByColumn(start);
     SymmetricCsc pattern;
     pattern.n = num_blocks;
-    pattern.column_start.assign(AsSize(num_blocks) + 1, 0);
-    pattern.row.reserve(pairs_.size());
-    for (const std::uint64_t pair : pairs_) {
-      ++pattern.column_start[(pair >> 32) + 1];
-      pattern.row.push_back(static_cast<int>(pair & 0xffffffffU));
-    }
-    for (std::size_t c = 1; c < pattern.column_start.size(); ++c) {
-      pattern.column_start[c] += pattern.column_start[c - 1];
+    pattern.column_start.assign(1, 0);
+    std::vector<int> seen_in(AsSize(num_blocks), -1);
+    for (int c = 0; c < num_blocks; ++c) {
+      for (int k = start[AsSize(c)]; k < start[AsSize(c) + 1]; ++k) {
+        const int row = rows[AsSize(k)];
+        if (std::exchange(seen_in[AsSize(row)], c) != c) pattern.row.push_back(row);
+      }
+      std::sort(pattern.row.begin() + pattern.column_start.back(), pattern.row.end());
+      pattern.column_start.push_back(static_cast<int>(pattern.row.size()));
     }
     return pattern;
   }
 
  private:
-  std::vector<std::uint64_t> pairs_;
+  struct Pair {
+    int column, row;
+  };
+
+  std::vector<int> Starts(int num_blocks) const {
+    std::vector<int> start(AsSize(num_blocks) + 1, 0);
+    for (const Pair& pair : pairs_) ++start[AsSize(pair.column) + 1];
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    return start;
+  }
+
+  std::vector<int> ByColumn(std::vector<int> next) const {
+    std::vector<int> rows(pairs_.size());
+    for (const Pair& pair : pairs_) rows[AsSize(next[AsSize(pair.column)]++)] = pair.row;
+    return rows;
+  }
+
+  std::vector<Pair> pairs_;
 };
 
 }  // namespace

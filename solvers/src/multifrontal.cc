@@ -43,6 +43,31 @@ std::vector<Run> Runs(const std::vector<int>& place) {
   return runs;
 }
 
+/// Finds rows among those of a supernode, of which most follow the one before.
+class RowFinder {
+ public:
+  explicit RowFinder(const SupernodalPattern& L) : L_(L) {}
+
+  int At(int s, int row) {
+    const int* rows = L_.row_indices(s);
+    const int count = L_.rows(s);
+    if (s != s_ || !Follows(rows, count, row)) {
+      at_ = static_cast<int>(std::lower_bound(rows, rows + count, row) - rows);
+    }
+    s_ = s;
+    return at_;
+  }
+
+ private:
+  bool Follows(const int* rows, int count, int row) {
+    if (rows[at_] != row) ++at_;
+    return at_ < count && rows[at_] == row;
+  }
+
+  const SupernodalPattern& L_;
+  int s_ = -1, at_ = 0;
+};
+
 double* Column(double* matrix, int column, int rows) {
   return matrix + AsSize(column) * AsSize(rows);
 }
@@ -193,9 +218,9 @@ Multifrontal::Multifrontal(const SymmetricCsc& A, const std::vector<int>& permut
   for_all([&](int, int, int, int s) { ++first_entry_[AsSize(s) + 1]; });
   std::partial_sum(first_entry_.begin(), first_entry_.end(), first_entry_.begin());
   std::vector<int> next(first_entry_.begin(), first_entry_.end() - 1);
+  RowFinder finder(L_);
   for_all([&](int e, int row, int column, int s) {
-    const int* rows = L_.row_indices(s);
-    const auto at = static_cast<int>(std::lower_bound(rows, rows + L_.rows(s), row) - rows);
+    const int at = finder.At(s, row);
     entries_[AsSize(next[AsSize(s)]++)] = {e, (column - L_.column[AsSize(s)]) * L_.rows(s) + at};
   });
 }
