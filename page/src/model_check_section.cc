@@ -55,6 +55,22 @@ Table Effects(const Facts& check) {
   return table;
 }
 
+Table Departures(const Facts& check) {
+  Table table{
+      "Laser vectors that differ as no effect explains",
+      {"departure", "chi-square", "degrees of freedom", "p-value"},
+      {},
+      "Tested beside the effects above, against the noise that the pairs show. p-values hold "
+      "for all tests of the flight together."};
+  for (const Facts& departure : check["departures"].elements()) {
+    table.rows.push_back(
+        {Text(departure["name"].text()), departure["statistic"].Decimals(1),
+         departure["dof"].Count(),
+         Toned(departure["p_value"].Significant(2), ToneOf(departure["p_value"]))});
+  }
+  return table;
+}
+
 Table Unseen(const Facts& check) {
   Table table{"What could hide, each of its usual size",
               {"effect", "usual size", "shows from", "unit", "moves roll [mdeg]", "pitch", "yaw",
@@ -127,7 +143,8 @@ Section ModelCheckSection(const Facts& result) {
     section.contents.emplace_back(
         Paragraph{"No test of the model check speaks against the assumed model.", Tone::kGood});
   }
-  for (Table table : {Effects(check), Unseen(check), Groups(check), Clocks(result["clocks"])}) {
+  for (Table table : {Effects(check), Departures(check), Unseen(check), Groups(check),
+                      Clocks(result["clocks"])}) {
     if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
   }
   return section;

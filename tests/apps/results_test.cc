@@ -230,6 +230,14 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   }
   EXPECT_THAT(ContentOf(CalibrateResult() / "report.html"),
               HasSubstr("What could hide, each of its usual size"));
+  for (const Json& departure : result["model_check"]["departures"]) {
+    EXPECT_THAT(KeysOf(departure), UnorderedElementsAre("name", "statistic", "dof", "p_value",
+                                                        "boresight_damage_mdeg", "damage_sigmas"));
+    EXPECT_GT(departure["p_value"], 1e-3);
+  }
+  EXPECT_EQ(result["model_check"]["departures"].size(), 2u);
+  EXPECT_THAT(ContentOf(CalibrateResult() / "report.html"),
+              HasSubstr("Laser vectors that differ as no effect explains"));
   ASSERT_FALSE(result["model_check"]["groups"].empty());
   EXPECT_THAT(KeysOf(result["model_check"]["groups"][0]),
               UnorderedElementsAre("name", "observations", "redundancy", "variance_ratio",
