@@ -319,6 +319,7 @@ void SumScores(const LinearizedNetwork& linearized, const std::map<FactorId, Par
   for (const auto& [id, parts] : factors) {
     const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
     const Touched touched = ColumnsThatTouch(linearized, parts, rows);
+    if (touched.columns.empty()) continue;
     sum.Add(rows, touched);
     G->Add(id, touched);
   }

@@ -185,6 +185,22 @@ TEST(JointScore, ShiftIsWhatTheEffectDidToTheUnknowns) {
   EXPECT_LT((score.shift * test.estimate - moved).norm(), 1e-7);
 }
 
+// A step has no derivatives before it: those factors take no part, as if they had none.
+TEST(JointScore, PartsOfZerosAreAsNone) {
+  Chain chain(6, {0.5, 0.1, -0.3});
+  chain.SolveCost();
+  EffectModel late = chain.Offset(), later_only = late;
+  for (std::size_t k = 0; k < 5; ++k) late[k].L.setZero();
+  later_only.erase(later_only.begin(), later_only.begin() + 5);
+  const auto x25 = Block<Vec<3>>{chain.net.Find("x/25")};
+  const Marginals marginals(chain.net);
+  const JointScore with = ScoreEffects(marginals, {late}, {x25.id});
+  const JointScore without = ScoreEffects(marginals, {later_only}, {x25.id});
+  EXPECT_EQ(with.s, without.s);
+  EXPECT_EQ(with.A, without.A);
+  EXPECT_EQ(with.shift, without.shift);
+}
+
 TEST(ScoreTest, SaysNothingOfAnEffectWithoutAnActiveFactor) {
   Chain chain(1, Eigen::Vector3d::Zero());
   const EffectModel effect = chain.Offset();
