@@ -5,12 +5,13 @@
 #include <dn/solvers/fit_check.h>
 #include <dn/symmetric_eigen.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <string>
+
+#include "semidefinite_root.h"
 
 namespace dn::internal {
 namespace {
@@ -21,6 +22,8 @@ constexpr double kStep = 1.5;
 constexpr int kFlights = 40;
 // Rivals that mimic less of an effect than this are never mistaken for it.
 constexpr double kMimics = 0.2;
+// Signatures below this share of their own size are what rounding leaves.
+constexpr double kAbsorbed = 1e-7;
 
 /// What the decision needs of one candidate.
 struct Rival {
@@ -45,14 +48,6 @@ class Mimicry {
   const Screen& screen_;
   std::vector<Eigen::MatrixXd> inverse_;  // of the candidates that were asked for
 };
-
-/// A matrix whose product with its transpose is C, which is positive semidefinite.
-Eigen::MatrixXd RootOf(const Eigen::MatrixXd& C) {
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(C);
-  Eigen::MatrixXd root = ldlt.matrixL();
-  root = root * ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  return ldlt.transpositionsP().transpose() * root;
-}
 
 /// The decision on the scores of some candidates, simulated.
 class NamingTrials {
@@ -123,7 +118,10 @@ class NamingTrials {
     }
     first_.push_back(n);
     Eigen::MatrixXd joint(n, n);
+    Eigen::VectorXd signature(n);
     for (std::size_t a = 0; a < rivals_.size(); ++a) {
+      signature.segment(first_[a], first_[a + 1] - first_[a]) =
+          SignatureOf(CandidateOf(rivals_[a]), screen_.score());
       for (std::size_t b = 0; b < rivals_.size(); ++b) {
         joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
             InformationOf(CandidateOf(rivals_[a]), CandidateOf(rivals_[b]), screen_.score());
@@ -131,7 +129,7 @@ class NamingTrials {
     }
     // An effect that is there takes its signature from the residuals: the score falls.
     cross_ = -joint.leftCols(first_[1]);
-    root_ = RootOf(joint);
+    root_ = SemidefiniteRoot(joint, kAbsorbed * signature);
   }
 
   std::string Best(const Eigen::VectorXd& s) const {
@@ -155,9 +153,6 @@ class NamingTrials {
   std::vector<Eigen::Index> first_;
   Eigen::MatrixXd cross_, root_;
 };
-
-/// Signatures below this share of their own size are what rounding leaves.
-constexpr double kAbsorbed = 1e-7;
 
 /// Minimal detectable sizes of the components, each alone, SI.
 Eigen::VectorXd DetectableAlone(const Eigen::MatrixXd& A, const Eigen::VectorXd& signature) {
@@ -202,11 +197,17 @@ HiddenEffect Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& 
   const NamingTrials decision(screen, mimicry, middle, direction, threshold_nats);
   std::map<std::string, int> instead;
   const double start = std::clamp(hidden.minimal_detectable / unit, 1.0 / kLargest, kLargest);
+  double below = 0.0;  // share named at the size before
   for (double size = 0.5 * start; size <= kLargest * std::max(1.0, start); size *= kStep) {
     instead.clear();
-    if (decision.Named(size, seed, &instead) < kNamed) continue;
-    hidden.minimal_identifiable = size * unit;
-    break;
+    const double named = decision.Named(size, seed, &instead);
+    if (named >= kNamed) {
+      const bool first = size == 0.5 * start;
+      const double back = first ? 0.0 : (named - kNamed) / (named - below);
+      hidden.minimal_identifiable = size * std::pow(kStep, -back) * unit;
+      break;
+    }
+    below = named;
   }
   for (const auto& [name, times] : instead) {
     if (times >= kFlights / 10 && FindEffect(name) != nullptr) {
