@@ -1,3 +1,4 @@
+#include <dn/autodiff.h>
 #include <dn/calibration/candidate_effects.h>
 #include <dn/effects/effect_table.h>
 #include <dn/parallel.h>
@@ -257,7 +258,8 @@ class Candidates {
     int columns = 0;
     for (const BlockKind& block : of_effects) columns += block.stored_size;
     // Effects are vectors: their stored coordinates are the tangent ones.
-    std::vector<double> stored(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+    std::vector<double> stored(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns),
+                               Unwritten());
     std::vector<double*> J(blocks.size(), nullptr);
     double* next = stored.data();
     for (std::size_t b = 0; b < of_effects.size(); ++b) {

@@ -64,7 +64,6 @@ class FewRows {
     }
   }
 
-  /// ResidualForm::Energy
   double Energy(const Eigen::Ref<const Eigen::VectorXd>& residual) {
     sum_.setZero();
     for (std::size_t k = 0; k < row_.size(); ++k) sum_[label_[k]] += residual[row_[k]];
@@ -94,11 +93,7 @@ std::vector<FormMoments> SampledMoments(const Marginals& marginals,
 }  // namespace
 
 double ResidualForm::Energy(const Eigen::Ref<const Eigen::VectorXd>& residual) const {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(labels);
-  for (std::size_t row = 0; row < label.size(); ++row) {
-    if (label[row] >= 0) sum[label[row]] += residual[static_cast<Eigen::Index>(row)];
-  }
-  return sum.squaredNorm();
+  return FewRows(*this).Energy(residual);
 }
 
 Eigen::MatrixXd ResidualForm::SumByLabel(const Eigen::MatrixXd& X) const {
