@@ -23,16 +23,16 @@ class EffectScreener {
       : candidates_(candidates), score_(score), options_(options) {}
 
   EffectScreen Run() {
-    JointScore left = score_;
+    JointScore& left = out_.beside = score_;
     while (out_.chosen.size() < kMostEffects) {
       const std::optional<std::size_t> best = Likeliest(left);
       if (!best) break;
       EffectCheck effect = Describe(left, *best);
-      const JointScore given = GivenComponents(left, left.Components(*best));
+      JointScore given = GivenComponents(left, left.Components(*best));
       effect.inseparable_from = AlsoExplain(left, given, *best, effect.log_evidence);
       out_.chosen.push_back(*best);
       out_.effects.push_back(std::move(effect));
-      left = given;
+      left = std::move(given);
     }
     EstimateTogether();
     return std::move(out_);

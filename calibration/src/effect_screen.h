@@ -28,6 +28,7 @@ struct EffectScreen {
   std::vector<EffectCheck> effects;  ///< in the order found
   std::vector<std::size_t> chosen;   ///< the candidate of each
   Eigen::VectorXd joint;             ///< estimates of all of them together, SI, one after another
+  JointScore beside;                 ///< the score once they are among the unknowns
 };
 
 /// Log of the likelihood with an effect over that without it, averaged over its size: Gaussian of

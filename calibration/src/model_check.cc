@@ -185,16 +185,6 @@ class Checker {
     check_.effects = screen_.effects;
     check_.unseen = internal::FindUnseen(candidates_, score, options);
     FindClocks(score);
-    beside_effects_ =
-        screen_.chosen.empty() ? std::move(score) : GivenComponents(score, ChosenComponents(score));
-  }
-
-  std::vector<Eigen::Index> ChosenComponents(const JointScore& score) const {
-    std::vector<Eigen::Index> components;
-    for (const std::size_t k : screen_.chosen) {
-      for (const Eigen::Index c : score.Components(k)) components.push_back(c);
-    }
-    return components;
   }
 
   /// Of the noise that the pairs show beside the effects, over the stated one; 1 where it is less.
@@ -209,13 +199,13 @@ class Checker {
   void CheckDepartures() {
     for (std::size_t k = 0; k < departures_.size(); ++k) {
       if (departures_[k].model.empty()) continue;
-      const std::vector<Eigen::Index> components =
-          beside_effects_.Components(candidates_.size() + k);
-      const ScoreTest test = TestTogether(beside_effects_, components);
+      const JointScore& beside = screen_.beside;  // of candidates, then departures
+      const std::vector<Eigen::Index> components = beside.Components(candidates_.size() + k);
+      const ScoreTest test = TestTogether(beside, components);
       if (test.dof == 0) continue;
       const Eigen::VectorXd move =
-          beside_effects_.shift(Eigen::all, components) *
-          internal::ShrunkEstimate(beside_effects_, components, departures_[k].typical);
+          beside.shift(Eigen::all, components) *
+          internal::ShrunkEstimate(beside, components, departures_[k].typical);
       DepartureCheck departure;
       departure.name = departures_[k].name;
       departure.statistic = test.statistic / ExcessOfPairs();
@@ -322,7 +312,6 @@ class Checker {
   std::size_t num_channels_;
   std::vector<CandidateEffect> candidates_;
   std::vector<CandidateEffect> departures_;
-  JointScore beside_effects_;  // of candidates, then departures
   double tests_ = 1.0;
   std::vector<BlockId> watched_;
   Eigen::VectorXd watched_sigma_;
