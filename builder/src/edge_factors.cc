@@ -28,11 +28,13 @@ std::vector<std::shared_ptr<const Effect>> Of(const CalibrationState& state) {
   return effects;
 }
 
-std::vector<Eigen::VectorXd> LidarValues(const CalibrationState& state) {
-  std::vector<Eigen::VectorXd> values;
-  ForEachEffect<std::shared_ptr<const LidarEffect>>(
-      state,
-      [&](const auto&, const Eigen::VectorXd& value, std::size_t) { values.push_back(value); });
+template <class Effect>
+std::vector<const double*> ValuesOf(const CalibrationState& state) {
+  std::vector<const double*> values;
+  ForEachEffect<std::shared_ptr<const Effect>>(
+      state, [&](const auto&, const Eigen::VectorXd& value, std::size_t) {
+        values.push_back(value.data());
+      });
   return values;
 }
 
@@ -57,22 +59,19 @@ MotionAtTag MotionOf(const Flight& flight, const MapGnssEpoch& epoch, const Cali
   return {epoch.t_s, here.w_end_b_radps, w_ie_m, a_m, epoch.t_s - pose.t_s};
 }
 
-double EpochOf(const CalibrationState& state, const LidarReading& reading, double tag_s) {
-  return tag_s - (state.lidar_time_offset_s + reading.delay_s);
-}
-
 /// An end of a pair with what its covariance is made of.
 struct PreparedEnd {
   LidarEnd end;
   Eigen::Vector3d arm_b;  // lever arm and laser vector, in body
 };
 
-PreparedEnd PrepareEnd(const Flight& flight, const CalibrationState& state,
+PreparedEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration,
                        const PreintegrationNoise& noise, double tag_s, const Eigen::Vector3d& u_s,
                        const PairEndInput& input) {
   const MapPose& node = input.node;
-  const LidarReading reading = Corrected(Of<LidarEffect>(state), LidarValues(state), tag_s, u_s);
-  const double t_s = EpochOf(state, reading, tag_s);
+  const CalibrationState& state = calibration.state();
+  const LidarReading reading = calibration.Read(tag_s, u_s);
+  const double t_s = calibration.EpochOf(reading);
   if (t_s < node.t_s - kEpochRoundingS) {
     throw InvalidInput("lidar time offset: the estimate of " + std::to_string(tag_s - t_s) +
                        " s exceeds the " + std::to_string(kLidarTimeMarginS) +
@@ -122,11 +121,7 @@ double TypicalGnssSigma(const Flight& flight) {
 }
 
 double GnssEpochTime(const CalibrationState& calibration, double tag_s) {
-  std::vector<const double*> values;
-  ForEachEffect<std::shared_ptr<const GnssEffect>>(
-      calibration, [&](const auto&, const Eigen::VectorXd& value, std::size_t) {
-        values.push_back(value.data());
-      });
+  const std::vector<const double*> values = ValuesOf<GnssEffect>(calibration);
   return tag_s - Corrected(Of<GnssEffect>(calibration), values.data(), tag_s).delay_s;
 }
 
@@ -183,11 +178,8 @@ std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration
   return bases;
 }
 
-double LidarEpoch(const CalibrationState& calibration, double tag_s, const Eigen::Vector3d& u_s) {
-  return EpochOf(calibration,
-                 Corrected(Of<LidarEffect>(calibration), LidarValues(calibration), tag_s, u_s),
-                 tag_s);
-}
+PairCalibration::PairCalibration(const CalibrationState& state)
+    : state_(state), lidar_(Of<LidarEffect>(state)), values_(ValuesOf<LidarEffect>(state)) {}
 
 EndIncrements::EndIncrements(const Flight& flight, const CalibrationState& calibration,
                              const PreintegrationNoise& noise, double node_t_s,
@@ -202,38 +194,39 @@ Preintegrated EndIncrements::To(double epoch_s) {
                                                : IdentityIncrement(imu_, node_t_s_, correction_);
 }
 
-PairParts MakePairParts(const Flight& flight, const CalibrationState& calibration,
+PairParts MakePairParts(const Flight& flight, const PairCalibration& calibration,
                         const PreintegrationNoise& noise, const PairEdgeInput& input) {
   const LidarConfig& lidar = *flight.config.lidar;
   const LidarPair& pair = input.pair;
-  const PreparedEnd i = PrepareEnd(flight, calibration, noise, pair.t_i_s, pair.u_i_s, input.i);
-  const PreparedEnd j = PrepareEnd(flight, calibration, noise, pair.t_j_s, pair.u_j_s, input.j);
+  PreparedEnd i = PrepareEnd(flight, calibration, noise, pair.t_i_s, pair.u_i_s, input.i);
+  PreparedEnd j = PrepareEnd(flight, calibration, noise, pair.t_j_s, pair.u_j_s, input.j);
   Eigen::Matrix3d covariance = pair.covariance_m2.value_or(
       Eigen::Matrix3d(lidar.sigma_p_m * lidar.sigma_p_m * Eigen::Matrix3d::Identity()));
   covariance += EndNoise(i.end, input.i.node.q_mb.toRotationMatrix(), i.arm_b);
   covariance += EndNoise(j.end, input.j.node.q_mb.toRotationMatrix(), j.arm_b);
-  return {i.end,
-          j.end,
+  return {std::move(i.end),
+          std::move(j.end),
           pair.t_i_s,
           pair.t_j_s,
           lidar.mounting.R_bs_nominal,
-          calibration.lidar_time_offset_s,
+          calibration.state().lidar_time_offset_s,
           MeasurementNoise(0.5 * (covariance + covariance.transpose()), "the point pair",
                            pair.t_i_s, kCheckPair)};
 }
 
 std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
-                                                 const CalibrationState& calibration,
+                                                 const PairCalibration& calibration,
                                                  const PreintegrationNoise& noise,
                                                  const PairEdgeInput& input) {
+  const CalibrationState& state = calibration.state();
   const PairParts parts = MakePairParts(flight, calibration, noise, input);
-  if (EffectsOfPairs(calibration).empty() && !parts.i.bridge && !parts.j.bridge) {
+  if (EffectsOfPairs(state).empty() && !parts.i.bridge && !parts.j.bridge) {
     return std::make_shared<PointToPoint>(flight.frame, parts.i, parts.j, parts.T_bs_nominal,
                                           parts.dt_nominal_s, parts.noise_m);
   }
   return std::make_shared<PointToPointBetweenNodes>(
       flight.frame, parts.i, parts.j, parts.tag_i_s, parts.tag_j_s, parts.T_bs_nominal,
-      Of<LidarEffect>(calibration), AttractionBases(calibration, input.i.node.p_mb), parts.noise_m);
+      calibration.lidar(), AttractionBases(state, input.i.node.p_mb), parts.noise_m);
 }
 
 }  // namespace dn

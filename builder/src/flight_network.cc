@@ -387,7 +387,7 @@ std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorInUse(
 }
 
 std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
-    std::span<const PairEdge> edges, const CalibrationState& calibration, int threads) const {
+    std::span<const PairEdge> edges, const PairCalibration& calibration, int threads) const {
   struct End {
     std::size_t node;
     double epoch_s;
@@ -395,12 +395,14 @@ std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
   };
   std::vector<PairIncrements> increments(edges.size());
   std::vector<End> ends;
+  const auto add = [&](std::size_t node, double tag_s, const Eigen::Vector3d& u_s,
+                       Preintegrated* of_end) {
+    ends.push_back({node, calibration.EpochOf(calibration.Read(tag_s, u_s)), of_end});
+  };
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const LidarPair& pair = edges[k].pair;
-    ends.push_back(
-        {edges[k].node_i, LidarEpoch(calibration, pair.t_i_s, pair.u_i_s), &increments[k].i});
-    ends.push_back(
-        {edges[k].node_j, LidarEpoch(calibration, pair.t_j_s, pair.u_j_s), &increments[k].j});
+    add(edges[k].node_i, pair.t_i_s, pair.u_i_s, &increments[k].i);
+    add(edges[k].node_j, pair.t_j_s, pair.u_j_s, &increments[k].j);
   }
   std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
     return std::tie(a.node, a.epoch_s) < std::tie(b.node, b.epoch_s);
@@ -412,7 +414,7 @@ std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
   ParallelFor(static_cast<int>(firsts.size()), threads, [&](int n) {
     const std::size_t first = firsts[static_cast<std::size_t>(n)];
     const double node_t_s = node_t_s_[ends[first].node];
-    EndIncrements from_node(*flight_, calibration, noise_, node_t_s,
+    EndIncrements from_node(*flight_, calibration.state(), noise_, node_t_s,
                             {GyroBias(node_t_s), AccelBias(node_t_s)});
     for (std::size_t k = first; k < ends.size() && ends[k].node == ends[first].node; ++k) {
       *ends[k].increments = from_node.To(ends[k].epoch_s);
@@ -433,24 +435,25 @@ PairEdgeInput FlightNetwork::InputOf(const PairEdge& edge, const InertialFactorO
 }
 
 template <class Work>
-void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
+void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& state,
                              const Work& work) const {
+  const PairCalibration calibration(state);
   for (std::size_t first = 0; first < edges.size(); first += kPairsAtOnce) {
     const auto some = edges.subspan(first, std::min(kPairsAtOnce, edges.size() - first));
     const std::vector<PairIncrements> increments =
         IncrementsOf(some, calibration, options_.threads);
-    for (std::size_t k = 0; k < some.size(); ++k) work(some[k], increments[k]);
+    for (std::size_t k = 0; k < some.size(); ++k) work(some[k], calibration, increments[k]);
   }
 }
 
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactor(
-    const PairEdge& edge, const CalibrationState& calibration, const InertialFactorOf& inertial,
+    const PairEdge& edge, const PairCalibration& calibration, const InertialFactorOf& inertial,
     const PairIncrements& increments) const {
   return MakePairFactor(*flight_, calibration, noise_, InputOf(edge, inertial, increments));
 }
 
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactorInUse(
-    const PairEdge& edge, const CalibrationState& calibration,
+    const PairEdge& edge, const PairCalibration& calibration,
     const PairIncrements& increments) const {
   const auto inertial = [&](std::size_t k) { return InertialFactorInUse(k); };
   if (!pair_model_) return PairFactor(edge, calibration, inertial, increments);
@@ -548,13 +551,14 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
     if (!pair_model_) Bridge(&edge);
     edges.push_back(edge);
   }
-  ForPairs(edges, calibration, [&](PairEdge& edge, const PairIncrements& increments) {
-    std::vector<BlockId> blocks = PairBlocks(edge);
-    AppendEffects(of_edge, &blocks);
-    edge.id = AddEdge(PairFactorInUse(edge, calibration, increments), blocks, internal::PairGroup(),
-                      edge.pair.t_i_s);
-    pair_edges.push_back(edge);
-  });
+  ForPairs(edges, calibration,
+           [&](PairEdge& edge, const PairCalibration& of_pairs, const PairIncrements& increments) {
+             std::vector<BlockId> blocks = PairBlocks(edge);
+             AppendEffects(of_edge, &blocks);
+             edge.id = AddEdge(PairFactorInUse(edge, of_pairs, increments), blocks,
+                               internal::PairGroup(), edge.pair.t_i_s);
+             pair_edges.push_back(edge);
+           });
 }
 
 double FlightNetwork::BiasChange() const {
@@ -613,9 +617,11 @@ void FlightNetwork::Relinearise() {
       Renew(edge.velocity, [&] { return GnssVelocityFactor(edge, linearised_); });
     }
   }
-  ForPairs(pair_edges, linearised_, [&](const PairEdge& edge, const PairIncrements& increments) {
-    Renew(edge.id, [&] { return PairFactorInUse(edge, linearised_, increments); });
-  });
+  ForPairs(pair_edges, linearised_,
+           [&](const PairEdge& edge, const PairCalibration& calibration,
+               const PairIncrements& increments) {
+             Renew(edge.id, [&] { return PairFactorInUse(edge, calibration, increments); });
+           });
 }
 
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {

@@ -213,16 +213,17 @@ class Candidates {
     kind.effects = EffectsOfPairs(state_);
     kind.own_effects =
         EffectsOfPairs(network_.Calibration()).size() + network_.num_own_pair_blocks();
+    const PairCalibration calibration(state_);
     std::size_t first = 0;
     std::vector<FlightNetwork::PairIncrements> increments;
     kind.prepare = [&](std::size_t from, std::size_t past) {
       const std::span all(network_.pair_edges);
-      increments = network_.IncrementsOf(all.subspan(from, past - from), state_, threads_);
+      increments = network_.IncrementsOf(all.subspan(from, past - from), calibration, threads_);
       first = from;
     };
     kind.make = [&](std::size_t k) {
       return network_.PairFactor(
-          network_.pair_edges[k], state_, [&](std::size_t edge) { return bridging_[edge]; },
+          network_.pair_edges[k], calibration, [&](std::size_t edge) { return bridging_[edge]; },
           increments[k - first]);
     };
     Differentiate(kind);

@@ -22,7 +22,7 @@ class LaserOffset final : public LidarEffect {
   using WeightsOf = std::function<void(const LidarReading&, Eigen::VectorXd*)>;
   LaserOffset(int count, WeightsOf weights) : count_(count), weights_(std::move(weights)) {}
   int components() const override { return 3 * count_; }
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
     Eigen::VectorXd w = Eigen::VectorXd::Zero(count_);
     weights_(*reading, &w);

@@ -3,6 +3,7 @@
 #include <dn/calibration/model_check.h>
 #include <dn/effects/effect_table.h>
 #include <dn/flight/flight.h>
+#include <dn/parallel.h>
 #include <dn/report/distributions.h>
 #include <dn/solvers/fit_check.h>
 #include <dn/solvers/prediction.h>
@@ -46,20 +47,20 @@ class Checker {
         trajectory_(trajectory),
         gnss_clock_(adjustment.gnss_clock),
         linearized_(marginals.linearized()),
+        threads_(threads),
         forms_(ChannelForms(linearized_)),
-        num_channels_(forms_.size()),
-        candidates_(CandidateEffects(network_, threads, Departures(network_))) {
-    SeparateDepartures();
+        num_channels_(forms_.size()) {
     for (ResidualForm& common : internal::CommonErrorForms(network_, linearized_)) {
       forms_.push_back(std::move(common));
     }
-    tests_ = static_cast<double>(forms_.size() + candidates_.size() + departures_.size());
-    Watch();
   }
 
   ModelCheck Run() {
+    auto moments = Beside(threads_, [&] { return MomentsOf(marginals_, forms_); });
+    ListCandidates();
+    moments_ = moments.get();
+    Watch();
     CheckPriors();
-    moments_ = MomentsOf(marginals_, forms_);
     FindEffects();
     const Eigen::VectorXd left = ResidualBesideEffects();
     check_.sigma0_beside_effects =
@@ -74,13 +75,15 @@ class Checker {
  private:
   double ForFamily(double p_value) const { return std::min(1.0, p_value * tests_); }
 
-  /// What has no name stands last among the candidates.
-  void SeparateDepartures() {
+  void ListCandidates() {
+    candidates_ = CandidateEffects(network_, threads_, Departures(network_));
+    // What has no name stands last.
     const auto first = std::find_if(
         candidates_.begin(), candidates_.end(),
         [](const CandidateEffect& candidate) { return FindEffect(candidate.name) == nullptr; });
     departures_.assign(std::make_move_iterator(first), std::make_move_iterator(candidates_.end()));
     candidates_.erase(first, candidates_.end());
+    tests_ = static_cast<double>(forms_.size() + candidates_.size() + departures_.size());
   }
 
   /// The unknowns whose move counts: the boresight, else poses along the trajectory.
@@ -169,9 +172,9 @@ class Checker {
   }
 
   void FindEffects() {
-    std::vector<EffectModel> models;
-    for (const CandidateEffect& candidate : candidates_) models.push_back(candidate.model);
-    for (const CandidateEffect& departure : departures_) models.push_back(departure.model);
+    std::vector<const EffectModel*> models;
+    for (const CandidateEffect& candidate : candidates_) models.push_back(&candidate.model);
+    for (const CandidateEffect& departure : departures_) models.push_back(&departure.model);
     const std::vector<BlockId> unknowns = internal::EffectUnknowns(network_);
     std::vector<BlockId> shifted = watched_;
     shifted.insert(shifted.end(), unknowns.begin(), unknowns.end());
@@ -308,6 +311,7 @@ class Checker {
   const TrajectoryResult& trajectory_;
   const std::optional<ClockEstimate>& gnss_clock_;  // that the INS/GNSS solution asks for
   const LinearizedNetwork& linearized_;
+  int threads_;
   std::vector<ResidualForm> forms_;  // of the channels, then of common errors
   std::size_t num_channels_;
   std::vector<CandidateEffect> candidates_;

@@ -10,7 +10,7 @@ GnssError::GnssError(const GnssProcess& process, const Eigen::Matrix3d& R_m_enu)
   }
 }
 
-void GnssError::Correct(const Eigen::VectorXd& value, Eigen::Index column,
+void GnssError::Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                         GnssReading* reading) const {
   reading->shift_m += shift_m_ * value;
   reading->J_shift.middleCols<3>(column) = shift_m_;

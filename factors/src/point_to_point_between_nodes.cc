@@ -19,7 +19,7 @@ std::size_t Bridges(const LidarEnd& i, const LidarEnd& j) {
 }
 
 std::vector<BlockKind> Kinds(std::size_t bridges, const LidarEffects& lidar,
-                             const std::vector<ImuEffectValue>& imu,
+                             const ImuEffectValues& imu,
                              const std::vector<AttractionBasis>& attraction) {
   std::vector<BlockKind> kinds{Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
                                Rotation::kKind,     Vec<3>::kKind, Vec<3>::kKind,
@@ -50,15 +50,13 @@ PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame, cons
     : DynamicFactor(3, Kinds(Bridges(i, j), lidar, i.partial.linearisation.effects, attraction)),
       first_lidar_block_(kPairBlocks + Bridges(i, j)),
       lidar_(std::move(lidar)),
+      imu_(i.partial.linearisation.effects),
       attraction_(std::move(attraction)),
       T_bs_(T_bs_nominal),
       W_(noise_m.sqrt_information()) {
   internal::CheckPointPair(i, j, T_bs_nominal);
   if (i.partial.J_effects.cols() != j.partial.J_effects.cols()) {
     throw InvalidInput("point pair: the increments of its two ends have other inertial effects");
-  }
-  for (const ImuEffectValue& one : i.partial.linearisation.effects) {
-    imu_values_.push_back(one.value);
   }
   i_ = MakeEnd(frame, i, tag_i_s, 0, kPairBlocks);
   j_ = MakeEnd(frame, j, tag_j_s, kNodeBlocks, kPairBlocks + (i.bridge ? 1 : 0));
@@ -82,10 +80,10 @@ VectorXd PointToPointBetweenNodes::ImuChange(double const* const* x) const {
   VectorXd change(i_.J_increments.cols());
   Eigen::Index column = 0;
   std::size_t block = first_imu_block();
-  for (const VectorXd& value : imu_values_) {
-    change.segment(column, value.size()) =
-        Eigen::Map<const VectorXd>(x[block++], value.size()) - value;
-    column += value.size();
+  for (const ImuEffectValue& one : imu_) {
+    const Eigen::Index size = one.value.size();
+    change.segment(column, size) = Eigen::Map<const VectorXd>(x[block++], size) - one.value;
+    column += size;
   }
   return change;
 }
@@ -101,13 +99,8 @@ Vector3d PointToPointBetweenNodes::AttractionOf(double const* const* x) const {
 
 PointToPointBetweenNodes::EndAt PointToPointBetweenNodes::At(const End& end,
                                                              double const* const* x) const {
-  std::vector<VectorXd> values;
-  std::size_t block = first_lidar_block_;
-  for (const auto& effect : lidar_) {
-    values.emplace_back(Eigen::Map<const VectorXd>(x[block++], effect->components()));
-  }
   EndAt at;
-  at.reading = Corrected(lidar_, values, end.tag_s, end.u_s);
+  at.reading = Corrected(lidar_, x + first_lidar_block_, end.tag_s, end.u_s);
   at.theta = Log(Eigen::Quaterniond(x[6])) + at.reading.turn_b_rad;
   const VectorXd change = ImuChange(x);
   Eigen::Matrix<double, 9, 1> moved = Eigen::Matrix<double, 9, 1>::Zero();

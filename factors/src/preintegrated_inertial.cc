@@ -11,7 +11,7 @@ namespace dn {
 namespace {
 
 std::vector<BlockKind> Kinds(int num_gyro_biases, int num_accel_biases,
-                             const std::vector<ImuEffectValue>& effects,
+                             const ImuEffectValues& effects,
                              const std::vector<AttractionBasis>& attraction) {
   if (num_gyro_biases < 0 || num_accel_biases < 0) {
     throw InvalidInput("inertial edge: the numbers of bias blocks are " +

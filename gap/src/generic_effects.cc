@@ -32,7 +32,7 @@ class TurnByTime final : public LidarEffect {
  public:
   TurnByTime(int count, Weights weights) : count_(count), weights_(std::move(weights)) {}
   int components() const override { return 3 * count_; }
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
     Eigen::VectorXd w = Eigen::VectorXd::Zero(count_);
     weights_(reading->tag_s - reading->delay_s, &w);
@@ -52,7 +52,7 @@ class ShiftByTime final : public GnssEffect {
  public:
   ShiftByTime(int count, Weights weights) : count_(count), weights_(std::move(weights)) {}
   int components() const override { return 3 * count_; }
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                GnssReading* reading) const override {
     Eigen::VectorXd w = Eigen::VectorXd::Zero(count_);
     weights_(reading->tag_s - reading->delay_s, &w);

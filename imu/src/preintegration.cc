@@ -131,7 +131,7 @@ class LinearSample {
 /// Takes the effects of a correction out of pieces whose biases are subtracted.
 class EffectCorrector {
  public:
-  explicit EffectCorrector(const std::vector<ImuEffectValue>& effects) : effects_(effects) {
+  explicit EffectCorrector(const ImuEffectValues& effects) : effects_(effects) {
     for (const ImuEffectValue& one : effects) Check(one);
     const Eigen::Index columns = kBiases + TotalComponents(effects);
     reading_.J_w.resize(3, columns);
@@ -173,7 +173,7 @@ class EffectCorrector {
                        std::to_string(one.effect->components()) + " finite values");
   }
 
-  const std::vector<ImuEffectValue>& effects_;
+  const ImuEffectValues& effects_;
   ImuReading reading_;
 };
 
@@ -340,17 +340,29 @@ class Integrator {
     const Matrix3d v_w = 0.5 * d * u_x_dR, p_w = d * d / 6.0 * u_x_dR;
     const Matrix3d v_f = d * turned, p_f = d * d * moved;
     for (Eigen::Index c = 0; c < reading.J_w.cols(); ++c) {
-      const Vector3d w = reading.J_w.col(c), f = reading.J_f.col(c);
-      const Vector3d q = all_.q.col(c), v = all_.v.col(c);
-      if (!f.isZero(0.0)) {
-        all_.p.col(c) += p_f * f;
-        all_.v.col(c) += v_f * f;
+      const double* w = reading.J_w.col(c).data();
+      const double* f = reading.J_f.col(c).data();
+      const Vector3d q = all_.q.col(c);
+      Vector3d dq = Vector3d::Zero(), dv = Vector3d::Zero(), dp = d * all_.v.col(c);
+      // Most sensitivities are those of one axis.
+      for (int axis = 0; axis < 3; ++axis) {
+        if (f[axis] != 0.0) {
+          dv += f[axis] * v_f.col(axis);
+          dp += f[axis] * p_f.col(axis);
+        }
+        if (w[axis] != 0.0) {
+          dq += w[axis] * v_f.col(axis);
+          dv -= w[axis] * v_w.col(axis);
+          dp -= w[axis] * p_w.col(axis);
+        }
       }
-      all_.p.col(c) += d * v;
-      if (w.isZero(0.0) && q.isZero(0.0)) continue;  // never of the gyros
-      all_.p.col(c) -= position.cross(q) + p_w * w;
-      all_.v.col(c) -= velocity.cross(q) + v_w * w;
-      all_.q.col(c) += v_f * w;
+      if (q[0] != 0.0 || q[1] != 0.0 || q[2] != 0.0) {
+        dv -= velocity.cross(q);
+        dp -= position.cross(q);
+      }
+      all_.p.col(c) += dp;
+      all_.v.col(c) += dv;
+      all_.q.col(c) += dq;
     }
   }
 

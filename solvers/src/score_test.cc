@@ -146,19 +146,37 @@ void TestBatch(const Marginals& marginals, const std::vector<ScoreSums>& batch,
   }
 }
 
+/// First column and derivatives of each effect on a factor.
 using Parts = std::vector<std::pair<Eigen::Index, const Eigen::MatrixXd*>>;
 
-// The columns of all effects on one factor, side by side; rows of zeros where an effect has none.
-std::map<FactorId, Parts> ByFactor(const LinearizedNetwork& linearized,
-                                   const std::vector<EffectModel>& effects,
-                                   const std::vector<Eigen::Index>& first) {
-  std::map<FactorId, Parts> by_factor;
+struct FactorParts {
+  FactorId factor = -1;
+  LinearizedNetwork::FactorRows rows;
+  Parts parts;
+};
+
+/// What the effects do on each factor that takes part, in the order of the factors.
+std::vector<FactorParts> ByFactor(const LinearizedNetwork& linearized,
+                                  const std::vector<const EffectModel*>& effects,
+                                  const std::vector<Eigen::Index>& first) {
+  std::vector<FactorParts> by_factor;
+  std::vector<std::size_t> at;  // of each factor in by_factor, one more; 0: not there yet
   for (std::size_t k = 0; k < effects.size(); ++k) {
-    for (const EffectPart& part : effects[k]) {
+    for (const EffectPart& part : *effects[k]) {
       CheckPart(linearized, part, first[k + 1] - first[k]);
-      if (linearized.RowsOf(part.factor)) by_factor[part.factor].emplace_back(first[k], &part.L);
+      const std::size_t id = AsSize(part.factor);
+      if (id >= at.size()) at.resize(2 * id + 1, 0);
+      if (at[id] == 0) {
+        const auto rows = linearized.RowsOf(part.factor);
+        if (!rows) continue;
+        by_factor.push_back({part.factor, *rows, {}});
+        at[id] = by_factor.size();
+      }
+      by_factor[at[id] - 1].parts.emplace_back(first[k], &part.L);
     }
   }
+  std::sort(by_factor.begin(), by_factor.end(),
+            [](const FactorParts& a, const FactorParts& b) { return a.factor < b.factor; });
   return by_factor;
 }
 
@@ -197,13 +215,13 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
 class Projections {
  public:
   /// For these factors and so many columns.
-  Projections(const LinearizedNetwork& linearized, const std::map<FactorId, Parts>& factors,
+  Projections(const LinearizedNetwork& linearized, const std::vector<FactorParts>& factors,
               Eigen::Index columns)
       : linearized_(linearized), first_row_(AsSize(layout().num_blocks()), -1) {
     const LinearizedNetwork::Impl& network = linearized.impl();
-    for (const auto& [factor, parts] : factors) {
+    for (const FactorParts& of : factors) {
       const Linearization::Edge& edge =
-          network.linearization.edges()[AsSize(network.factor(factor).edge)];
+          network.linearization.edges()[AsSize(network.factor(of.factor).edge)];
       for (int b = 0; b < edge.num_blocks; ++b) {
         first_row_[AsSize(network.linearization.positions(edge)[b])] = 0;
       }
@@ -313,15 +331,14 @@ class ScoreSum {
   Eigen::Index filled_ = 0;
 };
 
-void SumScores(const LinearizedNetwork& linearized, const std::map<FactorId, Parts>& factors,
+void SumScores(const LinearizedNetwork& linearized, const std::vector<FactorParts>& factors,
                Projections* G, JointScore* score) {
   ScoreSum sum(linearized, score);
-  for (const auto& [id, parts] : factors) {
-    const LinearizedNetwork::FactorRows rows = *linearized.RowsOf(id);
-    const Touched touched = ColumnsThatTouch(linearized, parts, rows);
+  for (const FactorParts& of : factors) {
+    const Touched touched = ColumnsThatTouch(linearized, of.parts, of.rows);
     if (touched.columns.empty()) continue;
-    sum.Add(rows, touched);
-    G->Add(id, touched);
+    sum.Add(of.rows, touched);
+    G->Add(of.factor, touched);
   }
 }
 
@@ -372,16 +389,23 @@ std::vector<Eigen::Index> JointScore::Components(std::size_t effect) const {
 
 JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectModel>& effects,
                         const std::vector<BlockId>& watched) {
+  std::vector<const EffectModel*> in_place;
+  for (const EffectModel& effect : effects) in_place.push_back(&effect);
+  return ScoreEffects(marginals, in_place, watched);
+}
+
+JointScore ScoreEffects(const Marginals& marginals, const std::vector<const EffectModel*>& effects,
+                        const std::vector<BlockId>& watched) {
   const LinearizedNetwork& linearized = marginals.linearized();
   JointScore score;
   score.first.push_back(0);
-  for (const EffectModel& effect : effects) {
-    score.first.push_back(score.first.back() + (effect.empty() ? 0 : effect.front().L.cols()));
+  for (const EffectModel* effect : effects) {
+    score.first.push_back(score.first.back() + (effect->empty() ? 0 : effect->front().L.cols()));
   }
   const Eigen::Index q = score.first.back();
   score.s = Eigen::VectorXd::Zero(q);
   score.A = Eigen::MatrixXd::Zero(q, q);
-  const std::map<FactorId, Parts> factors = ByFactor(linearized, effects, score.first);
+  const std::vector<FactorParts> factors = ByFactor(linearized, effects, score.first);
   Projections G(linearized, factors, q);
   SumScores(linearized, factors, &G, &score);
   score.signature2 = score.A.diagonal();

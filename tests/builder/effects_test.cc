@@ -56,7 +56,8 @@ ImuReading ImuAt(const std::string& name, const VectorXd& value, const Vector3d&
 LidarReading LidarAt(const std::string& name, const VectorXd& value, double tag_s,
                      const Vector3d& u_s) {
   const Flight flight = LidarFlight();
-  return Corrected({As<LidarEffect>(Make(name, flight))}, {value}, tag_s, u_s);
+  const double* const values = value.data();
+  return Corrected({As<LidarEffect>(Make(name, flight))}, &values, tag_s, u_s);
 }
 
 TEST(Effects, EveryFixedEffectIsEstimable) {

@@ -32,7 +32,8 @@ Matrix3d Mounting() { return Matrix3d{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.
 class AllOfLidar final : public LidarEffect {
  public:
   int components() const override { return 3; }
-  void Correct(const VectorXd& value, Eigen::Index column, LidarReading* reading) const override {
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
+               LidarReading* reading) const override {
     reading->J_u *= 1.0 + value[0];
     reading->J_u.col(column) = reading->u_s;
     reading->u_s *= 1.0 + value[0];
@@ -46,7 +47,8 @@ class AllOfLidar final : public LidarEffect {
 class GyroScale final : public ImuEffect {
  public:
   int components() const override { return 3; }
-  void Correct(const VectorXd& value, Eigen::Index column, ImuReading* reading) const override {
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
+               ImuReading* reading) const override {
     const Vector3d inverse = (1.0 + value.array()).inverse();
     reading->w_b = inverse.cwiseProduct(reading->w_b);
     reading->J_w = inverse.asDiagonal() * reading->J_w;
@@ -58,7 +60,8 @@ class GyroScale final : public ImuEffect {
 class LateAndShifted final : public GnssEffect {
  public:
   int components() const override { return 2; }
-  void Correct(const VectorXd& value, Eigen::Index column, GnssReading* reading) const override {
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
+               GnssReading* reading) const override {
     reading->delay_s += value[0];
     reading->J_delay[column] = 1.0;
     reading->shift_m.x() += value[1];

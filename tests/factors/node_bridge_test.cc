@@ -30,7 +30,8 @@ const PreintegrationNoise kNoise{5.0 * kRadPerDeg / 60.0, 0.05, 1e-6};
 class GyroScale final : public ImuEffect {
  public:
   int components() const override { return 3; }
-  void Correct(const VectorXd& value, Eigen::Index column, ImuReading* reading) const override {
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
+               ImuReading* reading) const override {
     const Vector3d inverse = (1.0 + value.array()).inverse();
     reading->w_b = inverse.cwiseProduct(reading->w_b);
     reading->J_w = inverse.asDiagonal() * reading->J_w;

@@ -206,7 +206,7 @@ TEST(Preintegrate, FastConstantRotation) {
 class GyroScale final : public ImuEffect {
  public:
   int components() const override { return 3; }
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                ImuReading* reading) const override {
     const Vector3d inverse = (1.0 + value.array()).inverse();
     reading->w_b = inverse.cwiseProduct(reading->w_b);
@@ -219,7 +219,7 @@ class GyroScale final : public ImuEffect {
 class Mixed final : public ImuEffect {
  public:
   int components() const override { return 6; }
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                ImuReading* reading) const override {
     const bool inside = reading->t_s > 0.6 && reading->t_s < 0.9;
     if (inside) {
@@ -346,7 +346,7 @@ TEST(Preintegrate, RejectsAnEffectOfTheWrongSize) {
   ImuCorrection at = WithEffects(Vector3d::Zero(), Vector3d::Zero(), Eigen::VectorXd::Zero(6),
                                  Eigen::VectorXd::Zero(2));
   EXPECT_THROW(Preintegrate(imu, 0.1, 0.9, at, kNoise), InvalidInput);
-  at.effects[1].value = Eigen::VectorXd::Constant(3, std::nan(""));
+  at.effects = {at.effects[0], {at.effects[1].effect, Eigen::VectorXd::Constant(3, std::nan(""))}};
   EXPECT_THROW(Preintegrate(imu, 0.1, 0.9, at, kNoise), InvalidInput);
 }
 

@@ -12,7 +12,7 @@ class BoresightMotion final : public LidarEffect {
 
   int components() const override { return 3; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
     const double since_s = reading->tag_s - reading->delay_s - t0_s_;
     const double share = drift_ ? since_s : (since_s >= 0.0 ? 1.0 : 0.0);

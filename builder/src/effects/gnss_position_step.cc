@@ -13,7 +13,7 @@ class PositionStep final : public GnssEffect {
 
   int components() const override { return 3; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                GnssReading* reading) const override {
     const double t_s = reading->tag_s - reading->delay_s;
     if (t_s < window_s_.first || t_s > window_s_.second) return;

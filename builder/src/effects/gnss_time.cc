@@ -8,7 +8,7 @@ class TimeOffset final : public GnssEffect {
  public:
   int components() const override { return 1; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                GnssReading* reading) const override {
     reading->delay_s += value[0];
     reading->J_delay[column] = 1.0;
@@ -23,7 +23,7 @@ class GnssTagDrift final : public GnssEffect {
 
   int components() const override { return 1; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                GnssReading* reading) const override {
     const double since_s = (reading->tag_s - first_tag_s_) / (1.0 + value[0]);
     reading->delay_s += value[0] * since_s;

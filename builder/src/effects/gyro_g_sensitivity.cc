@@ -8,11 +8,13 @@ class GSensitivity final : public ImuEffect {
  public:
   int components() const override { return 3; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                ImuReading* reading) const override {
-    const Eigen::Vector3d rate_per_force = value;
-    reading->w_b -= rate_per_force.cwiseProduct(reading->f_b);
-    reading->J_w -= rate_per_force.asDiagonal() * reading->J_f;
+    if (!value.isZero(0.0)) {
+      const Eigen::Vector3d rate_per_force = value;
+      reading->w_b -= rate_per_force.cwiseProduct(reading->f_b);
+      reading->J_w -= rate_per_force.asDiagonal() * reading->J_f;
+    }
     reading->J_w.middleCols<3>(column).diagonal() = -reading->f_b;
   }
 };

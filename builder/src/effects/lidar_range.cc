@@ -10,7 +10,7 @@ class Range final : public LidarEffect {
 
   int components() const override { return 1; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
     if (scale_) {
       const double inverse = 1.0 / (1.0 + value[0]);

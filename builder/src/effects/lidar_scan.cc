@@ -29,7 +29,7 @@ class AngleScale final : public LidarEffect {
 
   int components() const override { return 1; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
     const double along = scan_.nadir.dot(reading->u_s), across = scan_.side.dot(reading->u_s);
     const double angle = std::atan2(across, along);
@@ -57,7 +57,7 @@ class ScanCone final : public LidarEffect {
 
   int components() const override { return 1; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
     const Vector3d& axis = scan_.axis;
     const double height = axis.dot(reading->u_s);

@@ -13,7 +13,7 @@ class LidarTagDrift final : public LidarEffect {
   int components() const override { return 1; }
   bool moves_epochs() const override { return true; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
     const double since_s = (reading->tag_s - first_s_) / (1.0 + value[0]);
     reading->delay_s += value[0] * since_s;

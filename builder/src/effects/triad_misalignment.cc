@@ -15,7 +15,7 @@ class TriadMisalignment final : public ImuEffect {
 
   int components() const override { return 3; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                ImuReading* reading) const override {
     const Vector3d phi = value;
     Vector3d& x = gyro_ ? reading->w_b : reading->f_b;

@@ -14,7 +14,7 @@ class TriadScaleFactor final : public ImuEffect {
 
   int components() const override { return 3; }
 
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                ImuReading* reading) const override {
     if (!(value.array() > -1.0).all()) {
       throw InvalidInput(std::string("the estimated scale factor of the ") +
@@ -23,6 +23,10 @@ class TriadScaleFactor final : public ImuEffect {
     }
     Vector3d& x = gyro_ ? reading->w_b : reading->f_b;
     Eigen::Matrix3Xd& J = gyro_ ? reading->J_w : reading->J_f;
+    if (value.isZero(0.0)) {
+      J.middleCols<3>(column).diagonal() = -x;
+      return;
+    }
     const Vector3d inverse = (1.0 + value.array()).inverse();
     x = inverse.cwiseProduct(x);
     J = inverse.asDiagonal() * J;

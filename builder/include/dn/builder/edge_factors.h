@@ -2,6 +2,7 @@
 
 #include <dn/builder/calibration_state.h>
 #include <dn/factor.h>
+#include <dn/factors/lidar_effect.h>
 #include <dn/factors/lidar_point.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/flight/flight.h>
@@ -68,7 +69,7 @@ struct PairEndInput {
   /// Inertial edge that begins at the node, under the same calibration: a bridge to the attitude of
   /// its other node; null: none.
   std::shared_ptr<const PreintegratedInertial> inertial = {};
-  /// From the node to the LidarEpoch of the end; null: integrated here.
+  /// From the node to the epoch of the end; null: integrated here.
   const Preintegrated* partial = nullptr;
 };
 
@@ -88,10 +89,30 @@ struct PairParts {
   Noise<3> noise_m;
 };
 
-/// When the beam of a tag left, as the calibration says, s.
-double LidarEpoch(const CalibrationState& calibration, double tag_s, const Eigen::Vector3d& u_s);
+/// A calibration, which must outlive it, as many pairs take it: what corrects their readings is
+/// looked up once.
+class PairCalibration {
+ public:
+  explicit PairCalibration(const CalibrationState& state);
 
-/// The increments from a node to the LidarEpochs of ends that hang on it, in the order of time.
+  const CalibrationState& state() const { return state_; }
+  const LidarEffects& lidar() const { return lidar_; }
+
+  LidarReading Read(double tag_s, const Eigen::Vector3d& u_s) const {
+    return Corrected(lidar_, values_.data(), tag_s, u_s);
+  }
+  /// When the beam of a reading left, s.
+  double EpochOf(const LidarReading& reading) const {
+    return reading.tag_s - (state_.lidar_time_offset_s + reading.delay_s);
+  }
+
+ private:
+  const CalibrationState& state_;
+  LidarEffects lidar_;
+  std::vector<const double*> values_;  // of each
+};
+
+/// The increments from a node to the epochs of ends that hang on it, in the order of time.
 class EndIncrements {
  public:
   EndIncrements(const Flight& flight, const CalibrationState& calibration,
@@ -107,14 +128,14 @@ class EndIncrements {
 };
 
 /// Throws InvalidInput when an epoch falls before its node.
-PairParts MakePairParts(const Flight& flight, const CalibrationState& calibration,
+PairParts MakePairParts(const Flight& flight, const PairCalibration& calibration,
                         const PreintegrationNoise& noise, const PairEdgeInput& input);
 
 /// Edge of a pair. Without bridges and effects on pairs a PointToPoint, else a
 /// PointToPointBetweenNodes with the effects in the order of EffectsOfPairs. Throws InvalidInput as
 /// MakePairParts.
 std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
-                                                 const CalibrationState& calibration,
+                                                 const PairCalibration& calibration,
                                                  const PreintegrationNoise& noise,
                                                  const PairEdgeInput& input);
 

@@ -166,13 +166,13 @@ class FlightNetwork {
   };
   /// Of some pair edges, at the present biases; the samples after a node are integrated once.
   std::vector<PairIncrements> IncrementsOf(std::span<const PairEdge> edges,
-                                           const CalibrationState& calibration,
+                                           const PairCalibration& calibration,
                                            int threads = 1) const;
   /// So many at a time need little memory beside the network.
   static constexpr std::size_t kPairsAtOnce = 4096;
   /// `increments`: of the edge for that calibration.
   std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
-                                               const CalibrationState& calibration,
+                                               const PairCalibration& calibration,
                                                const InertialFactorOf& inertial,
                                                const PairIncrements& increments) const;
 
@@ -249,9 +249,9 @@ class FlightNetwork {
   PairEdgeInput InputOf(const PairEdge& edge, const InertialFactorOf& inertial,
                         const PairIncrements& increments) const;
   std::shared_ptr<const FactorBase> PairFactorInUse(const PairEdge& edge,
-                                                    const CalibrationState& calibration,
+                                                    const PairCalibration& calibration,
                                                     const PairIncrements& increments) const;
-  /// Calls work(edge, increments) for all pair edges, in their order.
+  /// Calls work(edge, calibration, increments) for all pair edges, in their order.
   template <class Work>
   void ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
                 const Work& work) const;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
+#include <future>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace dn {
@@ -40,6 +42,15 @@ void ParallelFor(int n, int threads, const Work& work) {
   for (const std::exception_ptr& error : errors) {
     if (error) std::rethrow_exception(error);
   }
+}
+
+/// The result of work(), which runs beside the caller where there is a thread for it, else when the
+/// result is asked for. The end of the future waits for the end of the work.
+template <class Work>
+auto Beside(int threads, Work work) {
+  const std::launch how =
+      threads > 1 ? std::launch::async | std::launch::deferred : std::launch::deferred;
+  return std::async(how, std::move(work));
 }
 
 inline std::size_t NumChunks(std::size_t n, std::size_t size) { return (n + size - 1) / size; }

@@ -31,7 +31,7 @@ class GnssEffect {
 
   /// Adds what the value does to the reading, and its derivatives to the columns from `column` on,
   /// which are zero on entry.
-  virtual void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  virtual void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                        GnssReading* reading) const = 0;
 };
 

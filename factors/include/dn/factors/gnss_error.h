@@ -21,7 +21,7 @@ class GnssError final : public GnssEffect {
   GnssError(const GnssProcess& process, const Eigen::Matrix3d& R_m_enu);
 
   int components() const override { return 3; }
-  void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                GnssReading* reading) const override;
 
  private:

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <dn/shared_list.h>
+
 #include <Eigen/Core>
 #include <memory>
-#include <vector>
 
 namespace dn {
 
@@ -44,11 +45,11 @@ class LidarEffect {
   /// Takes the error out of the reading, carries J_u along where it turns or stretches the laser
   /// vector, and writes the derivatives with respect to `value` into the columns from `column` on,
   /// which are zero on entry.
-  virtual void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  virtual void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                        LidarReading* reading) const = 0;
 };
 
-using LidarEffects = std::vector<std::shared_ptr<const LidarEffect>>;
+using LidarEffects = SharedList<std::shared_ptr<const LidarEffect>>;
 
 /// Components of all effects.
 inline Eigen::Index TotalComponents(const LidarEffects& effects) {
@@ -58,14 +59,14 @@ inline Eigen::Index TotalComponents(const LidarEffects& effects) {
 }
 
 /// The reading with every effect taken out, in their order; `values`: of each.
-inline LidarReading Corrected(const LidarEffects& effects,
-                              const std::vector<Eigen::VectorXd>& values, double tag_s,
-                              const Eigen::Vector3d& u_s) {
+inline LidarReading Corrected(const LidarEffects& effects, double const* const* values,
+                              double tag_s, const Eigen::Vector3d& u_s) {
   LidarReading reading = LidarReading::Of(tag_s, u_s, TotalComponents(effects));
   Eigen::Index column = 0;
   for (std::size_t k = 0; k < effects.size(); ++k) {
-    effects[k]->Correct(values[k], column, &reading);
-    column += effects[k]->components();
+    const int components = effects[k]->components();
+    effects[k]->Correct(Eigen::Map<const Eigen::VectorXd>(values[k], components), column, &reading);
+    column += components;
   }
   return reading;
 }

@@ -81,11 +81,11 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
                              const LidarPoint::Derivatives& of) const;
 
   std::size_t first_imu_block() const { return first_lidar_block_ + lidar_.size(); }
-  std::size_t first_attraction_block() const { return first_imu_block() + imu_values_.size(); }
+  std::size_t first_attraction_block() const { return first_imu_block() + imu_.size(); }
 
   std::size_t first_lidar_block_;
   LidarEffects lidar_;
-  std::vector<Eigen::VectorXd> imu_values_;  // of the linearisation
+  ImuEffectValues imu_;  // of the linearisation
   std::vector<AttractionBasis> attraction_;
   Eigen::Matrix3d T_bs_;
   Eigen::Matrix3d W_;

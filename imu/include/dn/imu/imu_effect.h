@@ -1,9 +1,10 @@
 #pragma once
 
+#include <dn/shared_list.h>
+
 #include <Eigen/Core>
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace dn {
 
@@ -31,7 +32,7 @@ class ImuEffect {
   /// J_f), and writes those with respect to `value` into the columns from `column` on, which are
   /// zero on entry. A correction that is not linear in the reading leaves its curvature out of the
   /// slopes within a sample.
-  virtual void Correct(const Eigen::VectorXd& value, Eigen::Index column,
+  virtual void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                        ImuReading* reading) const = 0;
 };
 
@@ -41,8 +42,10 @@ struct ImuEffectValue {
   Eigen::VectorXd value;
 };
 
+using ImuEffectValues = SharedList<ImuEffectValue>;
+
 /// Components of all effects.
-inline Eigen::Index TotalComponents(const std::vector<ImuEffectValue>& effects) {
+inline Eigen::Index TotalComponents(const ImuEffectValues& effects) {
   Eigen::Index n = 0;
   for (const ImuEffectValue& one : effects) n += one.value.size();
   return n;

@@ -16,7 +16,7 @@ namespace dn {
 struct ImuCorrection {
   Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
   Eigen::Vector3d accel_bias_mps2 = Eigen::Vector3d::Zero();
-  std::vector<ImuEffectValue> effects = {};
+  ImuEffectValues effects = {};
 };
 
 /// Inertial increments over [t_begin_s, t_end_s], integrated in the inertial frame that coincides

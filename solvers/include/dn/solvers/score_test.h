@@ -59,6 +59,8 @@ struct JointScore {
 /// The effects' components side by side, in the order given. Throws as TestEffects.
 JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectModel>& effects,
                         const std::vector<BlockId>& watched);
+JointScore ScoreEffects(const Marginals& marginals, const std::vector<const EffectModel*>& effects,
+                        const std::vector<BlockId>& watched);
 
 /// The score test of components, or of combinations of components, with this s and A (as in
 /// JointScore) and the diagonal of their L^T L.
