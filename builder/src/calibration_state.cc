@@ -32,12 +32,12 @@ void CalibrationState::Insert(CalibrationValue value) {
 
 ImuCorrection CalibrationState::ImuAt(const Eigen::Vector3d& gyro_bias_radps,
                                       const Eigen::Vector3d& accel_bias_mps2) const {
-  std::vector<ImuEffectValue> effects;
+  std::vector<ImuEffectValue> values;
   ForEachEffect<std::shared_ptr<const ImuEffect>>(
       *this, [&](const auto& effect, const Eigen::VectorXd& value, std::size_t) {
-        effects.push_back({effect, value});
+        values.push_back({effect, value});
       });
-  return {gyro_bias_radps, accel_bias_mps2, std::move(effects)};
+  return {gyro_bias_radps, accel_bias_mps2, std::move(values)};
 }
 
 Eigen::Vector3d CalibrationState::AttractionAt(const Eigen::Vector3d& p_m) const {
