@@ -27,14 +27,14 @@ namespace {
 constexpr int kWatchedNodes = 8;
 // What averaging over the size of an error costs, against its likeliest size.
 constexpr double kPriceOfASizeNats = 2.0;
-// More strips than a test of all of them together is good for.
-constexpr std::size_t kMostStrips = 24;
 
 std::vector<OwnEffect> Departures(const FlightNetwork& network) {
   if (network.pair_edges.empty()) return {};
   std::vector<OwnEffect> departures{LaserByScanAngle(network)};
   const std::vector<StripInterval> strips = FindStrips(network.flight());
-  if (strips.size() > 1 && strips.size() <= kMostStrips) departures.push_back(LaserByStrip(strips));
+  if (strips.size() > 1 && strips.size() <= kMostStripsTogether) {
+    departures.push_back(LaserByStrip(strips));
+  }
   return departures;
 }
 

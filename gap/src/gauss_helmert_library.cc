@@ -20,7 +20,6 @@ namespace dn::internal {
 namespace {
 
 constexpr int kScanAnglePlaces = 8;
-constexpr std::size_t kMostStrips = 24;
 constexpr std::size_t kFewestPairsOfPlace = 5;  // of a place
 
 class GaussHelmertLibraryMaker {
@@ -42,7 +41,8 @@ class GaussHelmertLibraryMaker {
     AddBoresightByCell();
     AddBoresightShapes();
     AddGeneric(LaserByScanAngle(lidar_, low_rad_, high_rad_));
-    if (strips_.size() > 1 && strips_.size() <= kMostStrips) AddGeneric(LaserByStrip(strips_));
+    if (strips_.size() > 1 && strips_.size() <= kMostStripsTogether)
+      AddGeneric(LaserByStrip(strips_));
     AddStripPlaces();
     AddScanAnglePlaces();
     return std::move(out_);
@@ -109,7 +109,7 @@ class GaussHelmertLibraryMaker {
   }
 
   void AddBoresightByCell() {
-    if (strips_.size() > kMostStrips) return;
+    if (strips_.size() > kMostStripsTogether) return;
     const TimeCells cells = BoresightCells(strips_);
     const OwnEffect own = BoresightByCell(cells);
     const std::size_t block = AddOwn(own);
@@ -151,7 +151,7 @@ class GaussHelmertLibraryMaker {
       const PairEnds& pair = pairs_.ends[k];
       members[StripPairName(strips_, pair.i.t_s, pair.j.t_s)].push_back(k);
     }
-    if (members.size() > kMostStrips) return;
+    if (members.size() > kMostStripsTogether) return;
     for (const auto& [strips, of_strips] : members) AddPlace("strips " + strips, of_strips);
   }
 

@@ -4,9 +4,13 @@
 #include <dn/calibration/candidate_effects.h>
 #include <dn/flight/flight.h>
 
+#include <cstddef>
 #include <vector>
 
 namespace dn {
+
+/// More strips than a test of all of them together is good for.
+inline constexpr std::size_t kMostStripsTogether = 24;
 
 /// Ways in which laser vectors may be off that no effect of the table is: what has no name can be
 /// found by them, and is never corrected.
