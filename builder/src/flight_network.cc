@@ -435,14 +435,15 @@ PairEdgeInput FlightNetwork::InputOf(const PairEdge& edge, const InertialFactorO
 }
 
 template <class Work>
-void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& state,
+void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
                              const Work& work) const {
-  const PairCalibration calibration(state);
+  const PairCalibration of_pairs(calibration);
   for (std::size_t first = 0; first < edges.size(); first += kPairsAtOnce) {
     const auto some = edges.subspan(first, std::min(kPairsAtOnce, edges.size() - first));
-    const std::vector<PairIncrements> increments =
-        IncrementsOf(some, calibration, options_.threads);
-    for (std::size_t k = 0; k < some.size(); ++k) work(some[k], calibration, increments[k]);
+    const std::vector<PairIncrements> increments = IncrementsOf(some, of_pairs, options_.threads);
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      work(some[k], [&] { return PairFactorInUse(some[k], of_pairs, increments[k]); });
+    }
   }
 }
 
@@ -551,14 +552,12 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
     if (!pair_model_) Bridge(&edge);
     edges.push_back(edge);
   }
-  ForPairs(edges, calibration,
-           [&](PairEdge& edge, const PairCalibration& of_pairs, const PairIncrements& increments) {
-             std::vector<BlockId> blocks = PairBlocks(edge);
-             AppendEffects(of_edge, &blocks);
-             edge.id = AddEdge(PairFactorInUse(edge, of_pairs, increments), blocks,
-                               internal::PairGroup(), edge.pair.t_i_s);
-             pair_edges.push_back(edge);
-           });
+  ForPairs(edges, calibration, [&](PairEdge& edge, const auto& make) {
+    std::vector<BlockId> blocks = PairBlocks(edge);
+    AppendEffects(of_edge, &blocks);
+    edge.id = AddEdge(make(), blocks, internal::PairGroup(), edge.pair.t_i_s);
+    pair_edges.push_back(edge);
+  });
 }
 
 double FlightNetwork::BiasChange() const {
@@ -618,10 +617,7 @@ void FlightNetwork::Relinearise() {
     }
   }
   ForPairs(pair_edges, linearised_,
-           [&](const PairEdge& edge, const PairCalibration& calibration,
-               const PairIncrements& increments) {
-             Renew(edge.id, [&] { return PairFactorInUse(edge, calibration, increments); });
-           });
+           [&](const PairEdge& edge, const auto& make) { Renew(edge.id, make); });
 }
 
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {

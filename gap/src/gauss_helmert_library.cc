@@ -41,8 +41,9 @@ class GaussHelmertLibraryMaker {
     AddBoresightByCell();
     AddBoresightShapes();
     AddGeneric(LaserByScanAngle(lidar_, low_rad_, high_rad_));
-    if (strips_.size() > 1 && strips_.size() <= kMostStripsTogether)
+    if (strips_.size() > 1 && strips_.size() <= kMostStripsTogether) {
       AddGeneric(LaserByStrip(strips_));
+    }
     AddStripPlaces();
     AddScanAnglePlaces();
     return std::move(out_);

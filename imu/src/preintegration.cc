@@ -356,7 +356,7 @@ class Integrator {
           dp -= w[axis] * p_w.col(axis);
         }
       }
-      if (q[0] != 0.0 || q[1] != 0.0 || q[2] != 0.0) {
+      if (!q.isZero(0.0)) {
         dv -= velocity.cross(q);
         dp -= position.cross(q);
       }

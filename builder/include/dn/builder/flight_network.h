@@ -251,7 +251,7 @@ class FlightNetwork {
   std::shared_ptr<const FactorBase> PairFactorInUse(const PairEdge& edge,
                                                     const PairCalibration& calibration,
                                                     const PairIncrements& increments) const;
-  /// Calls work(edge, calibration, increments) for all pair edges, in their order.
+  /// Calls work(edge, make) for all pair edges, in their order; make() is the edge's factor.
   template <class Work>
   void ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
                 const Work& work) const;

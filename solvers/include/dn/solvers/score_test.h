@@ -59,6 +59,7 @@ struct JointScore {
 /// The effects' components side by side, in the order given. Throws as TestEffects.
 JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectModel>& effects,
                         const std::vector<BlockId>& watched);
+/// The same of effects that stay where they are.
 JointScore ScoreEffects(const Marginals& marginals, const std::vector<const EffectModel*>& effects,
                         const std::vector<BlockId>& watched);
 
