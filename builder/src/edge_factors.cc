@@ -5,6 +5,7 @@
 #include <dn/factors/gnss_velocity.h>
 #include <dn/factors/point_to_point_between_nodes.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -179,7 +180,17 @@ std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration
 }
 
 PairCalibration::PairCalibration(const CalibrationState& state)
-    : state_(state), lidar_(Of<LidarEffect>(state)), values_(ValuesOf<LidarEffect>(state)) {}
+    : state_(state), lidar_(Of<LidarEffect>(state)) {
+  const std::vector<const double*> values = ValuesOf<LidarEffect>(state);
+  std::vector<std::shared_ptr<const LidarEffect>> not_zero;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const auto past = values[k] + lidar_[k]->components();
+    if (std::all_of(values[k], past, [](double value) { return value == 0.0; })) continue;
+    not_zero.push_back(lidar_[k]);
+    values_.push_back(values[k]);
+  }
+  not_zero_ = std::move(not_zero);
+}
 
 EndIncrements::EndIncrements(const Flight& flight, const CalibrationState& calibration,
                              const PreintegrationNoise& noise, double node_t_s,

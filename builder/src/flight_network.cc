@@ -285,18 +285,37 @@ void FlightNetwork::AppendEffects(const std::vector<std::size_t>& indices,
   for (const std::size_t k : indices) blocks->push_back(effects[k].id);
 }
 
-std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactor(
-    const InertialEdge& edge, const CalibrationState& calibration) const {
+std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorOn(
+    const Preintegrated& increments, const InertialEdge& edge,
+    const CalibrationState& calibration) const {
   const std::size_t i = edge.node_i;
-  const double t_s = node_t_s_[i];
   const Eigen::Vector3d p_i = net.Value(nodes[i].p_mb);
-  const Preintegrated increment =
-      Preintegrate(*flight_->imu, t_s, node_t_s_[i + 1],
-                   calibration.ImuAt(GyroBias(t_s), AccelBias(t_s)), noise_);
   return std::make_shared<PreintegratedInertial>(
-      increment, flight_->frame, p_i, net.Value(nodes[i + 1].p_mb),
+      increments, flight_->frame, p_i, net.Value(nodes[i + 1].p_mb),
       static_cast<int>(gyro_bias.size()), static_cast<int>(accel_bias.size()),
       AttractionBases(calibration, p_i));
+}
+
+std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactor(
+    const InertialEdge& edge, const CalibrationState& calibration) const {
+  const double t_s = node_t_s_[edge.node_i];
+  const Preintegrated increments =
+      Preintegrate(*flight_->imu, t_s, node_t_s_[edge.node_i + 1],
+                   calibration.ImuAt(GyroBias(t_s), AccelBias(t_s)), noise_);
+  return InertialFactorOn(increments, edge, calibration);
+}
+
+std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorByMeans(
+    const InertialEdge& edge, const CalibrationState& calibration, const ImuData& imu) const {
+  Preintegrated increments = InertialFactorInUse(edge)->increments();
+  const ImuCorrection correction = calibration.ImuAt(increments.linearisation.gyro_bias_radps,
+                                                     increments.linearisation.accel_bias_mps2);
+  if (!correction.effects.empty()) {
+    increments.J_effects =
+        Preintegrate(imu, increments.t_begin_s, increments.t_end_s, correction, {}).J_effects;
+  }
+  increments.linearisation = correction;
+  return InertialFactorOn(increments, edge, calibration);
 }
 
 void FlightNetwork::AddInertialEdges() {
@@ -379,11 +398,9 @@ void FlightNetwork::AddGnssEdges() {
 }
 
 std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorInUse(
-    std::size_t edge) const {
-  auto in_use = std::dynamic_pointer_cast<const PreintegratedInertial>(
-      net.factor(inertial_edges[edge].id).factor);
-  return in_use ? in_use
-                : InertialFactor(inertial_edges[edge], linearised_);  // replaced from outside
+    const InertialEdge& edge) const {
+  auto in_use = std::dynamic_pointer_cast<const PreintegratedInertial>(net.factor(edge.id).factor);
+  return in_use ? in_use : InertialFactor(edge, linearised_);  // replaced from outside
 }
 
 std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
@@ -456,7 +473,7 @@ std::shared_ptr<const FactorBase> FlightNetwork::PairFactor(
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactorInUse(
     const PairEdge& edge, const PairCalibration& calibration,
     const PairIncrements& increments) const {
-  const auto inertial = [&](std::size_t k) { return InertialFactorInUse(k); };
+  const auto inertial = [&](std::size_t k) { return InertialFactorInUse(inertial_edges[k]); };
   if (!pair_model_) return PairFactor(edge, calibration, inertial, increments);
   auto factor = pair_model_->make(
       *flight_, MakePairParts(*flight_, calibration, noise_, InputOf(edge, inertial, increments)));
@@ -507,7 +524,7 @@ void FlightNetwork::Bridge(PairEdge* edge) const {
         [](const InertialEdge& inertial, std::size_t k) { return inertial.node_i < k; });
     if (at == inertial_edges.end() || at->node_i != node) return std::nullopt;
     const auto k = static_cast<std::size_t>(at - inertial_edges.begin());
-    const double turn_rad2 = InertialFactorInUse(k)->increments().covariance(0, 0);
+    const double turn_rad2 = InertialFactorInUse(inertial_edges[k])->increments().covariance(0, 0);
     const double added_m2 = turn_rad2 * range_m * range_m;
     if (added_m2 <= kNoiseCountedTwice * variance_m2) return std::nullopt;
     return k;

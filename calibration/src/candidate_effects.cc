@@ -1,6 +1,7 @@
 #include <dn/autodiff.h>
 #include <dn/calibration/candidate_effects.h>
 #include <dn/effects/effect_table.h>
+#include <dn/imu/imu_means.h>
 #include <dn/parallel.h>
 
 #include <algorithm>
@@ -12,7 +13,11 @@
 namespace dn {
 namespace {
 
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 constexpr std::size_t kMostSteps = 6;
+// Stretches over which rates and forces stand for their derivatives by effects.
+constexpr double kMeansOver_s = 0.02;
 
 /// Times between strips at which the mount may have slipped.
 std::vector<double> TimesOfSteps(std::vector<StripInterval> strips) {
@@ -47,7 +52,11 @@ struct EdgeKind {
 class Candidates {
  public:
   Candidates(const FlightNetwork& network, int threads, const std::vector<OwnEffect>& own)
-      : network_(network), threads_(threads), state_(network.Calibration()), num_own_(own.size()) {
+      : network_(network),
+        threads_(threads),
+        means_(MeansOver(*network.flight().imu, kMeansOver_s)),
+        state_(network.Calibration()),
+        num_own_(own.size()) {
     for (const EstimableEffect& effect : EstimableEffects()) Add(effect);
     for (const OwnEffect& effect : own) Add(effect);
     of_state_.assign(state_.effects.size(), nullptr);
@@ -115,24 +124,41 @@ class Candidates {
     const Network& net = network_.net;
     const BlockId block = net.Find(effect.name);
     if (!net.block(block).held) return;
-    CandidateEffect candidate = DescribeEffect(effect);
-    const auto add = [&](FactorId id) {
-      Eigen::VectorXd r;
-      std::vector<Eigen::MatrixXd> J;
-      if (id < 0 || !net.factor(id).active || !net.EvaluateFactor(id, &r, &J)) return;
-      const std::vector<BlockId>& blocks = net.factor(id).blocks;
-      const auto at = std::find(blocks.begin(), blocks.end(), block);
-      candidate.model.push_back({id, J[static_cast<std::size_t>(at - blocks.begin())]});
-    };
+    std::vector<FactorId> factors;
     if (of_lidar) {
-      for (const FlightNetwork::PairEdge& edge : network_.pair_edges) add(edge.id);
+      for (const FlightNetwork::PairEdge& edge : network_.pair_edges) factors.push_back(edge.id);
     } else {
       for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
-        add(edge.position);
-        add(edge.velocity);
+        factors.push_back(edge.position);
+        if (edge.velocity >= 0) factors.push_back(edge.velocity);
       }
     }
+    std::vector<Eigen::MatrixXd> L_of(factors.size());
+    ParallelFor(static_cast<int>(factors.size()), threads_, [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
+      L_of[k] = DerivativeBy(block, factors[k]);
+    });
+    CandidateEffect candidate = DescribeEffect(effect);
+    for (std::size_t k = 0; k < factors.size(); ++k) {
+      if (L_of[k].size() > 0) candidate.model.push_back({factors[k], std::move(L_of[k])});
+    }
     found_.push_back(std::move(candidate));
+  }
+
+  /// Of a factor as it is, by a block whose stored coordinates are the tangent ones; none of a
+  /// factor that is not active.
+  Eigen::MatrixXd DerivativeBy(BlockId block, FactorId factor) const {
+    const FactorRecord& record = network_.net.factor(factor);
+    if (!record.active) return {};
+    std::vector<const double*> x;
+    for (const BlockId id : record.blocks) x.push_back(Value(id));
+    const auto at = std::find(record.blocks.begin(), record.blocks.end(), block);
+    Eigen::VectorXd r(record.factor->residual_size());
+    RowMajor L(r.size(), network_.net.block(block).kind.stored_size);
+    std::vector<double*> J(x.size(), nullptr);
+    J[static_cast<std::size_t>(at - record.blocks.begin())] = L.data();
+    if (!network_.net.EvaluateStored(factor, x.data(), r.data(), J.data())) return {};
+    return L;
   }
 
   /// The candidate of each effect of the state. Both are in the order of EstimableEffects, the
@@ -160,10 +186,7 @@ class Candidates {
     for (const auto& edge : network_.inertial_edges) kind.edges.push_back(edge.id);
     kind.effects = EffectsOfInertial(state_);
     kind.own_effects = EffectsOfInertial(network_.Calibration()).size();
-    kind.make = [&](std::size_t k) {
-      return bridging_[k] ? bridging_[k]
-                          : network_.InertialFactor(network_.inertial_edges[k], state_);
-    };
+    kind.make = [&](std::size_t k) { return bridging_[k] ? bridging_[k] : InertialFactor(k); };
     Differentiate(kind);
   }
 
@@ -178,8 +201,12 @@ class Candidates {
     const std::vector<std::size_t> all(edges.begin(), edges.end());
     ParallelFor(static_cast<int>(all.size()), threads_, [&](int k) {
       const std::size_t edge = all[static_cast<std::size_t>(k)];
-      bridging_[edge] = network_.InertialFactor(network_.inertial_edges[edge], state_);
+      bridging_[edge] = InertialFactor(edge);
     });
+  }
+
+  std::shared_ptr<const PreintegratedInertial> InertialFactor(std::size_t edge) const {
+    return network_.InertialFactorByMeans(network_.inertial_edges[edge], state_, means_);
   }
 
   void AddGnss() {
@@ -274,7 +301,6 @@ class Candidates {
 
   static Eigen::MatrixXd SideBySide(const double* stored, int rows, int columns,
                                     std::span<const BlockKind> blocks) {
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     Eigen::MatrixXd L(rows, columns);
     Eigen::Index column = 0;
     for (const BlockKind& block : blocks) {
@@ -314,6 +340,7 @@ class Candidates {
 
   const FlightNetwork& network_;
   int threads_;
+  ImuData means_;
   CalibrationState state_;
   std::size_t num_own_;
   std::vector<CandidateEffect> found_;

@@ -47,21 +47,17 @@ class Checker {
         trajectory_(trajectory),
         gnss_clock_(adjustment.gnss_clock),
         linearized_(marginals.linearized()),
-        threads_(threads),
-        forms_(ChannelForms(linearized_)),
-        num_channels_(forms_.size()) {
-    for (ResidualForm& common : internal::CommonErrorForms(network_, linearized_)) {
-      forms_.push_back(std::move(common));
-    }
-  }
+        threads_(threads) {}
 
   ModelCheck Run() {
-    auto moments = Beside(threads_, [&] { return MomentsOf(marginals_, forms_); });
+    auto sums = Beside(threads_, [&] { FormSums(); });
     ListCandidates();
-    moments_ = moments.get();
     Watch();
+    const JointScore score = ScoreCandidates();
+    sums.get();
+    tests_ = static_cast<double>(forms_.size() + candidates_.size() + departures_.size());
     CheckPriors();
-    FindEffects();
+    FindEffects(score);
     const Eigen::VectorXd left = ResidualBesideEffects();
     check_.sigma0_beside_effects =
         trajectory_.figures.sigma0 * left.norm() / linearized_.residual().norm();
@@ -75,6 +71,15 @@ class Checker {
  private:
   double ForFamily(double p_value) const { return std::min(1.0, p_value * tests_); }
 
+  /// The sums of residuals that are tested, and how they scatter when all is as assumed.
+  void FormSums() {
+    forms_ = ChannelForms(linearized_);
+    num_channels_ = forms_.size();
+    std::vector<ResidualForm> common = internal::CommonErrorForms(network_, linearized_);
+    std::move(common.begin(), common.end(), std::back_inserter(forms_));
+    moments_ = MomentsOf(marginals_, forms_);
+  }
+
   void ListCandidates() {
     candidates_ = CandidateEffects(network_, threads_, Departures(network_));
     // What has no name stands last.
@@ -83,7 +88,6 @@ class Checker {
         [](const CandidateEffect& candidate) { return FindEffect(candidate.name) == nullptr; });
     departures_.assign(std::make_move_iterator(first), std::make_move_iterator(candidates_.end()));
     candidates_.erase(first, candidates_.end());
-    tests_ = static_cast<double>(forms_.size() + candidates_.size() + departures_.size());
   }
 
   /// The unknowns whose move counts: the boresight, else poses along the trajectory.
@@ -171,17 +175,20 @@ class Checker {
     return form.label_name[static_cast<std::size_t>(worst)];
   }
 
-  void FindEffects() {
+  /// With the shifts of what is watched, then of the effects among the unknowns.
+  JointScore ScoreCandidates() const {
     std::vector<const EffectModel*> models;
     for (const CandidateEffect& candidate : candidates_) models.push_back(&candidate.model);
     for (const CandidateEffect& departure : departures_) models.push_back(&departure.model);
-    const std::vector<BlockId> unknowns = internal::EffectUnknowns(network_);
     std::vector<BlockId> shifted = watched_;
-    shifted.insert(shifted.end(), unknowns.begin(), unknowns.end());
-    JointScore score = ScoreEffects(marginals_, models, shifted);
-    check_.rivals =
-        internal::FindRivals(network_, marginals_, candidates_, score,
-                             {watched_, watched_sigma_, check_.of_boresight}, unknowns, tests_);
+    for (const BlockId unknown : internal::EffectUnknowns(network_)) shifted.push_back(unknown);
+    return ScoreEffects(marginals_, models, shifted);
+  }
+
+  void FindEffects(JointScore score) {
+    check_.rivals = internal::FindRivals(network_, marginals_, candidates_, score,
+                                         {watched_, watched_sigma_, check_.of_boresight},
+                                         internal::EffectUnknowns(network_), tests_);
     score.shift.conservativeResize(watched_sigma_.size(), Eigen::NoChange);
     const internal::ScreenOptions options{tests_, watched_sigma_, check_.of_boresight};
     screen_ = internal::ScreenEffects(candidates_, score, options);
@@ -313,7 +320,7 @@ class Checker {
   const LinearizedNetwork& linearized_;
   int threads_;
   std::vector<ResidualForm> forms_;  // of the channels, then of common errors
-  std::size_t num_channels_;
+  std::size_t num_channels_ = 0;
   std::vector<CandidateEffect> candidates_;
   std::vector<CandidateEffect> departures_;
   double tests_ = 1.0;

@@ -15,8 +15,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// Two time tags closer than this are the same epoch (seconds of week resolve 1e-10 s).
-constexpr double kTimeTolerance_s = 1e-7;
+constexpr double kTimeTolerance_s = kImuTimeTolerance_s;
 
 /// A stretch of one sample with rates linear in time: x(t) = mean + slope (t - middle).
 struct Piece {
@@ -68,10 +67,6 @@ std::string Seconds(double t_s) {
   char text[40];
   std::snprintf(text, sizeof text, "%.6f s", t_s);
   return text;
-}
-
-bool Adjoin(const ImuSample& before, const ImuSample& after) {
-  return after.t_s - after.dt_s - before.t_s < kTimeTolerance_s;
 }
 
 double Middle(const ImuSample& sample) { return sample.t_s - 0.5 * sample.dt_s; }
@@ -247,11 +242,14 @@ class Integrator {
     const Vector3d position = d * (0.5 * u + g.b * phi_x_u + g.c * phi_x_phi_x_u) -
                               d3 * (dR * piece.f_slope - 0.5 * d * f_x_slope);
 
-    AddCovariance(d, {gyro_psd_ + added.gyro, accel_psd_ + added.accel}, u, velocity, position);
+    const Densities psd{gyro_psd_ + added.gyro, accel_psd_ + added.accel};
+    noisy_ = noisy_ || psd.gyro > 0.0 || psd.accel > 0.0;
+    if (noisy_) AddCovariance(d, psd, u, velocity, position);
     AddBiasJacobians(d, dR, phi, u, velocity, position, g, reading);
 
     dp_ += d * dv_ + position;
     dv_ += velocity;
+    t_s_ += d;
     dq_ = dq_ * Eigen::Quaterniond(g.cos_half, g.half_sinc * phi_b.x(), g.half_sinc * phi_b.y(),
                                    g.half_sinc * phi_b.z());
     dq_.coeffs() *= 1.5 - 0.5 * dq_.squaredNorm();  // stays normalised to rounding
@@ -269,7 +267,7 @@ class Integrator {
     const Matrix3d P_pq = -Skew(b_) * dR;
     out->covariance << P_qq_ * Matrix3d::Identity(), P_vq.transpose(), P_pq.transpose(), P_vq,
         P_vv_, P_pv_.transpose(), P_pq, P_pv_, P_pp_;
-    if (all_.q.cols() > 0) {
+    if (sums_.cols() > 0) {
       WriteSensitivities(dR_inverse, out);
       return;
     }
@@ -330,54 +328,55 @@ class Integrator {
     bias_.q -= d * turned;
   }
 
-  // The same for any parameters on which rate and specific force depend.
+  // The same for any parameters on which rate and specific force depend. What a change of rate does
+  // to velocity and position grows with what is added after it; with V, P the increments up to the
+  // end of this piece and t its time, the sums
+  //   q = sum dq,  b = sum dv + V x dq,  a = sum dp - t (dv + V x dq) + P x dq
+  // of what it does within the piece suffice for every later end T:
+  //   v = b - V(T) x q,  p = a + T b - P(T) x q.
   void AddSensitivities(double d, const Matrix3d& turned, const Matrix3d& moved,
                         const Matrix3d& u_x_dR, const Vector3d& velocity, const Vector3d& position,
                         const ImuReading& reading) {
-    if (all_.q.cols() == 0) {
-      for (Eigen::Matrix3Xd* K : {&all_.q, &all_.v, &all_.p}) K->setZero(3, reading.J_w.cols());
-    }
-    const Matrix3d v_w = 0.5 * d * u_x_dR, p_w = d * d / 6.0 * u_x_dR;
-    const Matrix3d v_f = d * turned, p_f = d * d * moved;
+    if (sums_.cols() == 0) sums_.setZero(9, reading.J_w.cols());
+    const Vector3d V = dv_ + velocity, P = dp_ + d * dv_ + position;
+    const double t = t_s_ + d;
+    Eigen::Matrix<double, 9, 3> of_w, of_f;
+    of_w.topRows<3>() = d * turned;
+    of_w.middleRows<3>(3) = Cross(V, of_w.topRows<3>()) - 0.5 * d * u_x_dR;
+    of_w.bottomRows<3>() =
+        Cross(P, of_w.topRows<3>()) - d * d / 6.0 * u_x_dR - t * of_w.middleRows<3>(3);
+    of_f.topRows<3>().setZero();
+    of_f.middleRows<3>(3) = d * turned;
+    of_f.bottomRows<3>() = d * d * moved - t * of_f.middleRows<3>(3);
     for (Eigen::Index c = 0; c < reading.J_w.cols(); ++c) {
       const double* w = reading.J_w.col(c).data();
       const double* f = reading.J_f.col(c).data();
-      const Vector3d q = all_.q.col(c);
-      Vector3d dq = Vector3d::Zero(), dv = Vector3d::Zero(), dp = d * all_.v.col(c);
       // Most sensitivities are those of one axis.
       for (int axis = 0; axis < 3; ++axis) {
-        if (f[axis] != 0.0) {
-          dv += f[axis] * v_f.col(axis);
-          dp += f[axis] * p_f.col(axis);
-        }
-        if (w[axis] != 0.0) {
-          dq += w[axis] * v_f.col(axis);
-          dv -= w[axis] * v_w.col(axis);
-          dp -= w[axis] * p_w.col(axis);
-        }
+        if (w[axis] != 0.0) sums_.col(c) += w[axis] * of_w.col(axis);
+        if (f[axis] != 0.0) sums_.col(c).tail<6>() += f[axis] * of_f.col(axis).tail<6>();
       }
-      if (!q.isZero(0.0)) {
-        dv -= velocity.cross(q);
-        dp -= position.cross(q);
-      }
-      all_.p.col(c) += dp;
-      all_.v.col(c) += dv;
-      all_.q.col(c) += dq;
     }
   }
 
   void WriteSensitivities(const Matrix3d& dR_inverse, Preintegrated* out) const {
-    out->J_q_bg = dR_inverse * all_.q.leftCols<3>();
-    out->J_v_bg = all_.v.leftCols<3>();
-    out->J_p_bg = all_.p.leftCols<3>();
-    out->J_v_ba = all_.v.middleCols<3>(3);
-    out->J_p_ba = all_.p.middleCols<3>(3);
-    const Eigen::Index n = all_.q.cols() - EffectCorrector::kBiases;
-    out->J_effects.resize(9, n);
-    out->J_effects << dR_inverse * all_.q.rightCols(n), all_.v.rightCols(n), all_.p.rightCols(n);
+    Eigen::Matrix<double, 9, Eigen::Dynamic> K = sums_;
+    for (Eigen::Index c = 0; c < K.cols(); ++c) {
+      const Vector3d q = sums_.col(c).head<3>(), b = sums_.col(c).segment<3>(3);
+      K.col(c).head<3>() = dR_inverse * q;
+      K.col(c).segment<3>(3) -= dv_.cross(q);
+      K.col(c).tail<3>() += t_s_ * b - dp_.cross(q);
+    }
+    out->J_q_bg = K.topLeftCorner<3, 3>();
+    out->J_v_bg = K.block<3, 3>(3, 0);
+    out->J_p_bg = K.bottomLeftCorner<3, 3>();
+    out->J_v_ba = K.block<3, 3>(3, 3);
+    out->J_p_ba = K.block<3, 3>(6, 3);
+    out->J_effects = K.rightCols(K.cols() - EffectCorrector::kBiases);
   }
 
   double gyro_psd_, accel_psd_;
+  bool noisy_ = false;
   double P_qq_ = 0.0;  // of each component of psi
   Eigen::Quaterniond dq_ = Eigen::Quaterniond::Identity();
   Vector3d dv_ = Vector3d::Zero(), dp_ = Vector3d::Zero();
@@ -385,9 +384,9 @@ class Integrator {
   Matrix3d P_vv_ = Matrix3d::Zero(), P_pv_ = Matrix3d::Zero(), P_pp_ = Matrix3d::Zero();
   Sensitivity bias_;
   Matrix3d J_v_ba_ = Matrix3d::Zero(), J_p_ba_ = Matrix3d::Zero();
-  struct {
-    Eigen::Matrix3Xd q, v, p;
-  } all_;  // of biases and effects, where there are effects
+  double t_s_ = 0.0;  // since the begin
+  // What of biases and effects grows into sensitivities, where there are effects.
+  Eigen::Matrix<double, 9, Eigen::Dynamic> sums_;
 };
 
 void CheckBias(const ImuCorrection& bias, double t_s) {

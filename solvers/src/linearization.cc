@@ -147,7 +147,7 @@ void Linearization::AddProduct(const Edge& edge, const Eigen::MatrixXd& X,
   for (int i = 0; i < edge.num_blocks; ++i) {
     const int p = positions(edge)[i];
     const int size = layout_.size_of(p);
-    out.noalias() += J.middleCols(column, size) * X.middleRows(layout_.offset[AsSize(p)], size);
+    out += J.middleCols(column, size).lazyProduct(X.middleRows(layout_.offset[AsSize(p)], size));
     column += size;
   }
 }
@@ -160,8 +160,10 @@ Eigen::MatrixXd Linearization::TransposeTimes(const Eigen::MatrixXd& E) const {
     for (int b = 0; b < edge.num_blocks; ++b) {
       const int p = positions(edge)[b];
       const int size = layout_.size_of(p);
-      G.middleRows(layout_.offset[AsSize(p)], size).noalias() +=
-          J.middleCols(column, size).transpose() * E.middleRows(edge.first_row, edge.rows);
+      G.middleRows(layout_.offset[AsSize(p)], size) +=
+          J.middleCols(column, size)
+              .transpose()
+              .lazyProduct(E.middleRows(edge.first_row, edge.rows));
       column += size;
     }
   }

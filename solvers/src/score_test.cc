@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/log_sum.h>
+#include <dn/parallel.h>
 #include <dn/solvers/score_test.h>
 #include <dn/symmetric_eigen.h>
 
@@ -7,11 +8,14 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "blas.h"
 #include "linearized_impl.h"
+#include "marginals_impl.h"
+#include "serial_blas.h"
 
 namespace dn {
 namespace {
@@ -191,6 +195,18 @@ std::vector<ColumnRun> Runs(const std::vector<Eigen::Index>& columns) {
   return runs;
 }
 
+/// The parts of runs that lie in the columns [begin, past).
+std::vector<ColumnRun> Within(const std::vector<ColumnRun>& runs, Eigen::Index begin,
+                              Eigen::Index past) {
+  std::vector<ColumnRun> within;
+  for (const ColumnRun& run : runs) {
+    const Eigen::Index first = std::max(run.first, begin);
+    const Eigen::Index count = std::min(run.first + run.count, past) - first;
+    if (count > 0) within.push_back({first, run.at + first - run.first, count});
+  }
+  return within;
+}
+
 Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts,
                          const LinearizedNetwork::FactorRows& rows) {
   Touched touched;
@@ -235,12 +251,15 @@ class Projections {
     G_ = RowMajor::Zero(rows, columns);
   }
 
-  void Add(FactorId factor, const Touched& touched) {
+  /// To the columns [begin, past): side by side with others.
+  void Add(FactorId factor, const Touched& touched, Eigen::Index begin, Eigen::Index past) {
+    const std::vector<ColumnRun> runs = Within(touched.runs, begin, past);
+    if (runs.empty()) return;
     ForJacobians(linearized_, factor, [&](int position, const auto& J) {
       const Eigen::Index first = first_row_[AsSize(position)];
       for (Eigen::Index i = 0; i < J.cols(); ++i) {
         for (Eigen::Index r = 0; r < J.rows(); ++r) {
-          for (const ColumnRun& run : touched.runs) {
+          for (const ColumnRun& run : runs) {
             G_.row(first + i).segment(run.first, run.count) +=
                 J(r, i) * touched.L.row(r).segment(run.at, run.count);
           }
@@ -248,6 +267,8 @@ class Projections {
       }
     });
   }
+
+  Eigen::Index columns() const { return G_.cols(); }
 
   /// Some columns, over all unknowns.
   Eigen::MatrixXd Columns(Eigen::Index first, Eigen::Index count) const {
@@ -259,9 +280,19 @@ class Projections {
   }
 
   /// C -= G^T Z for the columns of G from `first` on, which are as many as C has rows.
-  void SubtractProducts(const Eigen::MatrixXd& Z, Eigen::Index first,
+  void SubtractProducts(const Eigen::MatrixXd& Z, Eigen::Index first, int threads,
                         Eigen::Ref<Eigen::MatrixXd> C) const {
-    if (G_.rows() == 0) return;
+    ParallelFor(threads, threads, [&](int k) {
+      const SerialBlas serial;
+      const Eigen::Index begin = Z.cols() * k / threads, past = Z.cols() * (k + 1) / threads;
+      SubtractColumns(Z.middleCols(begin, past - begin), first, C.middleCols(begin, past - begin));
+    });
+  }
+
+ private:
+  void SubtractColumns(const Eigen::Ref<const Eigen::MatrixXd>& Z, Eigen::Index first,
+                       Eigen::Ref<Eigen::MatrixXd> C) const {
+    if (G_.rows() == 0 || Z.cols() == 0) return;
     Eigen::MatrixXd touched(G_.rows(), Z.cols());
     ForBlocks([&](Eigen::Index unknown, Eigen::Index row, int size) {
       touched.middleRows(row, size) = Z.middleRows(unknown, size);
@@ -273,7 +304,6 @@ class Projections {
            C.data(), &stride);
   }
 
- private:
   const UnknownLayout& layout() const { return linearized_.impl().layout; }
 
   /// Calls use(first unknown, row of G_, size) for every block that is touched.
@@ -300,6 +330,7 @@ class ScoreSum {
   ScoreSum& operator=(const ScoreSum&) = delete;
 
   void Add(const LinearizedNetwork::FactorRows& rows, const Touched& touched) {
+    if (touched.columns.empty()) return;
     const auto count = touched.L.rows();
     if (touched.columns != columns_ || filled_ + count > L_.rows()) {
       AddStack();
@@ -331,14 +362,31 @@ class ScoreSum {
   Eigen::Index filled_ = 0;
 };
 
+// Side by side are the sums of the scores and those of some columns of J^T L each, whatever the
+// number of threads.
 void SumScores(const LinearizedNetwork& linearized, const std::vector<FactorParts>& factors,
-               Projections* G, JointScore* score) {
+               int threads, Projections* G, JointScore* score) {
+  constexpr std::size_t kAtOnce = 1024;
+  constexpr int kColumnShares = 3;
   ScoreSum sum(linearized, score);
-  for (const FactorParts& of : factors) {
-    const Touched touched = ColumnsThatTouch(linearized, of.parts, of.rows);
-    if (touched.columns.empty()) continue;
-    sum.Add(of.rows, touched);
-    G->Add(of.factor, touched);
+  std::vector<Touched> touched(std::min(kAtOnce, factors.size()));
+  for (std::size_t first = 0; first < factors.size(); first += kAtOnce) {
+    const std::span<const FactorParts> some =
+        std::span(factors).subspan(first, std::min(kAtOnce, factors.size() - first));
+    ParallelFor(static_cast<int>(some.size()), threads, [&](int at) {
+      const FactorParts& of = some[AsSize(at)];
+      touched[AsSize(at)] = ColumnsThatTouch(linearized, of.parts, of.rows);
+    });
+    ParallelFor(1 + kColumnShares, threads, [&](int share) {
+      for (std::size_t k = 0; k < some.size(); ++k) {
+        if (share == 0) {
+          sum.Add(some[k].rows, touched[k]);
+        } else {
+          G->Add(some[k].factor, touched[k], G->columns() * (share - 1) / kColumnShares,
+                 G->columns() * share / kColumnShares);
+        }
+      }
+    });
   }
 }
 
@@ -407,7 +455,7 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<const Effe
   score.A = Eigen::MatrixXd::Zero(q, q);
   const std::vector<FactorParts> factors = ByFactor(linearized, effects, score.first);
   Projections G(linearized, factors, q);
-  SumScores(linearized, factors, &G, &score);
+  SumScores(linearized, factors, marginals.impl().threads, &G, &score);
   score.signature2 = score.A.diagonal();
   Eigen::Index num_watched = 0;
   for (const BlockId block : watched)
@@ -419,7 +467,8 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<const Effe
   for (Eigen::Index first = 0; first < q; first += batch) {
     const Eigen::Index width = std::min(batch, q - first);
     const Eigen::MatrixXd Z = marginals.Solve(G.Columns(first, width));
-    G.SubtractProducts(Z, first, score.A.block(first, first, q - first, width));
+    G.SubtractProducts(Z, first, marginals.impl().threads,
+                       score.A.block(first, first, q - first, width));
     PutShift(linearized, Z, watched, first, &score);
   }
   score.A = Eigen::MatrixXd(score.A.selfadjointView<Eigen::Lower>());

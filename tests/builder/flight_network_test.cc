@@ -2,6 +2,7 @@
 #include <dn/error.h>
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/prior.h>
+#include <dn/imu/imu_means.h>
 #include <dn/navigation/alignment.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
@@ -483,6 +484,28 @@ TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
             1.0, [](const auto& s) { return s.v_m; }, Noise<3>::Sigma(1.0));
       },
       "outside its nodes", 0);
+}
+
+TEST(FlightNetwork, DerivativesByMeansStandBesideTheIncrementsInUse) {
+  const FlightNetwork network = AtTruth(Drone().flight);
+  CalibrationState with_scale = network.Calibration();
+  with_scale.Insert({"gyro_scale_factor",
+                     FindEstimable("gyro_scale_factor")->make({network.flight(), {}}),
+                     Eigen::Vector3d::Zero()});
+  const ImuData means = MeansOver(*network.flight().imu, 0.02);
+  ASSERT_LE(means.samples.size(), network.flight().imu->samples.size() / 2);
+  for (const FlightNetwork::InertialEdge& edge : network.inertial_edges) {
+    const Preintegrated whole = network.InertialFactor(edge, with_scale)->increments();
+    const auto factor = network.InertialFactorByMeans(edge, with_scale, means);
+    const Preintegrated& by_means = factor->increments();
+    EXPECT_EQ(by_means.delta_q.coeffs(), whole.delta_q.coeffs());
+    EXPECT_EQ(by_means.delta_p, whole.delta_p);
+    EXPECT_EQ(by_means.covariance, whole.covariance);
+    ASSERT_EQ(by_means.J_effects.cols(), 3);
+    EXPECT_LT((by_means.J_effects - whole.J_effects).norm(), 1e-3 * whole.J_effects.norm());
+    EXPECT_EQ(factor->block_kinds().size(),
+              network.InertialFactor(edge, with_scale)->block_kinds().size());
+  }
 }
 
 TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {

@@ -98,8 +98,9 @@ class PairCalibration {
   const CalibrationState& state() const { return state_; }
   const LidarEffects& lidar() const { return lidar_; }
 
+  /// Without derivatives.
   LidarReading Read(double tag_s, const Eigen::Vector3d& u_s) const {
-    return Corrected(lidar_, values_.data(), tag_s, u_s);
+    return Corrected(not_zero_, values_.data(), tag_s, u_s);
   }
   /// When the beam of a reading left, s.
   double EpochOf(const LidarReading& reading) const {
@@ -109,7 +110,8 @@ class PairCalibration {
  private:
   const CalibrationState& state_;
   LidarEffects lidar_;
-  std::vector<const double*> values_;  // of each
+  LidarEffects not_zero_;              // those that change a reading
+  std::vector<const double*> values_;  // of each of them
 };
 
 /// The increments from a node to the epochs of ends that hang on it, in the order of time.

@@ -154,6 +154,10 @@ class FlightNetwork {
   struct PairEdge;
   std::shared_ptr<const PreintegratedInertial> InertialFactor(
       const InertialEdge& edge, const CalibrationState& calibration) const;
+  /// The same about the increments in use, which stay as they are: the derivatives by the effects
+  /// alone are integrated, over the samples of `imu` (MeansOver).
+  std::shared_ptr<const PreintegratedInertial> InertialFactorByMeans(
+      const InertialEdge& edge, const CalibrationState& calibration, const ImuData& imu) const;
   std::shared_ptr<const FactorBase> GnssPositionFactor(const GnssEdge& edge,
                                                        const CalibrationState& calibration) const;
   std::shared_ptr<const FactorBase> GnssVelocityFactor(const GnssEdge& edge,
@@ -245,7 +249,10 @@ class FlightNetwork {
   /// Of all inertial edges.
   std::vector<std::shared_ptr<const PreintegratedInertial>> InertialFactors(
       const CalibrationState& calibration) const;
-  std::shared_ptr<const PreintegratedInertial> InertialFactorInUse(std::size_t edge) const;
+  std::shared_ptr<const PreintegratedInertial> InertialFactorInUse(const InertialEdge& edge) const;
+  std::shared_ptr<const PreintegratedInertial> InertialFactorOn(
+      const Preintegrated& increments, const InertialEdge& edge,
+      const CalibrationState& calibration) const;
   PairEdgeInput InputOf(const PairEdge& edge, const InertialFactorOf& inertial,
                         const PairIncrements& increments) const;
   std::shared_ptr<const FactorBase> PairFactorInUse(const PairEdge& edge,

@@ -44,7 +44,7 @@ class LidarEffect {
 
   /// Takes the error out of the reading, carries J_u along where it turns or stretches the laser
   /// vector, and writes the derivatives with respect to `value` into the columns from `column` on,
-  /// which are zero on entry.
+  /// which are zero on entry. A value of zero leaves the reading as it is.
   virtual void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                        LidarReading* reading) const = 0;
 };

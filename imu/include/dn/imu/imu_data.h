@@ -17,6 +17,14 @@ struct ImuSample {
   Eigen::Vector3d f_b_mps2 = Eigen::Vector3d::Zero();      ///< mean specific force
 };
 
+/// Two time tags closer than this are the same epoch (seconds of week resolve 1e-10 s).
+inline constexpr double kImuTimeTolerance_s = 1e-7;
+
+/// Whether the interval of a sample begins where that of the sample before it ends.
+inline bool Adjoin(const ImuSample& before, const ImuSample& after) {
+  return after.t_s - after.dt_s - before.t_s < kImuTimeTolerance_s;
+}
+
 /// Formats of inertial files; see ReadImu.
 enum class ImuFormat { kOdyn, kIncrements };
 
