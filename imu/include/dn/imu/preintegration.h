@@ -72,13 +72,13 @@ struct PreintegrationNoise {
 /// data), so that the parts of a split interval compose to the whole wherever it is split.
 ///
 /// The derivatives with respect to the effects of the correction come with the increments, at about
-/// 0.1 us per sample and effect. The white noise is a density: the covariance is
+/// 0.03 us per sample and effect. The white noise is a density: the covariance is
 /// that of continuous white noise and does not depend on the sampling. The errors of bridged holes
 /// (ImuBridge) and vibration enter as white noise within their samples, vibration with the density
 /// sigma^2 dt; a sample of which the interval has only a part adds that part.
 /// Throws InvalidInput when the interval is not positive, or not covered by samples without a gap
 /// (naming the times). An end may exceed the data by 1e-7 s (rounding of time tags).
-/// Linear in the number of samples, about 0.3 us each; finding the first is logarithmic.
+/// Linear in the number of samples, about 0.2 us each; finding the first is logarithmic.
 Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
                            const ImuCorrection& correction, const PreintegrationNoise& noise);
 
