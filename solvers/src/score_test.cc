@@ -22,8 +22,6 @@ namespace {
 
 // Right-hand sides solved together: enough for dense kernels, little memory.
 constexpr Eigen::Index kBatchColumns = 48;
-constexpr Eigen::Index kFewestBatchColumns = 8;
-constexpr Eigen::Index kBatchEntries = Eigen::Index{1} << 24;
 // Share of an effect's signature that the unknowns leave, below which nothing is left of it.
 constexpr double kAbsorbed = 1e-9;
 // The same where effects are conditioned on one another, which costs digits.
@@ -227,97 +225,86 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
   return touched;
 }
 
-/// J^T L of all effects, of the unknowns of the factors that they touch.
+/// V N^-1 V^T of all effects, V = (J^T L)^T, and of unit moves of what is watched: with N = R R^T
+/// that of W = V R^-T is W W^T.
 class Projections {
  public:
-  /// For these factors and so many columns.
-  Projections(const LinearizedNetwork& linearized, const std::vector<FactorParts>& factors,
-              Eigen::Index columns)
-      : linearized_(linearized), first_row_(AsSize(layout().num_blocks()), -1) {
-    const LinearizedNetwork::Impl& network = linearized.impl();
-    for (const FactorParts& of : factors) {
-      const Linearization::Edge& edge =
-          network.linearization.edges()[AsSize(network.factor(of.factor).edge)];
-      for (int b = 0; b < edge.num_blocks; ++b) {
-        first_row_[AsSize(network.linearization.positions(edge)[b])] = 0;
-      }
-    }
-    Eigen::Index rows = 0;
-    for (int position = 0; position < layout().num_blocks(); ++position) {
-      if (first_row_[AsSize(position)] < 0) continue;
-      first_row_[AsSize(position)] = rows;
-      rows += layout().size_of(position);
-    }
-    G_ = RowMajor::Zero(rows, columns);
-  }
+  /// For so many columns of effects and coordinates of what is watched.
+  Projections(const Marginals::Impl& marginals, Eigen::Index columns, Eigen::Index num_watched)
+      : marginals_(marginals),
+        columns_(columns),
+        W_(Eigen::MatrixXd::Zero(columns + num_watched, layout().size())) {}
 
-  /// To the columns [begin, past): side by side with others.
+  /// To the columns [begin, past) of effects: side by side with others.
   void Add(FactorId factor, const Touched& touched, Eigen::Index begin, Eigen::Index past) {
     const std::vector<ColumnRun> runs = Within(touched.runs, begin, past);
     if (runs.empty()) return;
-    ForJacobians(linearized_, factor, [&](int position, const auto& J) {
-      const Eigen::Index first = first_row_[AsSize(position)];
+    ForJacobians(marginals_.linearized, factor, [&](int position, const auto& J) {
       for (Eigen::Index i = 0; i < J.cols(); ++i) {
+        const int unknown = marginals_.Offset(position) + static_cast<int>(i);
+        auto of_unknown = W_.col(Row(unknown));
         for (Eigen::Index r = 0; r < J.rows(); ++r) {
+          const double weight = marginals_.scale[unknown] * J(r, i);
           for (const ColumnRun& run : runs) {
-            G_.row(first + i).segment(run.first, run.count) +=
-                J(r, i) * touched.L.row(r).segment(run.at, run.count);
+            of_unknown.segment(run.first, run.count) +=
+                weight * touched.L.row(r).segment(run.at, run.count).transpose();
           }
         }
       }
     });
   }
 
-  Eigen::Index columns() const { return G_.cols(); }
-
-  /// Some columns, over all unknowns.
-  Eigen::MatrixXd Columns(Eigen::Index first, Eigen::Index count) const {
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(layout().size(), count);
-    ForBlocks([&](Eigen::Index unknown, Eigen::Index row, int size) {
-      columns.middleRows(unknown, size) = G_.block(row, first, size, count);
-    });
-    return columns;
-  }
-
-  /// C -= G^T Z for the columns of G from `first` on, which are as many as C has rows.
-  void SubtractProducts(const Eigen::MatrixXd& Z, Eigen::Index first, int threads,
-                        Eigen::Ref<Eigen::MatrixXd> C) const {
-    ParallelFor(threads, threads, [&](int k) {
-      const SerialBlas serial;
-      const Eigen::Index begin = Z.cols() * k / threads, past = Z.cols() * (k + 1) / threads;
-      SubtractColumns(Z.middleCols(begin, past - begin), first, C.middleCols(begin, past - begin));
-    });
-  }
-
- private:
-  void SubtractColumns(const Eigen::Ref<const Eigen::MatrixXd>& Z, Eigen::Index first,
-                       Eigen::Ref<Eigen::MatrixXd> C) const {
-    if (G_.rows() == 0 || Z.cols() == 0) return;
-    Eigen::MatrixXd touched(G_.rows(), Z.cols());
-    ForBlocks([&](Eigen::Index unknown, Eigen::Index row, int size) {
-      touched.middleRows(row, size) = Z.middleRows(unknown, size);
-    });
-    const auto m = static_cast<int>(C.rows()), n = static_cast<int>(C.cols());
-    const auto k = static_cast<int>(G_.rows()), q = static_cast<int>(G_.cols());
-    const auto stride = static_cast<int>(C.outerStride());
-    dgemm_("N", "N", &m, &n, &k, &kMinusOne, G_.data() + first, &q, touched.data(), &k, &kOne,
-           C.data(), &stride);
-  }
-
-  const UnknownLayout& layout() const { return linearized_.impl().layout; }
-
-  /// Calls use(first unknown, row of G_, size) for every block that is touched.
-  template <class Use>
-  void ForBlocks(const Use& use) const {
-    for (int position = 0; position < layout().num_blocks(); ++position) {
-      const Eigen::Index row = first_row_[AsSize(position)];
-      if (row >= 0) use(layout().offset[AsSize(position)], row, layout().size_of(position));
+  void Watch(const std::vector<BlockId>& blocks) {
+    Eigen::Index row = columns_;
+    for (const BlockId block : blocks) {
+      const Eigen::Index first = marginals_.linearized.FirstColumn(block);
+      const int size = marginals_.block(block).kind.tangent_size;
+      for (int i = 0; i < size && first >= 0; ++i) {
+        const int unknown = static_cast<int>(first) + i;
+        W_(row + i, Row(unknown)) = marginals_.scale[unknown];
+      }
+      row += size;
     }
   }
 
-  const LinearizedNetwork& linearized_;
-  std::vector<Eigen::Index> first_row_;  // of G_, by position; -1: no effect touches the block
-  RowMajor G_;
+  Eigen::Index columns() const { return columns_; }
+
+  /// The lower triangle of V N^-1 V^T: effects, then what is watched.
+  Eigen::MatrixXd Products() {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(W_.rows(), W_.rows());
+    if (W_.size() == 0) return sum;
+    marginals_.cholesky->SolveForward(marginals_.threads, &W_);
+    std::vector<Eigen::MatrixXd> shares(kShares);
+    ParallelFor(kShares, marginals_.threads, [&](int k) {
+      const SerialBlas serial;
+      const Eigen::Index first = W_.cols() * k / kShares, past = W_.cols() * (k + 1) / kShares;
+      shares[AsSize(k)] = OwnProduct(first, past);
+    });
+    for (const Eigen::MatrixXd& share : shares) sum += share;
+    return sum;
+  }
+
+ private:
+  static constexpr int kShares = 8;  // whatever the number of threads
+
+  /// Of the unknowns [first, past) in the order of the factorisation.
+  Eigen::MatrixXd OwnProduct(Eigen::Index first, Eigen::Index past) const {
+    Eigen::MatrixXd product = Eigen::MatrixXd::Zero(W_.rows(), W_.rows());
+    const auto n = static_cast<int>(W_.rows()), k = static_cast<int>(past - first);
+    if (k > 0) {
+      dsyrk_("L", "N", &n, &k, &kOne, W_.col(first).data(), &n, &kZero, product.data(), &n);
+    }
+    return product;
+  }
+
+  const UnknownLayout& layout() const { return marginals_.layout(); }
+  Eigen::Index Row(int unknown) const {
+    return marginals_.cholesky->permuted_index()[AsSize(unknown)];
+  }
+
+  const Marginals::Impl& marginals_;
+  Eigen::Index columns_;
+  Eigen::MatrixXd W_;  // a column for each unknown, in the order of the factorisation
 };
 
 /// L^T r and L^T L, of many factors with the same columns at once.
@@ -390,18 +377,6 @@ void SumScores(const LinearizedNetwork& linearized, const std::vector<FactorPart
   }
 }
 
-// Puts the rows of the watched blocks into columns of the shift from the first on.
-void PutShift(const LinearizedNetwork& linearized, const Eigen::MatrixXd& Z,
-              const std::vector<BlockId>& watched, Eigen::Index first, JointScore* score) {
-  Eigen::Index row = 0;
-  for (const BlockId block : watched) {
-    const Eigen::Index size = linearized.impl().block(block).kind.tangent_size;
-    const Eigen::Index column = linearized.FirstColumn(block);
-    if (column >= 0) score->shift.block(row, first, size, Z.cols()) = Z.middleRows(column, size);
-    row += size;
-  }
-}
-
 Eigen::MatrixXd Submatrix(const Eigen::MatrixXd& A, const std::vector<Eigen::Index>& rows,
                           const std::vector<Eigen::Index>& columns) {
   return A(rows, columns);
@@ -454,24 +429,17 @@ JointScore ScoreEffects(const Marginals& marginals, const std::vector<const Effe
   score.s = Eigen::VectorXd::Zero(q);
   score.A = Eigen::MatrixXd::Zero(q, q);
   const std::vector<FactorParts> factors = ByFactor(linearized, effects, score.first);
-  Projections G(linearized, factors, q);
-  SumScores(linearized, factors, marginals.impl().threads, &G, &score);
-  score.signature2 = score.A.diagonal();
   Eigen::Index num_watched = 0;
   for (const BlockId block : watched)
     num_watched += linearized.impl().block(block).kind.tangent_size;
-  score.shift = Eigen::MatrixXd::Zero(num_watched, q);
-  const Eigen::Index batch =
-      std::clamp(kBatchEntries / std::max<Eigen::Index>(1, linearized.parameters()),
-                 kFewestBatchColumns, kBatchColumns);
-  for (Eigen::Index first = 0; first < q; first += batch) {
-    const Eigen::Index width = std::min(batch, q - first);
-    const Eigen::MatrixXd Z = marginals.Solve(G.Columns(first, width));
-    G.SubtractProducts(Z, first, marginals.impl().threads,
-                       score.A.block(first, first, q - first, width));
-    PutShift(linearized, Z, watched, first, &score);
-  }
+  Projections G(marginals.impl(), q, num_watched);
+  G.Watch(watched);
+  SumScores(linearized, factors, marginals.impl().threads, &G, &score);
+  score.signature2 = score.A.diagonal();
+  const Eigen::MatrixXd projected = G.Products();
+  score.A -= projected.topLeftCorner(q, q);
   score.A = Eigen::MatrixXd(score.A.selfadjointView<Eigen::Lower>());
+  score.shift = projected.bottomLeftCorner(num_watched, q);
   return score;
 }
 

@@ -110,6 +110,15 @@ void SparseCholesky::SolveColumns(const Eigen::Ref<const Eigen::MatrixXd>& B,
   }
 }
 
+void SparseCholesky::SolveForward(int threads, Eigen::MatrixXd* W) const {
+  ParallelForChunks(AsSize(W->rows()), kMostColumns, threads,
+                    [&](std::size_t, std::size_t first, std::size_t past) {
+                      const SerialBlas serial;
+                      SolveForwardInPlace(pattern(), values(), static_cast<int>(past - first),
+                                          static_cast<int>(W->rows()), W->data() + first);
+                    });
+}
+
 template <class Use>
 void SparseCholesky::ForDiagonal(const Use& use) const {
   const SupernodalPattern& L = pattern();

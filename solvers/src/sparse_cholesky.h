@@ -26,6 +26,10 @@ class SparseCholesky {
   /// A^-1 B. Threads take columns side by side.
   Eigen::MatrixXd Solve(const Eigen::MatrixXd& B, int threads = 1) const;
 
+  /// Half of a solution: B^T A^-1 C = W_B W_C^T. On entry column permuted_index()[i] of W is row i of
+  /// B, transposed. Threads take rows of W side by side.
+  void SolveForward(int threads, Eigen::MatrixXd* W) const;
+
   /// log |A|, of what was factored last.
   double LogDeterminant() const;
 

@@ -12,8 +12,8 @@ namespace {
 /// One pass over the supernodes each way.
 class Substitution {
  public:
-  Substitution(const SupernodalPattern& L, const double* values, int k, double* X)
-      : L_(L), values_(values), k_(k), X_(X) {
+  Substitution(const SupernodalPattern& L, const double* values, int k, int stride, double* X)
+      : L_(L), values_(values), k_(k), stride_(stride), X_(X) {
     int largest = 0;
     for (int s = 0; s < L.num_supernodes(); ++s) largest = std::max(largest, L.below(s));
     below_.resize(AsSize(largest) * AsSize(k));
@@ -24,9 +24,9 @@ class Substitution {
     const int columns = L_.columns(s), rows = L_.rows(s), below = L_.below(s);
     const double* L_JJ = values_ + L_.value_start[AsSize(s)];
     double* X_J = Of(L_.column[AsSize(s)]);
-    dtrsm_("R", "L", "T", "N", &k_, &columns, &kOne, L_JJ, &rows, X_J, &k_);
+    dtrsm_("R", "L", "T", "N", &k_, &columns, &kOne, L_JJ, &rows, X_J, &stride_);
     if (below == 0) return;
-    dgemm_("N", "T", &k_, &below, &columns, &kOne, X_J, &k_, L_JJ + columns, &rows, &kZero,
+    dgemm_("N", "T", &k_, &below, &columns, &kOne, X_J, &stride_, L_JJ + columns, &rows, &kZero,
            below_.data(), &k_);
     const int* R = L_.row_indices_below(s);
     for (int i = 0; i < below; ++i) {
@@ -47,17 +47,17 @@ class Substitution {
         std::copy_n(Of(R[i]), k_, below_.begin() + static_cast<std::ptrdiff_t>(i) * k_);
       }
       dgemm_("N", "N", &k_, &columns, &below, &kMinusOne, below_.data(), &k_, L_JJ + columns, &rows,
-             &kOne, X_J, &k_);
+             &kOne, X_J, &stride_);
     }
-    dtrsm_("R", "L", "N", "N", &k_, &columns, &kOne, L_JJ, &rows, X_J, &k_);
+    dtrsm_("R", "L", "N", "N", &k_, &columns, &kOne, L_JJ, &rows, X_J, &stride_);
   }
 
  private:
-  double* Of(int row) { return X_ + AsSize(row) * AsSize(k_); }
+  double* Of(int row) { return X_ + AsSize(row) * AsSize(stride_); }
 
   const SupernodalPattern& L_;
   const double* values_;
-  int k_;
+  int k_, stride_;
   double* X_;
   std::vector<double> below_;
 };
@@ -65,9 +65,15 @@ class Substitution {
 }  // namespace
 
 void SolveInPlace(const SupernodalPattern& L, const double* values, int k, double* X) {
-  Substitution substitution(L, values, k, X);
+  Substitution substitution(L, values, k, k, X);
   for (int s = 0; s < L.num_supernodes(); ++s) substitution.Forward(s);
   for (int s = L.num_supernodes() - 1; s >= 0; --s) substitution.Backward(s);
+}
+
+void SolveForwardInPlace(const SupernodalPattern& L, const double* values, int k, int stride,
+                         double* X) {
+  Substitution substitution(L, values, k, stride, X);
+  for (int s = 0; s < L.num_supernodes(); ++s) substitution.Forward(s);
 }
 
 }  // namespace dn

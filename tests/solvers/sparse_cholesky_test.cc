@@ -105,6 +105,23 @@ TEST(SparseCholesky, AgreesWithDenseFactorisation) {
   EXPECT_GE(inside, static_cast<int>(cube.A.row.size()));
 }
 
+// More right-hand sides than go together, so that some stand in rows of a larger array.
+TEST(SparseCholesky, HalvesOfSolutionsMultiplyToTheWhole) {
+  const Cube cube(3);
+  SparseCholesky cholesky(cube.A, cube.blocks, UnknownLayout(cube.network));
+  ASSERT_TRUE(cholesky.Factorize(cube.A));
+  const Eigen::MatrixXd B = Eigen::MatrixXd::Random(cube.A.n, 37);
+  const Eigen::MatrixXd whole = B.transpose() * cholesky.Solve(B);
+  for (const int threads : {1, 2, 5}) {
+    Eigen::MatrixXd W(B.cols(), B.rows());
+    for (int i = 0; i < cube.A.n; ++i) {
+      W.col(cholesky.permuted_index()[AsSize(i)]) = B.row(i).transpose();
+    }
+    cholesky.SolveForward(threads, &W);
+    EXPECT_LT((W * W.transpose() - whole).norm(), 1e-12 * whole.norm());
+  }
+}
+
 TEST(SparseCholesky, NumbersDoNotDependOnThreads) {
   const Cube cube(2);
   const UnknownLayout layout(cube.network);
