@@ -81,7 +81,7 @@ PreparedEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration,
   PreparedEnd out;
   out.end.partial = input.partial != nullptr
                         ? *input.partial
-                        : EndIncrements(flight, state, noise, node.t_s, input.biases).To(t_s);
+                        : EndIncrements(*flight.imu, state, noise, node.t_s, input.biases).To(t_s);
   out.end.u_s = u_s;
   out.end.p_nominal_m = node.p_mb;
   if (input.inertial) {
@@ -192,10 +192,10 @@ PairCalibration::PairCalibration(const CalibrationState& state)
   not_zero_ = std::move(not_zero);
 }
 
-EndIncrements::EndIncrements(const Flight& flight, const CalibrationState& calibration,
+EndIncrements::EndIncrements(const ImuData& imu, const CalibrationState& calibration,
                              const PreintegrationNoise& noise, double node_t_s,
                              const ImuCorrection& biases)
-    : imu_(*flight.imu),
+    : imu_(imu),
       node_t_s_(node_t_s),
       correction_(CorrectionOf(calibration, biases)),
       growing_(imu_, node_t_s, correction_, noise) {}

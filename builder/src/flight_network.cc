@@ -24,6 +24,8 @@ constexpr double kEffectStep = 10.0;
 // counted in the inertial edges, too: it is the share by which the sum of squares would be low.
 constexpr double kNoiseCountedTwice = 1e-4;
 constexpr double kOnNodeS = 2e-6;
+// So many at a time need little memory beside the network.
+constexpr std::size_t kPairsAtOnce = 1 << 15;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 BlockLabel Label(const std::string& quantity, std::vector<std::string> components,
@@ -84,6 +86,52 @@ double InUsualSizes(const CalibrationValue& before, const Eigen::VectorXd& now) 
     largest = std::max(largest, std::abs(now[k] - before.value[k]) / usual);
   }
   return largest;
+}
+
+/// An end of a pair with the node before it.
+struct HungEnd {
+  FlightNetwork::EndOfPair end;
+  std::size_t node;
+  double epoch_s;
+};
+
+/// By node, then by time.
+std::vector<HungEnd> EndsInOrder(std::span<const FlightNetwork::PairEdge> edges,
+                                 const PairCalibration& calibration) {
+  std::vector<HungEnd> ends;
+  ends.reserve(2 * edges.size());
+  const auto epoch = [&](double tag_s, const Eigen::Vector3d& u_s) {
+    return calibration.EpochOf(calibration.Read(tag_s, u_s));
+  };
+  using End = PointPairFactor::End;
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    const LidarPair& pair = edges[k].pair;
+    ends.push_back({{k, End::kI}, edges[k].node_i, epoch(pair.t_i_s, pair.u_i_s)});
+    ends.push_back({{k, End::kJ}, edges[k].node_j, epoch(pair.t_j_s, pair.u_j_s)});
+  }
+  std::sort(ends.begin(), ends.end(), [](const HungEnd& a, const HungEnd& b) {
+    return std::tie(a.node, a.epoch_s) < std::tie(b.node, b.epoch_s);
+  });
+  return ends;
+}
+
+/// Calls use(end, its increments), those of different nodes side by side. from_node(node): the
+/// EndIncrements of a node.
+template <class FromNode, class Use>
+void ForEnds(const std::vector<HungEnd>& ends, int threads, const FromNode& from_node,
+             const Use& use) {
+  std::vector<std::size_t> firsts;  // of each node
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    if (k == 0 || ends[k].node != ends[k - 1].node) firsts.push_back(k);
+  }
+  firsts.push_back(ends.size());
+  ParallelFor(static_cast<int>(firsts.size()) - 1, threads, [&](int n) {
+    const std::size_t first = firsts[static_cast<std::size_t>(n)];
+    EndIncrements increments = from_node(ends[first].node);
+    for (std::size_t k = first; k < firsts[static_cast<std::size_t>(n) + 1]; ++k) {
+      use(ends[k].end, increments.To(ends[k].epoch_s));
+    }
+  });
 }
 
 }  // namespace
@@ -260,6 +308,10 @@ Eigen::Vector3d FlightNetwork::GnssErrorEnu(double t_s) const {
   return sum_m;
 }
 
+ImuCorrection FlightNetwork::BiasesAt(std::size_t k) const {
+  return {GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k])};
+}
+
 MapPose FlightNetwork::NodePose(std::size_t k) const {
   const NodeBlocks& node = nodes[k];
   return {node.t_s, net.Value(node.q_mb), net.Value(node.p_mb), net.Value(node.v_m)};
@@ -404,48 +456,34 @@ std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorInUse(
 }
 
 std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
-    std::span<const PairEdge> edges, const PairCalibration& calibration, int threads) const {
-  struct End {
-    std::size_t node;
-    double epoch_s;
-    Preintegrated* increments;
-  };
+    std::span<const PairEdge> edges, const PairCalibration& calibration) const {
   std::vector<PairIncrements> increments(edges.size());
-  std::vector<End> ends;
-  const auto add = [&](std::size_t node, double tag_s, const Eigen::Vector3d& u_s,
-                       Preintegrated* of_end) {
-    ends.push_back({node, calibration.EpochOf(calibration.Read(tag_s, u_s)), of_end});
+  const auto from_node = [&](std::size_t node) {
+    return EndIncrements(*flight_->imu, calibration.state(), noise_, node_t_s_[node],
+                         BiasesAt(node));
   };
-  for (std::size_t k = 0; k < edges.size(); ++k) {
-    const LidarPair& pair = edges[k].pair;
-    add(edges[k].node_i, pair.t_i_s, pair.u_i_s, &increments[k].i);
-    add(edges[k].node_j, pair.t_j_s, pair.u_j_s, &increments[k].j);
-  }
-  std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
-    return std::tie(a.node, a.epoch_s) < std::tie(b.node, b.epoch_s);
-  });
-  std::vector<std::size_t> firsts;  // of each node
-  for (std::size_t k = 0; k < ends.size(); ++k) {
-    if (k == 0 || ends[k].node != ends[k - 1].node) firsts.push_back(k);
-  }
-  ParallelFor(static_cast<int>(firsts.size()), threads, [&](int n) {
-    const std::size_t first = firsts[static_cast<std::size_t>(n)];
-    const double node_t_s = node_t_s_[ends[first].node];
-    EndIncrements from_node(*flight_, calibration.state(), noise_, node_t_s,
-                            {GyroBias(node_t_s), AccelBias(node_t_s)});
-    for (std::size_t k = first; k < ends.size() && ends[k].node == ends[first].node; ++k) {
-      *ends[k].increments = from_node.To(ends[k].epoch_s);
-    }
-  });
+  ForEnds(EndsInOrder(edges, calibration), options_.threads, from_node,
+          [&](const EndOfPair& end, Preintegrated of_end) {
+            PairIncrements& of_pair = increments[end.k];
+            (end.end == PointPairFactor::End::kI ? of_pair.i : of_pair.j) = std::move(of_end);
+          });
   return increments;
 }
 
-PairEdgeInput FlightNetwork::InputOf(const PairEdge& edge, const InertialFactorOf& inertial,
-                                     const PairIncrements& increments) const {
+void FlightNetwork::ForPairEnds(const CalibrationState& calibration, const ImuData& imu,
+                                int threads, const UseOfEnd& use) const {
+  const PreintegrationNoise none;
+  const auto from_node = [&](std::size_t node) {
+    return EndIncrements(imu, calibration, none, node_t_s_[node], BiasesAt(node));
+  };
+  ForEnds(EndsInOrder(pair_edges, PairCalibration(calibration)), threads, from_node, use);
+}
+
+PairEdgeInput FlightNetwork::InputOf(const PairEdge& edge, const PairIncrements& increments) const {
   const auto end = [&](std::size_t k, const std::optional<std::size_t>& bridge,
                        const Preintegrated& partial) {
-    const ImuCorrection biases{GyroBias(node_t_s_[k]), AccelBias(node_t_s_[k])};
-    return PairEndInput{NodePose(k), biases, bridge ? inertial(*bridge) : nullptr, &partial};
+    return PairEndInput{NodePose(k), BiasesAt(k),
+                        bridge ? InertialFactorInUse(inertial_edges[*bridge]) : nullptr, &partial};
   };
   return {edge.pair, end(edge.node_i, edge.bridge_i, increments.i),
           end(edge.node_j, edge.bridge_j, increments.j)};
@@ -457,7 +495,7 @@ void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& 
   const PairCalibration of_pairs(calibration);
   for (std::size_t first = 0; first < edges.size(); first += kPairsAtOnce) {
     const auto some = edges.subspan(first, std::min(kPairsAtOnce, edges.size() - first));
-    const std::vector<PairIncrements> increments = IncrementsOf(some, of_pairs, options_.threads);
+    const std::vector<PairIncrements> increments = IncrementsOf(some, of_pairs);
     for (std::size_t k = 0; k < some.size(); ++k) {
       work(some[k], [&] { return PairFactorInUse(some[k], of_pairs, increments[k]); });
     }
@@ -465,18 +503,17 @@ void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& 
 }
 
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactor(
-    const PairEdge& edge, const PairCalibration& calibration, const InertialFactorOf& inertial,
+    const PairEdge& edge, const PairCalibration& calibration,
     const PairIncrements& increments) const {
-  return MakePairFactor(*flight_, calibration, noise_, InputOf(edge, inertial, increments));
+  return MakePairFactor(*flight_, calibration, noise_, InputOf(edge, increments));
 }
 
 std::shared_ptr<const FactorBase> FlightNetwork::PairFactorInUse(
     const PairEdge& edge, const PairCalibration& calibration,
     const PairIncrements& increments) const {
-  const auto inertial = [&](std::size_t k) { return InertialFactorInUse(inertial_edges[k]); };
-  if (!pair_model_) return PairFactor(edge, calibration, inertial, increments);
+  if (!pair_model_) return PairFactor(edge, calibration, increments);
   auto factor = pair_model_->make(
-      *flight_, MakePairParts(*flight_, calibration, noise_, InputOf(edge, inertial, increments)));
+      *flight_, MakePairParts(*flight_, calibration, noise_, InputOf(edge, increments)));
   if (dynamic_cast<const PointPairFactor*>(factor.get()) == nullptr) {
     throw InvalidInput(
         "pair model: the factor of the pair at t = " + std::to_string(edge.pair.t_i_s) +
@@ -661,10 +698,32 @@ std::vector<BlockId> FlightNetwork::StateBlocks(std::size_t k) const {
   return blocks;
 }
 
+std::vector<const double*> FlightNetwork::ValuesOfPair(std::size_t k) const {
+  std::vector<const double*> x;
+  for (const BlockId id : net.factor(pair_edges[k].id).blocks) {
+    x.push_back(net.block(id).value.get());
+  }
+  return x;
+}
+
+PointSensitivity FlightNetwork::SensitivityOfEnd(const EndOfPair& end) const {
+  const PairEdge& edge = pair_edges[end.k];
+  const std::vector<const double*> x = ValuesOfPair(end.k);
+  const auto by = [&](const FactorBase& factor) -> std::optional<PointSensitivity> {
+    const auto* points = dynamic_cast<const PointPairFactor*>(&factor);
+    if (points == nullptr) return std::nullopt;
+    return points->SensitivityAt(end.end, x.data());
+  };
+  if (const auto point = by(*net.factor(edge.id).factor)) return *point;
+  // The blocks of a factor of one's own come after those of the library's.
+  const CalibrationState calibration = Calibration();
+  const PairCalibration of_pair(calibration);
+  return *by(*PairFactor(edge, of_pair, IncrementsOf({&edge, 1}, of_pair).front()));
+}
+
 Eigen::Vector3d FlightNetwork::PairDifference(std::size_t k) const {
   const FactorRecord& record = net.factor(pair_edges[k].id);
-  std::vector<const double*> x;
-  for (const BlockId id : record.blocks) x.push_back(net.block(id).value.get());
+  const std::vector<const double*> x = ValuesOfPair(k);
   const auto* points = dynamic_cast<const PointPairFactor*>(record.factor.get());
   if (points == nullptr) {
     throw InvalidInput("flight network: the factor that replaced that of the pair at t = " +

@@ -10,6 +10,8 @@
 #include <set>
 #include <span>
 
+#include "pair_columns.h"
+
 namespace dn {
 namespace {
 
@@ -39,12 +41,10 @@ std::vector<double> TimesOfSteps(std::vector<StripInterval> strips) {
 struct EdgeKind {
   std::vector<FactorId> edges;
   std::vector<std::size_t> effects;  ///< in the order of the factor's last blocks
-  /// Last blocks of the network's factor that are its own effects, or a user's own; absent for GNSS
-  /// edges that lack the block of the velocity.
+  /// Last blocks of the network's factor that are its own effects; absent for GNSS edges that lack
+  /// the block of the velocity.
   std::optional<std::size_t> own_effects = {};
   std::vector<std::size_t> nodes;  ///< of GNSS edges
-  /// Called before factors [first, past) are made; may be empty.
-  std::function<void(std::size_t first, std::size_t past)> prepare = {};
   std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
 };
 
@@ -235,25 +235,16 @@ class Candidates {
   }
 
   void AddPairs() {
-    EdgeKind kind;
-    for (const auto& edge : network_.pair_edges) kind.edges.push_back(edge.id);
-    kind.effects = EffectsOfPairs(state_);
-    kind.own_effects =
-        EffectsOfPairs(network_.Calibration()).size() + network_.num_own_pair_blocks();
-    const PairCalibration calibration(state_);
-    std::size_t first = 0;
-    std::vector<FlightNetwork::PairIncrements> increments;
-    kind.prepare = [&](std::size_t from, std::size_t past) {
-      const std::span all(network_.pair_edges);
-      increments = network_.IncrementsOf(all.subspan(from, past - from), calibration, threads_);
-      first = from;
-    };
-    kind.make = [&](std::size_t k) {
-      return network_.PairFactor(
-          network_.pair_edges[k], calibration, [&](std::size_t edge) { return bridging_[edge]; },
-          increments[k - first]);
-    };
-    Differentiate(kind);
+    const std::vector<std::size_t> effects = EffectsOfPairs(state_);
+    if (!AnyCandidate(effects)) return;
+    std::vector<FactorId> edges;
+    for (const auto& edge : network_.pair_edges) edges.push_back(edge.id);
+    std::vector<Eigen::Matrix3Xd> whole;
+    for (const auto& inertial : bridging_) {
+      whole.emplace_back();
+      if (inertial) whole.back() = inertial->increments().J_effects.topRows<3>();
+    }
+    Append(edges, effects, internal::PairColumns(network_, state_, means_, whole, threads_));
   }
 
   /// The values that the factor of an edge takes under the extended calibration.
@@ -280,7 +271,7 @@ class Candidates {
     if (!record.active) return {};
     const std::shared_ptr<const FactorBase> factor = kind.make(k);
     const int rows = factor->residual_size();
-    if (rows != record.factor->residual_size()) return {};  // a user's own
+    if (rows != record.factor->residual_size()) return {};  // replaced from outside
     const std::vector<BlockKind>& blocks = factor->block_kinds();
     const std::span of_effects = std::span(blocks).last(kind.effects.size());
     int columns = 0;
@@ -312,27 +303,32 @@ class Candidates {
     return L;
   }
 
+  bool AnyCandidate(const std::vector<std::size_t>& effects) const {
+    return std::any_of(effects.begin(), effects.end(),
+                       [&](std::size_t e) { return of_state_[e] != nullptr; });
+  }
+
   void Differentiate(const EdgeKind& kind) {
-    const bool any = std::any_of(kind.effects.begin(), kind.effects.end(),
-                                 [&](std::size_t e) { return of_state_[e] != nullptr; });
-    if (!any) return;
+    if (!AnyCandidate(kind.effects)) return;
     std::vector<Eigen::MatrixXd> L_of(kind.edges.size());
-    constexpr std::size_t kAtOnce = FlightNetwork::kPairsAtOnce;
-    for (std::size_t first = 0; first < L_of.size(); first += kAtOnce) {
-      const std::size_t past = std::min(first + kAtOnce, L_of.size());
-      if (kind.prepare) kind.prepare(first, past);
-      ParallelFor(static_cast<int>(past - first), threads_, [&](int at) {
-        const std::size_t k = first + static_cast<std::size_t>(at);
-        L_of[k] = DerivativesOf(kind, k);
-      });
-    }
+    ParallelFor(static_cast<int>(L_of.size()), threads_, [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
+      L_of[k] = DerivativesOf(kind, k);
+    });
+    Append(kind.edges, kind.effects, L_of);
+  }
+
+  /// To the candidates what they are of the derivatives of edges by effects.
+  template <class Matrix>
+  void Append(const std::vector<FactorId>& edges, const std::vector<std::size_t>& effects,
+              const std::vector<Matrix>& L_of) {
     Eigen::Index column = 0;
-    for (const std::size_t e : kind.effects) {
+    for (const std::size_t e : effects) {
       const Eigen::Index size = state_.effects[e].value.size();
       CandidateEffect* candidate = of_state_[e];
       for (std::size_t k = 0; candidate != nullptr && k < L_of.size(); ++k) {
         if (L_of[k].size() == 0) continue;
-        candidate->model.push_back({kind.edges[k], L_of[k].middleCols(column, size)});
+        candidate->model.push_back({edges[k], L_of[k].middleCols(column, size)});
       }
       column += size;
     }

@@ -45,8 +45,7 @@ NodeBridge::Correction NodeBridge::At(const Quaterniond& q, const Quaterniond& q
   out.increments = gain_ * r;
   out.J_q = -by_turn * turned.toRotationMatrix().transpose();
   out.J_q_after = by_turn;
-  out.J_effects =
-      -by_turn * error.toRotationMatrix().transpose() * RightJacobian(xi) * J_q_effects_;
+  out.J_whole = -by_turn * error.toRotationMatrix().transpose() * RightJacobian(xi);
   return out;
 }
 

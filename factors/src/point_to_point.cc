@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/factors/point_to_point.h>
+#include <dn/rotation.h>
 
 #include <cmath>
 #include <string>
@@ -84,6 +85,14 @@ bool PointToPoint::Evaluate(double const* const* x, double* r, double** J) const
   Put<7>(x, J, Eigen::Matrix3d(W_ * (i.a_b - j.a_b)));
   Put<8>(x, J, Eigen::Vector3d(-W_ * (i.rate - j.rate)));
   return true;
+}
+
+std::optional<PointSensitivity> PointToPoint::SensitivityAt(End end, double const* const* x) const {
+  const bool first = end == End::kI;
+  const LidarPoint& point = first ? i_ : j_;
+  const LidarPoint::Arguments at = first ? Arguments(x, u_i_b_, x) : Arguments(x + 3, u_j_b_, x);
+  return SensitivityOf(point, at, point.DifferentiateAt(at), Log(at.q_boresight),
+                       first ? W_ : Eigen::Matrix3d(-W_));
 }
 
 std::pair<Eigen::Vector3d, Eigen::Vector3d> PointToPoint::Points(double const* const* x) const {

@@ -88,6 +88,14 @@ VectorXd PointToPointBetweenNodes::ImuChange(double const* const* x) const {
   return change;
 }
 
+Eigen::Index PointToPointBetweenNodes::NumEffectValues() const {
+  Eigen::Index values = 0;
+  for (std::size_t block = first_lidar_block_; block < block_kinds().size(); ++block) {
+    values += block_kinds()[block].stored_size;
+  }
+  return values;
+}
+
 Vector3d PointToPointBetweenNodes::AttractionOf(double const* const* x) const {
   Vector3d sum = Vector3d::Zero();
   std::size_t block = first_attraction_block();
@@ -130,25 +138,20 @@ Eigen::Matrix<double, 3, 9> PointToPointBetweenNodes::ByIncrements(const EndAt& 
   return J;
 }
 
-Matrix3Xd PointToPointBetweenNodes::ByEffects(const End& end, const EndAt& at,
-                                              const LidarPoint::Derivatives& of) const {
-  const Eigen::Index lidar = at.reading.J_u.cols(), imu = end.J_increments.cols();
-  Eigen::Index attraction = 0;
-  for (const AttractionBasis& D : attraction_) attraction += D.cols();
-  Matrix3Xd J(3, lidar + imu + attraction);
-  J.leftCols(lidar) =
-      of.a_b * (at.arguments.q_boresight.toRotationMatrix() * T_bs_) * at.reading.J_u -
-      of.rate * at.reading.J_delay + of.theta * LeftJacobian(at.theta) * at.reading.J_turn;
-  const Eigen::Matrix<double, 3, 9> by_increments = ByIncrements(at);
-  J.middleCols(lidar, imu) = by_increments * end.J_increments;
-  if (end.bridge) J.middleCols(lidar, imu) += by_increments * at.bridged.J_effects;
-  Eigen::Index column = lidar + imu;
-  const Matrix3d by_attraction = at.point.ByAttraction(at.arguments.ddt_s);
-  for (const AttractionBasis& D : attraction_) {
-    J.middleCols(column, D.cols()) = by_attraction * D;
-    column += D.cols();
-  }
-  return J;
+PointSensitivity PointToPointBetweenNodes::SensitivityOfEnd(const End& end, const EndAt& at,
+                                                            const LidarPoint::Derivatives& of,
+                                                            const Matrix3d& W) {
+  PointSensitivity point = SensitivityOf(at.point, at.arguments, of, at.theta, W);
+  point.increments = W * ByIncrements(at);
+  if (end.bridge) point.whole = point.increments * at.bridged.J_whole;
+  return point;
+}
+
+void PointToPointBetweenNodes::AddByOwnEffects(const End& end, const EndAt& at,
+                                               const PointSensitivity& point,
+                                               Matrix3Xd* sum) const {
+  const Matrix3Xd* whole = end.bridge ? &end.bridge->J_q_effects() : nullptr;
+  AddByEffects(point, {at.reading, end.J_increments, whole, attraction_}, T_bs_, *sum);
 }
 
 bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, double** J) const {
@@ -159,18 +162,19 @@ bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, doubl
   out.noalias() = W_ * Difference(i, at_i.arguments.ddt_s, j, at_j.arguments.ddt_s);
   if (J == nullptr) return true;
 
-  const auto add_bridge = [&](const End& end, const EndAt& at, const Matrix3d& W, Matrix3d* q) {
+  const auto put_bridge = [&](const End& end, const EndAt& at, const Matrix3d& W, Matrix3d* J_q) {
     if (!end.bridge) return;
-    const Eigen::Matrix<double, 3, 9> by_increments = ByIncrements(at);
-    *q += by_increments * at.bridged.J_q;
-    Put(static_cast<int>(end.node_after), x, J, Matrix3d(W * by_increments * at.bridged.J_q_after));
+    const Eigen::Matrix<double, 3, 9> by_increments = W * ByIncrements(at);
+    *J_q += by_increments * at.bridged.J_q;
+    Put(static_cast<int>(end.node_after), x, J, Matrix3d(by_increments * at.bridged.J_q_after));
   };
-  add_bridge(i_, at_i, W_, &i.q);
-  add_bridge(j_, at_j, -W_, &j.q);
-  Put(0, x, J, Matrix3d(W_ * i.q));
+  Matrix3d J_q_i = W_ * i.q, J_q_j = -W_ * j.q;
+  put_bridge(i_, at_i, W_, &J_q_i);
+  put_bridge(j_, at_j, -W_, &J_q_j);
+  Put(0, x, J, J_q_i);
   Put(1, x, J, Matrix3d(W_ * i.p));
   Put(2, x, J, Matrix3d(W_ * i.v));
-  Put(3, x, J, Matrix3d(-W_ * j.q));
+  Put(3, x, J, J_q_j);
   Put(4, x, J, Matrix3d(-W_ * j.p));
   Put(5, x, J, Matrix3d(-W_ * j.v));
   const Matrix3d from_block = LeftJacobian(Log(Eigen::Quaterniond(x[6]))).inverse();
@@ -179,7 +183,11 @@ bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, doubl
                from_block));
   Put(7, x, J, Matrix3d(W_ * (i.a_b - j.a_b)));
   Put(8, x, J, Vector3d(-W_ * (i.rate - j.rate)));
-  const Matrix3Xd J_r_c = W_ * (ByEffects(i_, at_i, i) - ByEffects(j_, at_j, j));
+  if (first_lidar_block_ == block_kinds().size()) return true;
+
+  Matrix3Xd J_r_c = Matrix3Xd::Zero(3, NumEffectValues());
+  AddByOwnEffects(i_, at_i, SensitivityOfEnd(i_, at_i, i, W_), &J_r_c);
+  AddByOwnEffects(j_, at_j, SensitivityOfEnd(j_, at_j, j, -W_), &J_r_c);
   Eigen::Index column = 0;
   for (std::size_t block = first_lidar_block_; block < block_kinds().size(); ++block) {
     const int size = block_kinds()[block].stored_size;
@@ -187,6 +195,15 @@ bool PointToPointBetweenNodes::Evaluate(double const* const* x, double* r, doubl
     column += size;
   }
   return true;
+}
+
+std::optional<PointSensitivity> PointToPointBetweenNodes::SensitivityAt(
+    PointPairFactor::End of, double const* const* x) const {
+  const bool first = of == PointPairFactor::End::kI;
+  const End& end = first ? i_ : j_;
+  const EndAt at = At(end, x);
+  return SensitivityOfEnd(end, at, at.point.DifferentiateAt(at.arguments),
+                          first ? W_ : Matrix3d(-W_));
 }
 
 std::pair<Vector3d, Vector3d> PointToPointBetweenNodes::Points(double const* const* x) const {

@@ -117,7 +117,7 @@ class PairCalibration {
 /// The increments from a node to the epochs of ends that hang on it, in the order of time.
 class EndIncrements {
  public:
-  EndIncrements(const Flight& flight, const CalibrationState& calibration,
+  EndIncrements(const ImuData& imu, const CalibrationState& calibration,
                 const PreintegrationNoise& noise, double node_t_s, const ImuCorrection& biases);
 
   Preintegrated To(double epoch_s);

@@ -5,6 +5,8 @@
 #include <dn/builder/node_grid.h>
 #include <dn/builder/process_chain.h>
 #include <dn/builder/state_function_factor.h>
+#include <dn/factors/point_sensitivity.h>
+#include <dn/factors/point_to_point.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/factors/state_after_node.h>
 #include <dn/flight/flight.h>
@@ -162,23 +164,22 @@ class FlightNetwork {
                                                        const CalibrationState& calibration) const;
   std::shared_ptr<const FactorBase> GnssVelocityFactor(const GnssEdge& edge,
                                                        const CalibrationState& calibration) const;
-  /// `inertial`: the factor of an inertial edge for that calibration, which a bridged end needs.
-  using InertialFactorOf = std::function<std::shared_ptr<const PreintegratedInertial>(std::size_t)>;
-  /// From their nodes to the epochs of both ends.
-  struct PairIncrements {
-    Preintegrated i, j;
+
+  /// An end of pair edge k.
+  struct EndOfPair {
+    std::size_t k = 0;
+    PointPairFactor::End end = PointPairFactor::End::kI;
   };
-  /// Of some pair edges, at the present biases; the samples after a node are integrated once.
-  std::vector<PairIncrements> IncrementsOf(std::span<const PairEdge> edges,
-                                           const PairCalibration& calibration,
-                                           int threads = 1) const;
-  /// So many at a time need little memory beside the network.
-  static constexpr std::size_t kPairsAtOnce = 4096;
-  /// `increments`: of the edge for that calibration.
-  std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
-                                               const PairCalibration& calibration,
-                                               const InertialFactorOf& inertial,
-                                               const PairIncrements& increments) const;
+  /// By how much the residual of the pair moves with what effects do to the point, at the present
+  /// unknowns; where its factor does not say, as that of the library would.
+  PointSensitivity SensitivityOfEnd(const EndOfPair& end) const;
+
+  /// Calls use(end, increments) for all ends of pairs: from their node to their epoch for that
+  /// calibration, without noise, over the samples of `imu` (MeansOver). Ends of different nodes come
+  /// side by side.
+  using UseOfEnd = std::function<void(const EndOfPair&, const Preintegrated&)>;
+  void ForPairEnds(const CalibrationState& calibration, const ImuData& imu, int threads,
+                   const UseOfEnd& use) const;
 
   /// The two points of pair edge k in m with the present unknowns: p_i - p_j, m. Throws
   /// InvalidInput where its factor was replaced by one that is no PointPairFactor.
@@ -231,6 +232,10 @@ class FlightNetwork {
  private:
   /// Node k's, then those of the biases that hold there.
   std::vector<BlockId> StateBlocks(std::size_t k) const;
+  /// Of node k, without effects.
+  ImuCorrection BiasesAt(std::size_t k) const;
+  /// Of the blocks of pair edge k.
+  std::vector<const double*> ValuesOfPair(std::size_t k) const;
   void AddMounting(const CalibrationState& calibration);
   void AddNodes(const InitialStates& initial);
   void AddBiases(const InitialStates& initial);
@@ -253,8 +258,18 @@ class FlightNetwork {
   std::shared_ptr<const PreintegratedInertial> InertialFactorOn(
       const Preintegrated& increments, const InertialEdge& edge,
       const CalibrationState& calibration) const;
-  PairEdgeInput InputOf(const PairEdge& edge, const InertialFactorOf& inertial,
-                        const PairIncrements& increments) const;
+  /// From their nodes to the epochs of both ends.
+  struct PairIncrements {
+    Preintegrated i, j;
+  };
+  /// Of some pair edges, at the present biases; the samples after a node are integrated once.
+  std::vector<PairIncrements> IncrementsOf(std::span<const PairEdge> edges,
+                                           const PairCalibration& calibration) const;
+  PairEdgeInput InputOf(const PairEdge& edge, const PairIncrements& increments) const;
+  /// As it is without a PairModel.
+  std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
+                                               const PairCalibration& calibration,
+                                               const PairIncrements& increments) const;
   std::shared_ptr<const FactorBase> PairFactorInUse(const PairEdge& edge,
                                                     const PairCalibration& calibration,
                                                     const PairIncrements& increments) const;

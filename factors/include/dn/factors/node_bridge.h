@@ -36,12 +36,15 @@ class NodeBridge {
   /// Of the partial increments given the rotation between the nodes.
   const Matrix9& covariance() const { return covariance_; }
 
-  /// K r and its derivatives with respect to the attitudes (right tangent) and to the values of
-  /// the effects; increments in the tangent order of Preintegrated.
+  /// Of the rotation increment of the whole interval by the values of the effects.
+  const Eigen::Matrix3Xd& J_q_effects() const { return J_q_effects_; }
+
+  /// K r and its derivatives with respect to the attitudes (right tangent) and to what the effects
+  /// add to the rotation increment of the whole interval; increments in the tangent order of
+  /// Preintegrated.
   struct Correction {
     Vector9 increments;
-    Eigen::Matrix<double, 9, 3> J_q, J_q_after;
-    Eigen::Matrix<double, 9, Eigen::Dynamic> J_effects;
+    Eigen::Matrix<double, 9, 3> J_q, J_q_after, J_whole;
   };
   /// q, q_after: body -> map at the two nodes; d_effects: values of the effects less those of the
   /// linearisation.

@@ -2,10 +2,12 @@
 
 #include <dn/factor.h>
 #include <dn/factors/lidar_point.h>
+#include <dn/factors/point_sensitivity.h>
 #include <dn/geo/local_frame.h>
 #include <dn/noise.h>
 
 #include <Eigen/Core>
+#include <optional>
 #include <utility>
 
 namespace dn {
@@ -17,6 +19,14 @@ class PointPairFactor {
 
   /// The two georeferenced points in map, m, at the given blocks (first x_i, then x_j).
   virtual std::pair<Eigen::Vector3d, Eigen::Vector3d> Points(double const* const* x) const = 0;
+
+  enum class End { kI, kJ };
+  /// By how much the residual moves with what effects do to the point of an end, at the given
+  /// blocks; absent: the factor does not say.
+  virtual std::optional<PointSensitivity> SensitivityAt(End /*end*/,
+                                                        double const* const* /*x*/) const {
+    return std::nullopt;
+  }
 
  protected:
   PointPairFactor() = default;
@@ -89,6 +99,7 @@ class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<
   bool Evaluate(double const* const* x, double* r, double** J) const override;
 
   std::pair<Eigen::Vector3d, Eigen::Vector3d> Points(double const* const* x) const override;
+  std::optional<PointSensitivity> SensitivityAt(End end, double const* const* x) const override;
 
  private:
   LidarPoint::Arguments Arguments(double const* const* node, const Eigen::Vector3d& u_b,

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -47,6 +48,8 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
   bool Evaluate(double const* const* x, double* r, double** J) const override;
 
   std::pair<Eigen::Vector3d, Eigen::Vector3d> Points(double const* const* x) const override;
+  std::optional<PointSensitivity> SensitivityAt(PointPairFactor::End end,
+                                                double const* const* x) const override;
 
  private:
   struct End {
@@ -70,15 +73,17 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
   static End MakeEnd(const LocalFrame& frame, const LidarEnd& end, double tag_s, std::size_t node,
                      std::size_t node_after);
   EndAt At(const End& end, double const* const* x) const;
+  Eigen::Index NumEffectValues() const;
   Eigen::VectorXd ImuChange(double const* const* x) const;
   Eigen::Vector3d AttractionOf(double const* const* x) const;
 
-  /// Of an end's point with respect to its increments: rotation, velocity, position.
+  /// Of an end's point with respect to its increments.
   static Eigen::Matrix<double, 3, 9> ByIncrements(const EndAt& at);
-
-  /// Of an end's point with respect to the values of all effects, in the order of the blocks.
-  Eigen::Matrix3Xd ByEffects(const End& end, const EndAt& at,
-                             const LidarPoint::Derivatives& of) const;
+  static PointSensitivity SensitivityOfEnd(const End& end, const EndAt& at,
+                                           const LidarPoint::Derivatives& of,
+                                           const Eigen::Matrix3d& W);
+  void AddByOwnEffects(const End& end, const EndAt& at, const PointSensitivity& point,
+                       Eigen::Matrix3Xd* sum) const;
 
   std::size_t first_imu_block() const { return first_lidar_block_ + lidar_.size(); }
   std::size_t first_attraction_block() const { return first_imu_block() + imu_.size(); }
