@@ -121,28 +121,24 @@ class Candidates {
 
   /// A held block as an effect: its change from the value at which it is held.
   void AddBlock(const EstimableEffect& effect, bool of_lidar) {
-    const Network& net = network_.net;
-    const BlockId block = net.Find(effect.name);
-    if (!net.block(block).held) return;
+    const BlockId block = network_.net.Find(effect.name);
+    if (!network_.net.block(block).held) return;
+    found_.push_back(DescribeEffect(effect));
+    if (!of_lidar) AddGnssBlock(block, &found_.back());
+  }
+
+  void AddGnssBlock(BlockId block, CandidateEffect* candidate) const {
     std::vector<FactorId> factors;
-    if (of_lidar) {
-      for (const FlightNetwork::PairEdge& edge : network_.pair_edges) factors.push_back(edge.id);
-    } else {
-      for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
-        factors.push_back(edge.position);
-        if (edge.velocity >= 0) factors.push_back(edge.velocity);
-      }
+    for (const FlightNetwork::GnssEdge& edge : network_.gnss_edges) {
+      factors.push_back(edge.position);
+      if (edge.velocity >= 0) factors.push_back(edge.velocity);
     }
     std::vector<Eigen::MatrixXd> L_of(factors.size());
     ParallelFor(static_cast<int>(factors.size()), threads_, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
       L_of[k] = DerivativeBy(block, factors[k]);
     });
-    CandidateEffect candidate = DescribeEffect(effect);
-    for (std::size_t k = 0; k < factors.size(); ++k) {
-      if (L_of[k].size() > 0) candidate.model.push_back({factors[k], std::move(L_of[k])});
-    }
-    found_.push_back(std::move(candidate));
+    AppendColumns(factors, L_of, 0, candidate->typical.size(), candidate);
   }
 
   /// Of a factor as it is, by a block whose stored coordinates are the tangent ones; none of a
@@ -235,8 +231,7 @@ class Candidates {
   }
 
   void AddPairs() {
-    const std::vector<std::size_t> effects = EffectsOfPairs(state_);
-    if (!AnyCandidate(effects)) return;
+    if (network_.pair_edges.empty()) return;
     std::vector<FactorId> edges;
     for (const auto& edge : network_.pair_edges) edges.push_back(edge.id);
     std::vector<Eigen::Matrix3Xd> whole;
@@ -244,7 +239,16 @@ class Candidates {
       whole.emplace_back();
       if (inertial) whole.back() = inertial->increments().J_effects.topRows<3>();
     }
-    Append(edges, effects, internal::PairColumns(network_, state_, means_, whole, threads_));
+    const std::vector<Eigen::Matrix3Xd> columns =
+        internal::PairColumns(network_, state_, means_, whole, threads_);
+    const auto append_held = [&](const char* name, Eigen::Index first, Eigen::Index count) {
+      const auto at = std::find_if(found_.begin(), found_.end(),
+                                   [&](const CandidateEffect& held) { return held.name == name; });
+      if (at != found_.end()) AppendColumns(edges, columns, first, count, &*at);
+    };
+    append_held("lidar_lever_arm", internal::kColumnOfLeverArm, 3);
+    append_held("lidar_time_offset", internal::kColumnOfTimeOffset, 1);
+    Append(edges, EffectsOfPairs(state_), columns, internal::kColumnOfPairEffects);
   }
 
   /// The values that the factor of an edge takes under the extended calibration.
@@ -318,19 +322,23 @@ class Candidates {
     Append(kind.edges, kind.effects, L_of);
   }
 
-  /// To the candidates what they are of the derivatives of edges by effects.
+  /// To the candidates what they are of the derivatives of edges by effects, which begin at a column.
   template <class Matrix>
   void Append(const std::vector<FactorId>& edges, const std::vector<std::size_t>& effects,
-              const std::vector<Matrix>& L_of) {
-    Eigen::Index column = 0;
+              const std::vector<Matrix>& L_of, Eigen::Index column = 0) {
     for (const std::size_t e : effects) {
       const Eigen::Index size = state_.effects[e].value.size();
-      CandidateEffect* candidate = of_state_[e];
-      for (std::size_t k = 0; candidate != nullptr && k < L_of.size(); ++k) {
-        if (L_of[k].size() == 0) continue;
-        candidate->model.push_back({edges[k], L_of[k].middleCols(column, size)});
-      }
+      if (of_state_[e] != nullptr) AppendColumns(edges, L_of, column, size, of_state_[e]);
       column += size;
+    }
+  }
+
+  template <class Matrix>
+  static void AppendColumns(const std::vector<FactorId>& edges, const std::vector<Matrix>& L_of,
+                            Eigen::Index first, Eigen::Index count, CandidateEffect* candidate) {
+    for (std::size_t k = 0; k < L_of.size(); ++k) {
+      if (L_of[k].size() == 0) continue;
+      candidate->model.push_back({edges[k], L_of[k].middleCols(first, count)});
     }
   }
 

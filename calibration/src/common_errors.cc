@@ -2,27 +2,66 @@
 
 #include <dn/flight/strip_at.h>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <functional>
 #include <map>
 #include <string>
+#include <tuple>
+#include <unordered_map>
 #include <utility>
+#include <vector>
 
 namespace dn::internal {
 namespace {
 
-/// Builds forms whose rows are labelled by keys.
+/// Numbers names in the order in which they are met.
+class Names {
+ public:
+  int Number(const std::string& name) {
+    const auto [at, is_new] = number_.try_emplace(name, static_cast<int>(names_.size()));
+    if (is_new) names_.push_back(name);
+    return at->second;
+  }
+  const std::string& operator[](int number) const {
+    return names_[static_cast<std::size_t>(number)];
+  }
+
+ private:
+  std::map<std::string, int> number_;
+  std::vector<std::string> names_;
+};
+
+/// Builds forms whose rows are labelled by a name and a window of time.
 class LabelledForms {
  public:
   explicit LabelledForms(Eigen::Index rows) : rows_(rows) {}
 
-  using Key = std::pair<std::string, long>;
+  struct Key {
+    int name = 0;
+    long window = 0;
 
-  void Add(const std::string& name, const std::string& channel, int row, const Key& key) {
-    Entry& entry = EntryOf(name, channel);
-    const auto [at, is_new] = entry.keys.try_emplace(key, entry.form.labels);
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+
+  int Form(const std::string& name, const std::string& channel) {
+    const int form = form_names_.Number(name);
+    if (static_cast<std::size_t>(form) == entries_.size()) {
+      entries_.push_back({{name, channel, {}, 0, {}}, {}});
+      entries_.back().form.label.assign(static_cast<std::size_t>(rows_), -1);
+    }
+    return form;
+  }
+
+  int Name(const std::string& name) { return names_.Number(name); }
+
+  void Add(int form, int row, const Key& key) {
+    Entry& entry = entries_[static_cast<std::size_t>(form)];
+    const auto [at, is_new] = entry.labels.try_emplace(key, entry.form.labels);
     if (is_new) {
       ++entry.form.labels;
-      entry.form.label_name.push_back(key.first);
+      entry.form.label_name.push_back(names_[key.name]);
     }
     entry.form.label[static_cast<std::size_t>(row)] = at->second;
   }
@@ -34,68 +73,111 @@ class LabelledForms {
   }
 
  private:
+  struct HashOfKey {
+    std::size_t operator()(const Key& key) const {
+      return std::hash<long>()(key.window * 4099 + key.name);
+    }
+  };
   struct Entry {
     ResidualForm form;
-    std::map<Key, int> keys;
+    std::unordered_map<Key, int, HashOfKey> labels;
   };
 
-  Entry& EntryOf(const std::string& name, const std::string& channel) {
-    const auto [at, is_new] = index_.try_emplace(name, entries_.size());
-    if (is_new) {
-      ResidualForm form{name, channel, {}, 0, {}};
-      form.label.assign(static_cast<std::size_t>(rows_), -1);
-      entries_.push_back({std::move(form), {}});
-    }
-    return entries_[at->second];
-  }
-
   Eigen::Index rows_;
+  Names form_names_, names_;
   std::vector<Entry> entries_;
-  std::map<std::string, std::size_t> index_;
 };
 
-/// Names the pair of strips of every pair edge, by its factor.
-std::map<FactorId, std::string> StripPairs(const FlightNetwork& network) {
-  const std::vector<StripInterval> strips = FindStrips(network.flight());
-  std::map<FactorId, std::string> names;
-  for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
-    names[edge.id] = StripPairName(strips, edge.pair.t_i_s, edge.pair.t_j_s);
-  }
-  return names;
+LabelledForms::Key Window(int name, double t_s, double length_s) {
+  return {name, std::lround(std::floor(t_s / length_s))};
 }
 
-LabelledForms::Key Window(const std::string& key, double t_s, double length_s) {
-  return {key, std::lround(std::floor(t_s / length_s))};
-}
+/// Puts rows into the forms of their channel: of pairs by the strips that they join, of all else by
+/// time alone.
+class CommonErrors {
+ public:
+  CommonErrors(const FlightNetwork& network, const LinearizedNetwork& linearized)
+      : linearized_(linearized), strips_(FindStrips(network.flight())), forms_(linearized.rows()) {
+    for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
+      strips_of_[edge.id] = {StripAt(strips_, edge.pair.t_i_s), StripAt(strips_, edge.pair.t_j_s)};
+    }
+  }
+
+  std::vector<ResidualForm> Run() {
+    for (const LinearizedNetwork::FactorRows& rows : linearized_.factors()) {
+      const FactorGroup& group = linearized_.group(rows.factor);
+      if (!group.measured()) continue;
+      const auto pair = strips_of_.find(rows.factor);
+      const double t_s = linearized_.t_s(rows.factor);
+      for (int k = 0; k < rows.count; ++k) {
+        if (pair != strips_of_.end()) {
+          AddPair(rows.first + k, OfPairs(group, k, pair->second), t_s);
+        } else if (std::isfinite(t_s)) {
+          AddOther(rows.first + k, OfOthers(group, k), t_s);
+        }
+      }
+    }
+    return forms_.Take();
+  }
+
+ private:
+  static constexpr double kShort_s = 10.0, kLong_s = 60.0, kPairs_s = 2.0;
+
+  using Strips = std::pair<const StripInterval*, const StripInterval*>;
+  /// Residuals of one channel and axis, and of one pair of strips.
+  using Kind = std::tuple<const FactorGroup*, int, Strips>;
+  struct Place {
+    std::array<int, 3> forms;
+    int name = 0;
+  };
+
+  const Place& OfPairs(const FactorGroup& group, int k, const Strips& strips) {
+    const auto [at, is_new] = places_.try_emplace(Kind{&group, k, strips});
+    if (is_new) {
+      const std::string channel = group.Channel(k);
+      at->second = {
+          {forms_.Form(channel + ", over 2 s", channel),
+           forms_.Form(channel + ", over 10 s", channel),
+           forms_.Form(channel + ", over pairs of strips", channel)},
+          forms_.Name(StripPairName(strips.first, strips.second) + " (" + group.Axis(k) + ")")};
+    }
+    return at->second;
+  }
+
+  const Place& OfOthers(const FactorGroup& group, int k) {
+    const auto [at, is_new] = places_.try_emplace(Kind{&group, k, Strips{}});
+    if (is_new) {
+      const std::string channel = group.Channel(k);
+      at->second = {{forms_.Form(channel + ", over 10 s", channel),
+                     forms_.Form(channel + ", over 60 s", channel), 0},
+                    forms_.Name(group.Axis(k))};
+    }
+    return at->second;
+  }
+
+  void AddPair(int row, const Place& place, double t_s) {
+    forms_.Add(place.forms[0], row, Window(place.name, t_s, kPairs_s));
+    forms_.Add(place.forms[1], row, Window(place.name, t_s, kShort_s));
+    forms_.Add(place.forms[2], row, {place.name, 0});
+  }
+
+  void AddOther(int row, const Place& place, double t_s) {
+    forms_.Add(place.forms[0], row, Window(place.name, t_s, kShort_s));
+    forms_.Add(place.forms[1], row, Window(place.name, t_s, kLong_s));
+  }
+
+  const LinearizedNetwork& linearized_;
+  std::vector<StripInterval> strips_;
+  LabelledForms forms_;
+  std::unordered_map<FactorId, Strips> strips_of_;
+  std::map<Kind, Place> places_;
+};
 
 }  // namespace
 
 std::vector<ResidualForm> CommonErrorForms(const FlightNetwork& network,
                                            const LinearizedNetwork& linearized) {
-  constexpr double kShortS = 10.0, kLongS = 60.0, kPairsS = 2.0;
-  LabelledForms forms(linearized.rows());
-  const std::map<FactorId, std::string> strips = StripPairs(network);
-  const auto add = [&](int row, FactorId id, const std::string& channel, const std::string& axis) {
-    const double t_s = linearized.t_s(id);
-    const auto pair = strips.find(id);
-    if (pair != strips.end()) {
-      const std::string key = pair->second + " (" + axis + ")";
-      forms.Add(channel + ", over 2 s", channel, row, Window(key, t_s, kPairsS));
-      forms.Add(channel + ", over 10 s", channel, row, Window(key, t_s, kShortS));
-      forms.Add(channel + ", over pairs of strips", channel, row, {key, 0});
-    } else if (std::isfinite(t_s)) {
-      forms.Add(channel + ", over 10 s", channel, row, Window(axis, t_s, kShortS));
-      forms.Add(channel + ", over 60 s", channel, row, Window(axis, t_s, kLongS));
-    }
-  };
-  for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
-    const FactorGroup& group = linearized.group(rows.factor);
-    if (!group.measured()) continue;
-    for (int k = 0; k < rows.count; ++k) {
-      add(rows.first + k, rows.factor, group.Channel(k), group.Axis(k));
-    }
-  }
-  return forms.Take();
+  return CommonErrors(network, linearized).Run();
 }
 
 }  // namespace dn::internal

@@ -34,7 +34,7 @@ class Columns {
       const FlightNetwork::PairEdge& edge = network_.pair_edges[k];
       const FactorRecord& record = network_.net.factor(edge.id);
       if (!record.active || record.factor->residual_size() != 3) continue;
-      columns_[k].setZero(3, num_values_);
+      columns_[k].setZero(3, kColumnOfPairEffects + num_values_);
       AttractAt(edge.node_i);
       AttractAt(edge.node_j);
     }
@@ -60,11 +60,15 @@ class Columns {
     const LidarReading reading =
         Corrected(lidar_, values_.data(), first ? edge.pair.t_i_s : edge.pair.t_j_s,
                   first ? edge.pair.u_i_s : edge.pair.u_j_s);
-    Matrix3Xd of_end = Matrix3Xd::Zero(3, num_values_);
-    AddByEffects(network_.SensitivityOfEnd(end),
+    const PointSensitivity point = network_.SensitivityOfEnd(end);
+    Matrix3Xd of_end = Matrix3Xd::Zero(3, columns.cols());
+    of_end.middleCols<3>(kColumnOfLeverArm) = point.lever_arm;
+    of_end.col(kColumnOfTimeOffset) = point.delay;
+    AddByEffects(point,
                  {reading, increments.J_effects, bridge ? &whole_[*bridge] : nullptr,
                   *attraction_[first ? edge.node_i : edge.node_j]},
-                 network_.flight().config.lidar->mounting.R_bs_nominal, of_end);
+                 network_.flight().config.lidar->mounting.R_bs_nominal,
+                 of_end.rightCols(num_values_));
     // Of two terms, which may come in either order.
     const std::lock_guard lock(adding_[end.k % adding_.size()]);
     columns += of_end;

@@ -7,7 +7,8 @@ PointSensitivity SensitivityOf(const LidarPoint& point, const LidarPoint::Argume
                                const LidarPoint::Derivatives& of, const Eigen::Vector3d& theta_rad,
                                const Eigen::Matrix3d& W) {
   PointSensitivity out;
-  out.u_b.noalias() = W * (of.a_b * at.q_boresight.toRotationMatrix());
+  out.lever_arm.noalias() = W * of.a_b;
+  out.u_b.noalias() = out.lever_arm * at.q_boresight.toRotationMatrix();
   out.turn_b.noalias() = W * (of.theta * RightJacobian(Eigen::Vector3d(-theta_rad)));
   out.delay.noalias() = -W * of.rate;
   out.increments.noalias() = W * point.ByIncrements(at);

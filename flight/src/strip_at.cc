@@ -12,11 +12,14 @@ const StripInterval* StripAt(const std::vector<StripInterval>& strips, double t_
 }
 
 std::string StripPairName(const std::vector<StripInterval>& strips, double t_i_s, double t_j_s) {
-  const auto name = [&](double t_s) {
-    const StripInterval* strip = StripAt(strips, t_s);
+  return StripPairName(StripAt(strips, t_i_s), StripAt(strips, t_j_s));
+}
+
+std::string StripPairName(const StripInterval* i, const StripInterval* j) {
+  const auto name = [](const StripInterval* strip) {
     return strip == nullptr ? std::string("?") : strip->name;
   };
-  return name(t_i_s) + "-" + name(t_j_s);
+  return name(i) + "-" + name(j);
 }
 
 }  // namespace dn

@@ -1,4 +1,5 @@
 #include <dn/error.h>
+#include <dn/parallel.h>
 
 #include <Eigen/Cholesky>
 #include <chrono>
@@ -11,6 +12,7 @@
 #include "seconds_since.h"
 #include "serial_blas.h"
 #include "shared_analysis_impl.h"
+#include "triangular_solve.h"
 
 namespace dn {
 namespace {
@@ -20,6 +22,9 @@ constexpr double kProbeThreshold = 1e-12;
 
 /// Numbers kept in solved columns before the cache starts afresh (256 MB).
 constexpr std::size_t kCacheLimit = std::size_t{1} << 25;
+
+/// Vectors of residuals that are projected together.
+constexpr std::size_t kProjectedTogether = 16;
 
 }  // namespace
 
@@ -124,6 +129,38 @@ Eigen::MatrixXd Marginals::Impl::SolveScaled(Eigen::MatrixXd B) const {
   B = cholesky->Solve(B, threads);
   B.array().colwise() *= scale.array();
   return B;
+}
+
+void Marginals::Impl::Project(Eigen::Ref<Eigen::MatrixXd> E) const {
+  const Linearization& linearization = network().linearization;
+  // Calls use(column of an unknown of an edge in W, its column of the Jacobian, its scale).
+  const auto for_unknowns = [&](const Linearization::Edge& edge, const auto& use) {
+    const auto J = linearization.jacobian(edge);
+    int column = 0;
+    for (int b = 0; b < edge.num_blocks; ++b) {
+      const int position = linearization.positions(edge)[b];
+      for (int i = 0; i < layout().size_of(position); ++i) {
+        const int unknown = Offset(position) + i;
+        use(cholesky->permuted_index()[AsSize(unknown)], J.col(column++), scale[unknown]);
+      }
+    }
+  };
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(E.rows(), layout().size());
+  for (const Linearization::Edge& edge : linearization.edges()) {
+    for_unknowns(edge, [&](int at, const auto& J, double scale_of) {
+      for (int r = 0; r < edge.rows; ++r) {
+        if (J[r] != 0.0) W.col(at) += scale_of * J[r] * E.col(edge.first_row + r);
+      }
+    });
+  }
+  SolveInPlace(cholesky->pattern(), cholesky->values(), static_cast<int>(E.rows()), W.data());
+  for (const Linearization::Edge& edge : linearization.edges()) {
+    for_unknowns(edge, [&](int at, const auto& J, double scale_of) {
+      for (int r = 0; r < edge.rows; ++r) {
+        if (J[r] != 0.0) E.col(edge.first_row + r) -= scale_of * J[r] * W.col(at);
+      }
+    });
+  }
 }
 
 const Eigen::MatrixXd& Marginals::Impl::CachedColumns(BlockId b) {
@@ -256,7 +293,23 @@ Eigen::MatrixXd Marginals::ReducedNormal(BlockId a) const {
 }
 
 Eigen::MatrixXd Marginals::Project(const Eigen::MatrixXd& E) const {
-  return E - linearized().Times(Solve(linearized().TransposeTimes(E)));
+  Eigen::MatrixXd by_row = E.transpose();
+  ProjectRows(&by_row);
+  return by_row.transpose();
+}
+
+void Marginals::ProjectRows(Eigen::MatrixXd* E) const {
+  if (E->cols() != linearized().rows()) {
+    throw InvalidInput("marginals: vectors of " + std::to_string(E->cols()) + " residuals for " +
+                       std::to_string(linearized().rows()));
+  }
+  if (num_parameters() == 0) return;
+  ParallelForChunks(AsSize(E->rows()), kProjectedTogether, impl_->threads,
+                    [&](std::size_t, std::size_t first, std::size_t past) {
+                      const SerialBlas serial;
+                      impl_->Project(E->middleRows(static_cast<Eigen::Index>(first),
+                                                   static_cast<Eigen::Index>(past - first)));
+                    });
 }
 
 const LinearizedNetwork& Marginals::linearized() const { return impl_->linearized; }

@@ -32,6 +32,9 @@ struct Marginals::Impl {
   /// scale (scale N scale)^-1 B
   Eigen::MatrixXd SolveScaled(Eigen::MatrixXd B) const;
 
+  /// Of vectors that are the rows of E.
+  void Project(Eigen::Ref<Eigen::MatrixXd> E) const;
+
   const Eigen::MatrixXd& CachedColumns(BlockId b);
   Eigen::MatrixXd Rows(const Eigen::MatrixXd& columns, BlockId b) const;
   std::optional<Eigen::MatrixXd> Selected(BlockId a, BlockId b) const;

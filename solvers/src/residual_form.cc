@@ -56,7 +56,7 @@ std::vector<FormMoments> ExactMoments(const Marginals& marginals,
 /// The rows of a form that take part.
 class FewRows {
  public:
-  explicit FewRows(const ResidualForm& form) : sum_(Eigen::VectorXd::Zero(form.labels)) {
+  explicit FewRows(const ResidualForm& form) : labels_(form.labels) {
     for (std::size_t row = 0; row < form.label.size(); ++row) {
       if (form.label[row] < 0) continue;
       row_.push_back(static_cast<Eigen::Index>(row));
@@ -64,25 +64,46 @@ class FewRows {
     }
   }
 
-  double Energy(const Eigen::Ref<const Eigen::VectorXd>& residual) {
-    sum_.setZero();
-    for (std::size_t k = 0; k < row_.size(); ++k) sum_[label_[k]] += residual[row_[k]];
-    return sum_.squaredNorm();
+  /// Of vectors of residuals that are the rows of R.
+  Eigen::VectorXd Energies(const Eigen::MatrixXd& R) const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(R.rows(), labels_);
+    for (std::size_t k = 0; k < row_.size(); ++k) sum.col(label_[k]) += R.col(row_[k]);
+    return sum.rowwise().squaredNorm();
   }
 
  private:
+  int labels_;
   std::vector<Eigen::Index> row_;
   std::vector<int> label_;
-  Eigen::VectorXd sum_;
 };
+
+/// Calls use(R) for the samples of ForSampledResiduals, some at a time, as the rows of R.
+template <class Use>
+void ForRowsOfSamples(const Marginals& marginals, const Use& use) {
+  std::mt19937_64 generator(kSeed);
+  std::normal_distribution<double> normal;
+  const Eigen::Index rows = marginals.linearized().rows();
+  const int at_once = rows < kManyRows ? kSamplesAtOnce : kSamplesAtOnceOfMany;
+  for (int k = 0; k < kSamples; k += at_once) {
+    Eigen::MatrixXd R(at_once, rows);
+    {
+      Eigen::MatrixXd E(rows, at_once);
+      for (double& e : E.reshaped()) e = normal(generator);
+      R = E.transpose();
+    }
+    marginals.ProjectRows(&R);
+    use(R);
+  }
+}
 
 std::vector<FormMoments> SampledMoments(const Marginals& marginals,
                                         const std::vector<ResidualForm>& forms) {
   std::vector<FewRows> of_forms(forms.begin(), forms.end());
   std::vector<std::vector<double>> energies(forms.size());
-  ForSampledResiduals(marginals, [&](const auto& residual) {
+  ForRowsOfSamples(marginals, [&](const Eigen::MatrixXd& R) {
     for (std::size_t i = 0; i < forms.size(); ++i) {
-      energies[i].push_back(of_forms[i].Energy(residual));
+      const Eigen::VectorXd some = of_forms[i].Energies(R);
+      energies[i].insert(energies[i].end(), some.begin(), some.end());
     }
   });
   std::vector<FormMoments> moments;
@@ -93,7 +114,7 @@ std::vector<FormMoments> SampledMoments(const Marginals& marginals,
 }  // namespace
 
 double ResidualForm::Energy(const Eigen::Ref<const Eigen::VectorXd>& residual) const {
-  return FewRows(*this).Energy(residual);
+  return FewRows(*this).Energies(residual.transpose())[0];
 }
 
 Eigen::MatrixXd ResidualForm::SumByLabel(const Eigen::MatrixXd& X) const {
@@ -139,16 +160,9 @@ double FormMoments::LowerTail(double energy) const {
 
 void ForSampledResiduals(const Marginals& marginals,
                          const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use) {
-  std::mt19937_64 generator(kSeed);
-  std::normal_distribution<double> normal;
-  const Eigen::Index rows = marginals.linearized().rows();
-  const int at_once = rows < kManyRows ? kSamplesAtOnce : kSamplesAtOnceOfMany;
-  for (int k = 0; k < kSamples; k += at_once) {
-    Eigen::MatrixXd E(rows, at_once);
-    for (double& e : E.reshaped()) e = normal(generator);
-    E = marginals.Project(E);
-    for (int c = 0; c < at_once; ++c) use(E.col(c));
-  }
+  ForRowsOfSamples(marginals, [&](const Eigen::MatrixXd& R) {
+    for (const auto residual : R.rowwise()) use(Eigen::VectorXd(residual.transpose()));
+  });
 }
 
 FormMoments MomentsOfSample(const std::vector<double>& energies) {

@@ -401,6 +401,28 @@ TEST(FlightNetwork, OwnFactorsOfPairsAreSolvedAndRenewed) {
   EXPECT_LE(network.PairDifference(0).norm(), 0.5);
 }
 
+// What effects would do to a pair whose factor does not say is what they do to that of the library.
+TEST(FlightNetwork, OwnFactorsOfPairsNeedNotSayWhatEffectsDo) {
+  Block<Vec<3>> shift;
+  FlightNetwork network = AtTruth(Drone().flight, WithShift(&shift));
+  network.AddPairs(Drone().flight.pairs->pairs);
+  const FactorId id = network.pair_edges[7].id;
+  std::vector<const double*> x;
+  for (const BlockId block : network.net.factor(id).blocks) {
+    x.push_back(network.net.block(block).value.get());
+  }
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> J_lever_arm;
+  Eigen::Vector3d r, J_delay;
+  std::vector<double*> J(x.size(), nullptr);
+  J[7] = J_lever_arm.data();
+  J[8] = J_delay.data();
+  ASSERT_TRUE(network.net.EvaluateStored(id, x.data(), r.data(), J.data()));
+  const PointSensitivity i = network.SensitivityOfEnd({7, PointPairFactor::End::kI});
+  const PointSensitivity j = network.SensitivityOfEnd({7, PointPairFactor::End::kJ});
+  EXPECT_LT((i.lever_arm + j.lever_arm - J_lever_arm).norm(), 1e-9 * i.lever_arm.norm());
+  EXPECT_LT((i.delay + j.delay - J_delay).norm(), 1e-9 * i.delay.norm());
+}
+
 TEST(FlightNetwork, OwnFactorsOfPairsMustSayTheirPoints) {
   FlightNetworkOptions options;
   options.pair_model = [](FlightNetwork&) {

@@ -113,6 +113,47 @@ class PairOfEffects : public ::testing::Test {
   }
 };
 
+// A factor without effects tells what any effect would do to its points.
+TEST_F(PairOfEffects, AreForetoldByTheFactorWithoutThem) {
+  const LidarEnd i = End(1.0, 1.31, {950.0, 10.0, 300.0}), j = End(4.0, 4.22, {920.0, 0.0, -250.0});
+  const PointToPoint plain(motion_.frame, i, j, Mounting(), 0.002, Noise<3>::Sigma(1.0));
+  const std::vector<VectorXd> blocks = Blocks(Vector3d::Zero(), Vector3d(1e-3, 0.0, -2e-3));
+  std::vector<const double*> x;
+  for (const VectorXd& block : blocks) x.push_back(block.data());
+  const VectorXd no_attraction = VectorXd::Zero(2);
+  x.back() = no_attraction.data();
+
+  Eigen::Matrix3Xd foretold = Eigen::Matrix3Xd::Zero(3, 11);
+  const LidarEffects lidar{std::make_shared<AllOfLidar>(), std::make_shared<AllOfLidar>()};
+  const std::vector<AttractionBasis> attraction{Eigen::Matrix<double, 3, 2>::Ones()};
+  const auto add = [&](PointPairFactor::End end, const LidarEnd& from, double tag_s) {
+    const LidarReading reading = Corrected(lidar, x.data() + 9, tag_s, from.u_s);
+    AddByEffects(*plain.SensitivityAt(end, x.data()),
+                 {reading, from.partial.J_effects, nullptr, attraction}, Mounting(), foretold);
+  };
+  add(PointPairFactor::End::kI, i, 1.312);
+  add(PointPairFactor::End::kJ, j, 4.222);
+
+  const PointToPointBetweenNodes factor = Factor();
+  std::vector<double> J_data(3 * 11);
+  std::vector<double*> J(13, nullptr);
+  double* next = J_data.data();
+  for (std::size_t block = 9; block < 13; ++block) {
+    J[block] = next;
+    next += 3 * blocks[block].size();
+  }
+  Vector3d r;
+  ASSERT_TRUE(factor.Evaluate(x.data(), r.data(), J.data()));
+  Eigen::Index column = 0;
+  for (std::size_t block = 9; block < 13; ++block) {
+    const Eigen::Index size = blocks[block].size();
+    const Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>> J_block(
+        J[block], 3, size);
+    EXPECT_LT((J_block - foretold.middleCols(column, size)).norm(), 1e-9 * J_block.norm()) << block;
+    column += size;
+  }
+}
+
 TEST_F(PairOfEffects, JacobiansAgreeAtRandomStates) {
   const PointToPointBetweenNodes factor = Factor();
   for (unsigned seed = 0; seed < 20; ++seed) {

@@ -89,6 +89,9 @@ TEST(LinearizedNetwork, ProductsAreThoseOfOneMatrix) {
   EXPECT_LT((M * M - M).norm(), 1e-12) << "a projection";
   EXPECT_LT((J.transpose() * M).norm(), 1e-12) << "onto what the unknowns cannot follow";
   EXPECT_NEAR(M.trace(), 3.0, 1e-12) << "the redundancy";
+  const Eigen::MatrixXd many = Eigen::MatrixXd::Random(9, 40);
+  EXPECT_LT((marginals.Project(many) - M * many).norm(), 1e-12);
+  EXPECT_THROW(marginals.Project(Eigen::MatrixXd::Zero(8, 1)), InvalidInput);
 }
 
 // At the minimum nothing of the residual is left to fit.

@@ -12,9 +12,10 @@ namespace dn {
 /// How far the whitened residual of a pair moves with what effects do to one of its points: the
 /// columns of any effect, of the factor or not, follow from it (AddByEffects).
 struct PointSensitivity {
-  Eigen::Matrix3d u_b;     ///< laser vector T_bs u_s, m
-  Eigen::Matrix3d turn_b;  ///< what is added to the rotation vector of the boresight, rad
-  Eigen::Vector3d delay;   ///< of the time tag, s
+  Eigen::Matrix3d u_b;        ///< laser vector T_bs u_s, m
+  Eigen::Matrix3d turn_b;     ///< what is added to the rotation vector of the boresight, rad
+  Eigen::Matrix3d lever_arm;  ///< m
+  Eigen::Vector3d delay;      ///< of the time tag, s
   Eigen::Matrix<double, 3, 9> increments;  ///< to the epoch, tangent order of Preintegrated
   /// Rotation increment of the whole interval to the next node, where a NodeBridge has the end; rad.
   Eigen::Matrix3d whole = Eigen::Matrix3d::Zero();

@@ -13,4 +13,7 @@ const StripInterval* StripAt(const std::vector<StripInterval>& strips, double t_
 /// Names of the strips that the two epochs of a pair lie in: "1-2"; "?" for none.
 std::string StripPairName(const std::vector<StripInterval>& strips, double t_i_s, double t_j_s);
 
+/// The same of strips; null: none.
+std::string StripPairName(const StripInterval* i, const StripInterval* j);
+
 }  // namespace dn

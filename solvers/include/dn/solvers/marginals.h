@@ -143,6 +143,9 @@ class Marginals {
   /// is a sample of the residuals that the network leaves when its model holds, whatever the
   /// unknowns are. Throws InvalidInput where the size does not fit.
   Eigen::MatrixXd Project(const Eigen::MatrixXd& E) const;
+  /// The same in place, of vectors that are the rows of E: quicker, as those of one residual stand
+  /// together.
+  void ProjectRows(Eigen::MatrixXd* E) const;
 
   /// The network that the covariances are of.
   const LinearizedNetwork& linearized() const;
