@@ -1,6 +1,9 @@
 #include <dn/imu/imu_means.h>
 
 #include <algorithm>
+#include <limits>
+
+#include "bridge_cursor.h"
 
 namespace dn {
 namespace {
@@ -8,11 +11,13 @@ namespace {
 class Joiner {
  public:
   Joiner(const ImuData& imu, double longest_s)
-      : imu_(imu), longest_s_(longest_s * (1.0 + 1e-9)), bridge_(imu.bridges.begin()) {}
+      : imu_(imu),
+        longest_s_(longest_s * (1.0 + 1e-9)),
+        bridges_(imu, std::numeric_limits<double>::lowest()) {}
 
   std::vector<ImuSample> Run() {
     for (const ImuSample& sample : imu_.samples) {
-      const bool bridges = Bridges(sample);
+      const bool bridges = bridges_.Of(sample) != nullptr;
       if (bridges || closed_ || !Fits(sample)) {
         joined_.push_back(sample);
       } else {
@@ -28,11 +33,6 @@ class Joiner {
     return Adjoin(joined_.back(), sample) && joined_.back().dt_s + sample.dt_s <= longest_s_;
   }
 
-  bool Bridges(const ImuSample& sample) {
-    while (bridge_ != imu_.bridges.end() && bridge_->row.t_s < sample.t_s) ++bridge_;
-    return bridge_ != imu_.bridges.end() && bridge_->row.t_s == sample.t_s;
-  }
-
   static void Join(const ImuSample& sample, ImuSample* mean) {
     const double dt_s = sample.t_s - (mean->t_s - mean->dt_s);
     const double share = sample.dt_s / dt_s;
@@ -44,7 +44,7 @@ class Joiner {
 
   const ImuData& imu_;
   double longest_s_;
-  std::vector<ImuBridge>::const_iterator bridge_;
+  internal::BridgeCursor bridges_;
   std::vector<ImuSample> joined_;
   bool closed_ = true;  // the last joined sample takes no other
 };

@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "bridge_cursor.h"
+
 namespace dn {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-constexpr double kTimeTolerance_s = kImuTimeTolerance_s;
 
 /// A stretch of one sample with rates linear in time: x(t) = mean + slope (t - middle).
 struct Piece {
@@ -43,25 +43,13 @@ Densities VibrationNoise(const std::vector<ImuVibration>& vibration, const ImuSa
   return sum;
 }
 
-/// What bridged holes add to the white noise of samples that are visited in the order of time.
-class BridgeNoise {
- public:
-  BridgeNoise(const ImuData& imu, double t_begin_s)
-      : next_(std::upper_bound(imu.bridges.begin(), imu.bridges.end(), t_begin_s,
-                               [](double t, const ImuBridge& b) { return t < b.row.t_s; })),
-        end_(imu.bridges.end()) {}
-
-  /// The error of the hole, spread over all of the sample that bridges it.
-  Densities Of(const ImuSample& sample) {
-    while (next_ != end_ && next_->row.t_s < sample.t_s) ++next_;
-    if (next_ == end_ || next_->row.t_s > sample.t_s) return {};
-    return {next_->gyro_sigma_rad * next_->gyro_sigma_rad / sample.dt_s,
-            next_->accel_sigma_mps * next_->accel_sigma_mps / sample.dt_s};
-  }
-
- private:
-  std::vector<ImuBridge>::const_iterator next_, end_;
-};
+/// What the hole that a sample bridges adds to its white noise: its error, spread over all of the
+/// sample. Null: there is none.
+Densities NoiseOfBridge(const ImuBridge* bridge, double dt_s) {
+  if (bridge == nullptr) return {};
+  return {bridge->gyro_sigma_rad * bridge->gyro_sigma_rad / dt_s,
+          bridge->accel_sigma_mps * bridge->accel_sigma_mps / dt_s};
+}
 
 std::string Seconds(double t_s) {
   char text[40];
@@ -417,8 +405,8 @@ void CheckNoise(const PreintegrationNoise& noise) {
 
 void CheckInside(const ImuData& imu, double t0_s, double t1_s) {
   if (imu.samples.empty()) throw InvalidInput("inertial increments: there are no IMU data");
-  if (!(t0_s >= imu.t_begin_s() - kTimeTolerance_s) ||
-      !(t1_s <= imu.t_end_s() + kTimeTolerance_s)) {
+  if (!(t0_s >= imu.t_begin_s() - kImuTimeTolerance_s) ||
+      !(t1_s <= imu.t_end_s() + kImuTimeTolerance_s)) {
     throw InvalidInput("inertial increments from " + Seconds(t0_s) + " to " + Seconds(t1_s) +
                        ": the IMU data cover " + Seconds(imu.t_begin_s()) + " to " +
                        Seconds(imu.t_end_s()));
@@ -458,7 +446,7 @@ class GrowingIncrements::Impl {
         noise_(noise),
         integrator_(noise),
         corrector_(correction_.effects),
-        bridge_noise_(imu, t_begin_s),
+        bridges_(imu, t_begin_s),
         t_s_(t_begin_s),
         last_end_s_(t_begin_s) {
     CheckBias(correction, t_begin_s);
@@ -503,7 +491,8 @@ class GrowingIncrements::Impl {
   /// Of the sample at hand.
   LinearSample Linear(double t_end_s) const {
     const ImuSample& sample = imu_.samples[*k_];
-    if (sample.t_s - sample.dt_s > t_s_ + kTimeTolerance_s) ThrowGap(t_begin_s_, t_end_s, sample);
+    if (sample.t_s - sample.dt_s > t_s_ + kImuTimeTolerance_s)
+      ThrowGap(t_begin_s_, t_end_s, sample);
     return {imu_, *k_, correction_};
   }
 
@@ -512,8 +501,10 @@ class GrowingIncrements::Impl {
     const ImuSample& sample = imu_.samples[*k_];
     Piece piece = linear.Part(t_s_, stop_s);
     if (!corrector_.empty()) corrector_.Correct(t_s_ + 0.5 * (stop_s - t_s_), &piece);
-    integrator->Add(piece, bridge_noise_.Of(sample) + VibrationNoise(noise_.vibration, sample),
-                    corrector_.empty() ? nullptr : &corrector_.reading());
+    integrator->Add(
+        piece,
+        NoiseOfBridge(bridges_.Of(sample), sample.dt_s) + VibrationNoise(noise_.vibration, sample),
+        corrector_.empty() ? nullptr : &corrector_.reading());
   }
 
   const ImuData& imu_;
@@ -522,7 +513,7 @@ class GrowingIncrements::Impl {
   const PreintegrationNoise& noise_;
   Integrator integrator_;
   EffectCorrector corrector_;
-  BridgeNoise bridge_noise_;
+  internal::BridgeCursor bridges_;
   std::optional<std::size_t> k_;  ///< the sample that comes next
   double t_s_;                    ///< integrated up to here
   double last_end_s_;             ///< of To
@@ -546,9 +537,9 @@ Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrect
   CheckInside(imu, t_s, t_s);
   CheckBias(correction, t_s);
   const auto after =
-      std::lower_bound(imu.samples.begin(), imu.samples.end(), t_s - kTimeTolerance_s,
+      std::lower_bound(imu.samples.begin(), imu.samples.end(), t_s - kImuTimeTolerance_s,
                        [](const ImuSample& sample, double t) { return sample.t_s < t; });
-  if (after->t_s - after->dt_s > t_s + kTimeTolerance_s) ThrowGap(t_s, t_s, *after);
+  if (after->t_s - after->dt_s > t_s + kImuTimeTolerance_s) ThrowGap(t_s, t_s, *after);
   Preintegrated out = Frame(t_s, t_s, correction);
   EffectCorrector corrector(correction.effects);
   WriteEnd(LinearSample(imu, static_cast<std::size_t>(after - imu.samples.begin()), correction),
