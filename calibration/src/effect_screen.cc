@@ -146,6 +146,24 @@ Eigen::VectorXd ShrunkEstimate(const JointScore& score, const std::vector<Eigen:
   return -A.ldlt().solve(score.s(components));
 }
 
+std::optional<DepartureCheck> CheckDeparture(const CandidateEffect& departure,
+                                             const JointScore& beside,
+                                             const std::vector<Eigen::Index>& components,
+                                             double excess, const ScreenOptions& options) {
+  const ScoreTest test = TestTogether(beside, components);
+  if (test.dof == 0) return std::nullopt;
+  const Eigen::VectorXd move =
+      beside.shift(Eigen::all, components) * ShrunkEstimate(beside, components, departure.typical);
+  DepartureCheck check;
+  check.name = departure.name;
+  check.statistic = test.statistic / excess;
+  check.dof = test.dof;
+  check.p_value = std::min(1.0, options.tests * ChiSquareTail(check.statistic, test.dof));
+  check.damage = move.cwiseQuotient(options.watched_sigma).cwiseAbs().maxCoeff();
+  if (options.of_boresight) check.boresight_rad = move;
+  return check;
+}
+
 EffectScreen ScreenEffects(const std::vector<CandidateEffect>& candidates, const JointScore& score,
                            const ScreenOptions& options) {
   return EffectScreener(candidates, score, options).Run();

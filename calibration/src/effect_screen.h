@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace dn::internal {
@@ -39,6 +40,14 @@ double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& com
 /// Estimates of components together, SI, shrunk towards zero from kLargestPerTypical usual sizes on.
 Eigen::VectorXd ShrunkEstimate(const JointScore& score, const std::vector<Eigen::Index>& components,
                                const Eigen::VectorXd& typical);
+
+/// What the data say of a departure beside the effects found: its components in `beside`, which
+/// has them after those of the candidates. `excess`: variance of the noise over the stated one; null:
+/// nothing of it can be told from the unknowns.
+std::optional<DepartureCheck> CheckDeparture(const CandidateEffect& departure,
+                                             const JointScore& beside,
+                                             const std::vector<Eigen::Index>& components,
+                                             double excess, const ScreenOptions& options);
 
 /// Takes the likeliest significant effect, again and again, each beside those before, up to four,
 /// and estimates all of them together. `score`: of the candidates, in their order.

@@ -46,6 +46,7 @@ ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterv
                                  calibration.figures, calibration.scatter));
   if (const auto prior = PriorOf(calibration)) check.priors.push_back(*prior);
   check.effects = found.effects;
+  check.departures = found.departures;
   check.groups.front().ratio_beside_effects *= found.share_left;
   check.sigma0_beside_effects =
       calibration.figures.sigma0 * std::sqrt(found.share_left / calibration.scatter.expected_ratio);

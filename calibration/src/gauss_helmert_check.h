@@ -7,7 +7,7 @@
 namespace dn::internal {
 
 /// What the misclosures of a Gauss-Helmert adjustment say against its model: their size against the
-/// stated noise, effects of the lidar (FindEffects), the share of outliers, the size of the angles,
+/// stated noise, effects and departures of the lidar (FindEffects), the share of outliers, the size of the angles,
 /// the stated prior. `calibration` must have its boresight.
 ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterval>& strips,
                              const GaussHelmertCalibration& calibration);

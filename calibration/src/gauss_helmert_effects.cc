@@ -1,5 +1,6 @@
 #include "gauss_helmert_effects.h"
 
+#include <dn/calibration/laser_departures.h>
 #include <dn/calibration/lasting_errors.h>
 #include <dn/calibration/lidar_effects.h>
 #include <dn/calibration/linear_pairs.h>
@@ -9,7 +10,9 @@
 #include <cmath>
 #include <compare>
 #include <map>
+#include <memory>
 #include <utility>
+#include <variant>
 
 #include "effect_screen.h"
 #include "model_findings.h"
@@ -25,6 +28,8 @@ constexpr int kMostOctaves = 5;
 constexpr double kOctavesSigma = 1.0;
 // Of the white noise, from what is stated to sigma0 times that.
 constexpr int kWhiteSteps = 2;
+// The scale of the white noise has it already.
+constexpr double kNoExcess = 1.0;
 
 /// The scales looked at, by their steps from the stated ones.
 struct ScaleSteps {
@@ -123,6 +128,15 @@ Vector3d SigmaBesideEffects(const LastingErrors& errors, const ErrorScale& scale
   return covariance.diagonal().cwiseSqrt().cwiseMin(calibration.boresight.sigma_rad());
 }
 
+CandidateEffect DepartureByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& ends) {
+  const OwnEffect own = LaserByScanAngle(lidar, ends);
+  CandidateEffect departure;
+  departure.name = own.name;
+  departure.typical = own.typical;
+  departure.model = ModelOf(*std::get<std::shared_ptr<const LidarEffect>>(own.action), ends);
+  return departure;
+}
+
 Eigen::VectorXd OfAllComponents(const EffectScreen& screen, const JointScore& score) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(score.s.size());
   Eigen::Index at = 0;
@@ -143,14 +157,19 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
                                 const GaussHelmertCalibration& calibration) {
   const LinearPairs pairs = LinearisePairs(flight, calibration);
   const std::vector<CandidateEffect> candidates = EffectsOfScanner(flight, pairs.ends);
-  const LastingErrors errors(pairs.rows, strips, pairs.error_sqrt, pairs.prior, candidates);
+  std::vector<CandidateEffect> all = candidates;
+  all.push_back(DepartureByScanAngle(*flight.config.lidar, pairs.ends));
+  const LastingErrors errors(pairs.rows, strips, pairs.error_sqrt, pairs.prior, all);
   GaussHelmertEffects out;
   ScaleSearch search(errors, candidates, calibration.figures.sigma0);
   const ErrorScale scale = search.Likeliest();
-  const EffectScreen screen = ScreenEffects(candidates, search.score(),
-                                            {static_cast<double>(candidates.size()),
-                                             SigmaBesideEffects(errors, scale, calibration), true});
+  const ScreenOptions options{static_cast<double>(all.size()),
+                              SigmaBesideEffects(errors, scale, calibration), true};
+  const EffectScreen screen = ScreenEffects(candidates, search.score(), options);
   out.effects = screen.effects;
+  const auto departure = CheckDeparture(
+      all.back(), screen.beside, screen.beside.Components(candidates.size()), kNoExcess, options);
+  if (departure) out.departures.push_back(*departure);
   if (!screen.chosen.empty()) {
     out.share_left = errors.ShareLeft(OfAllComponents(screen, search.score()));
   }

@@ -38,6 +38,26 @@ class LaserOffset final : public LidarEffect {
   WeightsOf weights_;
 };
 
+/// The scan angles that occur.
+class ScanAngles {
+ public:
+  explicit ScanAngles(const LidarConfig& lidar) : lidar_(lidar) {}
+
+  void Add(const Eigen::Vector3d& u_s) {
+    const double angle_rad = ScanAngle(lidar_, u_s);
+    low_rad_ = std::min(low_rad_, angle_rad);
+    high_rad_ = std::max(high_rad_, angle_rad);
+  }
+
+  OwnEffect Departure() const {
+    return LaserByScanAngle(lidar_, low_rad_, std::max(high_rad_, low_rad_ + kNarrowestRad));
+  }
+
+ private:
+  const LidarConfig& lidar_;
+  double low_rad_ = 0.0, high_rad_ = 0.0;
+};
+
 }  // namespace
 
 OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double last_rad) {
@@ -55,15 +75,21 @@ OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double la
 }
 
 OwnEffect LaserByScanAngle(const FlightNetwork& network) {
-  const LidarConfig& lidar = *network.flight().config.lidar;
-  double low_rad = 0.0, high_rad = 0.0;
+  ScanAngles angles(*network.flight().config.lidar);
   for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
-    for (const Eigen::Vector3d& u_s : {edge.pair.u_i_s, edge.pair.u_j_s}) {
-      low_rad = std::min(low_rad, ScanAngle(lidar, u_s));
-      high_rad = std::max(high_rad, ScanAngle(lidar, u_s));
-    }
+    angles.Add(edge.pair.u_i_s);
+    angles.Add(edge.pair.u_j_s);
   }
-  return LaserByScanAngle(lidar, low_rad, std::max(high_rad, low_rad + kNarrowestRad));
+  return angles.Departure();
+}
+
+OwnEffect LaserByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& pairs) {
+  ScanAngles angles(lidar);
+  for (const PairEnds& pair : pairs) {
+    angles.Add(pair.i.u_s);
+    angles.Add(pair.j.u_s);
+  }
+  return angles.Departure();
 }
 
 OwnEffect LaserByStrip(const std::vector<StripInterval>& strips) {

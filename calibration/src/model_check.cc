@@ -209,21 +209,10 @@ class Checker {
   void CheckDepartures() {
     for (std::size_t k = 0; k < departures_.size(); ++k) {
       if (departures_[k].model.empty()) continue;
-      const JointScore& beside = screen_.beside;  // of candidates, then departures
-      const std::vector<Eigen::Index> components = beside.Components(candidates_.size() + k);
-      const ScoreTest test = TestTogether(beside, components);
-      if (test.dof == 0) continue;
-      const Eigen::VectorXd move =
-          beside.shift(Eigen::all, components) *
-          internal::ShrunkEstimate(beside, components, departures_[k].typical);
-      DepartureCheck departure;
-      departure.name = departures_[k].name;
-      departure.statistic = test.statistic / ExcessOfPairs();
-      departure.dof = test.dof;
-      departure.p_value = ForFamily(ChiSquareTail(departure.statistic, test.dof));
-      departure.damage = InSigmas(move);
-      if (check_.of_boresight) departure.boresight_rad = move;
-      check_.departures.push_back(std::move(departure));
+      const auto departure = internal::CheckDeparture(
+          departures_[k], screen_.beside, screen_.beside.Components(candidates_.size() + k),
+          ExcessOfPairs(), {tests_, watched_sigma_, check_.of_boresight});
+      if (departure) check_.departures.push_back(*departure);
     }
   }
 

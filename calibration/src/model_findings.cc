@@ -165,6 +165,7 @@ void AddFindings(const FlightConfig& config, const GaussHelmertCalibration& cali
   findings.JudgePriors();
   findings.JudgeMounting(calibration.boresight.angles_rad);
   findings.JudgeEffects(false);
+  findings.JudgeDepartures();
   findings.JudgeSigma0(calibration.figures.sigma0 / std::sqrt(calibration.scatter.expected_ratio));
   findings.JudgePairsLeftOut(calibration.adjustment.outliers,
                              static_cast<long>(calibration.adjustment.weights.size()));

@@ -14,6 +14,7 @@
 
 #include "testing/short_flights.h"
 #include "testing/temp_folder.h"
+#include "testing/torsion.h"
 
 namespace dn::gauss_helmert_check_test {
 
@@ -31,11 +32,14 @@ SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
 }
 
 /// A flight on its true trajectory.
-Flight OnTruth(const Scenario& scenario, std::uint64_t seed) {
-  Flight flight = Fly(scenario, seed).flight;
+Flight OnTruth(Flight flight) {
   flight.trajectory = flight.reference;
   flight.config.trajectory = TrajectoryConfig();
   return flight;
+}
+
+Flight OnTruth(const Scenario& scenario, std::uint64_t seed) {
+  return OnTruth(Fly(scenario, seed).flight);
 }
 
 /// What the smoother says of its own accuracy, beside the trajectory.
@@ -113,6 +117,16 @@ TEST_P(OfASmoother, ATrajectoryIsNotContradicted) {
 
 INSTANTIATE_TEST_SUITE_P(Stated, OfASmoother,
                          ::testing::Values(Stated::kNothing, Stated::kSigmas, Stated::kCovariance));
+
+TEST(GaussHelmertCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
+  const GaussHelmertCalibration gh =
+      CalibrateGaussHelmert(OnTruth(testing::FlyWithTorsion(AircraftScenario(), 0.1).flight));
+  ASSERT_EQ(gh.model_check.departures.size(), 1U);
+  EXPECT_EQ(gh.model_check.departures.front().name, "laser vectors by scan angle");
+  EXPECT_LT(gh.model_check.departures.front().p_value, 1e-4);
+  EXPECT_EQ(gh.boresight.verdict, Verdict::kContradicted) << Words(gh);
+  EXPECT_THAT(Words(gh), HasSubstr("differ as no effect of the table explains"));
+}
 
 // ---- Faults -------------------------------------------------------------------------------------
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "testing/short_flights.h"
+#include "testing/torsion.h"
 
 namespace dn::model_check_test {
 
@@ -267,23 +268,9 @@ TEST(ModelCheck, AShiftOfOnePairOfStripsIsFound) {
   EXPECT_EQ(flight.boresight().verdict, Verdict::kContradicted) << flight.first_reason();
 }
 
-/// A mirror that leaves its plane by a sine of a multiple of the scan angle: no effect of the table.
-SimulatedFlight FlyWithTorsion(const Scenario& scenario, double amplitude_deg) {
-  const Eigen::Vector3d axis_s = scenario.lidar.scan_axis_s.normalized();
-  const Eigen::Vector3d nadir_s = scenario.lidar.nadir_axis_s.normalized();
-  SimulateOptions options;
-  options.seed = 3;
-  options.own.laser_vector = [=](const Eigen::Vector3d& u_s, double) {
-    const double angle = std::atan2(u_s.dot(axis_s.cross(nadir_s)), u_s.dot(nadir_s));
-    const double forward_rad = kRadPerDeg * amplitude_deg * std::sin(8.0 * angle + 0.4);
-    return Eigen::Vector3d(u_s + u_s.norm() * forward_rad * axis_s);
-  };
-  return Simulate(scenario, options);
-}
-
 TEST(ModelCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
   const Checked without(Fly(AircraftScenario(), 3));
-  const Checked with(FlyWithTorsion(AircraftScenario(), 0.02));
+  const Checked with(testing::FlyWithTorsion(AircraftScenario(), 0.02));
   const DepartureCheck& by_angle = with.check.departures.front();
   EXPECT_EQ(by_angle.name, "laser vectors by scan angle");
   EXPECT_LT(by_angle.p_value, 1e-4);

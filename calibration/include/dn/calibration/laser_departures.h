@@ -2,6 +2,7 @@
 
 #include <dn/builder/flight_network.h>
 #include <dn/calibration/candidate_effects.h>
+#include <dn/calibration/lidar_effects.h>
 #include <dn/flight/flight.h>
 
 #include <cstddef>
@@ -18,8 +19,9 @@ inline constexpr std::size_t kMostStripsTogether = 24;
 /// The laser vectors are off by a smooth function of the scan angle: Gaussian bumps from one angle to
 /// another, three components (sensor axes, m) each.
 OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double last_rad);
-/// The same over the scan angles of the network's pairs.
+/// The same over the scan angles of the network's pairs, or of these.
 OwnEffect LaserByScanAngle(const FlightNetwork& network);
+OwnEffect LaserByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& pairs);
 
 /// The laser vectors are off by a constant in each strip: three components (sensor axes, m) each.
 OwnEffect LaserByStrip(const std::vector<StripInterval>& strips);
