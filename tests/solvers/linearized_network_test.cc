@@ -131,6 +131,7 @@ TEST(LinearizedNetwork, IsASnapshot) {
   triangle->net.SetValue(x0, Eigen::Vector3d(7.0, 7.0, 7.0));
   triangle->net.SetActive(idle, true);
   const LinearizedNetwork second(triangle->net);
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): copying is what is tested
   const LinearizedNetwork copy = first;
   triangle.reset();
   EXPECT_EQ(copy.Value(x0), Eigen::Vector3d(0.0, 0.0, 0.5));
@@ -222,6 +223,7 @@ TEST(ScaledNetwork, IsTheNetworkWithThatNoise) {
 TEST(ScaledNetwork, LeavesTheFirstAsItIs) {
   const Stated stated(1.0);
   const LinearizedNetwork linearized(stated.net);
+  // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): what it was before
   const Eigen::VectorXd before = linearized.residual();
   const LinearizedNetwork half =
       linearized.Scaled(Eigen::VectorXd::Constant(linearized.rows(), 0.5));
