@@ -2,10 +2,10 @@
 
 #include <dn/flight/strip_at.h>
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <map>
 #include <string>
 #include <tuple>
@@ -109,12 +109,10 @@ class CommonErrors {
       if (!group.measured()) continue;
       const auto pair = strips_of_.find(rows.factor);
       const double t_s = linearized_.t_s(rows.factor);
+      const bool of_pair = pair != strips_of_.end();
+      if (!of_pair && !std::isfinite(t_s)) continue;
       for (int k = 0; k < rows.count; ++k) {
-        if (pair != strips_of_.end()) {
-          AddPair(rows.first + k, OfPairs(group, k, pair->second), t_s);
-        } else if (std::isfinite(t_s)) {
-          AddOther(rows.first + k, OfOthers(group, k), t_s);
-        }
+        Add(rows.first + k, of_pair ? OfPairs(group, k, pair->second) : OfOthers(group, k), t_s);
       }
     }
     return forms_.Take();
@@ -122,12 +120,13 @@ class CommonErrors {
 
  private:
   static constexpr double kShort_s = 10.0, kLong_s = 60.0, kPairs_s = 2.0;
+  static constexpr double kAll_s = std::numeric_limits<double>::infinity();
 
   using Strips = std::pair<const StripInterval*, const StripInterval*>;
   /// Residuals of one channel and axis, and of one pair of strips.
   using Kind = std::tuple<const FactorGroup*, int, Strips>;
   struct Place {
-    std::array<int, 3> forms;
+    std::vector<std::pair<int, double>> forms;  ///< with the length of their windows, s
     int name = 0;
   };
 
@@ -136,9 +135,9 @@ class CommonErrors {
     if (is_new) {
       const std::string channel = group.Channel(k);
       at->second = {
-          {forms_.Form(channel + ", over 2 s", channel),
-           forms_.Form(channel + ", over 10 s", channel),
-           forms_.Form(channel + ", over pairs of strips", channel)},
+          {{forms_.Form(channel + ", over 2 s", channel), kPairs_s},
+           {forms_.Form(channel + ", over 10 s", channel), kShort_s},
+           {forms_.Form(channel + ", over pairs of strips", channel), kAll_s}},
           forms_.Name(StripPairName(strips.first, strips.second) + " (" + group.Axis(k) + ")")};
     }
     return at->second;
@@ -148,22 +147,17 @@ class CommonErrors {
     const auto [at, is_new] = places_.try_emplace(Kind{&group, k, Strips{}});
     if (is_new) {
       const std::string channel = group.Channel(k);
-      at->second = {{forms_.Form(channel + ", over 10 s", channel),
-                     forms_.Form(channel + ", over 60 s", channel), 0},
+      at->second = {{{forms_.Form(channel + ", over 10 s", channel), kShort_s},
+                     {forms_.Form(channel + ", over 60 s", channel), kLong_s}},
                     forms_.Name(group.Axis(k))};
     }
     return at->second;
   }
 
-  void AddPair(int row, const Place& place, double t_s) {
-    forms_.Add(place.forms[0], row, Window(place.name, t_s, kPairs_s));
-    forms_.Add(place.forms[1], row, Window(place.name, t_s, kShort_s));
-    forms_.Add(place.forms[2], row, {place.name, 0});
-  }
-
-  void AddOther(int row, const Place& place, double t_s) {
-    forms_.Add(place.forms[0], row, Window(place.name, t_s, kShort_s));
-    forms_.Add(place.forms[1], row, Window(place.name, t_s, kLong_s));
+  void Add(int row, const Place& place, double t_s) {
+    for (const auto& [form, length_s] : place.forms) {
+      forms_.Add(form, row, Window(place.name, t_s, length_s));
+    }
   }
 
   const LinearizedNetwork& linearized_;

@@ -156,19 +156,20 @@ Vector3d AwayFromStated(const GaussHelmertCalibration& calibration) {
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration) {
   const LinearPairs pairs = LinearisePairs(flight, calibration);
-  const std::vector<CandidateEffect> candidates = EffectsOfScanner(flight, pairs.ends);
-  std::vector<CandidateEffect> all = candidates;
-  all.push_back(DepartureByScanAngle(*flight.config.lidar, pairs.ends));
-  const LastingErrors errors(pairs.rows, strips, pairs.error_sqrt, pairs.prior, all);
+  std::vector<CandidateEffect> candidates = EffectsOfScanner(flight, pairs.ends);
+  candidates.push_back(DepartureByScanAngle(*flight.config.lidar, pairs.ends));
+  const LastingErrors errors(pairs.rows, strips, pairs.error_sqrt, pairs.prior, candidates);
+  const auto tests = static_cast<double>(candidates.size());
+  const CandidateEffect by_angle = std::move(candidates.back());
+  candidates.pop_back();
   GaussHelmertEffects out;
   ScaleSearch search(errors, candidates, calibration.figures.sigma0);
   const ErrorScale scale = search.Likeliest();
-  const ScreenOptions options{static_cast<double>(all.size()),
-                              SigmaBesideEffects(errors, scale, calibration), true};
+  const ScreenOptions options{tests, SigmaBesideEffects(errors, scale, calibration), true};
   const EffectScreen screen = ScreenEffects(candidates, search.score(), options);
   out.effects = screen.effects;
   const auto departure = CheckDeparture(
-      all.back(), screen.beside, screen.beside.Components(candidates.size()), kNoExcess, options);
+      by_angle, screen.beside, screen.beside.Components(candidates.size()), kNoExcess, options);
   if (departure) out.departures.push_back(*departure);
   if (!screen.chosen.empty()) {
     out.share_left = errors.ShareLeft(OfAllComponents(screen, search.score()));

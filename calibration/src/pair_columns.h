@@ -7,6 +7,10 @@
 
 namespace dn::internal {
 
+/// First columns of PairColumns.
+inline constexpr Eigen::Index kColumnOfLeverArm = 0, kColumnOfTimeOffset = 3,
+                              kColumnOfPairEffects = 4;
+
 /// What the lidar's lever arm, its time offset and the values of a calibration's effects
 /// (EffectsOfPairs) do to the residuals of pairs.
 ///
@@ -14,8 +18,6 @@ namespace dn::internal {
 /// none of an edge that is not active, or whose residual is no difference of two points. `means`: samples over which the
 /// increments stand for their derivatives (MeansOver); `whole`: of every inertial edge over which
 /// pairs are bridged, the derivatives of its rotation increment by the inertial effects.
-inline constexpr Eigen::Index kColumnOfLeverArm = 0, kColumnOfTimeOffset = 3,
-                              kColumnOfPairEffects = 4;
 std::vector<Eigen::Matrix3Xd> PairColumns(const FlightNetwork& network,
                                           const CalibrationState& calibration, const ImuData& means,
                                           const std::vector<Eigen::Matrix3Xd>& whole, int threads);

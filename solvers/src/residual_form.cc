@@ -65,7 +65,7 @@ class FewRows {
   }
 
   /// Of vectors of residuals that are the rows of R.
-  Eigen::VectorXd Energies(const Eigen::MatrixXd& R) const {
+  Eigen::VectorXd Energies(const Eigen::Ref<const Eigen::MatrixXd>& R) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(R.rows(), labels_);
     for (std::size_t k = 0; k < row_.size(); ++k) sum.col(label_[k]) += R.col(row_[k]);
     return sum.rowwise().squaredNorm();
@@ -114,7 +114,8 @@ std::vector<FormMoments> SampledMoments(const Marginals& marginals,
 }  // namespace
 
 double ResidualForm::Energy(const Eigen::Ref<const Eigen::VectorXd>& residual) const {
-  return FewRows(*this).Energies(residual.transpose())[0];
+  const Eigen::Map<const Eigen::MatrixXd> as_row(residual.data(), 1, residual.size());
+  return FewRows(*this).Energies(as_row)[0];
 }
 
 Eigen::MatrixXd ResidualForm::SumByLabel(const Eigen::MatrixXd& X) const {
