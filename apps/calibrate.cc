@@ -270,33 +270,31 @@ struct NetworkRun {
   std::unique_ptr<FlightRun> flight_run;
   BoresightResult boresight;
   std::vector<UnknownEstimate> unknowns;
+  PoseInterpolator poses;  ///< of its trajectory
   std::vector<PairResidual> pairs;
 };
 
 NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
-  NetworkRun out;
-  out.flight_run = std::move(flight_run);
-  out.boresight = out.flight_run->solution->CheckedBoresight();
-  out.unknowns = out.flight_run->solution->Unknowns();
-  out.pairs =
-      PairResiduals(out.flight_run->solution->network(), Trajectory(out.flight_run->trajectory));
-  return out;
+  const Solution& solution = *flight_run->solution;
+  PoseInterpolator poses(flight_run->trajectory.InMap(flight_run->flight.frame));
+  std::vector<PairResidual> pairs = PairResiduals(solution.network(), poses);
+  return {std::move(flight_run), solution.CheckedBoresight(), solution.Unknowns(), std::move(poses),
+          std::move(pairs)};
 }
 
 /// Those of matched point clouds, if any, stay: they show more than pairs do.
 void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
-               const Trajectory& trajectory, Run* run) {
+               const PoseInterpolator& poses, Run* run) {
   const std::vector<std::string>& staged = run->files().staged();
   if (std::find(staged.begin(), staged.end(), "swaths.json") != staged.end()) return;
-  run->AddFile("swaths.json",
-               FormatSwaths(SwathsOfPairs(FindStrips(flight), pairs, trajectory, flight.frame)));
+  run->AddFile("swaths.json", FormatSwaths(SwathsOfPairs(FindStrips(flight), pairs, poses)));
 }
 
 /// `suffix` tells the method where a run has several.
 void AddNetworkFiles(const NetworkRun& network, const std::string& suffix, Run* run) {
   const FlightRun& flight_run = *network.flight_run;
   AddTrajectoryFiles(flight_run, run);
-  AddSwaths(flight_run.flight, network.pairs, Trajectory(flight_run.trajectory), run);
+  AddSwaths(flight_run.flight, network.pairs, network.poses, run);
   run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(network.pairs));
   run->AddFile("result" + suffix + ".json",
                FormatJson(CalibrationJson(flight_run.flight.config.name, flight_run.adjustment(),
@@ -327,7 +325,7 @@ Flight ReadForGaussHelmert(const FlightConfig& config, bool with_network, double
 void AddGaussHelmertFiles(const Flight& flight, const GaussHelmertRun& gh,
                           const std::string& suffix, Run* run) {
   const std::vector<PairResidual> pairs = PairResiduals(flight, gh.calibration);
-  AddSwaths(flight, pairs, *flight.trajectory, run);
+  AddSwaths(flight, pairs, PoseInterpolator(flight.trajectory->InMap(flight.frame)), run);
   run->AddFile("pair_residuals" + suffix + ".txt", FormatPairResiduals(pairs));
   run->AddFile("result" + suffix + ".json",
                FormatJson(CalibrationJson(flight.config.name, gh.calibration, pairs, gh.timings)));

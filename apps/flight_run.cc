@@ -131,6 +131,7 @@ std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pa
   needs.imu = true;
   needs.gnss = true;
   needs.pairs = with_pairs;
+  needs.threads = run->options().threads;
   Flight flight = ReadFlight(config, needs);
   return AdjustFlight(std::move(flight), SecondsSince(start), with_pairs, run);
 }
@@ -159,7 +160,8 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   solution.trajectory();
   run->progress.Stage("model check");
   solution.model_check();
-  result->trajectory = DenseTrajectory(solution.network(), kTrajectorySpacingS);
+  result->trajectory = Trajectory(
+      DenseTrajectory(solution.network(), kTrajectorySpacingS, options.threads));
   result->timings.covariance_s = SecondsSince(covariance_start);
   const std::vector<std::string> warnings = Warnings(*result);
   std::for_each(warnings.begin() + static_cast<std::ptrdiff_t>(result->hints.size()),
@@ -172,7 +174,7 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
   run->progress.Stage("writing " + run->options().out.string());
   const FlightNetwork& network = *flight_run.adjustment().network;
   const bool with_pairs = !network.pair_edges.empty();
-  run->AddFile("trajectory.out", FormatSbet(flight_run.trajectory, with_pairs));
+  run->AddFile("trajectory.out", FormatSbet(flight_run.trajectory.points(), with_pairs));
   run->AddFile("trajectory_sigma.txt",
                FormatTrajectorySigma(flight_run.solution->trajectory().sigma));
   run->AddFile("biases.txt", FormatBiases(flight_run.solution->trajectory().biases));

@@ -15,7 +15,7 @@ struct FlightRun {
   Flight flight;
   std::vector<std::string> hints;    ///< what its data show before the adjustment
   std::optional<Solution> solution;  ///< of `flight`
-  std::vector<NavPoint> trajectory;  ///< of the solution, at 100 Hz
+  Trajectory trajectory;             ///< of the solution, at 100 Hz
   RunTimings timings;
 
   const Adjustment& adjustment() const { return solution->adjustment(); }

@@ -32,6 +32,7 @@ void BufferStandardOutput() {
 void KeepFreedMemory() {
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that there is
   ::mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  ::mallopt(M_TOP_PAD, 64 << 20);  // also of threads that come and go
 }
 
 int ParseAndRun(int argc, char** argv) {

@@ -1,80 +1,117 @@
 #include <dn/calibration/result.h>
 #include <dn/imu/strapdown.h>
+#include <dn/parallel.h>
 
 #include <algorithm>
+#include <cstddef>
 
 namespace dn {
 namespace {
 
 constexpr double kSameTime_s = 1e-6;
+constexpr std::size_t kNodesPerTask = 64;
 
-// One leg from node i to node i + 1: poses at the sample epochs, corrected so that the leg closes.
-void AppendLeg(const FlightNetwork& network, const CalibrationState& calibration, std::size_t i,
-               double min_spacing_s, std::vector<MapPose>* out,
-               std::vector<ImuCorrection>* corrections) {
-  const Flight& flight = network.flight();
-  const MapPose start = network.NodePose(i);
-  const MapPose end = network.NodePose(i + 1);
-  const ImuCorrection correction =
-      calibration.ImuAt(network.GyroBias(start.t_s), network.AccelBias(start.t_s));
-  const Eigen::Vector3d attraction_mps2 = calibration.AttractionAt(start.p_mb);
-  out->push_back(start);
-  corrections->push_back(correction);
-  const std::size_t first = out->size();
-  MapPose pose = start;
-  const auto [begin, past] = SampleRange(*flight.imu, start.t_s, end.t_s);
-  const auto step_to = [&](double t_s) {
-    pose = Propagate(flight.frame, pose, Preintegrate(*flight.imu, pose.t_s, t_s, correction, {}),
-                     attraction_mps2);
-  };
-  for (std::size_t k = begin; k < past; ++k) {
-    const double t_s = flight.imu->samples[k].t_s;
-    if (t_s - pose.t_s < min_spacing_s - kSameTime_s) continue;
-    if (end.t_s - t_s < std::max(kSameTime_s, 0.5 * min_spacing_s)) continue;
-    step_to(t_s);
-    out->push_back(pose);
-    corrections->push_back(correction);
+/// A pose with the corrected rate and specific force of the moment.
+struct DensePose {
+  MapPose pose;
+  Eigen::Vector3d w_b_radps, f_b_mps2;
+};
+
+/// From the nodes' poses to those at the sample epochs between them.
+class DenseLegs {
+ public:
+  DenseLegs(const FlightNetwork& network, double min_spacing_s)
+      : network_(network),
+        flight_(network.flight()),
+        calibration_(network.Calibration()),
+        min_spacing_s_(min_spacing_s),
+        has_leg_(network.nodes.size(), false) {
+    for (const FlightNetwork::InertialEdge& edge : network.inertial_edges) {
+      has_leg_[edge.node_i] = true;
+    }
   }
-  step_to(end.t_s);
-  const Eigen::Vector3d dphi = Log(Eigen::Quaterniond(pose.q_mb.conjugate() * end.q_mb));
-  const Eigen::Vector3d dp = end.p_mb - pose.p_mb;
-  const Eigen::Vector3d dv = end.v_m - pose.v_m;
-  for (std::size_t k = first; k < out->size(); ++k) {
-    MapPose& inner = (*out)[k];
-    const double share = (inner.t_s - start.t_s) / (end.t_s - start.t_s);
-    inner.q_mb = inner.q_mb * Exp(Eigen::Vector3d(share * dphi));
-    inner.p_mb += share * dp;
-    inner.v_m += share * dv;
+
+  /// Node i and what follows before the next one.
+  std::vector<DensePose> FromNode(std::size_t i) const {
+    const MapPose start = network_.NodePose(i);
+    const ImuCorrection correction =
+        calibration_.ImuAt(network_.GyroBias(start.t_s), network_.AccelBias(start.t_s));
+    const Preintegrated here = IdentityIncrement(*flight_.imu, start.t_s, correction);
+    std::vector<DensePose> leg{{start, here.w_end_b_radps, here.f_end_b_mps2}};
+    if (!has_leg_[i]) return leg;
+    const MapPose end = network_.NodePose(i + 1);
+    GrowingMotion motion(*flight_.imu, start.t_s, correction);
+    const Eigen::Vector3d attraction_mps2 = calibration_.AttractionAt(start.p_mb);
+    const auto at = [&](double t_s) {
+      const InertialIncrements increments = motion.To(t_s);
+      return DensePose{Propagate(flight_.frame, start, increments, attraction_mps2),
+                       increments.w_end_b_radps, increments.f_end_b_mps2};
+    };
+    for (const double t_s : EpochsBetween(start.t_s, end.t_s)) leg.push_back(at(t_s));
+    Close(at(end.t_s).pose, end, &leg);
+    return leg;
   }
+
+ private:
+  std::vector<double> EpochsBetween(double t0_s, double t1_s) const {
+    std::vector<double> epochs;
+    double last_s = t0_s;
+    const auto [begin, past] = SampleRange(*flight_.imu, t0_s, t1_s);
+    for (std::size_t k = begin; k < past; ++k) {
+      const double t_s = flight_.imu->samples[k].t_s;
+      if (t_s - last_s < min_spacing_s_ - kSameTime_s) continue;
+      if (t1_s - t_s < std::max(kSameTime_s, 0.5 * min_spacing_s_)) continue;
+      epochs.push_back(t_s);
+      last_s = t_s;
+    }
+    return epochs;
+  }
+
+  static void Close(const MapPose& reached, const MapPose& end, std::vector<DensePose>* leg) {
+    const Eigen::Vector3d dphi = Log(Eigen::Quaterniond(reached.q_mb.conjugate() * end.q_mb));
+    const Eigen::Vector3d dp = end.p_mb - reached.p_mb;
+    const Eigen::Vector3d dv = end.v_m - reached.v_m;
+    const double t0_s = leg->front().pose.t_s;
+    for (DensePose& inner : *leg) {
+      const double share = (inner.pose.t_s - t0_s) / (end.t_s - t0_s);
+      inner.pose.q_mb = inner.pose.q_mb * Exp(Eigen::Vector3d(share * dphi));
+      inner.pose.p_mb += share * dp;
+      inner.pose.v_m += share * dv;
+    }
+  }
+
+  const FlightNetwork& network_;
+  const Flight& flight_;
+  CalibrationState calibration_;
+  double min_spacing_s_;
+  std::vector<bool> has_leg_;  // by node
+};
+
+NavPoint ToNavPoint(const DensePose& dense, const LocalFrame& frame) {
+  NavPoint point = ToNavPoint(dense.pose, frame);
+  point.w_b_radps = dense.w_b_radps;
+  point.f_b_mps2 = dense.f_b_mps2;
+  return point;
 }
 
 }  // namespace
 
-std::vector<NavPoint> DenseTrajectory(const FlightNetwork& network, double min_spacing_s) {
-  std::vector<MapPose> poses;
-  std::vector<ImuCorrection> corrections;
-  const CalibrationState calibration = network.Calibration();
-  std::size_t edge = 0;
-  const auto& edges = network.inertial_edges;
-  for (std::size_t i = 0; i < network.nodes.size(); ++i) {
-    if (edge < edges.size() && edges[edge].node_i == i) {
-      AppendLeg(network, calibration, i, min_spacing_s, &poses, &corrections);
-      ++edge;
-    } else {
-      poses.push_back(network.NodePose(i));
-      const double t_s = poses.back().t_s;
-      corrections.push_back(calibration.ImuAt(network.GyroBias(t_s), network.AccelBias(t_s)));
-    }
-  }
-  const Flight& flight = network.flight();
+std::vector<NavPoint> DenseTrajectory(const FlightNetwork& network, double min_spacing_s,
+                                      int threads) {
+  const DenseLegs legs(network, min_spacing_s);
+  const std::size_t nodes = network.nodes.size();
+  std::vector<std::vector<NavPoint>> parts(NumChunks(nodes, kNodesPerTask));
+  ParallelForChunks(nodes, kNodesPerTask, threads,
+                    [&](std::size_t chunk, std::size_t first, std::size_t past) {
+                      for (std::size_t i = first; i < past; ++i) {
+                        for (const DensePose& dense : legs.FromNode(i)) {
+                          parts[chunk].push_back(ToNavPoint(dense, network.flight().frame));
+                        }
+                      }
+                    });
   std::vector<NavPoint> points;
-  points.reserve(poses.size());
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    NavPoint point = ToNavPoint(poses[k], flight.frame);
-    const Preintegrated here = IdentityIncrement(*flight.imu, point.t_s, corrections[k]);
-    point.w_b_radps = here.w_end_b_radps;
-    point.f_b_mps2 = here.f_end_b_mps2;
-    points.push_back(point);
+  for (const std::vector<NavPoint>& part : parts) {
+    points.insert(points.end(), part.begin(), part.end());
   }
   return points;
 }

@@ -1,5 +1,4 @@
 #include <dn/calibration/pair_residuals.h>
-#include <dn/calibration/pose_interpolator.h>
 #include <dn/calibration/swath_separation.h>
 #include <dn/flight/scan_angle.h>
 #include <dn/flight/strip_at.h>
@@ -80,19 +79,16 @@ std::size_t PlaceOf(const std::string& name, std::vector<std::string>* names) {
 }  // namespace
 
 std::vector<PairResidual> PairResiduals(const FlightNetwork& network,
-                                        const Trajectory& trajectory) {
+                                        const PoseInterpolator& poses) {
   const Flight& flight = network.flight();
   const std::vector<StripInterval> strips = FindStrips(flight);
-  const PoseInterpolator poses(trajectory.InMap(flight.frame));
-  const auto pose_at = [&](double t_s) {
-    return poses.At(std::clamp(t_s, trajectory.t_begin_s(), trajectory.t_end_s()));
-  };
   std::vector<PairResidual> residuals;
   for (std::size_t k = 0; k < network.pair_edges.size(); ++k) {
     const FlightNetwork::PairEdge& edge = network.pair_edges[k];
     if (!network.net.factor(edge.id).active) continue;
     const LidarPair& pair = edge.pair;
-    residuals.push_back(Describe(flight, strips, pair, pose_at(pair.t_i_s), pose_at(pair.t_j_s)));
+    residuals.push_back(
+        Describe(flight, strips, pair, poses.Nearest(pair.t_i_s), poses.Nearest(pair.t_j_s)));
     residuals.back().after_enu_m = network.PairDifference(k);
   }
   return residuals;

@@ -39,6 +39,10 @@ Eigen::Quaterniond PoseInterpolator::AttitudeAt(std::size_t k, double t_s) const
   return (q_k * Exp(phi)).normalized();
 }
 
+MapPose PoseInterpolator::Nearest(double t_s) const {
+  return At(std::clamp(t_s, poses_.front().t_s, poses_.back().t_s));
+}
+
 MapPose PoseInterpolator::At(double t_s, Method method) const {
   MapPose pose = InterpolatePose(poses_, t_s);
   const auto after = std::upper_bound(poses_.begin(), poses_.end(), t_s,

@@ -260,7 +260,6 @@ std::string FormatBiases(const std::vector<BiasEstimate>& biases) {
 Json ReferenceErrorsJson(const FlightNetwork& network) {
   const Flight& flight = network.flight();
   if (!flight.reference) return nullptr;
-  const std::vector<MapPose> reference = flight.reference->InMap(flight.frame);
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   Eigen::Vector3d attitude = Eigen::Vector3d::Zero();
@@ -268,7 +267,7 @@ Json ReferenceErrorsJson(const FlightNetwork& network) {
   for (std::size_t k = 0; k < network.nodes.size(); ++k) {
     const MapPose pose = network.NodePose(k);
     if (!flight.reference->Covers(pose.t_s)) continue;
-    const MapPose truth = InterpolatePose(reference, pose.t_s);
+    const MapPose truth = flight.reference->InMapAt(pose.t_s, flight.frame);
     const Eigen::Matrix3d R_enu_m = flight.frame.R_m_enu(truth.p_mb).transpose();
     position += (R_enu_m * (pose.p_mb - truth.p_mb)).cwiseAbs2();
     velocity += (R_enu_m * (pose.v_m - truth.v_m)).cwiseAbs2();

@@ -27,8 +27,8 @@ InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& nod
     if (t_s - reset_t_s > 1e-7) {
       try {
         last = Propagate(flight.frame, last,
-                         Preintegrate(*flight.imu, last.t_s, t_s,
-                                      {before.TotalGyroBias(), before.TotalAccelBias()}, {}));
+                         IntegrateMotion(*flight.imu, last.t_s, t_s,
+                                         {before.TotalGyroBias(), before.TotalAccelBias()}));
       } catch (const InvalidInput&) {  // a hole in the inertial data: coast
         last.p_mb += (t_s - last.t_s) * last.v_m;
       }

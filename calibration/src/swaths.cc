@@ -1,4 +1,3 @@
-#include <dn/calibration/pose_interpolator.h>
 #include <dn/calibration/swaths.h>
 #include <dn/flight/strip_at.h>
 #include <dn/report/json.h>
@@ -43,17 +42,13 @@ Json Rounded(const std::vector<Vector2d>& points_en_m) {
 
 std::vector<Swath> SwathsOfPairs(const std::vector<StripInterval>& strips,
                                  const std::vector<PairResidual>& pairs,
-                                 const Trajectory& trajectory, const LocalFrame& frame) {
-  const PoseInterpolator poses(trajectory.InMap(frame));
-  const auto pose_at = [&](double t_s) {
-    return poses.At(std::clamp(t_s, trajectory.t_begin_s(), trajectory.t_end_s()));
-  };
+                                 const PoseInterpolator& poses) {
   std::vector<Reach> reaches(strips.size());
   for (const PairResidual& pair : pairs) {
     for (const double t_s : {pair.i.t_s, pair.j.t_s}) {
       const StripInterval* strip = StripAt(strips, t_s);
       if (strip == nullptr) continue;
-      const MapPose pose = pose_at(t_s);
+      const MapPose pose = poses.Nearest(t_s);
       reaches[static_cast<std::size_t>(strip - strips.data())].Add(
           RightOf(pose).dot(pair.ground_en_m - pose.p_mb.head<2>()));
     }
@@ -63,7 +58,7 @@ std::vector<Swath> SwathsOfPairs(const std::vector<StripInterval>& strips,
     Swath swath{strips[s].name, {}, {}};
     std::vector<Vector2d> right;
     for (const double t_s : EvenTimes(strips[s].t0_s, strips[s].t1_s, kPosesOfLine)) {
-      const MapPose pose = pose_at(t_s);
+      const MapPose pose = poses.Nearest(t_s);
       const Vector2d place_en_m = pose.p_mb.head<2>();
       swath.line_en_m.push_back(place_en_m);
       if (!reaches[s].any) continue;

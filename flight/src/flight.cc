@@ -2,6 +2,7 @@
 #include <dn/flight/flight.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/week_seconds.h>
+#include <dn/parallel.h>
 
 #include <algorithm>
 #include <chrono>
@@ -40,13 +41,14 @@ class FolderReader {
   }
 
   Flight Read() {
+    auto reference = Beside(needs_.threads, [this] { return ReadIfPresent("reference"); });
     if (needs_.imu) ReadImuPart();
     if (needs_.gnss) ReadGnssPart();
     if (needs_.trajectory) ReadTrajectoryPart();
     AlignStrips();
     if (needs_.pairs) ReadPairsPart();
     flight_.initial_guess = ReadIfPresent("initial_guess");
-    flight_.reference = ReadIfPresent("reference");
+    flight_.reference = reference.get();
     flight_.frame = LocalFrame(Origin());
     if (gnss_) flight_.gnss = ToMap(*gnss_, flight_.frame);
     return std::move(flight_);
@@ -268,7 +270,7 @@ class FolderReader {
     if (needs_.optional && complete == 0) internal::ExpectInSpan(pairs, coverages.front());
   }
 
-  std::optional<Trajectory> ReadIfPresent(const std::string& stem) {
+  std::optional<Trajectory> ReadIfPresent(const std::string& stem) const {
     for (const char* extension : {".out", ".txt"}) {
       const fs::path file = InFolder(stem + extension);
       if (internal::IsThere(file)) {

@@ -198,20 +198,19 @@ Matrix3d SkewProduct(const Vector3d& a, const Vector3d& b) {
   return out;
 }
 
-/// Integrates piece by piece. Errors of the rotation are kept as rotation vectors in body axes at
-/// the begin (psi: true dR = Exp(psi) dR). White gyro noise then makes psi isotropic, its
-/// correlations with velocity and position are skew, and the 9 x 9 recursion P <- F P F^T + Q
-/// comes down to vectors and rank-two terms:
-///   E[psi psi^T] = P_qq I,  E[dv psi^T] = -[a]x,  E[dp psi^T] = -[b]x.
-class Integrator {
- public:
-  explicit Integrator(const PreintegrationNoise& noise)
-      : gyro_psd_(noise.gyro_white_rad_per_sqrt_s * noise.gyro_white_rad_per_sqrt_s),
-        accel_psd_(noise.accel_white_mps_per_sqrt_s * noise.accel_white_mps_per_sqrt_s) {}
+/// What one piece does to the increments before it.
+struct PieceMotion {
+  Matrix3d dR;  ///< body at the begin of the piece -> body at the begin
+  Vector3d phi_b;
+  AngleFunctions g;
+  Vector3d phi, u;              ///< turn and change of velocity without the turn, at the begin
+  Vector3d velocity, position;  ///< added to the increments
+};
 
-  /// `added`: noise of this piece beyond the white noise of the sensor; `reading`: how its rates
-  /// depend on biases and effects, null where there are no effects.
-  void Add(const Piece& piece, const Densities& added, const ImuReading* reading) {
+/// Rotation, velocity and position, piece by piece.
+class MotionIntegrator {
+ public:
+  PieceMotion Of(const Piece& piece) const {
     const double d = piece.dt_s;
     const double d3 = d * d * d / 12.0;
     const Matrix3d dR = dq_.toRotationMatrix();
@@ -229,24 +228,61 @@ class Integrator {
                               d3 * (dR * piece.w.cross(piece.f_slope) + f_x_slope);
     const Vector3d position = d * (0.5 * u + g.b * phi_x_u + g.c * phi_x_phi_x_u) -
                               d3 * (dR * piece.f_slope - 0.5 * d * f_x_slope);
+    return {dR, phi_b, g, phi, u, velocity, position};
+  }
 
-    const Densities psd{gyro_psd_ + added.gyro, accel_psd_ + added.accel};
-    noisy_ = noisy_ || psd.gyro > 0.0 || psd.accel > 0.0;
-    if (noisy_) AddCovariance(d, psd, u, velocity, position);
-    AddBiasJacobians(d, dR, phi, u, velocity, position, g, reading);
-
-    dp_ += d * dv_ + position;
-    dv_ += velocity;
-    t_s_ += d;
+  void Add(double dt_s, const PieceMotion& motion) {
+    dp_ += dt_s * dv_ + motion.position;
+    dv_ += motion.velocity;
+    const AngleFunctions& g = motion.g;
+    const Vector3d& phi_b = motion.phi_b;
     dq_ = dq_ * Eigen::Quaterniond(g.cos_half, g.half_sinc * phi_b.x(), g.half_sinc * phi_b.y(),
                                    g.half_sinc * phi_b.z());
     dq_.coeffs() *= 1.5 - 0.5 * dq_.squaredNorm();  // stays normalised to rounding
   }
 
-  void Write(Preintegrated* out) const {
+  void Add(const Piece& piece) { Add(piece.dt_s, Of(piece)); }
+
+  void Write(InertialIncrements* out) const {
     out->delta_q = dq_.normalized();
     out->delta_v = dv_;
     out->delta_p = dp_;
+  }
+
+  const Vector3d& dv() const { return dv_; }
+  const Vector3d& dp() const { return dp_; }
+
+ private:
+  Eigen::Quaterniond dq_ = Eigen::Quaterniond::Identity();
+  Vector3d dv_ = Vector3d::Zero(), dp_ = Vector3d::Zero();
+};
+
+/// Integrates piece by piece. Errors of the rotation are kept as rotation vectors in body axes at
+/// the begin (psi: true dR = Exp(psi) dR). White gyro noise then makes psi isotropic, its
+/// correlations with velocity and position are skew, and the 9 x 9 recursion P <- F P F^T + Q
+/// comes down to vectors and rank-two terms:
+///   E[psi psi^T] = P_qq I,  E[dv psi^T] = -[a]x,  E[dp psi^T] = -[b]x.
+class Integrator {
+ public:
+  explicit Integrator(const PreintegrationNoise& noise)
+      : gyro_psd_(noise.gyro_white_rad_per_sqrt_s * noise.gyro_white_rad_per_sqrt_s),
+        accel_psd_(noise.accel_white_mps_per_sqrt_s * noise.accel_white_mps_per_sqrt_s) {}
+
+  /// `added`: noise of this piece beyond the white noise of the sensor; `reading`: how its rates
+  /// depend on biases and effects, null where there are no effects.
+  void Add(const Piece& piece, const Densities& added, const ImuReading* reading) {
+    const double d = piece.dt_s;
+    const PieceMotion motion = motion_.Of(piece);
+    const Densities psd{gyro_psd_ + added.gyro, accel_psd_ + added.accel};
+    noisy_ = noisy_ || psd.gyro > 0.0 || psd.accel > 0.0;
+    if (noisy_) AddCovariance(d, psd, motion);
+    AddBiasJacobians(d, motion, reading);
+    motion_.Add(d, motion);
+    t_s_ += d;
+  }
+
+  void Write(Preintegrated* out) const {
+    motion_.Write(out);
     const Matrix3d dR = out->delta_q.toRotationMatrix();
     const Matrix3d dR_inverse = dR.transpose();
 
@@ -273,8 +309,8 @@ class Integrator {
 
   // The noise within the piece is continuous and white; its moments are exact for a constant
   // specific force, hence the covariance is positive semidefinite and independent of the sampling.
-  void AddCovariance(double d, const Densities& psd, const Vector3d& u, const Vector3d& velocity,
-                     const Vector3d& position) {
+  void AddCovariance(double d, const Densities& psd, const PieceMotion& motion) {
+    const Vector3d &u = motion.u, &velocity = motion.velocity, &position = motion.position;
     const double psi_psd = P_qq_, q = psd.gyro * d;
     const Vector3d c = b_ + d * a_;
     const Matrix3d uu = SkewProduct(u, u);
@@ -296,14 +332,15 @@ class Integrator {
     P_qq_ += q;
   }
 
-  void AddBiasJacobians(double d, const Matrix3d& dR, const Vector3d& phi, const Vector3d& u,
-                        const Vector3d& velocity, const Vector3d& position, const AngleFunctions& g,
-                        const ImuReading* reading) {
-    const Matrix3d phi_x_dR = Cross(phi, dR);
-    const Matrix3d phi_x_phi_x_dR = Cross(phi, phi_x_dR);
+  void AddBiasJacobians(double d, const PieceMotion& motion, const ImuReading* reading) {
+    const Matrix3d& dR = motion.dR;
+    const AngleFunctions& g = motion.g;
+    const Vector3d &velocity = motion.velocity, &position = motion.position;
+    const Matrix3d phi_x_dR = Cross(motion.phi, dR);
+    const Matrix3d phi_x_phi_x_dR = Cross(motion.phi, phi_x_dR);
     const Matrix3d turned = dR + g.a * phi_x_dR + g.b * phi_x_phi_x_dR;  // left Jacobian times dR
     const Matrix3d moved = 0.5 * dR + g.b * phi_x_dR + g.c * phi_x_phi_x_dR;
-    const Matrix3d u_x_dR = Cross(u, dR);
+    const Matrix3d u_x_dR = Cross(motion.u, dR);
     if (reading != nullptr) {
       AddSensitivities(d, turned, moved, u_x_dR, velocity, position, *reading);
       return;
@@ -326,7 +363,7 @@ class Integrator {
                         const Matrix3d& u_x_dR, const Vector3d& velocity, const Vector3d& position,
                         const ImuReading& reading) {
     if (sums_.cols() == 0) sums_.setZero(9, reading.J_w.cols());
-    const Vector3d V = dv_ + velocity, P = dp_ + d * dv_ + position;
+    const Vector3d V = motion_.dv() + velocity, P = motion_.dp() + d * motion_.dv() + position;
     const double t = t_s_ + d;
     Eigen::Matrix<double, 9, 3> of_w, of_f;
     of_w.topRows<3>() = d * turned;
@@ -352,8 +389,8 @@ class Integrator {
     for (Eigen::Index c = 0; c < K.cols(); ++c) {
       const Vector3d q = sums_.col(c).head<3>(), b = sums_.col(c).segment<3>(3);
       K.col(c).head<3>() = dR_inverse * q;
-      K.col(c).segment<3>(3) -= dv_.cross(q);
-      K.col(c).tail<3>() += t_s_ * b - dp_.cross(q);
+      K.col(c).segment<3>(3) -= motion_.dv().cross(q);
+      K.col(c).tail<3>() += t_s_ * b - motion_.dp().cross(q);
     }
     out->J_q_bg = K.topLeftCorner<3, 3>();
     out->J_v_bg = K.block<3, 3>(3, 0);
@@ -366,8 +403,7 @@ class Integrator {
   double gyro_psd_, accel_psd_;
   bool noisy_ = false;
   double P_qq_ = 0.0;  // of each component of psi
-  Eigen::Quaterniond dq_ = Eigen::Quaterniond::Identity();
-  Vector3d dv_ = Vector3d::Zero(), dp_ = Vector3d::Zero();
+  MotionIntegrator motion_;
   Vector3d a_ = Vector3d::Zero(), b_ = Vector3d::Zero();
   Matrix3d P_vv_ = Matrix3d::Zero(), P_pv_ = Matrix3d::Zero(), P_pp_ = Matrix3d::Zero();
   Sensitivity bias_;
@@ -418,42 +454,36 @@ void CheckInside(const ImuData& imu, double t0_s, double t1_s) {
                      ": the IMU data have a gap that ends at " + Seconds(after.t_s - after.dt_s));
 }
 
-Preintegrated Frame(double t0_s, double t1_s, const ImuCorrection& correction) {
-  Preintegrated out;
-  out.t_begin_s = t0_s;
-  out.t_end_s = t1_s;
-  out.linearisation = correction;
-  out.J_effects.setZero(9, TotalComponents(correction.effects));
-  return out;
-}
-
-void WriteEnd(const LinearSample& sample, EffectCorrector* corrector, Preintegrated* out) {
+void WriteEnd(const LinearSample& sample, EffectCorrector* corrector, InertialIncrements* out) {
   Piece end = sample.Part(out->t_end_s, out->t_end_s);
   if (!corrector->empty()) corrector->Correct(out->t_end_s, &end);
   out->w_end_b_radps = end.w;
   out->f_end_b_mps2 = end.f;
 }
 
-}  // namespace
+Preintegrated LinearisedAt(const ImuCorrection& correction) {
+  Preintegrated out;
+  out.linearisation = correction;
+  out.J_effects.setZero(9, TotalComponents(correction.effects));
+  return out;
+}
 
-class GrowingIncrements::Impl {
+/// The samples from t_begin_s on, piece by piece, up to ends that come in the order of time.
+class SampleWalk {
  public:
-  Impl(const ImuData& imu, double t_begin_s, const ImuCorrection& correction,
-       const PreintegrationNoise& noise)
+  SampleWalk(const ImuData& imu, double t_begin_s, const ImuCorrection& correction)
       : imu_(imu),
         t_begin_s_(t_begin_s),
         correction_(correction),
-        noise_(noise),
-        integrator_(noise),
         corrector_(correction_.effects),
-        bridges_(imu, t_begin_s),
         t_s_(t_begin_s),
         last_end_s_(t_begin_s) {
     CheckBias(correction, t_begin_s);
-    CheckNoise(noise);
   }
 
-  Preintegrated To(double t_end_s) {
+  /// Hands on what ends before t_end_s: each(piece).
+  template <class Each>
+  void Pass(double t_end_s, const Each& each) {
     Check(t_end_s);
     last_end_s_ = t_end_s;
     if (!k_) {
@@ -461,19 +491,25 @@ class GrowingIncrements::Impl {
     }
     for (; imu_.samples[*k_].t_s < t_end_s && *k_ + 1 < imu_.samples.size(); ++*k_) {
       const double stop_s = imu_.samples[*k_].t_s;
-      Add(Linear(t_end_s), stop_s, &integrator_);
+      each(Rest(Linear(t_end_s), stop_s));
       t_s_ = stop_s;
     }
-    const LinearSample linear = Linear(t_end_s);
-    Integrator whole = integrator_;
-    Add(linear, t_end_s, &whole);
-    Preintegrated out = Frame(t_begin_s_, t_end_s, correction_);
-    WriteEnd(linear, &corrector_, &out);
-    whole.Write(&out);
-    out.covariance.bottomRightCorner<3, 3>().diagonal().array() +=
-        noise_.position_floor_m * noise_.position_floor_m;
-    return out;
   }
+
+  /// After Pass: the last piece, which is not passed.
+  template <class Each>
+  void Finish(double t_end_s, const Each& each, InertialIncrements* out) {
+    const LinearSample linear = Linear(t_end_s);
+    each(Rest(linear, t_end_s));
+    out->t_begin_s = t_begin_s_;
+    out->t_end_s = t_end_s;
+    WriteEnd(linear, &corrector_, out);
+  }
+
+  const ImuSample& sample() const { return imu_.samples[*k_]; }
+  const ImuCorrection& correction() const { return correction_; }
+  /// How the rates of the piece at hand depend on biases and effects; null without effects.
+  const ImuReading* reading() const { return corrector_.empty() ? nullptr : &corrector_.reading(); }
 
  private:
   void Check(double t_end_s) const {
@@ -488,35 +524,87 @@ class GrowingIncrements::Impl {
     CheckInside(imu_, t_begin_s_, t_end_s);
   }
 
-  /// Of the sample at hand.
   LinearSample Linear(double t_end_s) const {
-    const ImuSample& sample = imu_.samples[*k_];
-    if (sample.t_s - sample.dt_s > t_s_ + kImuTimeTolerance_s)
-      ThrowGap(t_begin_s_, t_end_s, sample);
+    if (sample().t_s - sample().dt_s > t_s_ + kImuTimeTolerance_s) {
+      ThrowGap(t_begin_s_, t_end_s, sample());
+    }
     return {imu_, *k_, correction_};
   }
 
-  /// Its part from t_s_ on.
-  void Add(const LinearSample& linear, double stop_s, Integrator* integrator) {
-    const ImuSample& sample = imu_.samples[*k_];
+  /// What is left of the sample at hand, up to stop_s.
+  Piece Rest(const LinearSample& linear, double stop_s) {
     Piece piece = linear.Part(t_s_, stop_s);
     if (!corrector_.empty()) corrector_.Correct(t_s_ + 0.5 * (stop_s - t_s_), &piece);
-    integrator->Add(
-        piece,
-        NoiseOfBridge(bridges_.Of(sample), sample.dt_s) + VibrationNoise(noise_.vibration, sample),
-        corrector_.empty() ? nullptr : &corrector_.reading());
+    return piece;
   }
 
   const ImuData& imu_;
   double t_begin_s_;
   ImuCorrection correction_;
-  const PreintegrationNoise& noise_;
-  Integrator integrator_;
   EffectCorrector corrector_;
-  internal::BridgeCursor bridges_;
   std::optional<std::size_t> k_;  ///< the sample that comes next
-  double t_s_;                    ///< integrated up to here
-  double last_end_s_;             ///< of To
+  double t_s_;                    ///< passed up to here
+  double last_end_s_;             ///< of Pass
+};
+
+}  // namespace
+
+class GrowingIncrements::Impl {
+ public:
+  Impl(const ImuData& imu, double t_begin_s, const ImuCorrection& correction,
+       const PreintegrationNoise& noise)
+      : noise_(noise),
+        walk_(imu, t_begin_s, correction),
+        integrator_(noise),
+        bridges_(imu, t_begin_s) {
+    CheckNoise(noise);
+  }
+
+  Preintegrated To(double t_end_s) {
+    walk_.Pass(t_end_s, [&](const Piece& piece) { Add(piece, &integrator_); });
+    Integrator whole = integrator_;
+    Preintegrated out = LinearisedAt(walk_.correction());
+    walk_.Finish(
+        t_end_s, [&](const Piece& piece) { Add(piece, &whole); }, &out);
+    whole.Write(&out);
+    out.covariance.bottomRightCorner<3, 3>().diagonal().array() +=
+        noise_.position_floor_m * noise_.position_floor_m;
+    return out;
+  }
+
+ private:
+  void Add(const Piece& piece, Integrator* integrator) {
+    const ImuSample& sample = walk_.sample();
+    integrator->Add(
+        piece,
+        NoiseOfBridge(bridges_.Of(sample), sample.dt_s) + VibrationNoise(noise_.vibration, sample),
+        walk_.reading());
+  }
+
+  const PreintegrationNoise& noise_;
+  SampleWalk walk_;
+  Integrator integrator_;
+  internal::BridgeCursor bridges_;
+};
+
+class GrowingMotion::Impl {
+ public:
+  Impl(const ImuData& imu, double t_begin_s, const ImuCorrection& correction)
+      : walk_(imu, t_begin_s, correction) {}
+
+  InertialIncrements To(double t_end_s) {
+    walk_.Pass(t_end_s, [&](const Piece& piece) { integrator_.Add(piece); });
+    MotionIntegrator whole = integrator_;
+    InertialIncrements out;
+    walk_.Finish(
+        t_end_s, [&](const Piece& piece) { whole.Add(piece); }, &out);
+    whole.Write(&out);
+    return out;
+  }
+
+ private:
+  SampleWalk walk_;
+  MotionIntegrator integrator_;
 };
 
 GrowingIncrements::GrowingIncrements(const ImuData& imu, double t_begin_s,
@@ -533,6 +621,18 @@ Preintegrated Preintegrate(const ImuData& imu, double t_begin_s, double t_end_s,
   return GrowingIncrements(imu, t_begin_s, correction, noise).To(t_end_s);
 }
 
+GrowingMotion::GrowingMotion(const ImuData& imu, double t_begin_s, const ImuCorrection& correction)
+    : impl_(std::make_unique<Impl>(imu, t_begin_s, correction)) {}
+
+GrowingMotion::~GrowingMotion() = default;
+
+InertialIncrements GrowingMotion::To(double t_end_s) { return impl_->To(t_end_s); }
+
+InertialIncrements IntegrateMotion(const ImuData& imu, double t_begin_s, double t_end_s,
+                                   const ImuCorrection& correction) {
+  return GrowingMotion(imu, t_begin_s, correction).To(t_end_s);
+}
+
 Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrection& correction) {
   CheckInside(imu, t_s, t_s);
   CheckBias(correction, t_s);
@@ -540,7 +640,8 @@ Preintegrated IdentityIncrement(const ImuData& imu, double t_s, const ImuCorrect
       std::lower_bound(imu.samples.begin(), imu.samples.end(), t_s - kImuTimeTolerance_s,
                        [](const ImuSample& sample, double t) { return sample.t_s < t; });
   if (after->t_s - after->dt_s > t_s + kImuTimeTolerance_s) ThrowGap(t_s, t_s, *after);
-  Preintegrated out = Frame(t_s, t_s, correction);
+  Preintegrated out = LinearisedAt(correction);
+  out.t_begin_s = out.t_end_s = t_s;
   EffectCorrector corrector(correction.effects);
   WriteEnd(LinearSample(imu, static_cast<std::size_t>(after - imu.samples.begin()), correction),
            &corrector, &out);

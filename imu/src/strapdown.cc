@@ -55,7 +55,8 @@ Eigen::Matrix3d AttractionGradient(const LocalFrame& frame, const Eigen::Vector3
   return gradient;
 }
 
-MapPose Propagate(const LocalFrame& frame, const MapPose& start, const Preintegrated& increments,
+MapPose Propagate(const LocalFrame& frame, const MapPose& start,
+                  const InertialIncrements& increments,
                   const Eigen::Vector3d& added_mps2) {
   const double dt = increments.dt_s();
   const EarthStep earth = EarthStep::Make(frame, dt);

@@ -210,7 +210,7 @@ FilterState StartState(const Flight& flight, const TimeInterval& span, const Can
 // The attitude at the start that the filter's last attitude implies, through the gyros alone.
 Eigen::Quaterniond BackToStart(const Flight& flight, const FilterState& last, double t0_s) {
   const ImuCorrection bias{last.TotalGyroBias(), last.TotalAccelBias()};
-  const Preintegrated whole = Preintegrate(*flight.imu, t0_s, last.pose.t_s, bias, {});
+  const InertialIncrements whole = IntegrateMotion(*flight.imu, t0_s, last.pose.t_s, bias);
   const Eigen::Quaterniond C = Exp(Eigen::Vector3d(flight.frame.w_ie_m() * (last.pose.t_s - t0_s)));
   return (C * last.pose.q_mb) * whole.delta_q.conjugate();
 }

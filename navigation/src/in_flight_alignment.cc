@@ -57,13 +57,14 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
     if (i2 >= track.size() || HasGap(*flight.imu, track[i0].t_s, track[i2].t_s)) break;
     const double D = track[i1].t_s - track[i0].t_s;
     const double D2 = track[i2].t_s - track[i1].t_s;
-    const Preintegrated a = Preintegrate(*flight.imu, track[i0].t_s, track[i1].t_s, bias, {});
+    const InertialIncrements a = IntegrateMotion(*flight.imu, track[i0].t_s, track[i1].t_s, bias);
     const bool even = std::abs(D2 - D) < 1e-3;
     const double r = even ? 1.0 : D2 / D;
     if (r >= 1.0 / kMostUneven && r <= kMostUneven) {
       const double square = even ? D * D : 0.5 * D2 * (D + D2);
       const double weight = even ? std::pow(D, 4) : square * square;
-      const Preintegrated b = Preintegrate(*flight.imu, track[i1].t_s, track[i2].t_s, bias, {});
+      const InertialIncrements b =
+          IntegrateMotion(*flight.imu, track[i1].t_s, track[i2].t_s, bias);
       const Eigen::Quaterniond q_a1 = q_a0 * a.delta_q;
       const Eigen::Vector3d alpha = r * (q_a0 * (D * a.delta_v - a.delta_p)) + q_a1 * b.delta_p +
                                     (q_a1 * b.delta_q) * l_b - (1.0 + r) * (q_a1 * l_b) +

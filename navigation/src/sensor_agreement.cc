@@ -25,6 +25,7 @@ constexpr double kMostCourseNoiseRad = 0.1;
 constexpr double kLeastTurnS = 2.0;
 constexpr double kMostLagS = 40.0;
 constexpr double kLagStepS = 0.25;
+constexpr double kAngleSpacingS = 0.05;  // a turn lasts kLeastTurnS and more
 
 /// Velocity of the antenna in m over the step that begins at an element of the track.
 struct Leg {
@@ -100,7 +101,7 @@ BodyDirections DownOf(const ImuData& imu) {
   return result;
 }
 
-/// Angle turned about an axis since the first sample, at the end of every sample.
+/// Angle turned about an axis since the first sample, at ends of samples.
 struct TurnedAngle {
   std::vector<double> t_s, angle_rad;
 
@@ -108,6 +109,7 @@ struct TurnedAngle {
     double angle = 0.0;
     for (const ImuSample& sample : imu.samples) {
       angle += sample.dt_s * axis_b.dot(sample.w_ib_b_radps);
+      if (!t_s.empty() && sample.t_s < t_s.back() + kAngleSpacingS) continue;
       t_s.push_back(sample.t_s);
       angle_rad.push_back(angle);
     }

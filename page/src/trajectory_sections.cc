@@ -17,13 +17,10 @@ constexpr double kMapSpacingS = 0.5;
 /// The poses of a trajectory.out in the mapping frame of the flight, thinned.
 std::vector<MapPose> PathOf(const ResultFolder& folder, const FlightConfig& config) {
   if (!folder.Has("trajectory.out") || !config.origin) return {};
-  const Trajectory trajectory = ReadTrajectory(folder.PathOf("trajectory.out"));
   const LocalFrame frame(*config.origin);
   std::vector<MapPose> path;
-  for (const NavPoint& point : trajectory.points()) {
-    if (path.empty() || point.t_s >= path.back().t_s + kMapSpacingS) {
-      path.push_back(ToMapPose(point, frame));
-    }
+  for (const NavPoint& point : ReadSbetPath(folder.PathOf("trajectory.out"), kMapSpacingS)) {
+    path.push_back(ToMapPose(point, frame));
   }
   return path;
 }

@@ -126,6 +126,19 @@ Trajectory ReadSbet(const std::filesystem::path& file) {
 
 }  // namespace internal
 
+std::vector<NavPoint> ReadSbetPath(const std::filesystem::path& file, double min_spacing_s) {
+  const FileLocation where{file.string(), 0, 0};
+  std::vector<internal::SbetRecord> records =
+      internal::DecodeRecords(ReadWholeFile(file), internal::kSbet, where);
+  internal::SettleTimes(internal::kSbet, where, &records);
+  std::vector<NavPoint> path;
+  for (const internal::SbetRecord& record : records) {
+    if (!path.empty() && record[0] < path.back().t_s + min_spacing_s) continue;
+    path.push_back(internal::PointOfRecord(record));
+  }
+  return path;
+}
+
 std::string FormatSbet(const std::vector<NavPoint>& points, bool adjusted_with_lidar) {
   std::string out;
   out.reserve(8 * internal::kSbetColumns * points.size());

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -25,6 +26,14 @@ std::string Quoted(std::string_view text) {
     quoted += printable ? c : '?';
   }
   return quoted + (text.size() > kMaxShown ? "...'" : "'");
+}
+
+/// A finite number that begins with none of ParseNumber's liberties.
+std::optional<double> PlainNumber(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 std::string ListOfNumbers(const std::vector<std::size_t>& numbers) {
@@ -70,7 +79,7 @@ class RowParser {
     while (true) {
       std::size_t end = position_;
       while (end < text_.size() && text_[end] != ',' && !IsBlank(text_[end])) ++end;
-      table_.values.push_back(ParseNumber(text_.substr(position_, end - position_), Here()));
+      table_.values.push_back(Number(text_.substr(position_, end - position_)));
       position_ = end;
       SkipBlanks();
       if (AtEnd()) break;
@@ -84,6 +93,12 @@ class RowParser {
       tight_commas = tight_commas || (position_ == after_comma && end + 1 == after_comma);
     }
     if (tight_commas && bare_blanks) CheckDecimalPoints();
+  }
+
+  // The place is put in words for a number that is none alone.
+  double Number(std::string_view text) const {
+    const std::optional<double> value = PlainNumber(text);
+    return value ? *value : ParseNumber(text, Here());
   }
 
   // Of a row whose values are separated by blanks, and that has commas without a blank.

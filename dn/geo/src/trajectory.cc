@@ -20,6 +20,37 @@ bool IsFinite(const NavPoint& point) {
          point.f_b_mps2.allFinite() && point.w_b_radps.allFinite();
 }
 
+void ExpectWithin(double t_s, double t_begin_s, double t_end_s) {
+  if (t_s >= t_begin_s && t_s <= t_end_s) return;
+  throw InvalidInput("time " + FormatDouble(t_s) + " s is outside the trajectory (" +
+                     FormatDouble(t_begin_s) + " s to " + FormatDouble(t_end_s) + " s)");
+}
+
+/// Between the two poses beside t_s.
+MapPose Between(const MapPose& a, const MapPose& b, double t_s) {
+  const double D_s = b.t_s - a.t_s;
+  const double s = (t_s - a.t_s) / D_s;
+  const Eigen::Vector3d chord_m = b.p_mb - a.p_mb;
+  const Eigen::Vector3d va_m = D_s * a.v_m, vb_m = D_s * b.v_m;
+
+  MapPose pose;
+  pose.t_s = t_s;
+  pose.q_mb = a.q_mb.slerp(s, b.q_mb).normalized();
+  pose.p_mb = a.p_mb + s * va_m + s * s * (3.0 * chord_m - 2.0 * va_m - vb_m) +
+              s * s * s * (va_m + vb_m - 2.0 * chord_m);
+  pose.v_m = (va_m + 2.0 * s * (3.0 * chord_m - 2.0 * va_m - vb_m) +
+              3.0 * s * s * (va_m + vb_m - 2.0 * chord_m)) /
+             D_s;
+  return pose;
+}
+
+/// The first of those in the order of time that is later than t_s.
+template <class Timed>
+auto FirstAfter(const std::vector<Timed>& list, double t_s) {
+  return std::upper_bound(list.begin(), list.end(), t_s,
+                          [](double t, const Timed& timed) { return t < timed.t_s; });
+}
+
 }  // namespace
 
 Trajectory::Trajectory(std::vector<NavPoint> points, TrajectoryNotes notes)
@@ -29,10 +60,10 @@ Trajectory::Trajectory(std::vector<NavPoint> points, TrajectoryNotes notes)
                        " points, needs at least two");
   }
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    const std::string name = "trajectory point " + std::to_string(i);
-    if (!IsFinite(points_[i])) throw InvalidInput(name + " is not finite");
+    const auto name = [i] { return "trajectory point " + std::to_string(i); };
+    if (!IsFinite(points_[i])) throw InvalidInput(name() + " is not finite");
     if (i > 0 && !(points_[i].t_s > points_[i - 1].t_s)) {
-      throw InvalidInput(name + " at " + FormatDouble(points_[i].t_s) +
+      throw InvalidInput(name() + " at " + FormatDouble(points_[i].t_s) +
                          " s is not later than the one before, at " +
                          FormatDouble(points_[i - 1].t_s) + " s");
     }
@@ -52,32 +83,20 @@ std::vector<MapPose> Trajectory::InMap(const LocalFrame& frame) const {
   return poses;
 }
 
-MapPose InterpolatePose(const std::vector<MapPose>& poses, double t_s) {
-  if (poses.empty() || !(t_s >= poses.front().t_s && t_s <= poses.back().t_s)) {
-    throw InvalidInput("time " + FormatDouble(t_s) + " s is outside the trajectory" +
-                       (poses.empty() ? std::string(", which is empty")
-                                      : " (" + FormatDouble(poses.front().t_s) + " s to " +
-                                            FormatDouble(poses.back().t_s) + " s)"));
-  }
-  const auto after = std::upper_bound(poses.begin(), poses.end(), t_s,
-                                      [](double t, const MapPose& pose) { return t < pose.t_s; });
-  if (after == poses.end()) return poses.back();
-  const MapPose& a = *(after - 1);
-  const MapPose& b = *after;
-  const double D_s = b.t_s - a.t_s;
-  const double s = (t_s - a.t_s) / D_s;
-  const Eigen::Vector3d chord_m = b.p_mb - a.p_mb;
-  const Eigen::Vector3d va_m = D_s * a.v_m, vb_m = D_s * b.v_m;
+MapPose Trajectory::InMapAt(double t_s, const LocalFrame& frame) const {
+  ExpectWithin(t_s, t_begin_s(), t_end_s());
+  const auto after = FirstAfter(points_, t_s);
+  if (after == points_.end()) return ToMapPose(points_.back(), frame);
+  return Between(ToMapPose(*(after - 1), frame), ToMapPose(*after, frame), t_s);
+}
 
-  MapPose pose;
-  pose.t_s = t_s;
-  pose.q_mb = a.q_mb.slerp(s, b.q_mb).normalized();
-  pose.p_mb = a.p_mb + s * va_m + s * s * (3.0 * chord_m - 2.0 * va_m - vb_m) +
-              s * s * s * (va_m + vb_m - 2.0 * chord_m);
-  pose.v_m = (va_m + 2.0 * s * (3.0 * chord_m - 2.0 * va_m - vb_m) +
-              3.0 * s * s * (va_m + vb_m - 2.0 * chord_m)) /
-             D_s;
-  return pose;
+MapPose InterpolatePose(const std::vector<MapPose>& poses, double t_s) {
+  if (poses.empty()) {
+    throw InvalidInput("time " + FormatDouble(t_s) + " s is outside the trajectory, which is empty");
+  }
+  ExpectWithin(t_s, poses.front().t_s, poses.back().t_s);
+  const auto after = FirstAfter(poses, t_s);
+  return after == poses.end() ? poses.back() : Between(*(after - 1), *after, t_s);
 }
 
 NavPoint ToNavPoint(const MapPose& pose, const LocalFrame& frame) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/calibration/pose_interpolator.h>
 #include <dn/report/json.h>
 
 #include <Eigen/Core>
@@ -27,9 +28,10 @@ struct PairResidual {
   Eigen::Vector3d after_enu_m;   ///< with the result
 };
 
-/// Of a solved network, for the pairs kept, in the order of its edges. `trajectory` is its own
-/// (DenseTrajectory).
-std::vector<PairResidual> PairResiduals(const FlightNetwork& network, const Trajectory& trajectory);
+/// Of a solved network, for the pairs kept, in the order of its edges. `poses` are those of its own
+/// trajectory (DenseTrajectory).
+std::vector<PairResidual> PairResiduals(const FlightNetwork& network,
+                                        const PoseInterpolator& poses);
 
 /// Of a Gauss-Helmert adjustment, on its given trajectory.
 std::vector<PairResidual> PairResiduals(const Flight& flight,

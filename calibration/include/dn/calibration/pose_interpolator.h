@@ -33,6 +33,8 @@ class PoseInterpolator {
 
   /// Throws InvalidInput naming the time and the span when t_s is outside.
   MapPose At(double t_s, Method method = Method::kCubic) const;
+  /// At t_s, or at the end that is nearer.
+  MapPose Nearest(double t_s) const;
 
  private:
   Eigen::Quaterniond AttitudeAt(std::size_t k, double t_s) const;

@@ -130,7 +130,8 @@ std::vector<UnknownEstimate> ExtractUnknowns(const Adjustment& adjustment,
 
 /// The adjusted trajectory between the nodes: strapdown propagation from each node through the
 /// inertial samples, the closing error at the next node spread linearly. Every sample epoch at
-/// least min_spacing_s after the last, and every node.
-std::vector<NavPoint> DenseTrajectory(const FlightNetwork& network, double min_spacing_s);
+/// least min_spacing_s after the last, and every node. The same for any number of threads.
+std::vector<NavPoint> DenseTrajectory(const FlightNetwork& network, double min_spacing_s,
+                                      int threads = 1);
 
 }  // namespace dn

@@ -22,6 +22,8 @@ struct FlightNeeds {
   bool trajectory = false;
   /// Of the above, read what is there and leave out what is not (dn check).
   bool optional = false;
+  /// Beside the inertial data the reference is read, where there is another thread.
+  int threads = 1;
 };
 
 /// A flight folder in memory: SI, radian, body forward-right-down, times continued over a week

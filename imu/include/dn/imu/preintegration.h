@@ -24,6 +24,20 @@ struct ImuCorrection {
 ///
 ///   delta_q            body at the end -> body at the begin
 ///   delta_v, delta_p   single and double integral of the specific force, in body axes at the begin
+struct InertialIncrements {
+  double t_begin_s = 0.0;
+  double t_end_s = 0.0;
+  Eigen::Quaterniond delta_q = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d delta_v = Eigen::Vector3d::Zero();
+  Eigen::Vector3d delta_p = Eigen::Vector3d::Zero();
+  /// Corrected angular rate and specific force at t_end_s (of the last sample's linear model).
+  Eigen::Vector3d w_end_b_radps = Eigen::Vector3d::Zero();
+  Eigen::Vector3d f_end_b_mps2 = Eigen::Vector3d::Zero();
+
+  double dt_s() const { return t_end_s - t_begin_s; }
+};
+
+/// Increments with their covariance and their derivatives.
 ///
 /// Tangent order of covariance and Jacobians: rotation (right, at the end), velocity, position.
 /// J_x_bg, J_x_ba: derivatives with respect to the gyro and accelerometer bias at `linearisation`:
@@ -35,12 +49,7 @@ struct ImuCorrection {
 /// makes delta_q depend on the accelerometer bias; that one derivative is left out. Source: Forster
 /// et al. 2017 (on-manifold preintegration) with the coning and sculling terms of a rate and a
 /// specific force that are linear in time within each sample.
-struct Preintegrated {
-  double t_begin_s = 0.0;
-  double t_end_s = 0.0;
-  Eigen::Quaterniond delta_q = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d delta_v = Eigen::Vector3d::Zero();
-  Eigen::Vector3d delta_p = Eigen::Vector3d::Zero();
+struct Preintegrated : InertialIncrements {
   Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Matrix3d J_q_bg = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d J_v_bg = Eigen::Matrix3d::Zero();
@@ -49,11 +58,6 @@ struct Preintegrated {
   Eigen::Matrix3d J_p_ba = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 9, Eigen::Dynamic> J_effects;  ///< of all values of linearisation.effects
   ImuCorrection linearisation;
-  /// Corrected angular rate and specific force at t_end_s (of the last sample's linear model).
-  Eigen::Vector3d w_end_b_radps = Eigen::Vector3d::Zero();
-  Eigen::Vector3d f_end_b_mps2 = Eigen::Vector3d::Zero();
-
-  double dt_s() const { return t_end_s - t_begin_s; }
 };
 
 /// White noise that the covariance of increments grows from.
@@ -100,6 +104,25 @@ class GrowingIncrements {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// The increments of Preintegrate alone, at a fifth of its time: to ends that come in the order of
+/// time, and to one end. `imu` must outlive it. Throws as GrowingIncrements.
+class GrowingMotion {
+ public:
+  GrowingMotion(const ImuData& imu, double t_begin_s, const ImuCorrection& correction);
+  ~GrowingMotion();
+  GrowingMotion(const GrowingMotion&) = delete;
+  GrowingMotion& operator=(const GrowingMotion&) = delete;
+
+  InertialIncrements To(double t_end_s);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+InertialIncrements IntegrateMotion(const ImuData& imu, double t_begin_s, double t_end_s,
+                                   const ImuCorrection& correction);
 
 /// Increments of zero length at t_s: identity, zero covariance and Jacobians, and the corrected
 /// rate and specific force of the sample that ends at or contains t_s.

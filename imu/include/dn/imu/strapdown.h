@@ -47,7 +47,8 @@ Eigen::Matrix3d AttractionGradient(const LocalFrame& frame, const Eigen::Vector3
 /// the attraction at the begin (one pass: below 1e-6 m after 1 s at 100 m/s). start.t_s is not
 /// compared with the increments' begin; the result carries their end. added_mps2: attraction beyond
 /// the normal one, map axes.
-MapPose Propagate(const LocalFrame& frame, const MapPose& start, const Preintegrated& increments,
+MapPose Propagate(const LocalFrame& frame, const MapPose& start,
+                  const InertialIncrements& increments,
                   const Eigen::Vector3d& added_mps2 = Eigen::Vector3d::Zero());
 
 /// Propagate as an affine function of position and velocity at the begin, with the attraction

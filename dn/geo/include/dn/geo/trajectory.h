@@ -61,6 +61,8 @@ class Trajectory {
 
   /// All points in the mapping frame.
   std::vector<MapPose> InMap(const LocalFrame& frame) const;
+  /// InterpolatePose of them at t_s, where few times of many points are asked for.
+  MapPose InMapAt(double t_s, const LocalFrame& frame) const;
 
  private:
   std::vector<NavPoint> points_;
@@ -90,6 +92,10 @@ MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 /// not finite or out of range, a quaternion whose norm is not 1 within 1 %, times that do not
 /// increase. Throws InvalidConfig for a coordinate system that is none, or without its origin.
 Trajectory ReadTrajectory(const std::filesystem::path& file, const TrajectoryColumns& columns = {});
+
+/// Of an SBET file what a picture needs: times, positions and attitudes, of epochs at least
+/// min_spacing_s apart. Throws as ReadTrajectory.
+std::vector<NavPoint> ReadSbetPath(const std::filesystem::path& file, double min_spacing_s);
 
 /// Serialised SBET: wander angle 0, velocities north, east, down, specific force and rate in body
 /// (FRD). SBET has no header: where the trajectory was adjusted together with lidar pairs, the zero
