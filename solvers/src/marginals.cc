@@ -197,6 +197,33 @@ std::optional<Eigen::MatrixXd> Marginals::Impl::Selected(BlockId a, BlockId b) c
   return Z;
 }
 
+std::optional<Eigen::MatrixXd> Marginals::Impl::Selected(std::span<const BlockId> blocks) const {
+  std::vector<int> indices;                         // of the unknowns, in the order of L
+  std::vector<Eigen::Index> rows;                   // of them, where the result has them
+  std::vector<double> scales;
+  Eigen::Index size = 0;
+  for (const BlockId b : blocks) {
+    const int position = Position(b);
+    const int tangent = block(b).kind.tangent_size;
+    for (int k = 0; position >= 0 && k < tangent; ++k) {
+      const int unknown = Offset(position) + k;
+      indices.push_back(cholesky->permuted_index()[AsSize(unknown)]);
+      rows.push_back(size + k);
+      scales.push_back(scale[unknown]);
+    }
+    size += tangent;
+  }
+  if (indices.empty()) return Eigen::MatrixXd::Zero(size, size);
+  Eigen::MatrixXd Z;
+  if (!selected->Gather(indices, &Z)) return std::nullopt;
+  const Eigen::Map<const Eigen::VectorXd> s(scales.data(), static_cast<Eigen::Index>(scales.size()));
+  Z = (s.asDiagonal() * Z * s.asDiagonal()).eval();
+  if (Z.rows() == size) return Z;
+  Eigen::MatrixXd with_held = Eigen::MatrixXd::Zero(size, size);
+  with_held(rows, rows) = Z;
+  return with_held;
+}
+
 void Marginals::Impl::RequireSelected() const {
   if (!selected && layout().size() > 0) {
     throw InvalidInput("marginals: call ComputeSelectedInverse first");
@@ -278,6 +305,11 @@ Eigen::MatrixXd Marginals::DiagonalBlock(BlockId a) const {
   return *impl_->Selected(a, a);
 }
 
+std::optional<Eigen::MatrixXd> Marginals::PatternOf(std::span<const BlockId> blocks) const {
+  impl_->RequireSelected();
+  return impl_->Selected(blocks);
+}
+
 std::optional<Eigen::MatrixXd> Marginals::PatternBlock(BlockId a, BlockId b) const {
   impl_->RequireSelected();
   return impl_->Selected(a, b);
@@ -313,6 +345,7 @@ void Marginals::ProjectRows(Eigen::MatrixXd* E) const {
 }
 
 const LinearizedNetwork& Marginals::linearized() const { return impl_->linearized; }
+int Marginals::threads() const { return impl_->threads; }
 
 int Marginals::num_parameters() const { return impl_->layout().size(); }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "linearized_impl.h"
@@ -38,6 +39,7 @@ struct Marginals::Impl {
   const Eigen::MatrixXd& CachedColumns(BlockId b);
   Eigen::MatrixXd Rows(const Eigen::MatrixXd& columns, BlockId b) const;
   std::optional<Eigen::MatrixXd> Selected(BlockId a, BlockId b) const;
+  std::optional<Eigen::MatrixXd> Selected(std::span<const BlockId> blocks) const;
   void RequireSelected() const;
 
   LinearizedNetwork linearized;

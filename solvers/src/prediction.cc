@@ -1,10 +1,13 @@
 #include <dn/error.h>
+#include <dn/parallel.h>
 #include <dn/solvers/prediction.h>
 #include <dn/symmetric_eigen.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace dn {
 namespace {
@@ -14,20 +17,34 @@ Eigen::MatrixXd Cross(const Marginals& marginals, BlockId a, BlockId b) {
   return inside ? *inside : marginals.Covariance(a, b);
 }
 
+/// Joint covariance of the blocks of a factor.
+Eigen::MatrixXd Joint(const Marginals& marginals, const std::vector<BlockId>& blocks,
+                      const std::vector<Eigen::Index>& first) {
+  if (auto inside = marginals.PatternOf(blocks)) return *std::move(inside);
+  Eigen::MatrixXd C(first.back(), first.back());
+  for (std::size_t a = 0; a < blocks.size(); ++a) {
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      C.block(first[a], first[b], first[a + 1] - first[a], first[b + 1] - first[b]) =
+          a == b ? marginals.DiagonalBlock(blocks[a]) : Cross(marginals, blocks[a], blocks[b]);
+    }
+  }
+  return C;
+}
+
 /// J C J^T of a factor, without its robust weight.
 Eigen::MatrixXd ModelCovariance(const Marginals& marginals,
                                 const LinearizedNetwork::Factor& factor) {
-  const auto& J = factor.jacobian;
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(factor.residual.size(), factor.residual.size());
-  for (std::size_t a = 0; a < J.size(); ++a) {
-    H += J[a].second * marginals.DiagonalBlock(J[a].first) * J[a].second.transpose();
-    for (std::size_t b = 0; b < a; ++b) {
-      const Eigen::MatrixXd half =
-          J[a].second * Cross(marginals, J[a].first, J[b].first) * J[b].second.transpose();
-      H += half + half.transpose();
-    }
+  std::vector<BlockId> blocks;
+  std::vector<Eigen::Index> first{0};
+  for (const auto& [block, jacobian] : factor.jacobian) {
+    blocks.push_back(block);
+    first.push_back(first.back() + jacobian.cols());
   }
-  return H;
+  Eigen::MatrixXd J(factor.residual.size(), first.back());
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    J.middleCols(first[k], first[k + 1] - first[k]) = factor.jacobian[k].second;
+  }
+  return J * Joint(marginals, blocks, first) * J.transpose();
 }
 
 /// Whether it is unknowns of the network alone that the factor depends on.
@@ -74,10 +91,13 @@ Eigen::VectorXd RedundancyNumbers(const Marginals& marginals, FactorId id) {
 
 Eigen::VectorXd RedundancyNumbers(const Marginals& marginals) {
   const LinearizedNetwork& linearized = marginals.linearized();
+  const auto& factors = linearized.factors();
   Eigen::VectorXd redundancy(linearized.rows());
-  for (const LinearizedNetwork::FactorRows& rows : linearized.factors()) {
+  // Blocks that share an active factor are within the pattern: nothing is solved for.
+  ParallelFor(static_cast<int>(factors.size()), marginals.threads(), [&](int k) {
+    const LinearizedNetwork::FactorRows& rows = factors[static_cast<std::size_t>(k)];
     redundancy.segment(rows.first, rows.count) = RedundancyNumbers(marginals, rows.factor);
-  }
+  });
   return redundancy;
 }
 

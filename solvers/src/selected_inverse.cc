@@ -1,6 +1,8 @@
 #include "selected_inverse.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <numeric>
 
 #include "blas.h"
 #include "large_array.h"
@@ -140,9 +142,46 @@ std::optional<double> SelectedInverse::At(int i, int j) const {
   const int* end = begin + L.rows(s);
   const int* found = std::lower_bound(begin, end, row);
   if (found == end || *found != row) return std::nullopt;
-  return value_[AsSize(L.value_start[AsSize(s)]) +
-                AsSize(column - L.column[AsSize(s)]) * AsSize(L.rows(s)) +
-                static_cast<std::size_t>(found - begin)];
+  return ColumnOf(s, column)[found - begin];
+}
+
+const double* SelectedInverse::ColumnOf(int s, int column) const {
+  const SupernodalPattern& L = cholesky_.pattern();
+  return value_.get() + L.value_start[AsSize(s)] +
+         AsSize(column - L.column[AsSize(s)]) * AsSize(L.rows(s));
+}
+
+bool SelectedInverse::Gather(const std::vector<int>& indices, Eigen::MatrixXd* Z) const {
+  const SupernodalPattern& L = cholesky_.pattern();
+  const std::size_t n = indices.size();
+  std::vector<std::size_t> by_index(n);
+  std::iota(by_index.begin(), by_index.end(), std::size_t{0});
+  std::sort(by_index.begin(), by_index.end(),
+            [&](std::size_t a, std::size_t b) { return indices[a] < indices[b]; });
+  std::vector<std::ptrdiff_t> place(n);  // of an index among the rows of the supernode at hand
+  int owner = -1;
+  Z->resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  for (std::size_t c = 0; c < n; ++c) {
+    const int column = indices[by_index[c]];
+    if (const int s = cholesky_.tree().owner_of_column(column); s != owner) {
+      owner = s;
+      const int* const begin = L.row_indices(s);
+      const int* const end = begin + L.rows(s);
+      const int* at = begin;
+      for (std::size_t r = c; r < n; ++r) {
+        at = std::lower_bound(at, end, indices[by_index[r]]);
+        if (at == end || *at != indices[by_index[r]]) return false;
+        place[r] = at - begin;
+      }
+    }
+    const double* const values = ColumnOf(owner, column);
+    const auto j = static_cast<Eigen::Index>(by_index[c]);
+    for (std::size_t r = c; r < n; ++r) {
+      const auto i = static_cast<Eigen::Index>(by_index[r]);
+      (*Z)(i, j) = (*Z)(j, i) = values[place[r]];
+    }
+  }
+  return true;
 }
 
 }  // namespace dn

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "sparse_cholesky.h"
 
@@ -22,10 +24,15 @@ class SelectedInverse {
   /// Entry (i, j) in the order of L; nothing outside its pattern.
   std::optional<double> At(int i, int j) const;
 
+  /// The entries of all pairs of `indices` in the order of L; false where one lies outside the
+  /// pattern.
+  bool Gather(const std::vector<int>& indices, Eigen::MatrixXd* Z) const;
+
  private:
   class Step;
 
   double* Z(int s);
+  const double* ColumnOf(int s, int column) const;
 
   const SparseCholesky& cholesky_;
   std::unique_ptr<double[]> value_;

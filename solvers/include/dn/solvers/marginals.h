@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -46,7 +47,8 @@ struct MarginalsOptions {
 /// A held block has zero covariance. A block that is free but has no active factor has none:
 /// asking for it throws RankDeficient.
 ///
-/// Const methods fill a cache: one object is for one thread at a time.
+/// Const methods fill a cache: one object is for one thread at a time, but for PatternBlock and
+/// PatternOf, which read alone.
 ///
 /// Source: supernodal form of Takahashi, Fagan and Chen (1973), eq. (7) Z = D^-1 L^-1 + (I - L^T)
 /// Z.
@@ -135,6 +137,9 @@ class Marginals {
   /// ComputeSelectedInverse.
   std::optional<Eigen::MatrixXd> PatternBlock(BlockId a, BlockId b) const;
 
+  /// Covariance of the blocks together, in the order given; zero of held ones. Else as PatternBlock.
+  std::optional<Eigen::MatrixXd> PatternOf(std::span<const BlockId> blocks) const;
+
   /// Normal matrix of a block with all other unknowns eliminated: the inverse of Covariance(a).
   /// Throws InvalidInput for a held block.
   Eigen::MatrixXd ReducedNormal(BlockId a) const;
@@ -149,6 +154,7 @@ class Marginals {
 
   /// The network that the covariances are of.
   const LinearizedNetwork& linearized() const;
+  int threads() const;
 
   /// log |N|, from its factor.
   double LogDeterminant() const;
