@@ -5,6 +5,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace dn::internal {
 namespace {
@@ -51,20 +52,24 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
     while (j < track.size() && track[j].t_s - track[i].t_s < spacing_s - 1e-3) ++j;
     return j;
   };
+  // Of the leg that begins with an element of the track: that which a step ends with begins the next.
+  std::optional<InertialIncrements> first;
   while (i0 < track.size()) {
     const std::size_t i1 = later(i0);
     const std::size_t i2 = i1 < track.size() ? later(i1) : track.size();
     if (i2 >= track.size() || HasGap(*flight.imu, track[i0].t_s, track[i2].t_s)) break;
     const double D = track[i1].t_s - track[i0].t_s;
     const double D2 = track[i2].t_s - track[i1].t_s;
-    const InertialIncrements a = IntegrateMotion(*flight.imu, track[i0].t_s, track[i1].t_s, bias);
+    const InertialIncrements a =
+        first ? *first : IntegrateMotion(*flight.imu, track[i0].t_s, track[i1].t_s, bias);
+    first.reset();
     const bool even = std::abs(D2 - D) < 1e-3;
     const double r = even ? 1.0 : D2 / D;
     if (r >= 1.0 / kMostUneven && r <= kMostUneven) {
       const double square = even ? D * D : 0.5 * D2 * (D + D2);
       const double weight = even ? std::pow(D, 4) : square * square;
       const InertialIncrements b =
-          IntegrateMotion(*flight.imu, track[i1].t_s, track[i2].t_s, bias);
+          first.emplace(IntegrateMotion(*flight.imu, track[i1].t_s, track[i2].t_s, bias));
       const Eigen::Quaterniond q_a1 = q_a0 * a.delta_q;
       const Eigen::Vector3d alpha = r * (q_a0 * (D * a.delta_v - a.delta_p)) + q_a1 * b.delta_p +
                                     (q_a1 * b.delta_q) * l_b - (1.0 + r) * (q_a1 * l_b) +

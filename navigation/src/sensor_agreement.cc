@@ -116,14 +116,27 @@ struct TurnedAngle {
   }
 
   bool Covers(double t) const { return t >= t_s.front() && t <= t_s.back(); }
+};
 
-  double At(double t) const {
-    const auto after = std::lower_bound(t_s.begin(), t_s.end(), t);
-    const auto k = static_cast<std::size_t>(after - t_s.begin());
-    if (k == 0) return angle_rad.front();
-    const double share = (t - t_s[k - 1]) / (t_s[k] - t_s[k - 1]);
-    return angle_rad[k - 1] + share * (angle_rad[k] - angle_rad[k - 1]);
+/// Angles at times none of which is earlier than that before.
+class AngleCursor {
+ public:
+  explicit AngleCursor(const TurnedAngle& gyro) : gyro_(gyro) {}
+
+  double At(double t) {
+    const std::vector<double>& t_s = gyro_.t_s;
+    if (!placed_) k_ = static_cast<std::size_t>(std::ranges::lower_bound(t_s, t) - t_s.begin());
+    placed_ = true;
+    while (t_s[k_] < t) ++k_;
+    if (k_ == 0) return gyro_.angle_rad.front();
+    const double share = (t - t_s[k_ - 1]) / (t_s[k_] - t_s[k_ - 1]);
+    return gyro_.angle_rad[k_ - 1] + share * (gyro_.angle_rad[k_] - gyro_.angle_rad[k_ - 1]);
   }
+
+ private:
+  const TurnedAngle& gyro_;
+  std::size_t k_ = 0;  // the first that is not earlier
+  bool placed_ = false;
 };
 
 /// A change of the course between the middles of two legs.
@@ -146,24 +159,47 @@ std::vector<Turn> TurnsOfCourse(const Flight& flight) {
   return turns;
 }
 
-/// Correlation of the turns with those of the gyros, lag_s earlier. A bias of the gyros leaves it as
-/// it is.
-double Correlation(const std::vector<Turn>& turns, const TurnedAngle& gyro, double lag_s) {
-  double n = 0, sx = 0, sy = 0, sxx = 0, syy = 0, sxy = 0;
-  for (const Turn& turn : turns) {
-    const double t0_s = turn.t_begin_s - lag_s, t1_s = turn.t_end_s - lag_s;
-    if (!gyro.Covers(t0_s) || !gyro.Covers(t1_s)) continue;
-    const double length_s = t1_s - t0_s;
-    const double x = turn.angle_rad / length_s, y = (gyro.At(t1_s) - gyro.At(t0_s)) / length_s;
-    n += 1;
-    sx += x;
-    sy += y;
-    sxx += x * x;
-    syy += y * y;
-    sxy += x * y;
+/// Correlation of turns with those of the gyros. A bias of the gyros leaves it as it is.
+class TurnCorrelation {
+ public:
+  void Add(double x, double y) {
+    n_ += 1;
+    sx_ += x;
+    sy_ += y;
+    sxx_ += x * x;
+    syy_ += y * y;
+    sxy_ += x * y;
   }
-  const double vx = sxx - sx * sx / n, vy = syy - sy * sy / n;
-  return n >= 3 && vx > 0 && vy > 0 ? (sxy - sx * sy / n) / std::sqrt(vx * vy) : 0.0;
+
+  double Value() const {
+    const double vx = sxx_ - sx_ * sx_ / n_, vy = syy_ - sy_ * sy_ / n_;
+    return n_ >= 3 && vx > 0 && vy > 0 ? (sxy_ - sx_ * sy_ / n_) / std::sqrt(vx * vy) : 0.0;
+  }
+
+ private:
+  double n_ = 0, sx_ = 0, sy_ = 0, sxx_ = 0, syy_ = 0, sxy_ = 0;
+};
+
+// Lags in steps, from -kMostLagS to kMostLagS.
+constexpr int kLags = static_cast<int>(2.0 * kMostLagS / kLagStepS) + 1;
+
+double LagOf(int step) { return kMostLagS - step * kLagStepS; }
+
+/// The turns against those of the gyros that are earlier by each lag, the longest first.
+std::vector<TurnCorrelation> CorrelationsByLag(const std::vector<Turn>& turns,
+                                               const TurnedAngle& gyro) {
+  std::vector<TurnCorrelation> by_lag(kLags);
+  for (const Turn& turn : turns) {
+    AngleCursor begin(gyro), end(gyro);
+    const double length_s = turn.t_end_s - turn.t_begin_s;
+    for (int step = 0; step < kLags; ++step) {
+      const double t0_s = turn.t_begin_s - LagOf(step), t1_s = turn.t_end_s - LagOf(step);
+      if (!gyro.Covers(t0_s) || !gyro.Covers(t1_s)) continue;
+      by_lag[static_cast<std::size_t>(step)].Add(turn.angle_rad / length_s,
+                                                 (end.At(t1_s) - begin.At(t0_s)) / length_s);
+    }
+  }
+  return by_lag;
 }
 
 double TiltTo(const Eigen::Matrix3d& R, const BodyDirections& directions) {
@@ -221,12 +257,13 @@ std::optional<TurnComparison> CompareTurns(const Flight& flight) {
   for (const Turn& turn : turns) result.turned_rad += std::abs(turn.angle_rad);
   if (turns.size() < 5 || result.turned_rad < std::numbers::pi) return std::nullopt;
   const TurnedAngle gyro(*flight.imu, DownOf(*flight.imu).down_b);
-  result.correlation = result.best_correlation = Correlation(turns, gyro, 0.0);
-  for (double lag_s = -kMostLagS; lag_s <= kMostLagS; lag_s += kLagStepS) {
-    const double correlation = Correlation(turns, gyro, lag_s);
+  const std::vector<TurnCorrelation> by_lag = CorrelationsByLag(turns, gyro);
+  result.correlation = result.best_correlation = by_lag[kLags / 2].Value();
+  for (int step = kLags - 1; step >= 0; --step) {
+    const double correlation = by_lag[static_cast<std::size_t>(step)].Value();
     if (std::abs(correlation) <= std::abs(result.best_correlation)) continue;
     result.best_correlation = correlation;
-    result.best_lag_s = lag_s;
+    result.best_lag_s = LagOf(step);
   }
   return result;
 }

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,13 +28,6 @@ constexpr double kAbsorbedJointly = 1e-7;
 // Variances of an effect in squares of its usual size, and how likely each is.
 constexpr std::array<double, 5> kVariances{0.01, 0.1, 1.0, 10.0, 100.0};
 constexpr std::array<double, 5> kWeights{0.1, 0.2, 0.4, 0.2, 0.1};
-
-/// The sums of one effect over its factors.
-struct ScoreSums {
-  Eigen::VectorXd s;   // L^T r
-  Eigen::MatrixXd LL;  // L^T L
-  BlockColumns g;      // J^T L
-};
 
 void CheckPart(const LinearizedNetwork& linearized, const EffectPart& part, Eigen::Index columns) {
   const int rows = linearized.impl().residual_size(part.factor);
@@ -78,32 +70,6 @@ void ForJacobians(const LinearizedNetwork& linearized, FactorId factor, const Us
   }
 }
 
-/// Adds J^T L of a factor to g.
-void AddProjection(const LinearizedNetwork& linearized, FactorId factor, const Eigen::MatrixXd& L,
-                   BlockColumns* g) {
-  const UnknownLayout& layout = linearized.impl().layout;
-  ForJacobians(linearized, factor, [&](int position, const auto& J) {
-    Eigen::MatrixXd& sum = (*g)[layout.blocks[static_cast<std::size_t>(position)]];
-    if (sum.size() == 0) sum = Eigen::MatrixXd::Zero(J.cols(), L.cols());
-    sum += J.transpose() * L;
-  });
-}
-
-ScoreSums Sum(const LinearizedNetwork& linearized, const EffectModel& effect) {
-  const Eigen::Index q = effect.empty() ? 0 : effect.front().L.cols();
-  ScoreSums sums{Eigen::VectorXd::Zero(q), Eigen::MatrixXd::Zero(q, q), {}};
-  for (const EffectPart& part : effect) {
-    CheckPart(linearized, part, q);
-    const auto rows = linearized.RowsOf(part.factor);
-    if (!rows) continue;
-    const Eigen::MatrixXd L = linearized.AsRows(*rows, part.L);
-    sums.s += L.transpose() * linearized.residual().segment(rows->first, rows->count);
-    sums.LL += L.transpose() * L;
-    AddProjection(linearized, part.factor, L, &sums.g);
-  }
-  return sums;
-}
-
 ScoreTest Conclude(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
                    const Eigen::VectorXd& signature2, double absorbed) {
   ScoreTest test;
@@ -122,30 +88,6 @@ ScoreTest Conclude(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
   test.estimate = -test.covariance * s;
   test.statistic = s.dot(test.covariance * s);
   return test;
-}
-
-void TestBatch(const Marginals& marginals, const std::vector<ScoreSums>& batch,
-               Eigen::Index columns, std::vector<ScoreTest>* tests) {
-  BlockColumns rhs;
-  Eigen::Index c = 0;
-  for (const ScoreSums& sums : batch) {
-    for (const auto& [block, g] : sums.g) {
-      Eigen::MatrixXd& B = rhs[block];
-      if (B.size() == 0) B = Eigen::MatrixXd::Zero(g.rows(), columns);
-      B.middleCols(c, g.cols()) = g;
-    }
-    c += sums.s.size();
-  }
-  const Marginals::Columns Z = rhs.empty() ? Marginals::Columns() : marginals.Solve(rhs);
-  c = 0;
-  for (const ScoreSums& sums : batch) {
-    Eigen::MatrixXd A = sums.LL;
-    for (const auto& [block, g] : sums.g) {
-      A -= g.transpose() * Z.Rows(block).middleCols(c, g.cols());
-    }
-    c += sums.s.size();
-    tests->push_back(Conclude(sums.s, 0.5 * (A + A.transpose()), sums.LL.diagonal(), kAbsorbed));
-  }
 }
 
 /// First column and derivatives of each effect on a factor.
@@ -388,19 +330,24 @@ std::vector<ScoreTest> TestEffects(const Marginals& marginals,
                                    const std::vector<EffectModel>& effects) {
   std::vector<ScoreTest> tests;
   tests.reserve(effects.size());
-  std::vector<ScoreSums> batch;
+  std::vector<const EffectModel*> batch;
   Eigen::Index columns = 0;
   const auto flush = [&] {
-    if (!batch.empty()) TestBatch(marginals, batch, columns, &tests);
+    const JointScore score = ScoreEffects(marginals, batch, {});
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+      const Eigen::Index first = score.first[k], q = score.first[k + 1] - first;
+      tests.push_back(Conclude(score.s.segment(first, q), score.A.block(first, first, q, q),
+                               score.signature2.segment(first, q), kAbsorbed));
+    }
     batch.clear();
     columns = 0;
   };
   for (const EffectModel& effect : effects) {
-    batch.push_back(Sum(marginals.linearized(), effect));
-    columns += batch.back().s.size();
+    batch.push_back(&effect);
+    columns += effect.empty() ? 0 : effect.front().L.cols();
     if (columns >= kBatchColumns) flush();
   }
-  flush();
+  if (!batch.empty()) flush();
   return tests;
 }
 
