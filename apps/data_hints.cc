@@ -227,10 +227,10 @@ std::string MatrixText(const Eigen::Matrix3d& matrix) {
   return text + "]";
 }
 
-DataAgreement FindDataAgreement(const Flight& flight) {
+DataAgreement FindDataAgreement(const Flight& flight, int threads) {
   DataAgreement agreement;
   if (!flight.imu) return agreement;
-  agreement.directions = FindBodyDirections(flight);
+  agreement.directions = FindBodyDirections(flight, threads);
   if (flight.gnss && !flight.gnss->epochs.empty()) agreement.turns = CompareTurns(flight);
   return agreement;
 }

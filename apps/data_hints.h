@@ -15,7 +15,7 @@ struct DataAgreement {
   std::optional<TurnComparison> turns;
 };
 
-DataAgreement FindDataAgreement(const Flight& flight);
+DataAgreement FindDataAgreement(const Flight& flight, int threads = 1);
 
 /// A likely mistake in the data or in flight.yaml, with what mends it.
 struct DataHint {

@@ -3,6 +3,7 @@
 #include <dn/calibration/gnss_errors.h>
 #include <dn/calibration/left_out_gnss.h>
 #include <dn/calibration/words.h>
+#include <dn/parallel.h>
 #include <dn/report/plot.h>
 #include <dn/seconds_since.h>
 #include <fmt/format.h>
@@ -30,7 +31,12 @@ PlotSeries Curve(const std::string& label, const std::vector<Row>& rows, const G
   return series;
 }
 
-void AddPlots(const FlightRun& flight_run, Run* run) {
+struct Plot {
+  std::string file;
+  std::optional<std::string> svg;  ///< absent: it could not be drawn
+};
+
+std::vector<Plot> DrawPlots(const FlightRun& flight_run) {
   const auto& sigma = flight_run.solution->trajectory().sigma;
   const auto& biases = flight_run.solution->trajectory().biases;
   const char* enu[] = {"east", "north", "up"};
@@ -51,17 +57,22 @@ void AddPlots(const FlightRun& flight_run, Run* run) {
     }));
   }
   const std::string name = flight_run.flight.config.name;
-  const auto add = [&](const std::string& file, const std::string& title,
-                       const std::vector<PlotPanel>& content) {
-    if (const auto svg = DrawSvg(title, "time since start [s]", content, SignalCame)) {
-      run->AddFile(file, *svg);
+  return {{"trajectory_sigma.svg",
+           DrawSvg(name + ": posterior standard deviations", "time since start [s]", panels,
+                   SignalCame)},
+          {"biases.svg",
+           DrawSvg(name + ": inertial biases", "time since start [s]", bias_panels, SignalCame)}};
+}
+
+void AddPlots(const std::vector<Plot>& plots, Run* run) {
+  for (const Plot& plot : plots) {
+    if (plot.svg) {
+      run->AddFile(plot.file, *plot.svg);
     } else {
       run->progress.Warn(
           "no plots: gnuplot is not installed or failed; the numbers are in the text files");
     }
-  };
-  add("trajectory_sigma.svg", name + ": posterior standard deviations", panels);
-  add("biases.svg", name + ": inertial biases", bias_panels);
+  }
 }
 
 /// "3 GNSS positions and 1 GNSS velocity".
@@ -105,9 +116,9 @@ void ReportReading(const FlightRun& flight_run, Run* run) {
   for (const std::string& hint : flight_run.hints) run->progress.Warn(hint);
 }
 
-std::vector<std::string> HintsOf(const Flight& flight) {
+std::vector<std::string> HintsOf(const Flight& flight, int threads) {
   std::vector<std::string> texts;
-  for (const DataHint& hint : DataHints(flight, FindDataAgreement(flight))) {
+  for (const DataHint& hint : DataHints(flight, FindDataAgreement(flight, threads))) {
     texts.push_back(TextOf(hint));
   }
   return texts;
@@ -140,7 +151,7 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   auto result = std::make_unique<FlightRun>();
   result->flight = std::move(flight);
   result->timings.read_s = read_s;
-  result->hints = HintsOf(result->flight);
+  result->hints = HintsOf(result->flight, run->options().threads);
   ReportReading(*result, run);
 
   const auto solve_start = std::chrono::steady_clock::now();
@@ -174,6 +185,7 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
   run->progress.Stage("writing " + run->options().out.string());
   const FlightNetwork& network = *flight_run.adjustment().network;
   const bool with_pairs = !network.pair_edges.empty();
+  auto plots = Beside(run->options().threads, [&] { return DrawPlots(flight_run); });
   run->AddFile("trajectory.out", FormatSbet(flight_run.trajectory.points(), with_pairs));
   run->AddFile("trajectory_sigma.txt",
                FormatTrajectorySigma(flight_run.solution->trajectory().sigma));
@@ -182,7 +194,7 @@ void AddTrajectoryFiles(const FlightRun& flight_run, Run* run) {
     run->AddFile("gnss_errors.txt", FormatGnssErrors(network, flight_run.solution->marginals()));
   }
   run->AddFile("config.resolved.yaml", FormatFlightConfig(flight_run.flight.config));
-  AddPlots(flight_run, run);
+  AddPlots(plots.get(), run);
 }
 
 void FillReport(const FlightRun& flight_run, Run* run) {

@@ -496,8 +496,16 @@ void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& 
   for (std::size_t first = 0; first < edges.size(); first += kPairsAtOnce) {
     const auto some = edges.subspan(first, std::min(kPairsAtOnce, edges.size() - first));
     const std::vector<PairIncrements> increments = IncrementsOf(some, of_pairs);
+    std::vector<std::shared_ptr<const FactorBase>> made(pair_model_ ? 0 : some.size());
+    ParallelFor(static_cast<int>(made.size()), options_.threads, [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
+      made[k] = PairFactor(some[k], of_pairs, increments[k]);
+    });
     for (std::size_t k = 0; k < some.size(); ++k) {
-      work(some[k], [&] { return PairFactorInUse(some[k], of_pairs, increments[k]); });
+      work(some[k], [&] {
+        return pair_model_ ? PairFactorOfModel(some[k], of_pairs, increments[k])
+                           : std::move(made[k]);
+      });
     }
   }
 }
@@ -508,10 +516,9 @@ std::shared_ptr<const FactorBase> FlightNetwork::PairFactor(
   return MakePairFactor(*flight_, calibration, noise_, InputOf(edge, increments));
 }
 
-std::shared_ptr<const FactorBase> FlightNetwork::PairFactorInUse(
+std::shared_ptr<const FactorBase> FlightNetwork::PairFactorOfModel(
     const PairEdge& edge, const PairCalibration& calibration,
     const PairIncrements& increments) const {
-  if (!pair_model_) return PairFactor(edge, calibration, increments);
   auto factor = pair_model_->make(
       *flight_, MakePairParts(*flight_, calibration, noise_, InputOf(edge, increments)));
   if (dynamic_cast<const PointPairFactor*>(factor.get()) == nullptr) {

@@ -1,11 +1,14 @@
 #include <dn/builder/edge_factors.h>
 #include <dn/median.h>
 #include <dn/navigation/sensor_agreement.h>
+#include <dn/parallel.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <optional>
 #include <vector>
 
 #include "in_flight_alignment.h"
@@ -67,24 +70,41 @@ std::vector<Antenna> WholeTrack(const Flight& flight) {
   return internal::AntennaTrack(flight, {flight.imu->t_begin_s(), flight.imu->t_end_s()});
 }
 
-/// Sums the courses in body at the beginning of every window that tells its attitude.
-Vector3d SumOfCourses(const Flight& flight, double* count) {
-  const std::vector<Antenna> track = WholeTrack(flight);
-  const double window_s = std::max(kShortestWindowS, 8.0 * internal::AlignmentSpacing(flight));
-  Vector3d sum = Vector3d::Zero();
-  double begin_s = -1e300;
-  for (const Leg& leg : Legs(flight, track, 1.0)) {
-    if (leg.t_begin_s < begin_s || leg.v_m.head<2>().norm() < kLeastSpeedMps) continue;
-    begin_s = leg.t_begin_s + 0.5 * window_s;
-    const internal::InFlight start =
-        internal::AlignInFlight(flight, {leg.t_begin_s, leg.t_begin_s + window_s}, {});
-    if (!start.valid || start.sigma_heading_rad > kMostSigmaHeadingRad) continue;
-    Vector3d course_m = leg.v_m;
-    course_m.z() = 0.0;
-    sum += start.q_mb.conjugate() * course_m.normalized();
-    *count += 1.0;
+/// Legs of a course, half a window apart or more.
+std::vector<Leg> LegsOfWindows(const Flight& flight, double window_s) {
+  std::vector<Leg> spaced;
+  for (const Leg& leg : Legs(flight, WholeTrack(flight), 1.0)) {
+    if (leg.v_m.head<2>().norm() < kLeastSpeedMps) continue;
+    const bool near = !spaced.empty() && leg.t_begin_s < spaced.back().t_begin_s + 0.5 * window_s;
+    if (!near) spaced.push_back(leg);
   }
-  return sum;
+  return spaced;
+}
+
+/// The course of a leg in body, from the window that begins with it; absent where that does not tell
+/// its attitude.
+std::optional<Vector3d> CourseInBody(const Flight& flight, const Leg& leg, double window_s) {
+  const internal::InFlight start =
+      internal::AlignInFlight(flight, {leg.t_begin_s, leg.t_begin_s + window_s}, {});
+  if (!start.valid || start.sigma_heading_rad > kMostSigmaHeadingRad) return std::nullopt;
+  Vector3d course_m = leg.v_m;
+  course_m.z() = 0.0;
+  return start.q_mb.conjugate() * course_m.normalized();
+}
+
+std::vector<Vector3d> CoursesInBody(const Flight& flight, int threads) {
+  const double window_s = std::max(kShortestWindowS, 8.0 * internal::AlignmentSpacing(flight));
+  const std::vector<Leg> legs = LegsOfWindows(flight, window_s);
+  std::vector<std::optional<Vector3d>> of_leg(legs.size());
+  ParallelFor(static_cast<int>(legs.size()), threads, [&](int at) {
+    const auto k = static_cast<std::size_t>(at);
+    of_leg[k] = CourseInBody(flight, legs[k], window_s);
+  });
+  std::vector<Vector3d> courses;
+  for (const std::optional<Vector3d>& course : of_leg) {
+    if (course) courses.push_back(*course);
+  }
+  return courses;
 }
 
 BodyDirections DownOf(const ImuData& imu) {
@@ -226,15 +246,15 @@ std::vector<Eigen::Matrix3d> AxisRotations() {
 
 }  // namespace
 
-BodyDirections FindBodyDirections(const Flight& flight) {
+BodyDirections FindBodyDirections(const Flight& flight, int threads) {
   BodyDirections result = DownOf(*flight.imu);
   if (!flight.gnss || result.down_agreement == 0.0) return result;
-  double count = 0.0;
-  const Vector3d courses = SumOfCourses(flight, &count);
-  const Vector3d level = courses - result.down_b * result.down_b.dot(courses);
-  if (count < 3.0 || !(level.norm() > 0.0)) return result;
+  const std::vector<Vector3d> courses = CoursesInBody(flight, threads);
+  const Vector3d sum = std::accumulate(courses.begin(), courses.end(), Vector3d(Vector3d::Zero()));
+  const Vector3d level = sum - result.down_b * result.down_b.dot(sum);
+  if (courses.size() < 3 || !(level.norm() > 0.0)) return result;
   result.course_b = level.normalized();
-  result.course_agreement = courses.norm() / count;
+  result.course_agreement = sum.norm() / static_cast<double>(courses.size());
   return result;
 }
 

@@ -62,10 +62,11 @@ long SettleTimes(const RecordFormat<N>& format, const FileLocation& where,
   using Verdict = TimeContinuation::Verdict;
   const std::string name = std::string(format.name) + " ";
   TimeContinuation times;
-  std::vector<Record<N>> kept(records->size());
+  std::vector<Record<N>>& kept = *records;  // the first n, behind the one that is judged
+  const std::size_t all = records->size();
   std::size_t n = 0;
-  for (std::size_t i = 0; i < records->size(); ++i) {
-    kept[n] = (*records)[i];
+  for (std::size_t i = 0; i < all; ++i) {
+    if (n != i) kept[n] = kept[i];
     try {
       CheckSecondsOfWeek(kept[n][0], where);
     } catch (const InvalidInput& e) {
@@ -73,17 +74,15 @@ long SettleTimes(const RecordFormat<N>& format, const FileLocation& where,
     }
     const Verdict verdict = times.Next(kept[n].data(), N);
     if (verdict == Verdict::kNotIncreasing) {
-      throw InvalidInput("time " + FormatDouble((*records)[i][0]) + " s of " + name +
+      throw InvalidInput("time " + FormatDouble(kept[n][0]) + " s of " + name +
                              NameOfRecord(i) + " does not increase: the record before has " +
                              FormatDouble(times.last_s() - times.offset_s()) + " s",
                          where);
     }
     if (verdict == Verdict::kKeep) ++n;
   }
-  const auto dropped = static_cast<long>(records->size() - n);
   kept.resize(n);
-  *records = std::move(kept);
-  return dropped;
+  return static_cast<long>(all - n);
 }
 
 }  // namespace dn::internal

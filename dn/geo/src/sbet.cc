@@ -67,44 +67,62 @@ constexpr std::array<VelocityConvention, 4> kConventions{{{1, 1, "y right, z dow
                                                           {-1, 1, "y left, z down"},
                                                           {-1, -1, "y left, z up"}}};
 
-std::vector<Eigen::Vector3d> VelocitiesNed(const std::vector<SbetRecord>& records,
-                                           const VelocityConvention& convention) {
-  std::vector<Eigen::Vector3d> v_ned;
-  v_ned.reserve(records.size());
-  for (const SbetRecord& c : records) {
-    const double cos_a = std::cos(c[10]), sin_a = std::sin(c[10]);
-    const double vx = c[4], vy = convention.y_sign * c[5];
-    // True azimuth = azimuth in the wander frame - wander angle.
-    v_ned.emplace_back(vx * cos_a + vy * sin_a, -vx * sin_a + vy * cos_a, convention.z_sign * c[6]);
+Eigen::Vector3d VelocityNed(const SbetRecord& c, const VelocityConvention& convention) {
+  const double cos_a = std::cos(c[10]), sin_a = std::sin(c[10]);
+  const double vx = c[4], vy = convention.y_sign * c[5];
+  // True azimuth = azimuth in the wander frame - wander angle.
+  return {vx * cos_a + vy * sin_a, -vx * sin_a + vy * cos_a, convention.z_sign * c[6]};
+}
+
+/// Epochs that tell the convention: not all of a fast recording.
+std::vector<std::size_t> SomeEpochs(const std::vector<NavPoint>& points) {
+  constexpr double kSpacingS = 0.05;
+  std::vector<std::size_t> some;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool last = i + 1 == points.size();
+    if (last || some.empty() || points[i].t_s >= points[some.back()].t_s + kSpacingS) {
+      some.push_back(i);
+    }
   }
-  return v_ned;
+  return some;
+}
+
+/// Difference in m/s between the velocities of each convention and the positions.
+std::vector<double> MisfitsByConvention(const std::vector<SbetRecord>& records,
+                                        const std::vector<NavPoint>& points) {
+  std::vector<NavPoint> some_points;
+  std::vector<std::vector<Eigen::Vector3d>> v_ned_mps(kConventions.size());
+  for (const std::size_t i : SomeEpochs(points)) {
+    some_points.push_back(points[i]);
+    for (std::size_t k = 0; k < kConventions.size(); ++k) {
+      v_ned_mps[k].push_back(VelocityNed(records[i], kConventions[k]));
+    }
+  }
+  return VelocityMisfits(some_points, v_ned_mps);
 }
 
 /// Fills the points' velocities from the file or, failing that, from the positions.
 void SettleVelocities(const std::vector<SbetRecord>& records, std::vector<NavPoint>& points,
                       TrajectoryNotes& notes) {
-  std::vector<std::vector<Eigen::Vector3d>> v_ned;
-  for (const VelocityConvention& convention : kConventions) {
-    v_ned.push_back(VelocitiesNed(records, convention));
-  }
-  const std::vector<double> misfits_mps = VelocityMisfits(points, v_ned);
+  const std::vector<double> misfits_mps = MisfitsByConvention(records, points);
   const auto best = static_cast<std::size_t>(
       std::min_element(misfits_mps.begin(), misfits_mps.end()) - misfits_mps.begin());
-  const double best_misfit_mps = misfits_mps[best];
-  std::vector<Eigen::Vector3d> best_v_ned = std::move(v_ned[best]);
-  notes.velocity_from_file = best_misfit_mps <= kVelocityAgreementMps;
-  const std::string misfit = FormatDouble(best_misfit_mps) + " m/s";
+  notes.velocity_from_file = misfits_mps[best] <= kVelocityAgreementMps;
+  const std::string misfit = FormatDouble(misfits_mps[best]) + " m/s";
   if (notes.velocity_from_file) {
     notes.text = std::string("velocities of the file, wander frame with ") +
                  kConventions[best].text + "; they differ from the positions by " + misfit;
-  } else {
-    best_v_ned = DifferentiatedVelocities(points);
-    notes.text =
-        "velocities by differentiation of the positions, from which those of the file "
-        "differ by " +
-        misfit;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i].v_ned_mps = VelocityNed(records[i], kConventions[best]);
+    }
+    return;
   }
-  for (std::size_t i = 0; i < points.size(); ++i) points[i].v_ned_mps = best_v_ned[i];
+  notes.text =
+      "velocities by differentiation of the positions, from which those of the file "
+      "differ by " +
+      misfit;
+  const std::vector<Eigen::Vector3d> v_ned_mps = DifferentiatedVelocities(points);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].v_ned_mps = v_ned_mps[i];
 }
 
 }  // namespace

@@ -270,10 +270,11 @@ class FlightNetwork {
   std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
                                                const PairCalibration& calibration,
                                                const PairIncrements& increments) const;
-  std::shared_ptr<const FactorBase> PairFactorInUse(const PairEdge& edge,
-                                                    const PairCalibration& calibration,
-                                                    const PairIncrements& increments) const;
-  /// Calls work(edge, make) for all pair edges, in their order; make() is the edge's factor.
+  std::shared_ptr<const FactorBase> PairFactorOfModel(const PairEdge& edge,
+                                                      const PairCalibration& calibration,
+                                                      const PairIncrements& increments) const;
+  /// Calls work(edge, make) for all pair edges, in their order; make(), called once at most, is the
+  /// edge's factor. A PairModel is asked by one thread.
   template <class Work>
   void ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
                 const Work& work) const;

@@ -26,7 +26,7 @@ struct BodyDirections {
 /// The attitude is found anew in every half minute of the flight, as by the alignment in flight, so
 /// that no start value and no gyro bias that is usual (1000 deg/h turns it by 8 deg) matters. GNSS may
 /// be absent: then there is no course.
-BodyDirections FindBodyDirections(const Flight& flight);
+BodyDirections FindBodyDirections(const Flight& flight, int threads = 1);
 
 /// How far the axes lie from the nearest of the 24 that an instrument can be put in.
 struct AxesFit {
