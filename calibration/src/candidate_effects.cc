@@ -326,16 +326,22 @@ class Candidates {
   template <class Matrix>
   void Append(const std::vector<FactorId>& edges, const std::vector<std::size_t>& effects,
               const std::vector<Matrix>& L_of, Eigen::Index column = 0) {
+    std::vector<Eigen::Index> first{column};
     for (const std::size_t e : effects) {
-      const Eigen::Index size = state_.effects[e].value.size();
-      if (of_state_[e] != nullptr) AppendColumns(edges, L_of, column, size, of_state_[e]);
-      column += size;
+      first.push_back(first.back() + state_.effects[e].value.size());
     }
+    ParallelFor(static_cast<int>(effects.size()), threads_, [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
+      CandidateEffect* const candidate = of_state_[effects[k]];
+      if (candidate == nullptr) return;
+      AppendColumns(edges, L_of, first[k], first[k + 1] - first[k], candidate);
+    });
   }
 
   template <class Matrix>
   static void AppendColumns(const std::vector<FactorId>& edges, const std::vector<Matrix>& L_of,
                             Eigen::Index first, Eigen::Index count, CandidateEffect* candidate) {
+    candidate->model.reserve(candidate->model.size() + L_of.size());
     for (std::size_t k = 0; k < L_of.size(); ++k) {
       if (L_of[k].size() == 0) continue;
       candidate->model.push_back({edges[k], L_of[k].middleCols(first, count)});

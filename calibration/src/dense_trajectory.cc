@@ -41,11 +41,11 @@ class DenseLegs {
     if (!has_leg_[i]) return leg;
     const MapPose end = network_.NodePose(i + 1);
     GrowingMotion motion(*flight_.imu, start.t_s, correction);
-    const Eigen::Vector3d attraction_mps2 = calibration_.AttractionAt(start.p_mb);
+    const Propagation from_start(flight_.frame, start, calibration_.AttractionAt(start.p_mb));
     const auto at = [&](double t_s) {
       const InertialIncrements increments = motion.To(t_s);
-      return DensePose{Propagate(flight_.frame, start, increments, attraction_mps2),
-                       increments.w_end_b_radps, increments.f_end_b_mps2};
+      return DensePose{from_start.To(increments), increments.w_end_b_radps,
+                       increments.f_end_b_mps2};
     };
     for (const double t_s : EpochsBetween(start.t_s, end.t_s)) leg.push_back(at(t_s));
     Close(at(end.t_s).pose, end, &leg);

@@ -113,12 +113,24 @@ void PreintegratedInertial::EvaluateJacobians(double const* const* x, double** J
   const Vec3 y_p =
       R_i_inverse * (p_p_i_ * p_i + p_p_j_ * p_j + p_0_ + p_attraction - increments_.dt_s() * v_i);
 
+  // W is lower triangular.
+  const auto whiten = [&](const Mat3& J_R_x, const Mat3& J_v_x, const Mat3& J_p_x) {
+    Block whitened;
+    whitened.topRows<3>().noalias() = W_.block<3, 3>(0, 0) * J_R_x;
+    whitened.middleRows<3>(3).noalias() =
+        W_.block<3, 3>(3, 0) * J_R_x + W_.block<3, 3>(3, 3) * J_v_x;
+    whitened.bottomRows<3>().noalias() = W_.block<3, 3>(6, 0) * J_R_x +
+                                         W_.block<3, 3>(6, 3) * J_v_x +
+                                         W_.block<3, 3>(6, 6) * J_p_x;
+    return whitened;
+  };
   const auto put = [&](int block, const Mat3& J_R_x, const Mat3& J_v_x, const Mat3& J_p_x) {
-    if (J[block] == nullptr) return;
-    Block unwhitened;
-    unwhitened << J_R_x, J_v_x, J_p_x;
-    const Block whitened = W_.triangularView<Eigen::Lower>() * unwhitened;
-    Put(block, x, J, whitened);
+    if (J[block] != nullptr) Put(block, x, J, whiten(J_R_x, J_v_x, J_p_x));
+  };
+  const auto put_all = [&](int first, int count, const Block& whitened) {
+    for (int block = first; block < first + count; ++block) {
+      if (J[block] != nullptr) Put(block, x, J, whitened);
+    }
   };
   const Mat3 zero = Mat3::Zero();
   put(0, -J_R * R_ij.transpose(), Skew(y_v), Skew(y_p));
@@ -128,12 +140,10 @@ void PreintegratedInertial::EvaluateJacobians(double const* const* x, double** J
   put(4, zero, R_i_inverse * v_p_j_, R_i_inverse * p_p_j_);
   put(5, zero, R_C, zero);
   const Mat3 J_R_xi = -J_R * error.toRotationMatrix().transpose() * RightJacobian(xi);
-  for (int i = 0; i < num_gyro_biases_; ++i) {
-    put(6 + i, J_R_xi * increments_.J_q_bg, -increments_.J_v_bg, -increments_.J_p_bg);
-  }
-  for (int i = 0; i < num_accel_biases_; ++i) {
-    put(6 + num_gyro_biases_ + i, zero, -increments_.J_v_ba, -increments_.J_p_ba);
-  }
+  put_all(6, num_gyro_biases_,
+          whiten(J_R_xi * increments_.J_q_bg, -increments_.J_v_bg, -increments_.J_p_bg));
+  put_all(6 + num_gyro_biases_, num_accel_biases_,
+          whiten(zero, -increments_.J_v_ba, -increments_.J_p_ba));
   EvaluateEffectJacobians(x, J_R_xi, R_i_inverse, J);
 }
 

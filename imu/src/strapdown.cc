@@ -55,28 +55,38 @@ Eigen::Matrix3d AttractionGradient(const LocalFrame& frame, const Eigen::Vector3
   return gradient;
 }
 
-MapPose Propagate(const LocalFrame& frame, const MapPose& start,
-                  const InertialIncrements& increments,
-                  const Eigen::Vector3d& added_mps2) {
+Propagation::Propagation(const LocalFrame& frame, const MapPose& start,
+                         const Eigen::Vector3d& added_mps2)
+    : frame_(frame),
+      start_(start),
+      added_mps2_(added_mps2),
+      G_begin_(frame.Attraction(start.p_mb) + added_mps2) {}
+
+MapPose Propagation::To(const InertialIncrements& increments) const {
   const double dt = increments.dt_s();
-  const EarthStep earth = EarthStep::Make(frame, dt);
-  const Eigen::Vector3d& w = frame.w_ie_m();
+  const EarthStep earth = EarthStep::Make(frame_, dt);
+  const Eigen::Vector3d& w = frame_.w_ie_m();
   const Eigen::Matrix3d C_inverse = earth.C.transpose();
-  const Eigen::Vector3d G_begin = frame.Attraction(start.p_mb) + added_mps2;
 
   const Eigen::Vector3d predicted =
-      C_inverse * (start.p_mb + (start.v_m + w.cross(start.p_mb)) * dt - earth.origin_position_m +
-                   0.5 * dt * dt * G_begin + start.q_mb * increments.delta_p);
-  const Eigen::Vector3d G_end = frame.Attraction(predicted) + added_mps2;
+      C_inverse *
+      (start_.p_mb + (start_.v_m + w.cross(start_.p_mb)) * dt - earth.origin_position_m +
+       0.5 * dt * dt * G_begin_ + start_.q_mb * increments.delta_p);
+  const Eigen::Vector3d G_end = frame_.Attraction(predicted) + added_mps2_;
 
   MapPose end;
   end.t_s = increments.t_end_s;
-  end.q_mb = (Eigen::Quaterniond(C_inverse) * start.q_mb * increments.delta_q).normalized();
-  end.p_mb = predicted + dt * dt / 6.0 * (G_end - C_inverse * G_begin);
-  end.v_m = C_inverse * (start.v_m + w.cross(start.p_mb) - earth.origin_velocity_mps +
-                         0.5 * dt * G_begin + start.q_mb * increments.delta_v) +
+  end.q_mb = (Eigen::Quaterniond(C_inverse) * start_.q_mb * increments.delta_q).normalized();
+  end.p_mb = predicted + dt * dt / 6.0 * (G_end - C_inverse * G_begin_);
+  end.v_m = C_inverse * (start_.v_m + w.cross(start_.p_mb) - earth.origin_velocity_mps +
+                         0.5 * dt * G_begin_ + start_.q_mb * increments.delta_v) +
             0.5 * dt * G_end - w.cross(end.p_mb);
   return end;
+}
+
+MapPose Propagate(const LocalFrame& frame, const MapPose& start,
+                  const InertialIncrements& increments, const Eigen::Vector3d& added_mps2) {
+  return Propagation(frame, start, added_mps2).To(increments);
 }
 
 AffineStep AffineStep::Make(const LocalFrame& frame, double dt_s,

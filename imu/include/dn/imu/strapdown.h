@@ -42,11 +42,27 @@ struct EarthStep {
 /// (relative accuracy 1e-7).
 Eigen::Matrix3d AttractionGradient(const LocalFrame& frame, const Eigen::Vector3d& p_m);
 
-/// The pose and velocity at the end of the increments that begin at `start`: the equations of
-/// EarthStep solved for the end. The attraction at the end is that of the position predicted with
+/// The pose and velocity at the ends of increments that begin at `start`: the equations of EarthStep
+/// solved for the end. The attraction at the end is that of the position predicted with
 /// the attraction at the begin (one pass: below 1e-6 m after 1 s at 100 m/s). start.t_s is not
 /// compared with the increments' begin; the result carries their end. added_mps2: attraction beyond
 /// the normal one, map axes.
+class Propagation {
+ public:
+  /// `frame` must outlive it.
+  Propagation(const LocalFrame& frame, const MapPose& start,
+              const Eigen::Vector3d& added_mps2 = Eigen::Vector3d::Zero());
+
+  MapPose To(const InertialIncrements& increments) const;
+
+ private:
+  const LocalFrame& frame_;
+  MapPose start_;
+  Eigen::Vector3d added_mps2_;
+  Eigen::Vector3d G_begin_;
+};
+
+/// Propagation to one end.
 MapPose Propagate(const LocalFrame& frame, const MapPose& start,
                   const InertialIncrements& increments,
                   const Eigen::Vector3d& added_mps2 = Eigen::Vector3d::Zero());
