@@ -26,15 +26,24 @@ Vector3d ActualForce(const TruthState& state, const LocalFrame& frame,
   return f_b;
 }
 
+/// A state and the Earth at its place.
+struct Place {
+  Place(const TruthTrajectory& truth, double t_s) : state(truth.State(t_s, &earth)) {}
+
+  NormalEarth earth;
+  TruthState state;
+};
+
 /// Mean rate and force between two states by Gauss-Lobatto quadrature with four points, two of them
 /// at the ends: exact for polynomials of degree five, as Gauss-Legendre is with three.
-void MeanBetween(const TruthTrajectory& truth, const TruthState& begin, const TruthState& end,
+void MeanBetween(const TruthTrajectory& truth, const Place& from, const Place& to,
                  const ActiveEffects& effects, ImuSample& sample) {
   static const double kNode = 1.0 / std::sqrt(5.0);
+  const TruthState &begin = from.state, &end = to.state;
   const double middle_s = 0.5 * (begin.pose.t_s + end.pose.t_s);
   const double half_s = 0.5 * (end.pose.t_s - begin.pose.t_s);
-  const TruthState early = truth.State(middle_s - kNode * half_s);
-  const TruthState late = truth.State(middle_s + kNode * half_s);
+  const TruthState early = truth.StateBetween(from.earth, to.earth, middle_s - kNode * half_s);
+  const TruthState late = truth.StateBetween(from.earth, to.earth, middle_s + kNode * half_s);
   sample.w_ib_b_radps = (begin.w_ib_b + end.w_ib_b + 5.0 * (early.w_ib_b + late.w_ib_b)) / 12.0;
   const auto force = [&](const TruthState& state) {
     return ActualForce(state, truth.frame(), effects);
@@ -103,15 +112,15 @@ SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
   out.gyro_bias_radps.assign(out.data.samples.size(), Vector3d::Zero());
   out.accel_bias_mps2.assign(out.data.samples.size(), Vector3d::Zero());
   out.reference.reserve(out.data.samples.size() + 1);
-  TruthState begin = truth.State(tag_s(0));
-  out.reference.push_back(ToNavPoint(begin, truth.frame()));
+  Place begin(truth, tag_s(0));
+  out.reference.push_back(ToNavPoint(begin.state, begin.earth));
   for (long k = 1; k <= count; ++k) {
     const auto i = static_cast<std::size_t>(k - 1);
     ImuSample& sample = out.data.samples[i];
     sample.t_s = tag_s(k);
-    const TruthState end = truth.State(sample.t_s);
+    const Place end(truth, sample.t_s);
     MeanBetween(truth, begin, end, effects, sample);
-    out.reference.push_back(ToNavPoint(end, truth.frame()));
+    out.reference.push_back(ToNavPoint(end.state, end.earth));
     begin = end;
     const ImuSample exact = sample;
     for (const auto& distort : effects.triads) distort(exact, &sample);

@@ -95,9 +95,34 @@ MapPose TruthTrajectory::Pose(double t_s) const {
   return pose;
 }
 
+NormalEarth NormalEarth::At(const LocalFrame& frame, const Vector3d& p_m) {
+  const Geodetic position = frame.ToGeodetic(p_m);
+  return {p_m, position, frame.R_me() * R_en(position), frame.Attraction(p_m)};
+}
+
 TruthState TruthTrajectory::State(double t_s) const {
+  NormalEarth earth;
+  return State(t_s, &earth);
+}
+
+TruthState TruthTrajectory::State(double t_s, NormalEarth* earth) const {
   const Motion motion = MotionAt(t_s);
-  const Matrix3d R_mn = frame_.R_mn(motion.p);
+  *earth = NormalEarth::At(frame_, motion.p);
+  return StateOf(motion, t_s, earth->R_mn, earth->attraction_m);
+}
+
+TruthState TruthTrajectory::StateBetween(const NormalEarth& a, const NormalEarth& b,
+                                         double t_s) const {
+  const Motion motion = MotionAt(t_s);
+  const Vector3d way_m = b.p_m - a.p_m;
+  const double length2_m2 = way_m.squaredNorm();
+  const double share = length2_m2 > 0.0 ? way_m.dot(motion.p - a.p_m) / length2_m2 : 0.0;
+  return StateOf(motion, t_s, a.R_mn + share * (b.R_mn - a.R_mn),
+                 a.attraction_m + share * (b.attraction_m - a.attraction_m));
+}
+
+TruthState TruthTrajectory::StateOf(const Motion& motion, double t_s, const Matrix3d& R_mn,
+                                    const Vector3d& attraction_m) const {
   const Matrix3d R_nb = BodyToNed(motion.rph);
   const Matrix3d R_mb = R_mn * R_nb;
   const Vector3d r_m = frame_.r0_m() + motion.p;
@@ -114,15 +139,28 @@ TruthState TruthTrajectory::State(double t_s) const {
                     R_mn.transpose() * motion.v);
   state.w_mb_b = R_nb.transpose() * w_en_n + RateFromAngles(motion.rph, motion.rph_rate);
   state.w_ib_b = R_mb.transpose() * w + state.w_mb_b;
-  state.f_b = R_mb.transpose() * (motion.a + 2.0 * w.cross(motion.v) + w.cross(w.cross(r_m)) -
-                                  frame_.Attraction(motion.p));
+  state.f_b = R_mb.transpose() *
+              (motion.a + 2.0 * w.cross(motion.v) + w.cross(w.cross(r_m)) - attraction_m);
   return state;
 }
 
-NavPoint TruthTrajectory::Nav(double t_s) const { return ToNavPoint(State(t_s), frame_); }
+NavPoint TruthTrajectory::Nav(double t_s) const {
+  NormalEarth earth;
+  const TruthState state = State(t_s, &earth);
+  return ToNavPoint(state, earth);
+}
 
 NavPoint ToNavPoint(const TruthState& state, const LocalFrame& frame) {
-  NavPoint point = ToNavPoint(state.pose, frame);
+  return ToNavPoint(state, NormalEarth::At(frame, state.pose.p_mb));
+}
+
+NavPoint ToNavPoint(const TruthState& state, const NormalEarth& earth) {
+  NavPoint point;
+  point.t_s = state.pose.t_s;
+  point.position = earth.position;
+  point.q_nb =
+      (Eigen::Quaterniond(Matrix3d(earth.R_mn.transpose())) * state.pose.q_mb).normalized();
+  point.v_ned_mps = earth.R_mn.transpose() * state.pose.v_m;
   point.f_b_mps2 = state.f_b;
   point.w_b_radps = state.w_ib_b;
   return point;

@@ -22,6 +22,16 @@ struct TruthState {
   Eigen::Vector3d f_b = Eigen::Vector3d::Zero();  ///< specific force
 };
 
+/// The normal Earth at a place: both change with it over thousands of kilometres.
+struct NormalEarth {
+  Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
+  Geodetic position;                                      ///< of p_m
+  Eigen::Matrix3d R_mn = Eigen::Matrix3d::Identity();     ///< local NED -> map
+  Eigen::Vector3d attraction_m = Eigen::Vector3d::Zero();  ///< m/s^2, in map axes
+
+  static NormalEarth At(const LocalFrame& frame, const Eigen::Vector3d& p_m);
+};
+
 /// A smooth trajectory over the rotating Earth, with every derivative in closed form.
 ///
 /// Position is the path at the time t + lead(t) plus the height disturbance; roll, pitch and
@@ -45,6 +55,11 @@ class TruthTrajectory {
   /// t_s in [t_begin_s, t_end_s] (1 ms beyond is still defined); throws InvalidInput further out.
   MapPose Pose(double t_s) const;
   TruthState State(double t_s) const;
+  /// The same, with the Earth at its place.
+  TruthState State(double t_s, NormalEarth* earth) const;
+  /// The same at a place between two others, with what the Earth is there in between: of 10 m apart
+  /// to 1e-11 of it.
+  TruthState StateBetween(const NormalEarth& a, const NormalEarth& b, double t_s) const;
   Eigen::Vector3d AngularRate(double t_s) const { return State(t_s).w_ib_b; }
   Eigen::Vector3d SpecificForce(double t_s) const { return State(t_s).f_b; }
 
@@ -57,6 +72,8 @@ class TruthTrajectory {
     Eigen::Vector3d rph, rph_rate;  // roll, pitch, heading, rad and rad/s
   };
   Motion MotionAt(double t_s) const;
+  TruthState StateOf(const Motion& motion, double t_s, const Eigen::Matrix3d& R_mn,
+                     const Eigen::Vector3d& attraction_m) const;
 
   LocalFrame frame_;
   UniformSpline path_;
@@ -67,5 +84,7 @@ class TruthTrajectory {
 
 /// A true state as navigation output, with what ideal inertial sensors feel.
 NavPoint ToNavPoint(const TruthState& state, const LocalFrame& frame);
+/// The same, with the Earth at its place.
+NavPoint ToNavPoint(const TruthState& state, const NormalEarth& earth);
 
 }  // namespace dn
