@@ -282,7 +282,12 @@ void AddSettling(const std::string& name, std::size_t block, const std::vector<d
 Eigen::MatrixXd CellRange::Rows(const Eigen::Ref<const Eigen::MatrixXd>& X) const {
   if (!in_common) return X.middleRows(width * first, width * (past - first));
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(width, X.cols());
-  for (int k = first; k < past; ++k) sum += X.middleRows(width * k, width);
+  for (Eigen::Index column = 0; column < X.cols(); ++column) {
+    const double* const x = X.col(column).data();
+    for (int k = first; k < past; ++k) {
+      for (int r = 0; r < width; ++r) sum(r, column) += x[width * k + r];
+    }
+  }
   return sum;
 }
 

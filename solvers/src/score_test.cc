@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "blas.h"
+#include "large_array.h"
 #include "linearized_impl.h"
 #include "marginals_impl.h"
 #include "serial_blas.h"
@@ -175,7 +177,8 @@ class Projections {
   Projections(const Marginals::Impl& marginals, Eigen::Index columns, Eigen::Index num_watched)
       : marginals_(marginals),
         columns_(columns),
-        W_(Eigen::MatrixXd::Zero(columns + num_watched, layout().size())) {}
+        zeros_(NewZeros(AsSize(columns + num_watched) * AsSize(layout().size()))),
+        W_(zeros_.get(), columns + num_watched, layout().size()) {}
 
   /// To the columns [begin, past) of effects: side by side with others.
   void Add(FactorId factor, const Touched& touched, Eigen::Index begin, Eigen::Index past) {
@@ -215,7 +218,7 @@ class Projections {
   Eigen::MatrixXd Products() {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(W_.rows(), W_.rows());
     if (W_.size() == 0) return sum;
-    marginals_.cholesky->SolveForward(marginals_.threads, &W_);
+    marginals_.cholesky->SolveForward(marginals_.threads, W_);
     std::vector<Eigen::MatrixXd> shares(kShares);
     ParallelFor(kShares, marginals_.threads, [&](int k) {
       const SerialBlas serial;
@@ -246,7 +249,9 @@ class Projections {
 
   const Marginals::Impl& marginals_;
   Eigen::Index columns_;
-  Eigen::MatrixXd W_;  // a column for each unknown, in the order of the factorisation
+  std::unique_ptr<double[], FreeZeros> zeros_;
+  // A column for each unknown, in the order of the factorisation.
+  Eigen::Map<Eigen::MatrixXd> W_;
 };
 
 /// L^T r and L^T L, of many factors with the same columns at once.

@@ -110,12 +110,12 @@ void SparseCholesky::SolveColumns(const Eigen::Ref<const Eigen::MatrixXd>& B,
   }
 }
 
-void SparseCholesky::SolveForward(int threads, Eigen::MatrixXd* W) const {
-  ParallelForChunks(AsSize(W->rows()), kMostColumns, threads,
+void SparseCholesky::SolveForward(int threads, Eigen::Ref<Eigen::MatrixXd> W) const {
+  ParallelForChunks(AsSize(W.rows()), kMostColumns, threads,
                     [&](std::size_t, std::size_t first, std::size_t past) {
                       const SerialBlas serial;
                       SolveForwardInPlace(pattern(), values(), static_cast<int>(past - first),
-                                          static_cast<int>(W->rows()), W->data() + first);
+                                          static_cast<int>(W.outerStride()), W.data() + first);
                     });
 }
 

@@ -28,7 +28,7 @@ class SparseCholesky {
 
   /// Half of a solution: B^T A^-1 C = W_B W_C^T. On entry column permuted_index()[i] of W is row i of
   /// B, transposed. Threads take rows of W side by side.
-  void SolveForward(int threads, Eigen::MatrixXd* W) const;
+  void SolveForward(int threads, Eigen::Ref<Eigen::MatrixXd> W) const;
 
   /// log |A|, of what was factored last.
   double LogDeterminant() const;

@@ -117,7 +117,7 @@ TEST(SparseCholesky, HalvesOfSolutionsMultiplyToTheWhole) {
     for (int i = 0; i < cube.A.n; ++i) {
       W.col(cholesky.permuted_index()[AsSize(i)]) = B.row(i).transpose();
     }
-    cholesky.SolveForward(threads, &W);
+    cholesky.SolveForward(threads, W);
     EXPECT_LT((W * W.transpose() - whole).norm(), 1e-12 * whole.norm());
   }
 }
