@@ -290,6 +290,7 @@ TEST_P(Results, DenseTrajectoryPassesThroughTheNodesAndStaysNearTheTruth) {
   }
   EXPECT_EQ(node, network().nodes.size());
   EXPECT_GT(dense.size(), 5 * network().nodes.size() / 2);
+  EXPECT_EQ(FormatSbet(DenseTrajectory(network(), kSpacingS, 3)), FormatSbet(dense));
 }
 
 TEST_P(Results, StatisticsCountTheSeries) {

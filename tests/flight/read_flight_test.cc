@@ -102,6 +102,20 @@ TEST(ReadFlight, ReadsInitialGuessAndReferenceWhereTheyAre) {
   EXPECT_EQ(flight.initial_guess->points().size(), 81u);
 }
 
+TEST(ReadFlight, ReadsTheReferenceBesideTheRest) {
+  const TempFolder folder;
+  WriteFlight(folder);
+  folder.Write("reference.txt", StillTrajectory(100.0, 140.0));
+  FlightNeeds needs = kDn;
+  needs.threads = 2;
+  EXPECT_EQ(ReadFlight(folder.path(), needs).reference->points().size(),
+            ReadFlight(folder.path(), kDn).reference->points().size());
+  folder.Write("reference.txt", "100, 46.6\n");
+  ExpectInvalidIn([&] { ReadFlight(folder.path(), needs); }, "columns", "reference.txt");
+  folder.Write("IMU.txt", "1 2 3\n");  // comes first
+  ExpectInvalidIn([&] { ReadFlight(folder.path(), needs); }, "columns", "IMU.txt");
+}
+
 TEST(ReadFlight, RemovesKnownOffsetsOfTheTags) {
   const TempFolder folder;
   WriteFlight(folder,

@@ -4,6 +4,7 @@
 #include <dn/rotation.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -153,6 +154,27 @@ TEST(Sbet, DropsRepeatsAndContinuesOverTheWeek) {
   EXPECT_EQ(trajectory.notes().repeated_rows_dropped, 1);
   ASSERT_EQ(trajectory.points().size(), 4u);
   EXPECT_EQ(trajectory.t_end_s(), 604800.5);
+}
+
+TEST(Sbet, APathIsOfEpochsApart) {
+  const std::vector<NavPoint> points = MovingPoints(500, 0.01);
+  std::string sbet = FormatSbet(points);
+  sbet += sbet.substr(499 * kRecordBytes);  // the last record twice
+  const TempFile file("trajectory.out", sbet);
+  const std::vector<NavPoint> path = ReadSbetPath(file.path(), 0.5);
+  ASSERT_EQ(path.size(), 10u);
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    EXPECT_GE(path[k].t_s, points[0].t_s + 0.5 * static_cast<double>(k));
+    const auto same = std::find_if(points.begin(), points.end(),
+                                   [&](const NavPoint& point) { return point.t_s == path[k].t_s; });
+    ASSERT_NE(same, points.end());
+    EXPECT_EQ(path[k].position.lat_rad, same->position.lat_rad);
+    EXPECT_EQ(path[k].position.h_m, same->position.h_m);
+    EXPECT_LE(AngleRad(path[k].q_nb, same->q_nb), 1e-14);
+  }
+  EXPECT_EQ(ReadSbetPath(file.path(), 0.0).size(), points.size());
+  const TempFile cut("cut.out", sbet.substr(0, 500));
+  ExpectInvalid([&] { ReadSbetPath(cut.path(), 0.5); }, "truncated", 0);
 }
 
 TEST(Sbet, RejectsBadFilesEachByItsOwnMessage) {

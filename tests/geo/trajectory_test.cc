@@ -134,6 +134,30 @@ TEST(InterpolatePose, IsExactOnACubicWithConstantTurn) {
   }
 }
 
+TEST(Trajectory, InMapAtATimeIsThatOfAllItsPoints) {
+  std::mt19937 rng(7);
+  std::vector<NavPoint> points;
+  for (const double t_s : {0.0, 0.7, 1.0, 2.5}) {
+    MapPose pose = RandomPose(rng);
+    pose.t_s = t_s;
+    points.push_back(ToNavPoint(pose, kFrame));
+  }
+  const Trajectory trajectory(points);
+  const std::vector<MapPose> poses = trajectory.InMap(kFrame);
+  for (const double t_s : {0.0, 0.3, 0.7, 0.9, 1.8, 2.5}) {
+    SCOPED_TRACE(t_s);
+    const MapPose at = trajectory.InMapAt(t_s, kFrame), of_all = InterpolatePose(poses, t_s);
+    EXPECT_EQ(at.t_s, of_all.t_s);
+    EXPECT_EQ(at.p_mb, of_all.p_mb);
+    EXPECT_EQ(at.v_m, of_all.v_m);
+    EXPECT_EQ(at.q_mb.coeffs(), of_all.q_mb.coeffs());
+  }
+  for (const double t_s : {-0.1, 2.6, std::nan("")}) {
+    ExpectInvalid([&] { trajectory.InMapAt(t_s, kFrame); },
+                  "outside the trajectory (0 s to 2.5 s)", 0);
+  }
+}
+
 TEST(InterpolatePose, RejectsTimesOutside) {
   std::vector<MapPose> poses(2);
   poses[1].t_s = 1.0;

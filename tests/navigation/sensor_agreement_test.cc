@@ -53,6 +53,7 @@ TEST(SensorAgreement, NamesTheAxesOfTheInertialData) {
       const AxesFit fit = FitAxes(found);
       EXPECT_EQ(fit.R_turn, R);
       EXPECT_LT(fit.distance_rad, 25.0 * kRadPerDeg);
+      EXPECT_EQ(FindBodyDirections(InAxes(flight, R), 3).course_b, found.course_b);
     }
   }
 }

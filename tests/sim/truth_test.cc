@@ -212,6 +212,38 @@ TEST(TruthTrajectory, StabilisedMountStaysLevel) {
   }
 }
 
+TEST(TruthTrajectory, TheEarthBetweenTwoPlacesIsThatOfTheirEnds) {
+  const SimulatedFlight flight = FlyWithoutPairs(testing::SmallScenario());
+  const TruthTrajectory& truth = *flight.truth;
+  for (double t_s = truth.t_begin_s(); t_s < truth.t_end_s() - 0.02; t_s += 0.7) {
+    SCOPED_TRACE(t_s);
+    NormalEarth a, b;
+    const TruthState begin = truth.State(t_s, &a);
+    truth.State(t_s + 0.02, &b);
+    EXPECT_EQ(begin.w_ib_b, truth.State(t_s).w_ib_b);
+    for (const double after_s : {0.0, 0.003, 0.014, 0.02}) {
+      const TruthState state = truth.State(t_s + after_s),
+                       between = truth.StateBetween(a, b, t_s + after_s);
+      EXPECT_EQ(between.pose.p_mb, state.pose.p_mb);
+      EXPECT_LE(between.pose.q_mb.angularDistance(state.pose.q_mb), 1e-10);
+      EXPECT_LE((between.w_ib_b - state.w_ib_b).norm(), 1e-13);
+      EXPECT_LE((between.f_b - state.f_b).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(TruthTrajectory, AStateIsNavigationOutputByTheEarthAtItsPlace) {
+  const SimulatedFlight flight = FlyWithoutPairs(testing::SmallScenario());
+  NormalEarth earth;
+  const TruthState state = flight.truth->State(flight.truth->t_begin_s() + 3.0, &earth);
+  const NavPoint point = ToNavPoint(state, earth), by_pose = ToNavPoint(state.pose, flight.frame);
+  EXPECT_EQ(point.position.lat_rad, by_pose.position.lat_rad);
+  EXPECT_LE(point.q_nb.angularDistance(by_pose.q_nb), 1e-14);
+  EXPECT_LE((point.v_ned_mps - by_pose.v_ned_mps).norm(), 1e-13);
+  EXPECT_EQ(point.f_b_mps2, state.f_b);
+  EXPECT_EQ(point.w_b_radps, state.w_ib_b);
+}
+
 TEST(TruthTrajectory, RefusesTimesOutside) {
   const SimulatedFlight flight = FlyWithoutPairs(testing::SmallScenario());
   EXPECT_THROW(flight.truth->Pose(flight.truth->t_begin_s() - 1.0), InvalidInput);

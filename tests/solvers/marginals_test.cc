@@ -78,6 +78,32 @@ struct DenseCovariance {
   }
 };
 
+/// The blocks of each active factor together, and all blocks, which are not within the pattern.
+void ExpectJointBlocksAgree(const Network& network, const DenseCovariance& dense,
+                            const Marginals& selected) {
+  for (FactorId id = 0; id < network.num_factors(); ++id) {
+    if (!network.factor(id).active) continue;
+    const std::vector<BlockId>& blocks = network.factor(id).blocks;
+    const auto joint = selected.PatternOf(blocks);
+    ASSERT_TRUE(joint);
+    Eigen::Index row = 0;
+    for (const BlockId a : blocks) {
+      const int rows = network.block(a).kind.tangent_size;
+      Eigen::Index column = 0;
+      for (const BlockId b : blocks) {
+        const int columns = network.block(b).kind.tangent_size;
+        EXPECT_LT(dense.Difference(joint->block(row, column, rows, columns), a, b), kTolerance);
+        column += columns;
+      }
+      row += rows;
+    }
+    EXPECT_EQ(joint->rows(), row);
+  }
+  std::vector<BlockId> all;
+  for (BlockId b = 0; b < network.num_blocks(); ++b) all.push_back(b);
+  EXPECT_FALSE(selected.PatternOf(all));
+}
+
 /// Columns, selected inverse and pairs against the dense inverse.
 void ExpectAllBlocksAgree(const Network& network) {
   const DenseCovariance dense(network);
@@ -106,6 +132,7 @@ void ExpectAllBlocksAgree(const Network& network) {
     }
   }
   EXPECT_GT(outside, 0);
+  ExpectJointBlocksAgree(network, dense, selected);
   for (FactorId id = 0; id < network.num_factors(); ++id) {
     for (const BlockId a : network.factor(id).blocks) {
       for (const BlockId b : network.factor(id).blocks) {

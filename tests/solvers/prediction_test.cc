@@ -174,6 +174,9 @@ TEST(Redundancy, CountsRobustWeights) {
   const CostSummary summary = EvaluateCost(chain.net);
   EXPECT_NEAR(RedundancyNumbers(marginals).sum(),
               static_cast<double>(summary.residuals - summary.parameters), kSumTolerance);
+  Marginals side_by_side(chain.net, {.threads = 3});
+  side_by_side.ComputeSelectedInverse();
+  EXPECT_EQ(RedundancyNumbers(side_by_side), RedundancyNumbers(marginals));
 }
 
 }  // namespace dn::prediction_test
