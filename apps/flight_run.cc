@@ -57,9 +57,8 @@ std::vector<Plot> DrawPlots(const FlightRun& flight_run) {
     }));
   }
   const std::string name = flight_run.flight.config.name;
-  return {{"trajectory_sigma.svg",
-           DrawSvg(name + ": posterior standard deviations", "time since start [s]", panels,
-                   SignalCame)},
+  return {{"trajectory_sigma.svg", DrawSvg(name + ": posterior standard deviations",
+                                           "time since start [s]", panels, SignalCame)},
           {"biases.svg",
            DrawSvg(name + ": inertial biases", "time since start [s]", bias_panels, SignalCame)}};
 }
@@ -171,8 +170,8 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
   solution.trajectory();
   run->progress.Stage("model check");
   solution.model_check();
-  result->trajectory = Trajectory(
-      DenseTrajectory(solution.network(), kTrajectorySpacingS, options.threads));
+  result->trajectory =
+      Trajectory(DenseTrajectory(solution.network(), kTrajectorySpacingS, options.threads));
   result->timings.covariance_s = SecondsSince(covariance_start);
   const std::vector<std::string> warnings = Warnings(*result);
   std::for_each(warnings.begin() + static_cast<std::ptrdiff_t>(result->hints.size()),

@@ -119,9 +119,8 @@ void PreintegratedInertial::EvaluateJacobians(double const* const* x, double** J
     whitened.topRows<3>().noalias() = W_.block<3, 3>(0, 0) * J_R_x;
     whitened.middleRows<3>(3).noalias() =
         W_.block<3, 3>(3, 0) * J_R_x + W_.block<3, 3>(3, 3) * J_v_x;
-    whitened.bottomRows<3>().noalias() = W_.block<3, 3>(6, 0) * J_R_x +
-                                         W_.block<3, 3>(6, 3) * J_v_x +
-                                         W_.block<3, 3>(6, 6) * J_p_x;
+    whitened.bottomRows<3>().noalias() =
+        W_.block<3, 3>(6, 0) * J_R_x + W_.block<3, 3>(6, 3) * J_v_x + W_.block<3, 3>(6, 6) * J_p_x;
     return whitened;
   };
   const auto put = [&](int block, const Mat3& J_R_x, const Mat3& J_v_x, const Mat3& J_p_x) {

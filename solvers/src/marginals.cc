@@ -198,8 +198,8 @@ std::optional<Eigen::MatrixXd> Marginals::Impl::Selected(BlockId a, BlockId b) c
 }
 
 std::optional<Eigen::MatrixXd> Marginals::Impl::Selected(std::span<const BlockId> blocks) const {
-  std::vector<int> indices;                         // of the unknowns, in the order of L
-  std::vector<Eigen::Index> rows;                   // of them, where the result has them
+  std::vector<int> indices;        // of the unknowns, in the order of L
+  std::vector<Eigen::Index> rows;  // of them, where the result has them
   std::vector<double> scales;
   Eigen::Index size = 0;
   for (const BlockId b : blocks) {
@@ -216,7 +216,8 @@ std::optional<Eigen::MatrixXd> Marginals::Impl::Selected(std::span<const BlockId
   if (indices.empty()) return Eigen::MatrixXd::Zero(size, size);
   Eigen::MatrixXd Z;
   if (!selected->Gather(indices, &Z)) return std::nullopt;
-  const Eigen::Map<const Eigen::VectorXd> s(scales.data(), static_cast<Eigen::Index>(scales.size()));
+  const Eigen::Map<const Eigen::VectorXd> s(scales.data(),
+                                            static_cast<Eigen::Index>(scales.size()));
   Z = (s.asDiagonal() * Z * s.asDiagonal()).eval();
   if (Z.rows() == size) return Z;
   Eigen::MatrixXd with_held = Eigen::MatrixXd::Zero(size, size);

@@ -22,7 +22,8 @@ class PairResidualsOfADrone : public ::testing::Test {
     calibration_ = new testing::Calibration(*flight_);
     const FlightNetwork& network = *calibration_->adjustment.network;
     trajectory_ = new Trajectory(DenseTrajectory(network, kSpacingS));
-    residuals_ = new std::vector<PairResidual>(PairResiduals(network, PoseInterpolator(trajectory_->InMap(network.flight().frame))));
+    residuals_ = new std::vector<PairResidual>(
+        PairResiduals(network, PoseInterpolator(trajectory_->InMap(network.flight().frame))));
   }
   static void TearDownTestSuite() {
     delete residuals_;

@@ -153,8 +153,8 @@ TEST(Trajectory, InMapAtATimeIsThatOfAllItsPoints) {
     EXPECT_EQ(at.q_mb.coeffs(), of_all.q_mb.coeffs());
   }
   for (const double t_s : {-0.1, 2.6, std::nan("")}) {
-    ExpectInvalid([&] { trajectory.InMapAt(t_s, kFrame); },
-                  "outside the trajectory (0 s to 2.5 s)", 0);
+    ExpectInvalid([&] { trajectory.InMapAt(t_s, kFrame); }, "outside the trajectory (0 s to 2.5 s)",
+                  0);
   }
 }
 

@@ -74,8 +74,8 @@ long SettleTimes(const RecordFormat<N>& format, const FileLocation& where,
     }
     const Verdict verdict = times.Next(kept[n].data(), N);
     if (verdict == Verdict::kNotIncreasing) {
-      throw InvalidInput("time " + FormatDouble(kept[n][0]) + " s of " + name +
-                             NameOfRecord(i) + " does not increase: the record before has " +
+      throw InvalidInput("time " + FormatDouble(kept[n][0]) + " s of " + name + NameOfRecord(i) +
+                             " does not increase: the record before has " +
                              FormatDouble(times.last_s() - times.offset_s()) + " s",
                          where);
     }

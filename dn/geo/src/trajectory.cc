@@ -92,7 +92,8 @@ MapPose Trajectory::InMapAt(double t_s, const LocalFrame& frame) const {
 
 MapPose InterpolatePose(const std::vector<MapPose>& poses, double t_s) {
   if (poses.empty()) {
-    throw InvalidInput("time " + FormatDouble(t_s) + " s is outside the trajectory, which is empty");
+    throw InvalidInput("time " + FormatDouble(t_s) +
+                       " s is outside the trajectory, which is empty");
   }
   ExpectWithin(t_s, poses.front().t_s, poses.back().t_s);
   const auto after = FirstAfter(poses, t_s);

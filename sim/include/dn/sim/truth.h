@@ -25,8 +25,8 @@ struct TruthState {
 /// The normal Earth at a place: both change with it over thousands of kilometres.
 struct NormalEarth {
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
-  Geodetic position;                                      ///< of p_m
-  Eigen::Matrix3d R_mn = Eigen::Matrix3d::Identity();     ///< local NED -> map
+  Geodetic position;                                       ///< of p_m
+  Eigen::Matrix3d R_mn = Eigen::Matrix3d::Identity();      ///< local NED -> map
   Eigen::Vector3d attraction_m = Eigen::Vector3d::Zero();  ///< m/s^2, in map axes
 
   static NormalEarth At(const LocalFrame& frame, const Eigen::Vector3d& p_m);
