@@ -4,68 +4,80 @@
 
 #include <Eigen/Cholesky>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace dn {
 namespace {
 
 constexpr std::size_t kBoresightBlock = 6;  // of a pair
-constexpr std::size_t kPairsPerTask = 512;
 constexpr double kCauchyNorm = 3.0;
 constexpr int kMaxSteps = 30;
 // A hundredth of what an angle is known to at best: the network goes on from here.
 constexpr double kStepRad = 1e-7;
 
-/// The residuals of the pairs as linear functions of a small turn of the boresight.
-struct PairsAtBoresight {
-  std::vector<Eigen::Vector3d> r;
-  std::vector<Eigen::Matrix3d> A;
+/// The residual of a pair as a linear function of a small turn of the boresight.
+struct PairAtBoresight {
+  Eigen::Vector3d r;
+  Eigen::Matrix3d A;
+};
 
-  PairsAtBoresight(const FlightNetwork& network, int threads)
-      : r(network.pair_edges.size()), A(network.pair_edges.size()) {
-    ParallelForChunks(r.size(), kPairsPerTask, threads,
-                      [&](std::size_t /*chunk*/, std::size_t first, std::size_t past) {
-                        Eigen::VectorXd residual;
-                        std::vector<Eigen::MatrixXd> J;
-                        for (std::size_t k = first; k < past; ++k) {
-                          network.net.EvaluateFactor(network.pair_edges[k].id, &residual, &J);
-                          r[k] = residual;
-                          A[k] = J[kBoresightBlock];
-                        }
-                      });
-  }
+/// Absent where its factor is not defined there, or one's own of another size.
+std::optional<PairAtBoresight> AtBoresight(const FlightNetwork& network, FactorId id) {
+  Eigen::VectorXd r;
+  std::vector<Eigen::MatrixXd> J;
+  if (network.net.factor(id).factor->residual_size() != 3) return std::nullopt;
+  if (!network.net.EvaluateFactor(id, &r, &J)) return std::nullopt;
+  return PairAtBoresight{r, J[kBoresightBlock]};
+}
 
-  /// One step of Gauss-Newton with Cauchy weights, from a turn d.
-  Eigen::Vector3d Step(const Eigen::Vector3d& d) const {
-    std::vector<Eigen::Vector3d> at_d(r.size());
-    std::vector<double> norm2(r.size());
-    for (std::size_t k = 0; k < r.size(); ++k) {
-      at_d[k] = r[k] + A[k] * d;
-      norm2[k] = at_d[k].squaredNorm();
+class PairsAtBoresight {
+ public:
+  PairsAtBoresight(const FlightNetwork& network, int threads) {
+    std::vector<std::optional<PairAtBoresight>> of_edge(network.pair_edges.size());
+    ParallelFor(static_cast<int>(of_edge.size()), threads, [&](int at) {
+      const auto k = static_cast<std::size_t>(at);
+      of_edge[k] = AtBoresight(network, network.pair_edges[k].id);
+    });
+    for (const std::optional<PairAtBoresight>& pair : of_edge) {
+      if (pair) pairs_.push_back(*pair);
     }
-    const double scale2 = RobustVariance(norm2);
-    Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < r.size(); ++k) {
-      const double weight = 1.0 / (1.0 + norm2[k] / (kCauchyNorm * kCauchyNorm * scale2));
-      N += weight * A[k].transpose() * A[k];
-      b += weight * A[k].transpose() * at_d[k];
-    }
-    // Weak directions are left to the full network: a small ridge, 1 deg per sqrt(number of pairs).
-    N.diagonal().array() += 1.0 / (kRadPerDeg * kRadPerDeg);
-    return -N.ldlt().solve(b);
   }
 
   /// The turn at which the steps end.
   Eigen::Vector3d Turn() const {
     Eigen::Vector3d d = Eigen::Vector3d::Zero();
-    for (int step = 0; step < kMaxSteps; ++step) {
+    for (int step = 0; step < kMaxSteps && !pairs_.empty(); ++step) {
       const Eigen::Vector3d more = Step(d);
       d += more;
       if (more.norm() < kStepRad) break;
     }
     return d;
   }
+
+ private:
+  /// Of Gauss-Newton with Cauchy weights, from a turn d.
+  Eigen::Vector3d Step(const Eigen::Vector3d& d) const {
+    std::vector<Eigen::Vector3d> r;
+    std::vector<double> norm2;
+    for (const PairAtBoresight& pair : pairs_) {
+      r.emplace_back(pair.r + pair.A * d);
+      norm2.push_back(r.back().squaredNorm());
+    }
+    const double scale2 = RobustVariance(norm2);
+    Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < pairs_.size(); ++k) {
+      const double weight = 1.0 / (1.0 + norm2[k] / (kCauchyNorm * kCauchyNorm * scale2));
+      N += weight * pairs_[k].A.transpose() * pairs_[k].A;
+      b += weight * pairs_[k].A.transpose() * r[k];
+    }
+    // Weak directions are left to the full network: a small ridge, 1 deg per sqrt(number of pairs).
+    N.diagonal().array() += 1.0 / (kRadPerDeg * kRadPerDeg);
+    return -N.ldlt().solve(b);
+  }
+
+  std::vector<PairAtBoresight> pairs_;
 };
 
 }  // namespace
