@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <iostream>
+#include <new>
 
 #include "command.h"
 #include "usage_error.h"
@@ -32,7 +33,7 @@ void BufferStandardOutput() {
 void KeepFreedMemory() {
   ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that there is
   ::mallopt(M_TRIM_THRESHOLD, 1 << 30);
-  ::mallopt(M_TOP_PAD, 64 << 20);  // also of threads that come and go
+  ::mallopt(M_TOP_PAD, 16 << 20);  // also of threads that come and go
 }
 
 int ParseAndRun(int argc, char** argv) {
@@ -83,6 +84,9 @@ int main(int argc, char** argv) {
   BufferStandardOutput();
   try {
     return ParseAndRun(argc, argv);
+  } catch (const std::bad_alloc&) {
+    dn::apps::Say("dn: error: out of memory before the work began; allow the process more");
+    return 1;
   } catch (const std::exception& error) {
     dn::apps::Say(std::string("dn: error: ") + error.what());
     return 1;
