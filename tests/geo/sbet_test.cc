@@ -175,6 +175,9 @@ TEST(Sbet, APathIsOfEpochsApart) {
   EXPECT_EQ(ReadSbetPath(file.path(), 0.0).size(), points.size());
   const TempFile cut("cut.out", sbet.substr(0, 500));
   ExpectInvalid([&] { ReadSbetPath(cut.path(), 0.5); }, "truncated", 0);
+  Set(sbet, 2, 1, 46.57);
+  const TempFile in_degrees("degrees.out", sbet);
+  ExpectInvalid([&] { ReadSbetPath(in_degrees.path(), 0.5); }, "SBET record 3: latitude", 0);
 }
 
 TEST(Sbet, RejectsBadFilesEachByItsOwnMessage) {

@@ -125,16 +125,22 @@ void SettleVelocities(const std::vector<SbetRecord>& records, std::vector<NavPoi
   for (std::size_t i = 0; i < points.size(); ++i) points[i].v_ned_mps = v_ned_mps[i];
 }
 
-}  // namespace
-
-Trajectory ReadSbet(const std::filesystem::path& file) {
+/// The records of a file, checked, and what is noticed about them.
+std::vector<SbetRecord> ReadRecords(const std::filesystem::path& file, TrajectoryNotes* notes) {
   const FileLocation where{file.string(), 0, 0};
   std::vector<SbetRecord> records = DecodeRecords(ReadWholeFile(file), kSbet, where);
   CheckPositions(records, where);
-  TrajectoryNotes notes;
-  notes.adjusted_with_lidar = HasLidarMark(records);
-  notes.repeated_rows_dropped = SettleTimes(kSbet, where, &records);
+  notes->adjusted_with_lidar = HasLidarMark(records);
+  notes->repeated_rows_dropped = SettleTimes(kSbet, where, &records);
   if (records.size() < 2) throw InvalidInput("SBET file has only one epoch, needs two", where);
+  return records;
+}
+
+}  // namespace
+
+Trajectory ReadSbet(const std::filesystem::path& file) {
+  TrajectoryNotes notes;
+  const std::vector<SbetRecord> records = ReadRecords(file, &notes);
   std::vector<NavPoint> points;
   points.reserve(records.size());
   for (const SbetRecord& record : records) points.push_back(PointOfRecord(record));
@@ -145,12 +151,9 @@ Trajectory ReadSbet(const std::filesystem::path& file) {
 }  // namespace internal
 
 std::vector<NavPoint> ReadSbetPath(const std::filesystem::path& file, double min_spacing_s) {
-  const FileLocation where{file.string(), 0, 0};
-  std::vector<internal::SbetRecord> records =
-      internal::DecodeRecords(ReadWholeFile(file), internal::kSbet, where);
-  internal::SettleTimes(internal::kSbet, where, &records);
+  TrajectoryNotes notes;
   std::vector<NavPoint> path;
-  for (const internal::SbetRecord& record : records) {
+  for (const internal::SbetRecord& record : internal::ReadRecords(file, &notes)) {
     if (!path.empty() && record[0] < path.back().t_s + min_spacing_s) continue;
     path.push_back(internal::PointOfRecord(record));
   }
