@@ -150,10 +150,6 @@ NavPoint TruthTrajectory::Nav(double t_s) const {
   return ToNavPoint(state, earth);
 }
 
-NavPoint ToNavPoint(const TruthState& state, const LocalFrame& frame) {
-  return ToNavPoint(state, NormalEarth::At(frame, state.pose.p_mb));
-}
-
 NavPoint ToNavPoint(const TruthState& state, const NormalEarth& earth) {
   NavPoint point;
   point.t_s = state.pose.t_s;

@@ -22,7 +22,7 @@ struct TruthState {
   Eigen::Vector3d f_b = Eigen::Vector3d::Zero();  ///< specific force
 };
 
-/// The normal Earth at a place: both change with it over thousands of kilometres.
+/// The normal Earth at a place.
 struct NormalEarth {
   Eigen::Vector3d p_m = Eigen::Vector3d::Zero();
   Geodetic position;                                       ///< of p_m
@@ -82,9 +82,8 @@ class TruthTrajectory {
   double t_end_s_;
 };
 
-/// A true state as navigation output, with what ideal inertial sensors feel.
-NavPoint ToNavPoint(const TruthState& state, const LocalFrame& frame);
-/// The same, with the Earth at its place.
+/// A true state as navigation output, with what ideal inertial sensors feel; `earth` is that of its
+/// place.
 NavPoint ToNavPoint(const TruthState& state, const NormalEarth& earth);
 
 }  // namespace dn
