@@ -76,6 +76,16 @@ bool RemoveContent(int directory, int depth) {
 }
 
 constexpr int kStagedLevels = 3;  // ".replaced/lidar/1_2.txt"
+constexpr int kAttempts = 1000;
+
+/// Another thread may stage a file at any time until the directory is gone.
+void RemoveStaging(int directory, const char* name, int staging) {
+  for (int i = 0; i < kAttempts; ++i) {
+    while (RemoveContent(staging, kStagedLevels)) {
+    }
+    if (::unlinkat(directory, name, AT_REMOVEDIR) == 0 || errno != ENOTEMPTY) return;
+  }
+}
 
 void LeaveReportOnly(const ForcedEnd& end) {
   const int directory = ::open(end.directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -92,7 +102,7 @@ void LeaveReportOnly(const ForcedEnd& end) {
     ::fsync(report);
     ::renameat(staging, "report.json", directory, "report.json");
   }
-  ::unlinkat(directory, end.staging.c_str(), AT_REMOVEDIR);
+  RemoveStaging(directory, end.staging.c_str(), staging);
 }
 
 /// A reader that does not read must not hold us up.
@@ -108,7 +118,7 @@ void SayWithoutWaiting(std::string_view message) {
   if (entered.test_and_set()) {
     for (;;) ::pause();  // another thread is about to end us all
   }
-  if (const int child = DrawingProcess(); child > 0) ::kill(child, SIGKILL);
+  EndDrawing();
   if (const ForcedEnd* end = g_forced_end.load()) {
     if (!end->staging.empty()) LeaveReportOnly(*end);
     SayWithoutWaiting(end->message);

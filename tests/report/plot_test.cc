@@ -36,6 +36,17 @@ TEST(Plot, DrawsEveryLabel) {
   EXPECT_THAT(*svg, ::testing::AnyOf(HasSubstr("it's"), HasSubstr("it&#39;s")));
 }
 
+TEST(PlotDeathTest, NothingIsDrawnAfterTheEndOfDrawing) {
+  if (!GnuplotIsInstalled()) GTEST_SKIP() << "gnuplot is not installed";
+  const auto draw_after_the_end = [] {
+    const bool before = DrawSvg("a", "t", TwoPanels()).has_value();
+    EndDrawing();
+    const bool after = DrawSvg("a", "t", TwoPanels()).has_value();
+    std::_Exit(before && !after ? 0 : 1);
+  };
+  EXPECT_EXIT(draw_after_the_end(), ::testing::ExitedWithCode(0), "");
+}
+
 TEST(Plot, TheSameInputGivesTheSameText) {
   if (!GnuplotIsInstalled()) GTEST_SKIP() << "gnuplot is not installed";
   EXPECT_EQ(DrawSvg("a", "t", TwoPanels()), DrawSvg("a", "t", TwoPanels()));

@@ -1,12 +1,12 @@
 #include "gnuplot_process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -24,7 +24,9 @@ constexpr std::chrono::seconds kLongestRun{20};
 constexpr std::chrono::milliseconds kPoll{5};
 
 static_assert(std::atomic<int>::is_always_lock_free);
-std::atomic<int> g_child{0};
+constexpr int kNone = 0, kStarting = -1;
+std::atomic<int> g_child{kNone};
+std::atomic<bool> g_forbidden{false};
 
 /// A file without a name, in memory.
 class MemoryFile {
@@ -117,13 +119,15 @@ pid_t Start(const MemoryFile& script, const MemoryFile& svg) {
   return error == 0 ? child : -1;
 }
 
-/// No signal handler sees a process that runs and is not in g_child.
+/// No signal handler, on this thread or another, misses a process that runs: it finds it in
+/// g_child, or waits for it there, or has forbidden it.
 pid_t StartKnown(const MemoryFile& script, const MemoryFile& svg) {
   sigset_t all, before;
   sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
-  const pid_t child = Start(script, svg);
-  g_child = std::max(0, child);
+  g_child = kStarting;
+  const pid_t child = g_forbidden ? -1 : Start(script, svg);
+  g_child = child > 0 ? child : kNone;
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   return child;
 }
@@ -153,11 +157,15 @@ std::optional<std::string> RunGnuplot(const std::string& script,
   const pid_t child = StartKnown(in, out);
   if (child < 0) return std::nullopt;
   const bool succeeded = Succeeds(child, interrupted);
-  g_child = 0;
+  g_child = kNone;
   if (!succeeded) return std::nullopt;
   return out.Content();
 }
 
-int GnuplotProcess() noexcept { return g_child; }
+void ForbidGnuplot() noexcept {
+  g_forbidden = true;
+  while (g_child == kStarting) ::poll(nullptr, 0, 1);
+  if (const int child = g_child; child > 0) ::kill(child, SIGKILL);
+}
 
 }  // namespace dn::internal

@@ -11,7 +11,7 @@ namespace dn::internal {
 std::optional<std::string> RunGnuplot(const std::string& script,
                                       const std::function<bool()>& interrupted);
 
-/// Process id of the gnuplot that runs, 0: none.
-int GnuplotProcess() noexcept;
+/// Kills the gnuplot that runs; none is started any more.
+void ForbidGnuplot() noexcept;
 
 }  // namespace dn::internal

@@ -112,6 +112,6 @@ std::optional<std::string> DrawSvg(const std::string& title, const std::string& 
   return svg;
 }
 
-int DrawingProcess() noexcept { return internal::GnuplotProcess(); }
+void EndDrawing() noexcept { internal::ForbidGnuplot(); }
 
 }  // namespace dn

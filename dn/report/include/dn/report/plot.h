@@ -42,8 +42,8 @@ std::optional<std::string> DrawSvg(const std::string& title, const std::string& 
                                    const std::vector<PlotPanel>& panels,
                                    const std::function<bool()>& interrupted = {});
 
-/// Process id of the gnuplot that draws at this moment, 0: none. May be called from a signal
-/// handler.
-int DrawingProcess() noexcept;
+/// Ends the gnuplot that draws at this moment, and none is started any more, on no thread: for the
+/// end of the program. May be called from a signal handler.
+void EndDrawing() noexcept;
 
 }  // namespace dn
