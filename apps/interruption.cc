@@ -23,7 +23,21 @@ constexpr int kInterruptedExitCode = 130;
 static_assert(std::atomic<bool>::is_always_lock_free);
 static_assert(std::atomic<const void*>::is_always_lock_free);
 std::atomic<bool> g_interrupted{false};
-std::atomic<bool> g_publishing{false};
+
+/// Of two threads, one that ends the program by force and one that publishes, the first one stays.
+enum class Course { kWork, kPublication, kForcedEnd };
+static_assert(std::atomic<Course>::is_always_lock_free);
+std::atomic<Course> g_course{Course::kWork};
+
+/// False when another course has been taken.
+bool Take(Course course) {
+  Course before = Course::kWork;
+  return g_course.compare_exchange_strong(before, course);
+}
+
+[[noreturn]] void WaitForEnd() {
+  for (;;) ::pause();
+}
 
 /// All that the end by force needs, in memory that does not move.
 struct ForcedEnd {
@@ -113,10 +127,10 @@ void SayWithoutWaiting(std::string_view message) {
   }
 }
 
-[[noreturn]] void EndByForce() {
-  static std::atomic_flag entered = ATOMIC_FLAG_INIT;
-  if (entered.test_and_set()) {
-    for (;;) ::pause();  // another thread is about to end us all
+void EndByForce() {
+  if (!Take(Course::kForcedEnd)) {
+    if (g_course == Course::kPublication) return;
+    WaitForEnd();
   }
   EndDrawing();
   if (const ForcedEnd* end = g_forced_end.load()) {
@@ -128,7 +142,7 @@ void SayWithoutWaiting(std::string_view message) {
 
 void OnSignal(int /*signal*/) {
   const int before = errno;
-  if (!g_publishing) {
+  if (g_course != Course::kPublication) {
     if (g_interrupted.exchange(true)) EndByForce();
     const itimerval grace{{0, 0}, {0, kGraceMicroseconds}};
     ::setitimer(ITIMER_REAL, &grace, nullptr);
@@ -137,7 +151,7 @@ void OnSignal(int /*signal*/) {
 }
 
 void OnAlarm(int /*signal*/) {
-  if (g_interrupted && !g_publishing) EndByForce();
+  if (g_interrupted) EndByForce();
 }
 
 void Handle(int signal, void (*handler)(int), int flags) {
@@ -181,12 +195,14 @@ void PrepareForcedEnd(const std::string& command, const std::string& message,
 }
 
 bool BeginPublishing() {
-  g_publishing = true;
+  BeginReporting();
   if (!g_interrupted) return true;
-  g_publishing = false;
+  g_course = Course::kWork;
   return false;
 }
 
-void BeginReporting() { g_publishing = true; }
+void BeginReporting() {
+  if (!Take(Course::kPublication) && g_course == Course::kForcedEnd) WaitForEnd();
+}
 
 }  // namespace dn::apps

@@ -122,7 +122,8 @@ fs::path OutputDirectory::Stage(const std::string& name) {
                         " would replace the input " + input.string() + "; give another --out");
   }
   fs::path staged = staging_ / name;
-  fs::create_directories(staged.parent_path());
+  // Never the staging directory itself: an end by force may have removed it.
+  if (staged.parent_path() != staging_) fs::create_directory(staged.parent_path());
   if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
   return staged;
 }

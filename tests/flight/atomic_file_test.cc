@@ -83,6 +83,15 @@ TEST(OutputDirectory, DropsWhatWasNotCommitted) {
   EXPECT_EQ(NamesIn(folder.path() / "out"), std::set<std::string>{"result.json"});
 }
 
+TEST(OutputDirectory, AStagingDirectoryThatWasRemovedStaysSo) {
+  const TempFolder folder;
+  OutputDirectory results(folder.path() / "out");
+  std::filesystem::remove(results.staging());
+  EXPECT_ANY_THROW(results.Add("result.json", "new"));
+  EXPECT_ANY_THROW(results.Add("lidar/pairs.txt", "new"));
+  EXPECT_EQ(NamesIn(folder.path() / "out"), std::set<std::string>{});
+}
+
 TEST(OutputDirectory, KeepsTheLastOfTwoFilesOfOneName) {
   const TempFolder folder;
   OutputDirectory results(folder.path());
