@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "terrain_objects.h"
@@ -12,6 +13,7 @@ namespace dn {
 namespace {
 
 using Eigen::Vector2d;
+using Eigen::Vector2i;
 using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
@@ -106,36 +108,62 @@ bool Terrain::BuiltUp(const Vector2d& en_m) const {
   return std::sin(k * en_m.x() + phase) + std::sin(k * en_m.y() + 2.0 * phase) > -0.3;
 }
 
-std::optional<Building> Terrain::BuildingIn(const Eigen::Vector2i& cell) const {
+std::optional<Building> Terrain::BuildingIn(const Vector2i& cell) const {
   const Building building(CellNumbers(buildings_.seed, cell), cell, buildings_.cell_m);
   if (!BuiltUp(building.centre_en_m) || Water(building.centre_en_m)) return std::nullopt;
   return building;
 }
 
-std::optional<Tree> Terrain::TreeIn(const Eigen::Vector2i& cell) const {
+std::optional<Tree> Terrain::TreeIn(const Vector2i& cell) const {
   const Tree tree(CellNumbers(trees_.seed, cell), cell, trees_.cell_m);
   const bool village = scenario_.kind == TerrainKind::kMixed && BuiltUp(tree.centre_en_m);
   if (village || Water(tree.centre_en_m)) return std::nullopt;
   return tree;
 }
 
-double Terrain::BuildingTop(const Vector2d& en_m) const {
-  const auto building = BuildingIn(CellOf(en_m, buildings_.cell_m));
-  const double above_m = building ? building->RoofAbove(en_m) : -1.0;
-  return above_m < 0.0 ? lowest_m() : Relief(building->centre_en_m) + above_m;
-}
+/// The objects at places one after the other: that of a cell serves all places in it.
+class Terrain::Objects {
+ public:
+  explicit Objects(const Terrain& terrain) : terrain_(terrain) {}
 
-double Terrain::TreeTop(const Vector2d& en_m) const {
-  const auto tree = TreeIn(CellOf(en_m, trees_.cell_m));
-  const double above_m = tree ? tree->CrownAbove(en_m) : -1.0;
-  return above_m < 0.0 ? lowest_m() : Relief(tree->centre_en_m) + above_m;
-}
+  /// Height of the highest one, where there is one.
+  double Top(const Vector2d& en_m) {
+    const auto building_in = [this](const Vector2i& cell) { return terrain_.BuildingIn(cell); };
+    const auto tree_in = [this](const Vector2i& cell) { return terrain_.TreeIn(cell); };
+    return std::max(TopOf(en_m, terrain_.buildings_.cell_m, building_in, &building_),
+                    TopOf(en_m, terrain_.trees_.cell_m, tree_in, &tree_));
+  }
+
+ private:
+  static constexpr double kNone = -std::numeric_limits<double>::infinity();
+
+  template <class Object>
+  struct Occupied {
+    std::optional<Vector2i> cell;
+    std::optional<Object> object;
+    double ground_m = 0.0;  // at its centre
+  };
+
+  template <class Object, class Find>
+  double TopOf(const Vector2d& en_m, double cell_m, const Find& find, Occupied<Object>* last) {
+    if (cell_m <= 0.0) return kNone;
+    const Vector2i cell = CellOf(en_m, cell_m);
+    if (last->cell != cell) {
+      last->cell = cell;
+      last->object = find(cell);
+      if (last->object) last->ground_m = terrain_.Relief(last->object->centre_en_m);
+    }
+    const double above_m = last->object ? last->object->Above(en_m) : -1.0;
+    return above_m < 0.0 ? kNone : last->ground_m + above_m;
+  }
+
+  const Terrain& terrain_;
+  Occupied<Building> building_;
+  Occupied<Tree> tree_;
+};
 
 double Terrain::Surface(const Vector2d& en_m) const {
-  double height_m = Ground(en_m);
-  if (buildings_.cell_m > 0.0) height_m = std::max(height_m, BuildingTop(en_m));
-  if (trees_.cell_m > 0.0) height_m = std::max(height_m, TreeTop(en_m));
-  return height_m;
+  return std::max(Ground(en_m), Objects(*this).Top(en_m));
 }
 
 /// A range up to which the ray meets nothing: no slope of the relief outruns it.
@@ -148,16 +176,45 @@ double Terrain::ClearUpTo(const Vector3d& origin_m, const Vector3d& direction,
   return range_m + (point.z() - top_m - kSurelyClear_m) / nearing;
 }
 
+/// The surface below a ray: what is found of it at one range serves the next ones.
+class Terrain::AlongRay {
+ public:
+  AlongRay(const Terrain& terrain, const Vector3d& origin_m, const Vector3d& direction)
+      : terrain_(terrain), origin_m_(origin_m), direction_(direction), objects_(terrain) {
+    const double slope = terrain.relief_slope_bound_ + terrain.roughness_.slope_bound();
+    nearing_ = -direction.z() + slope * direction.head<2>().norm();
+  }
+
+  /// Whether the ray is above the surface.
+  bool IsAbove(double range_m) {
+    const Vector3d point_m = origin_m_ + range_m * direction_;
+    return IsAboveGround(range_m, point_m) && point_m.z() > objects_.Top(point_m.head<2>());
+  }
+
+ private:
+  bool IsAboveGround(double range_m, const Vector3d& point_m) {
+    if (range_m >= above_from_m_ && range_m <= above_to_m_) return true;
+    const double above_m = point_m.z() - terrain_.Ground(point_m.head<2>());
+    above_from_m_ = range_m;
+    above_to_m_ = range_m + (above_m - kSurelyClear_m) / nearing_;
+    return above_m > 0.0;
+  }
+
+  const Terrain& terrain_;
+  const Vector3d origin_m_;
+  const Vector3d direction_;
+  double nearing_ = 0.0;                           // to the ground, per range, at most
+  double above_from_m_ = 0.0, above_to_m_ = -1.0;  // ranges between which no ground is met
+  Objects objects_;
+};
+
 std::optional<double> Terrain::Intersect(const Vector3d& origin_m, const Vector3d& direction,
                                          double max_range_m) const {
   if (!(direction.z() < 0.0)) throw InvalidInput("a laser ray must point downwards");
-  const auto clearance_m = [&](double range_m) {
-    const Vector3d point = origin_m + range_m * direction;
-    return point.z() - Surface(point.head<2>());
-  };
+  AlongRay ray(*this, origin_m, direction);
   double above_m = std::max(0.0, (highest_m_ - origin_m.z()) / direction.z());
   if (above_m >= max_range_m) return std::nullopt;
-  if (clearance_m(above_m) <= 0.0) return above_m;
+  if (!ray.IsAbove(above_m)) return above_m;
   bool far = true;
   while (above_m < max_range_m) {
     if (far) {
@@ -166,13 +223,13 @@ std::optional<double> Terrain::Intersect(const Vector3d& origin_m, const Vector3
       while (above_m + kRayStep_m < clear_m) above_m += kRayStep_m;
     }
     double below_m = std::min(above_m + kRayStep_m, max_range_m);
-    if (clearance_m(below_m) > 0.0) {
+    if (ray.IsAbove(below_m)) {
       above_m = below_m;
       continue;
     }
     for (int i = 0; i < 40; ++i) {  // to 1e-12 of the step
       const double middle_m = 0.5 * (above_m + below_m);
-      (clearance_m(middle_m) > 0.0 ? above_m : below_m) = middle_m;
+      (ray.IsAbove(middle_m) ? above_m : below_m) = middle_m;
     }
     return below_m;
   }

@@ -76,7 +76,7 @@ struct Building {
   }
 
   /// Roof height above the ground at the centre; negative outside the house.
-  double RoofAbove(const Eigen::Vector2d& en_m) const {
+  double Above(const Eigen::Vector2d& en_m) const {
     const Eigen::Vector2d at = ToAxes(en_m);
     if (std::abs(at.x()) > half_length_m || std::abs(at.y()) > half_width_m) return -1.0;
     return RoofAcross(at.y());
@@ -104,7 +104,7 @@ struct Tree {
   }
 
   /// Crown height above the ground at the centre; negative outside the crown.
-  double CrownAbove(const Eigen::Vector2d& en_m) const {
+  double Above(const Eigen::Vector2d& en_m) const {
     const double x = (en_m - centre_en_m).squaredNorm() / (radius_m * radius_m);
     return x > 1.0 ? -1.0 : height_m * (1.0 - kDroop * x);
   }

@@ -36,6 +36,8 @@ class Terrain {
 
  private:
   friend class TerrainCaster;
+  class Objects;
+  class AlongRay;
 
   struct Wave {
     Eigen::Vector2d wavenumber;  // rad/m
@@ -54,8 +56,6 @@ class Terrain {
                    double range_m) const;
   std::optional<Building> BuildingIn(const Eigen::Vector2i& cell) const;
   std::optional<Tree> TreeIn(const Eigen::Vector2i& cell) const;
-  double BuildingTop(const Eigen::Vector2d& en_m) const;
-  double TreeTop(const Eigen::Vector2d& en_m) const;
   bool BuiltUp(const Eigen::Vector2d& en_m) const;
 
   TerrainScenario scenario_;
