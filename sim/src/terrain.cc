@@ -25,6 +25,17 @@ constexpr int kWavesPerOctave = 4;
 constexpr double kSmallestCell_m = 12.0;  // of buildings: they would touch
 constexpr double kSmallestTreeCell_m = 4.0;
 
+/// range_m after as many steps along a ray as stay below limit_m. Up to the next power of two, beyond
+/// which numbers are coarser, any number of steps is exact and taken at once.
+double StepsBelow(double limit_m, double range_m) {
+  while (range_m + kRayStep_m < limit_m) {
+    const double exact_m = std::min(limit_m, std::exp2(std::ilogb(range_m) + 1));
+    const double steps = std::floor((exact_m - range_m) / kRayStep_m) - 1.0;
+    range_m += std::max(1.0, steps) * kRayStep_m;
+  }
+  return range_m;
+}
+
 double CellSize(double per_km2, double smallest_m) {
   return per_km2 > 0.0 ? std::max(smallest_m, 1000.0 / std::sqrt(per_km2)) : 0.0;
 }
@@ -220,7 +231,7 @@ std::optional<double> Terrain::Intersect(const Vector3d& origin_m, const Vector3
     if (far) {
       const double clear_m = std::min(ClearUpTo(origin_m, direction, above_m), max_range_m);
       far = above_m + kRayStep_m < clear_m;
-      while (above_m + kRayStep_m < clear_m) above_m += kRayStep_m;
+      above_m = StepsBelow(clear_m, above_m);
     }
     double below_m = std::min(above_m + kRayStep_m, max_range_m);
     if (ray.IsAbove(below_m)) {

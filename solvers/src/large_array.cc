@@ -3,9 +3,11 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <utility>
 
 namespace dn {
 namespace {
@@ -40,6 +42,57 @@ std::unique_ptr<double[], FreeZeros> NewZeros(std::size_t size) {
   if (array == nullptr) throw std::bad_alloc();
   AskForHugePages(array.get(), size);
   return array;
+}
+
+namespace {
+
+/// The next of sizes that lie a quarter to a seventh apart: what is a little larger fits, too.
+std::size_t Rounded(std::size_t size) {
+  const std::size_t step = std::bit_floor(size) / 4;
+  return (size + step - 1) / step * step;
+}
+
+}  // namespace
+
+void BackToPool::operator()(double* array) const noexcept {
+  std::unique_ptr<double[]> returned(array);
+  if (pool != nullptr) pool->Keep({std::move(returned), size});
+}
+
+ArrayPool::ArrayPool(int most_kept) : kept_(static_cast<std::size_t>(most_kept)) {}
+
+ArrayPool::~ArrayPool() = default;
+
+PooledArray ArrayPool::New(std::size_t size) {
+  if (size * sizeof(double) < kLargeBytes) return PooledArray(new double[size]);
+  size = Rounded(size);
+  std::unique_ptr<double[]> array = Take(&size);
+  if (array == nullptr) array = NewArray(size);
+  return {array.release(), BackToPool{this, size}};
+}
+
+/// The smallest that holds `size` numbers and at most twice as many, with its size.
+std::unique_ptr<double[]> ArrayPool::Take(std::size_t* size) {
+  const std::lock_guard lock(mutex_);
+  Kept* best = nullptr;
+  for (Kept& kept : kept_) {
+    const bool fits = kept.size >= *size && kept.size <= 2 * *size;
+    if (fits && (best == nullptr || kept.size < best->size)) best = &kept;
+  }
+  if (best != nullptr) {
+    *size = std::exchange(best->size, 0);
+    return std::move(best->array);
+  }
+  for (Kept& kept : kept_) kept = {};
+  return nullptr;
+}
+
+/// In the place of the smallest.
+void ArrayPool::Keep(Kept returned) noexcept {
+  const std::lock_guard lock(mutex_);
+  const auto smallest = std::min_element(
+      kept_.begin(), kept_.end(), [](const Kept& a, const Kept& b) { return a.size < b.size; });
+  if (smallest != kept_.end() && smallest->size < returned.size) std::swap(*smallest, returned);
 }
 
 }  // namespace dn

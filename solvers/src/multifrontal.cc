@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "blas.h"
-#include "large_array.h"
 #include "side_by_side.h"
 
 namespace dn {
@@ -77,8 +76,9 @@ double* Column(double* matrix, int column, int rows) {
 /// The front of one supernode.
 class Multifrontal::Front {
  public:
-  Front(const Multifrontal& all, int s, double* values, Left* left)
+  Front(const Multifrontal& all, int s, double* values, ArrayPool* pool, Left* left)
       : all_(all),
+        pool_(*pool),
         left_(*left),
         s_(s),
         columns_(all.L_.columns(s)),
@@ -116,8 +116,8 @@ class Multifrontal::Front {
 
   void LeaveToParent(int threads) {
     if (below_ == 0) return;
-    std::unique_ptr<double[]>& U = left_[AsSize(s_)];
-    U = NewArray(AsSize(below_) * AsSize(below_));
+    PooledArray& U = left_[AsSize(s_)];
+    U = pool_.New(AsSize(below_) * AsSize(below_));
     ForPanels(below_, threads, [&](int first, int n) {
       Update(columns_ + first, n, 0, columns_, kZero, Column(U.get(), first, below_) + first,
              below_);
@@ -196,6 +196,7 @@ class Multifrontal::Front {
   }
 
   const Multifrontal& all_;
+  ArrayPool& pool_;
   Left& left_;
   int s_, columns_, rows_, below_;
   double* F_;
@@ -227,11 +228,12 @@ Multifrontal::Multifrontal(const SymmetricCsc& A, const std::vector<int>& permut
 
 bool Multifrontal::Factorize(const SymmetricCsc& A, double shift, int threads,
                              double* values) const {
+  ArrayPool pool(threads);
   Left left(AsSize(L_.num_supernodes()));
   std::atomic<bool> definite{true};
   tree_.Up(threads, [&](int s, int threads_here) {
     if (!definite) return;
-    Front front(*this, s, values, &left);
+    Front front(*this, s, values, &pool, &left);
     front.AddEntries(A, shift);
     front.TakeColumnsOfChildren();
     if (!front.Eliminate(threads_here)) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "block_pattern.h"
+#include "large_array.h"
 #include "supernode_tree.h"
 
 namespace dn {
@@ -38,7 +39,7 @@ class Multifrontal {
 
   class Front;
   /// Of every supernode what it leaves to its parent, U, until that has taken it.
-  using Left = std::vector<std::unique_ptr<double[]>>;
+  using Left = std::vector<PooledArray>;
 
   SupernodalPattern L_;
   SupernodeTree tree_;

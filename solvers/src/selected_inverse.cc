@@ -12,8 +12,9 @@ namespace dn {
 /// The step of one supernode.
 class SelectedInverse::Step {
  public:
-  Step(SelectedInverse* inverse, int s)
+  Step(SelectedInverse* inverse, ArrayPool* pool, int s)
       : self_(*inverse),
+        pool_(*pool),
         L_(self_.cholesky_.pattern()),
         s_(s),
         columns_(L_.columns(s)),
@@ -23,7 +24,7 @@ class SelectedInverse::Step {
   void Run(int threads) {
     InvertDiagonal(threads);
     if (below_ > 0) {
-      const std::unique_ptr<double[]> Z_RR = Gather(threads), Y = Multipliers(threads);
+      const PooledArray Z_RR = Gather(threads), Y = Multipliers(threads);
       ForPanels(columns_, threads,
                 [&](int first, int n) { InvertPanel(first, n, Z_RR.get(), Y.get()); });
     }
@@ -38,7 +39,7 @@ class SelectedInverse::Step {
 
   /// The lower triangle of L_JJ^-T L_JJ^-1.
   void InvertDiagonal(int threads) const {
-    const std::unique_ptr<double[]> inverse = NewArray(AsSize(columns_) * AsSize(columns_));
+    const PooledArray inverse = pool_.New(AsSize(columns_) * AsSize(columns_));
     const auto column = [&](int c) { return inverse.get() + AsSize(c) * AsSize(columns_); };
     for (int c = 0; c < columns_; ++c) {
       std::fill_n(column(c), c, 0.0);
@@ -55,8 +56,8 @@ class SelectedInverse::Step {
   }
 
   /// Y.
-  std::unique_ptr<double[]> Multipliers(int threads) const {
-    std::unique_ptr<double[]> Y = NewArray(AsSize(below_) * AsSize(columns_));
+  PooledArray Multipliers(int threads) const {
+    PooledArray Y = pool_.New(AsSize(below_) * AsSize(columns_));
     ForPanels(below_, threads, [&](int first, int n) {
       for (int c = 0; c < columns_; ++c) {
         std::copy_n(L(c) + columns_ + first, n, Y.get() + AsSize(c) * AsSize(below_) + first);
@@ -84,8 +85,8 @@ class SelectedInverse::Step {
   }
 
   /// The lower triangle of Z_RR, from the supernodes that own the columns R.
-  std::unique_ptr<double[]> Gather(int threads) const {
-    std::unique_ptr<double[]> Z_RR = NewArray(AsSize(below_) * AsSize(below_));
+  PooledArray Gather(int threads) const {
+    PooledArray Z_RR = pool_.New(AsSize(below_) * AsSize(below_));
     const int* R = L_.row_indices_below(s_);
     std::vector<int> first_of_owner;
     for (int i = 0; i < below_; ++i) {
@@ -121,13 +122,17 @@ class SelectedInverse::Step {
   }
 
   SelectedInverse& self_;
+  ArrayPool& pool_;
   const SupernodalPattern& L_;
   int s_, columns_, rows_, below_;
 };
 
 SelectedInverse::SelectedInverse(const SparseCholesky& cholesky, int threads)
     : cholesky_(cholesky), value_(NewArray(cholesky.pattern().num_values)) {
-  cholesky.tree().Down(threads, [&](int s, int threads_here) { Step(this, s).Run(threads_here); });
+  constexpr int kArraysOfStep = 3;
+  ArrayPool pool(kArraysOfStep * threads);
+  cholesky.tree().Down(threads,
+                       [&](int s, int threads_here) { Step(this, &pool, s).Run(threads_here); });
 }
 
 double* SelectedInverse::Z(int s) {
