@@ -362,15 +362,12 @@ class Candidates {
 }  // namespace
 
 CandidateEffect DescribeEffect(const EstimableEffect& effect) {
-  const std::vector<EffectComponent>& components = FindEffect(effect.name)->components;
+  const EffectSpec& spec = *FindEffect(effect.name);
   CandidateEffect out;
   out.name = effect.name;
-  out.unit = components[0].unit;
-  out.per_si = 1.0 / components[0].to_si;
-  out.typical.resize(static_cast<Eigen::Index>(components.size()));
-  for (std::size_t k = 0; k < components.size(); ++k) {
-    out.typical[static_cast<Eigen::Index>(k)] = components[k].typical_si();
-  }
+  out.unit = spec.components[0].unit;
+  out.per_si = 1.0 / spec.components[0].to_si;
+  out.typical = TypicalInSi(spec);
   out.remedy = effect.remedy;
   return out;
 }

@@ -10,9 +10,7 @@
 #include <cmath>
 #include <compare>
 #include <map>
-#include <memory>
 #include <utility>
-#include <variant>
 
 #include "effect_screen.h"
 #include "model_findings.h"
@@ -128,15 +126,6 @@ Vector3d SigmaBesideEffects(const LastingErrors& errors, const ErrorScale& scale
   return covariance.diagonal().cwiseSqrt().cwiseMin(calibration.boresight.sigma_rad());
 }
 
-CandidateEffect DepartureByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& ends) {
-  const OwnEffect own = LaserByScanAngle(lidar, ends);
-  CandidateEffect departure;
-  departure.name = own.name;
-  departure.typical = own.typical;
-  departure.model = ModelOf(*std::get<std::shared_ptr<const LidarEffect>>(own.action), ends);
-  return departure;
-}
-
 Eigen::VectorXd OfAllComponents(const EffectScreen& screen, const JointScore& score) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(score.s.size());
   Eigen::Index at = 0;
@@ -157,7 +146,7 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
                                 const GaussHelmertCalibration& calibration) {
   const LinearPairs pairs = LinearisePairs(flight, calibration);
   std::vector<CandidateEffect> candidates = EffectsOfScanner(flight, pairs.ends);
-  candidates.push_back(DepartureByScanAngle(*flight.config.lidar, pairs.ends));
+  candidates.push_back(OnPairs(LaserByScanAngle(*flight.config.lidar, pairs.ends), pairs.ends));
   const LastingErrors errors(pairs.rows, strips, pairs.error_sqrt, pairs.prior, candidates);
   const auto tests = static_cast<double>(candidates.size());
   const CandidateEffect by_angle = std::move(candidates.back());

@@ -49,9 +49,7 @@ class ScanAngles {
     high_rad_ = std::max(high_rad_, angle_rad);
   }
 
-  OwnEffect Departure() const {
-    return LaserByScanAngle(lidar_, low_rad_, std::max(high_rad_, low_rad_ + kNarrowestRad));
-  }
+  ScanAngleRange Range() const { return {low_rad_, std::max(high_rad_, low_rad_ + kNarrowestRad)}; }
 
  private:
   const LidarConfig& lidar_;
@@ -60,8 +58,9 @@ class ScanAngles {
 
 }  // namespace
 
-OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double last_rad) {
-  const double step = (last_rad - first_rad) / (kScanAngleBumps - 1);
+OwnEffect LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& range) {
+  const double first_rad = range.low_rad;
+  const double step = (range.high_rad - first_rad) / (kScanAngleBumps - 1);
   auto weights = [=](const LidarReading& reading, Eigen::VectorXd* w) {
     const double angle = ScanAngle(lidar, reading.u_s);
     for (int k = 0; k < kScanAngleBumps; ++k) {
@@ -80,16 +79,20 @@ OwnEffect LaserByScanAngle(const FlightNetwork& network) {
     angles.Add(edge.pair.u_i_s);
     angles.Add(edge.pair.u_j_s);
   }
-  return angles.Departure();
+  return LaserByScanAngle(*network.flight().config.lidar, angles.Range());
 }
 
-OwnEffect LaserByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& pairs) {
+ScanAngleRange ScanAnglesOf(const LidarConfig& lidar, const std::vector<PairEnds>& pairs) {
   ScanAngles angles(lidar);
   for (const PairEnds& pair : pairs) {
     angles.Add(pair.i.u_s);
     angles.Add(pair.j.u_s);
   }
-  return angles.Departure();
+  return angles.Range();
+}
+
+OwnEffect LaserByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& pairs) {
+  return LaserByScanAngle(lidar, ScanAnglesOf(lidar, pairs));
 }
 
 OwnEffect LaserByStrip(const std::vector<StripInterval>& strips) {

@@ -2,7 +2,10 @@
 #include <dn/effects/effect_table.h>
 
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
+#include <variant>
 
 namespace dn {
 namespace {
@@ -41,8 +44,13 @@ EndModel EndModelOf(const EstimableEffect& effect, const Flight& flight) {
 
 }  // namespace
 
-EffectModel ModelOf(const LidarEffect& effect, const std::vector<PairEnds>& pairs) {
-  return ModelOf(pairs, [&](const PairEnd& end) { return ByReading(effect, end); });
+CandidateEffect OnPairs(const OwnEffect& own, const std::vector<PairEnds>& pairs) {
+  CandidateEffect effect;
+  effect.name = own.name;
+  effect.typical = own.typical;
+  const LidarEffect& action = *std::get<std::shared_ptr<const LidarEffect>>(own.action);
+  effect.model = ModelOf(pairs, [&](const PairEnd& end) { return ByReading(action, end); });
+  return effect;
 }
 
 std::vector<CandidateEffect> EffectsOfScanner(const Flight& flight,

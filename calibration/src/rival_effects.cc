@@ -15,15 +15,6 @@
 namespace dn::internal {
 namespace {
 
-Eigen::VectorXd TypicalOf(const std::string& effect) {
-  const EffectSpec& spec = *FindEffect(effect);
-  Eigen::VectorXd typical(static_cast<Eigen::Index>(spec.components.size()));
-  for (std::size_t k = 0; k < spec.components.size(); ++k) {
-    typical[static_cast<Eigen::Index>(k)] = spec.components[k].typical_si();
-  }
-  return typical;
-}
-
 /// One unknown, as if it were not estimated.
 class Removed {
  public:
@@ -55,7 +46,8 @@ class Removed {
                          static_cast<double>(estimate_.size()));
   }
   double LogEvidence() const {
-    return EvidenceForm(information_, TypicalOf(name())).LogEvidence(-information_ * estimate_);
+    return EvidenceForm(information_, TypicalInSi(*FindEffect(name())))
+        .LogEvidence(-information_ * estimate_);
   }
 
  private:

@@ -207,4 +207,12 @@ Eigen::VectorXd ValueInSi(const EffectSpec& effect, const std::vector<double>& v
   return si;
 }
 
+Eigen::VectorXd TypicalInSi(const EffectSpec& effect) {
+  Eigen::VectorXd si(static_cast<Eigen::Index>(effect.components.size()));
+  for (std::size_t i = 0; i < effect.components.size(); ++i) {
+    si[static_cast<Eigen::Index>(i)] = effect.components[i].typical_si();
+  }
+  return si;
+}
+
 }  // namespace dn

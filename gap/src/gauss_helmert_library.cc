@@ -10,9 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <utility>
-#include <variant>
 
 #include "generic_effects.h"
 
@@ -30,9 +28,8 @@ class GaussHelmertLibraryMaker {
         lidar_(*flight.config.lidar),
         pairs_(pairs),
         strips_(InTime(strips)),
-        options_(options) {
-    FindScanAngles();
-  }
+        options_(options),
+        scan_angles_(ScanAnglesOf(lidar_, pairs.ends)) {}
 
   GaussHelmertLibrary Run() {
     for (CandidateEffect& effect : EffectsOfScanner(flight_, pairs_.ends))
@@ -40,7 +37,7 @@ class GaussHelmertLibraryMaker {
     AddDrift();
     AddBoresightByCell();
     AddBoresightShapes();
-    AddGeneric(LaserByScanAngle(lidar_, low_rad_, high_rad_));
+    AddGeneric(LaserByScanAngle(lidar_, scan_angles_));
     if (strips_.size() > 1 && strips_.size() <= kMostStripsTogether) {
       AddGeneric(LaserByStrip(strips_));
     }
@@ -50,17 +47,6 @@ class GaussHelmertLibraryMaker {
   }
 
  private:
-  void FindScanAngles() {
-    for (const PairEnds& pair : pairs_.ends) {
-      for (const PairEnd* end : {&pair.i, &pair.j}) {
-        const double angle = ScanAngle(lidar_, end->u_s);
-        low_rad_ = std::min(low_rad_, angle);
-        high_rad_ = std::max(high_rad_, angle);
-      }
-    }
-    high_rad_ = std::max(high_rad_, low_rad_ + 1e-3);
-  }
-
   std::size_t AddBlock(CandidateEffect block) {
     out_.blocks.push_back(std::move(block));
     return out_.blocks.size() - 1;
@@ -84,24 +70,14 @@ class GaussHelmertLibraryMaker {
     out_.library.candidates.push_back(std::move(candidate));
   }
 
-  EffectModel ModelOfAction(const EffectAction& action) const {
-    return ModelOf(*std::get<std::shared_ptr<const LidarEffect>>(action), pairs_.ends);
-  }
-
   void AddDrift() {
     const EstimableEffect& drift = *FindEstimable("boresight_drift");
     CandidateEffect effect = DescribeEffect(drift);
-    effect.model = ModelOfAction(drift.make({flight_}));
+    effect.model = OnPairs({drift.name, drift.make({flight_}), effect.typical}, pairs_.ends).model;
     AddFixed(std::move(effect));
   }
 
-  std::size_t AddOwn(const OwnEffect& own) {
-    CandidateEffect block;
-    block.name = own.name;
-    block.typical = own.typical;
-    block.model = ModelOfAction(own.action);
-    return AddBlock(std::move(block));
-  }
+  std::size_t AddOwn(const OwnEffect& own) { return AddBlock(OnPairs(own, pairs_.ends)); }
 
   void AddGeneric(const OwnEffect& own) { AddGeneric(own, AddOwn(own)); }
 
@@ -158,13 +134,14 @@ class GaussHelmertLibraryMaker {
 
   void AddScanAnglePlaces() {
     std::vector<std::vector<std::size_t>> members(kScanAnglePlaces);
-    const double step_rad = (high_rad_ - low_rad_) / kScanAnglePlaces;
+    const auto& [low_rad, high_rad] = scan_angles_;
+    const double step_rad = (high_rad - low_rad) / kScanAnglePlaces;
     for (std::size_t k = 0; k < pairs_.ends.size(); ++k) {
-      const double at = (ScanAngle(lidar_, pairs_.ends[k].i.u_s) - low_rad_) / step_rad;
+      const double at = (ScanAngle(lidar_, pairs_.ends[k].i.u_s) - low_rad) / step_rad;
       members[static_cast<std::size_t>(std::clamp(at, 0.0, kScanAnglePlaces - 0.5))].push_back(k);
     }
     for (int k = 0; k < kScanAnglePlaces; ++k) {
-      const double low_deg = (low_rad_ + step_rad * k) * kDegPerRad;
+      const double low_deg = (low_rad + step_rad * k) * kDegPerRad;
       AddPlace(
           fmt::format("scan angle {:.0f}..{:.0f} deg", low_deg, low_deg + step_rad * kDegPerRad),
           members[static_cast<std::size_t>(k)]);
@@ -176,7 +153,7 @@ class GaussHelmertLibraryMaker {
   const LinearPairs& pairs_;
   std::vector<StripInterval> strips_;
   const LibraryOptions& options_;
-  double low_rad_ = 0.0, high_rad_ = 0.0;
+  ScanAngleRange scan_angles_;
   GaussHelmertLibrary out_;
 };
 

@@ -26,11 +26,8 @@ Candidate Physical(const std::string& name, std::size_t block) {
   candidate.unit = spec.components[0].unit;
   candidate.per_si = 1.0 / spec.components[0].to_si;
   const bool process = spec.kind == EffectKind::kStochastic;
-  const std::size_t count = spec.components.size() - (process ? 1 : 0);
-  candidate.typical.resize(static_cast<Eigen::Index>(count));
-  for (std::size_t k = 0; k < count; ++k) {
-    candidate.typical[static_cast<Eigen::Index>(k)] = spec.components[k].typical_si();
-  }
+  const Eigen::VectorXd typical = TypicalInSi(spec);
+  candidate.typical = typical.head(typical.size() - (process ? 1 : 0));
   return candidate;
 }
 

@@ -4,11 +4,13 @@
 #include <dn/error.h>
 #include <dn/gap/adapt.h>
 #include <dn/log_sum.h>
+#include <dn/size_prior.h>
 #include <dn/solvers/restricted_likelihood.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <type_traits>
@@ -22,8 +24,6 @@ namespace dn::internal {
 namespace {
 
 constexpr double kProcessTausS[] = {4.0, 15.0, 60.0, 240.0};
-// How likely the sizes are that are a tenth of the usual one, to ten times that, by equal factors.
-constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
 constexpr double kMostLogSize = 3.5;
 // Of the logarithm of sizes that are tried first about one that is nearly known.
 constexpr double kSizeStep = 0.2;
@@ -98,16 +98,17 @@ SizeAtTau LikeliestSize(SizeLikelihood& likelihood, const std::vector<double>& f
 }
 
 JudgedProcess Judge(SizeLikelihood& likelihood) {
-  const double step = 0.5 * std::log(10.0);
-  const std::vector<double> log_sizes{-2.0 * step, -step, 0.0, step, 2.0 * step};
+  constexpr double kStep = 0.5 * std::numbers::ln10;  // between the logarithms of two sizes
+  std::vector<double> log_sizes;
+  for (const double size : SizePrior::kTimesUsual) log_sizes.push_back(std::log(size));
   const SizeAtTau at = LikeliestSize(likelihood, log_sizes);
   const std::vector<double> l = likelihood(log_sizes);
   double sum = 0.0;
   for (std::size_t g = 0; g < l.size(); ++g) {
-    sum += kWeights[g] * std::exp(l[g] - at.log_likelihood);
+    sum += SizePrior::kProbability[g] * std::exp(l[g] - at.log_likelihood);
   }
   // Between the five sizes the likelihood may have its peak: they are taken as wide as their steps.
-  const double peak = std::min(1.0, at.relative_sigma / step) * 0.2;
+  const double peak = std::min(1.0, at.relative_sigma / kStep) * 0.2;
   return {0.0, at, at.log_likelihood + std::log(std::max({sum, peak, 1e-300}))};
 }
 

@@ -88,11 +88,7 @@ void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int t
                                            : std::vector<BlockId>{};
   const JointScore score = ScoreEffects(marginals, {found.back().model}, watched);
   Candidate candidate;
-  const EffectSpec& spec = *FindEffect(effect->name);
-  candidate.typical.resize(3);
-  for (std::size_t k = 0; k < 3; ++k) {
-    candidate.typical[static_cast<Eigen::Index>(k)] = spec.components[k].typical_si();
-  }
+  candidate.typical = TypicalInSi(*FindEffect(effect->name)).head<3>();
   double best = -std::numeric_limits<double>::infinity();
   for (const auto& [first, past] : fine.ranges) {
     const auto last = static_cast<std::size_t>(std::min(past, fine.cells.count() - 1));

@@ -3,6 +3,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/imu/noise_check.h>
 #include <dn/report/distributions.h>
+#include <dn/size_prior.h>
 #include <dn/solvers/restricted_likelihood.h>
 
 #include <algorithm>
@@ -39,13 +40,11 @@ struct Component {
 
 /// Log density of ln(size): normal about ln(centre), of several spreads.
 double LogPrior(const Component& component, double size) {
-  constexpr double kTimes[] = {0.1, 0.32, 1.0, 3.2, 10.0};
-  constexpr double kWeights[] = {0.1, 0.2, 0.4, 0.2, 0.1};
   double sum = 0.0;
-  for (int g = 0; g < 5; ++g) {
-    const double spread = kTimes[g] * component.typical_log_spread;
+  for (std::size_t g = 0; g < SizePrior::kSizes; ++g) {
+    const double spread = SizePrior::kTimesUsual[g] * component.typical_log_spread;
     const double off = std::log(size / component.centre) / spread;
-    sum += kWeights[g] * std::exp(-0.5 * off * off) / spread;
+    sum += SizePrior::kProbability[g] * std::exp(-0.5 * off * off) / spread;
   }
   return std::log(std::max(sum, 1e-300)) - 0.5 * std::log(2.0 * std::numbers::pi);
 }

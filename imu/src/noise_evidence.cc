@@ -1,5 +1,7 @@
 #include "noise_evidence.h"
 
+#include <dn/size_prior.h>
+
 #include <algorithm>
 #include <array>
 #include <numbers>
@@ -7,10 +9,6 @@
 namespace dn {
 namespace {
 
-/// Scales of a prior in units of the typical size, and their probabilities.
-constexpr std::array<double, 5> kPriorScales{0.1, 0.31622776601683794, 1.0, 3.1622776601683795,
-                                             10.0};
-constexpr std::array<double, 5> kPriorWeights{0.1, 0.2, 0.4, 0.2, 0.1};
 /// Spreads of the logarithm of sigma between levels.
 constexpr std::array<double, 6> kSpreads{0.003, 0.01, 0.03, 0.1, 0.3, 1.0};
 
@@ -59,9 +57,9 @@ LogLevel NoiseLevels::Of(const BandEnergy& energy) const {
 
 double RatioPrior::Log(double u, double variance) const {
   LogSum sum;
-  for (std::size_t g = 0; g < kPriorScales.size(); ++g) {
-    sum.Add(std::log(kPriorWeights[g]) +
-            LogNormal(u, std::pow(sigma_ * kPriorScales[g], 2) + variance));
+  for (std::size_t g = 0; g < SizePrior::kSizes; ++g) {
+    sum.Add(std::log(SizePrior::kProbability[g]) +
+            LogNormal(u, std::pow(sigma_ * SizePrior::kTimesUsual[g], 2) + variance));
   }
   return sum.Value();
 }

@@ -1,6 +1,7 @@
 #include <dn/error.h>
 #include <dn/log_sum.h>
 #include <dn/parallel.h>
+#include <dn/size_prior.h>
 #include <dn/solvers/score_test.h>
 #include <dn/symmetric_eigen.h>
 
@@ -27,9 +28,11 @@ constexpr Eigen::Index kBatchColumns = 48;
 constexpr double kAbsorbed = 1e-9;
 // The same where effects are conditioned on one another, which costs digits.
 constexpr double kAbsorbedJointly = 1e-7;
-// Variances of an effect in squares of its usual size, and how likely each is.
-constexpr std::array<double, 5> kVariances{0.01, 0.1, 1.0, 10.0, 100.0};
-constexpr std::array<double, 5> kWeights{0.1, 0.2, 0.4, 0.2, 0.1};
+
+/// Variance of an effect in squares of its usual size.
+double PriorVariance(std::size_t g) {
+  return SizePrior::kTimesUsual[g] * SizePrior::kTimesUsual[g];
+}
 
 void CheckPart(const LinearizedNetwork& linearized, const EffectPart& part, Eigen::Index columns) {
   const int rows = linearized.impl().residual_size(part.factor);
@@ -420,7 +423,7 @@ EvidenceForm::EvidenceForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& typi
   const SymmetricEigen eigen(typical.asDiagonal() * A * typical.asDiagonal());
   W_ = typical.asDiagonal() * eigen.vectors;
   d_ = eigen.values.cwiseMax(0.0);
-  for (std::size_t g = 0; g < kVariances.size(); ++g) log_growth_[g] = LogGrowth(kVariances[g]);
+  for (std::size_t g = 0; g < log_growth_.size(); ++g) log_growth_[g] = LogGrowth(PriorVariance(g));
 }
 
 double EvidenceForm::LogGrowth(double variance) const {
@@ -438,8 +441,9 @@ double EvidenceForm::LogEvidence(const Eigen::VectorXd& s, double variance) cons
 double EvidenceForm::LogEvidence(const Eigen::VectorXd& s) const {
   const Eigen::VectorXd c = W_.transpose() * s;
   LogSum sum;
-  for (std::size_t g = 0; g < kVariances.size(); ++g) {
-    sum.Add(std::log(kWeights[g]) + 0.5 * (Explained(c, kVariances[g]) - log_growth_[g]));
+  for (std::size_t g = 0; g < log_growth_.size(); ++g) {
+    sum.Add(std::log(SizePrior::kProbability[g]) +
+            0.5 * (Explained(c, PriorVariance(g)) - log_growth_[g]));
   }
   return sum.Value();
 }

@@ -74,6 +74,14 @@ TEST(EffectTable, ConvertsToSi) {
   EXPECT_NEAR(si("p2p_range_noise", {0.3})[0], 3e-4, 1e-18);
 }
 
+TEST(EffectTable, TypicalSizesAreThoseOfTheTableInSi) {
+  for (const EffectSpec& effect : EffectTable()) {
+    std::vector<double> typical;
+    for (const EffectComponent& component : effect.components) typical.push_back(component.typical);
+    EXPECT_EQ(TypicalInSi(effect), ValueInSi(effect, typical)) << effect.name;
+  }
+}
+
 TEST(EffectTable, SaysWhatIsWrongWithAValue) {
   EXPECT_EQ(Fault("gnss_lever_arm", {0, 0, -1}), "");
   EXPECT_EQ(Fault("gnss_lever_arm", {0, 1}),

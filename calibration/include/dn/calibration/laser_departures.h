@@ -13,12 +13,19 @@ namespace dn {
 /// More strips than a test of all of them together is good for.
 inline constexpr std::size_t kMostStripsTogether = 24;
 
+struct ScanAngleRange {
+  double low_rad = 0.0, high_rad = 0.0;
+};
+
 /// Ways in which laser vectors may be off that no effect of the table is: what has no name can be
 /// found by them, and is never corrected.
 
+/// The range of the scan angles that occur, widened to nadir; never empty.
+ScanAngleRange ScanAnglesOf(const LidarConfig& lidar, const std::vector<PairEnds>& pairs);
+
 /// The laser vectors are off by a smooth function of the scan angle: Gaussian bumps from one angle to
 /// another, three components (sensor axes, m) each.
-OwnEffect LaserByScanAngle(const LidarConfig& lidar, double first_rad, double last_rad);
+OwnEffect LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& range);
 /// The same over the scan angles of the network's pairs, or of these.
 OwnEffect LaserByScanAngle(const FlightNetwork& network);
 OwnEffect LaserByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& pairs);

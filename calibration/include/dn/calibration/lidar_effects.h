@@ -24,8 +24,8 @@ struct PairEnds {
   PairEnd i, j;
 };
 
-/// What an effect does to these pairs.
-EffectModel ModelOf(const LidarEffect& effect, const std::vector<PairEnds>& pairs);
+/// What an effect of one's own, which is one of the lidar, does to these pairs.
+CandidateEffect OnPairs(const OwnEffect& own, const std::vector<PairEnds>& pairs);
 
 /// The effects of a scanner whose mount stands still. What estimates them is not the adjustment of
 /// these pairs.

@@ -69,4 +69,7 @@ std::optional<std::string> ValueFault(const EffectSpec& effect, const std::vecto
 /// A value in file units, as long as `components`, in SI.
 Eigen::VectorXd ValueInSi(const EffectSpec& effect, const std::vector<double>& value);
 
+/// The size to expect of every component, in SI.
+Eigen::VectorXd TypicalInSi(const EffectSpec& effect);
+
 }  // namespace dn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/network.h>
+#include <dn/size_prior.h>
 #include <dn/solvers/marginals.h>
 
 #include <Eigen/Core>
@@ -81,7 +82,7 @@ JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Ind
 ///
 ///   log sum_g w_g exp( 1/2 sum_i [ v_g c_i^2 / (1 + v_g d_i) - ln(1 + v_g d_i) ] )
 ///
-/// over variances v_g of 0.01 to 100, the weights w_g falling to both sides of 1.
+/// over the variances v_g and the weights w_g of SizePrior.
 class EvidenceForm {
  public:
   /// Of the components W^T s, which have the covariance diag(d) where the effect is absent.
@@ -104,7 +105,7 @@ class EvidenceForm {
 
   Eigen::MatrixXd W_;
   Eigen::VectorXd d_;
-  std::array<double, 5> log_growth_{};  // of the variances v_g
+  std::array<double, SizePrior::kSizes> log_growth_{};  // of the variances v_g
 };
 
 /// L^T R of an effect for residuals R of the network (rows x any number).
