@@ -106,7 +106,7 @@ Section Trajectory(const ResultFolder& folder, const Facts& summary) {
     section.contents.emplace_back(Chart{SeriesChart{quantities[k]["quantity"].text(),
                                                     "time since the first node [s]",
                                                     "NEES / 3",
-                                                    {OnScreen(std::move(curve)), bounds}}});
+                                                    {OnScreen(curve), bounds}}});
   }
   return section;
 }

@@ -70,7 +70,7 @@ SeriesChart WithBands(const std::string& title, const std::string& y_label, cons
       curve.low.push_back(curve.y[row] - half);
       curve.high.push_back(curve.y[row] + half);
     }
-    chart.curves.push_back(OnScreen(std::move(curve)));
+    chart.curves.push_back(OnScreen(curve));
   }
   return chart;
 }
