@@ -58,21 +58,20 @@ void WriteAll(int fd, std::string_view text) {
   }
 }
 
-bool RemoveContent(int directory, int depth);
+void RemoveContent(int directory, int depth);
 
 bool RemoveEntry(int directory, const char* name, int depth) {
   if (::unlinkat(directory, name, 0) == 0) return true;
   if (errno != EISDIR || depth == 0) return false;
   const int below = ::openat(directory, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (below < 0) return false;
-  while (RemoveContent(below, depth - 1)) {
-  }
+  RemoveContent(below, depth - 1);
   ::close(below);
   return ::unlinkat(directory, name, AT_REMOVEDIR) == 0;
 }
 
 /// True when something was removed: there may be more.
-bool RemoveContent(int directory, int depth) {
+bool RemoveSome(int directory, int depth) {
   alignas(dirent64) std::array<char, 4096> buffer;
   bool removed = false;
   ::lseek(directory, 0, SEEK_SET);
@@ -89,14 +88,18 @@ bool RemoveContent(int directory, int depth) {
   return removed;
 }
 
+void RemoveContent(int directory, int depth) {
+  while (RemoveSome(directory, depth)) {
+  }
+}
+
 constexpr int kStagedLevels = 3;  // ".replaced/lidar/1_2.txt"
 constexpr int kAttempts = 1000;
 
 /// Another thread may stage a file at any time until the directory is gone.
 void RemoveStaging(int directory, const char* name, int staging) {
   for (int i = 0; i < kAttempts; ++i) {
-    while (RemoveContent(staging, kStagedLevels)) {
-    }
+    RemoveContent(staging, kStagedLevels);
     if (::unlinkat(directory, name, AT_REMOVEDIR) == 0 || errno != ENOTEMPTY) return;
   }
 }
@@ -107,8 +110,7 @@ void LeaveReportOnly(const ForcedEnd& end) {
   const int staging =
       ::openat(directory, end.staging.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (staging < 0) return;
-  while (RemoveContent(staging, kStagedLevels)) {
-  }
+  RemoveContent(staging, kStagedLevels);
   const int report =
       ::openat(staging, "report.json", O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (report >= 0) {

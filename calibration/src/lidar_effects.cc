@@ -28,6 +28,12 @@ MatrixXd ByReading(const LidarEffect& effect, const PairEnd& end) {
   return end.J_r_u * reading.J_u + end.J_r_turn * reading.J_turn + end.J_r_t * reading.J_delay;
 }
 
+EndModel EndModelOf(const EffectAction& action) {
+  return [effect = std::get<std::shared_ptr<const LidarEffect>>(action)](const PairEnd& e) {
+    return ByReading(*effect, e);
+  };
+}
+
 EndModel EndModelOf(const EstimableEffect& effect, const Flight& flight) {
   if (effect.make == nullptr) {
     const bool lever_arm = std::string(effect.name) == "lidar_lever_arm";
@@ -36,10 +42,7 @@ EndModel EndModelOf(const EstimableEffect& effect, const Flight& flight) {
       return e.J_r_t;
     };
   }
-  const EffectAction action = effect.make({flight});
-  return [effect = std::get<std::shared_ptr<const LidarEffect>>(action)](const PairEnd& e) {
-    return ByReading(*effect, e);
-  };
+  return EndModelOf(effect.make({flight}));
 }
 
 }  // namespace
@@ -48,9 +51,15 @@ CandidateEffect OnPairs(const OwnEffect& own, const std::vector<PairEnds>& pairs
   CandidateEffect effect;
   effect.name = own.name;
   effect.typical = own.typical;
-  const LidarEffect& action = *std::get<std::shared_ptr<const LidarEffect>>(own.action);
-  effect.model = ModelOf(pairs, [&](const PairEnd& end) { return ByReading(action, end); });
+  effect.model = ModelOf(pairs, EndModelOf(own.action));
   return effect;
+}
+
+CandidateEffect OnPairs(const EstimableEffect& effect, const Flight& flight,
+                        const std::vector<PairEnds>& pairs) {
+  CandidateEffect candidate = DescribeEffect(effect);
+  candidate.model = ModelOf(pairs, EndModelOf(effect, flight));
+  return candidate;
 }
 
 std::vector<CandidateEffect> EffectsOfScanner(const Flight& flight,
@@ -60,10 +69,8 @@ std::vector<CandidateEffect> EffectsOfScanner(const Flight& flight,
     const EffectSpec& spec = *FindEffect(effect.name);
     const bool of_mount = std::string(effect.name).starts_with("boresight");
     if (spec.sensor != EffectSensor::kLidar || of_mount) continue;
-    CandidateEffect candidate = DescribeEffect(effect);
-    candidate.remedy += " with the dynamic network";
-    candidate.model = ModelOf(pairs, EndModelOf(effect, flight));
-    effects.push_back(std::move(candidate));
+    effects.push_back(OnPairs(effect, flight, pairs));
+    effects.back().remedy += " with the dynamic network";
   }
   return effects;
 }

@@ -34,7 +34,7 @@ class GaussHelmertLibraryMaker {
   GaussHelmertLibrary Run() {
     for (CandidateEffect& effect : EffectsOfScanner(flight_, pairs_.ends))
       AddFixed(std::move(effect));
-    AddDrift();
+    AddFixed(OnPairs(*FindEstimable("boresight_drift"), flight_, pairs_.ends));
     AddBoresightByCell();
     AddBoresightShapes();
     AddGeneric(LaserByScanAngle(lidar_, scan_angles_));
@@ -68,13 +68,6 @@ class GaussHelmertLibraryMaker {
     Candidate candidate = Describe(effect, 0);
     candidate.block = AddBlock(std::move(effect));
     out_.library.candidates.push_back(std::move(candidate));
-  }
-
-  void AddDrift() {
-    const EstimableEffect& drift = *FindEstimable("boresight_drift");
-    CandidateEffect effect = DescribeEffect(drift);
-    effect.model = OnPairs({drift.name, drift.make({flight_}), effect.typical}, pairs_.ends).model;
-    AddFixed(std::move(effect));
   }
 
   std::size_t AddOwn(const OwnEffect& own) { return AddBlock(OnPairs(own, pairs_.ends)); }

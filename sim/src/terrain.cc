@@ -177,44 +177,46 @@ double Terrain::Surface(const Vector2d& en_m) const {
   return std::max(Ground(en_m), Objects(*this).Top(en_m));
 }
 
-/// A range up to which the ray meets nothing: no slope of the relief outruns it.
-double Terrain::ClearUpTo(const Vector3d& origin_m, const Vector3d& direction,
-                          double range_m) const {
-  const Vector3d point = origin_m + range_m * direction;
-  double top_m = Relief(point.head<2>()) + above_relief_m_;
-  if (water_m_) top_m = std::max(top_m, *water_m_);
-  const double nearing = -direction.z() + relief_slope_bound_ * direction.head<2>().norm();
-  return range_m + (point.z() - top_m - kSurelyClear_m) / nearing;
-}
-
 /// The surface below a ray: what is found of it at one range serves the next ones.
 class Terrain::AlongRay {
  public:
   AlongRay(const Terrain& terrain, const Vector3d& origin_m, const Vector3d& direction)
-      : terrain_(terrain), origin_m_(origin_m), direction_(direction), objects_(terrain) {
-    const double slope = terrain.relief_slope_bound_ + terrain.roughness_.slope_bound();
-    nearing_ = -direction.z() + slope * direction.head<2>().norm();
+      : terrain_(terrain), origin_m_(origin_m), direction_(direction), objects_(terrain) {}
+
+  /// A range up to which the ray meets nothing: no slope of the relief outruns it.
+  double ClearUpTo(double range_m) const {
+    const Vector3d point_m = At(range_m);
+    double top_m = terrain_.Relief(point_m.head<2>()) + terrain_.above_relief_m_;
+    if (terrain_.water_m_) top_m = std::max(top_m, *terrain_.water_m_);
+    return range_m + (point_m.z() - top_m - kSurelyClear_m) / Nearing(terrain_.relief_slope_bound_);
   }
 
   /// Whether the ray is above the surface.
   bool IsAbove(double range_m) {
-    const Vector3d point_m = origin_m_ + range_m * direction_;
+    const Vector3d point_m = At(range_m);
     return IsAboveGround(range_m, point_m) && point_m.z() > objects_.Top(point_m.head<2>());
   }
 
  private:
+  Vector3d At(double range_m) const { return origin_m_ + range_m * direction_; }
+
+  /// To a surface of this slope, per range, at most.
+  double Nearing(double slope) const {
+    return -direction_.z() + slope * direction_.head<2>().norm();
+  }
+
   bool IsAboveGround(double range_m, const Vector3d& point_m) {
     if (range_m >= above_from_m_ && range_m <= above_to_m_) return true;
     const double above_m = point_m.z() - terrain_.Ground(point_m.head<2>());
     above_from_m_ = range_m;
-    above_to_m_ = range_m + (above_m - kSurelyClear_m) / nearing_;
+    above_to_m_ = range_m + (above_m - kSurelyClear_m) / Nearing(ground_slope_);
     return above_m > 0.0;
   }
 
   const Terrain& terrain_;
   const Vector3d origin_m_;
   const Vector3d direction_;
-  double nearing_ = 0.0;                           // to the ground, per range, at most
+  const double ground_slope_ = terrain_.relief_slope_bound_ + terrain_.roughness_.slope_bound();
   double above_from_m_ = 0.0, above_to_m_ = -1.0;  // ranges between which no ground is met
   Objects objects_;
 };
@@ -229,7 +231,7 @@ std::optional<double> Terrain::Intersect(const Vector3d& origin_m, const Vector3
   bool far = true;
   while (above_m < max_range_m) {
     if (far) {
-      const double clear_m = std::min(ClearUpTo(origin_m, direction, above_m), max_range_m);
+      const double clear_m = std::min(ray.ClearUpTo(above_m), max_range_m);
       far = above_m + kRayStep_m < clear_m;
       above_m = StepsBelow(clear_m, above_m);
     }

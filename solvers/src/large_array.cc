@@ -26,6 +26,12 @@ void AskForHugePages([[maybe_unused]] double* array, [[maybe_unused]] std::size_
 #endif
 }
 
+/// The next of sizes that lie a quarter to a seventh apart: what is a little larger fits, too.
+std::size_t Rounded(std::size_t size) {
+  const std::size_t step = std::bit_floor(size) / 4;
+  return (size + step - 1) / step * step;
+}
+
 }  // namespace
 
 std::unique_ptr<double[]> NewArray(std::size_t size) {
@@ -43,16 +49,6 @@ std::unique_ptr<double[], FreeZeros> NewZeros(std::size_t size) {
   AskForHugePages(array.get(), size);
   return array;
 }
-
-namespace {
-
-/// The next of sizes that lie a quarter to a seventh apart: what is a little larger fits, too.
-std::size_t Rounded(std::size_t size) {
-  const std::size_t step = std::bit_floor(size) / 4;
-  return (size + step - 1) / step * step;
-}
-
-}  // namespace
 
 void BackToPool::operator()(double* array) const noexcept {
   std::unique_ptr<double[]> returned(array);

@@ -6,7 +6,6 @@
 #include <dn/symmetric_eigen.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <span>

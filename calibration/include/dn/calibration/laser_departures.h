@@ -17,11 +17,11 @@ struct ScanAngleRange {
   double low_rad = 0.0, high_rad = 0.0;
 };
 
-/// Ways in which laser vectors may be off that no effect of the table is: what has no name can be
-/// found by them, and is never corrected.
-
 /// The range of the scan angles that occur, widened to nadir; never empty.
 ScanAngleRange ScanAnglesOf(const LidarConfig& lidar, const std::vector<PairEnds>& pairs);
+
+/// Ways in which laser vectors may be off that no effect of the table is: what has no name can be
+/// found by them, and is never corrected.
 
 /// The laser vectors are off by a smooth function of the scan angle: Gaussian bumps from one angle to
 /// another, three components (sensor axes, m) each.

@@ -24,7 +24,9 @@ struct PairEnds {
   PairEnd i, j;
 };
 
-/// What an effect of one's own, which is one of the lidar, does to these pairs.
+/// What an effect of the lidar, of the estimator's or one's own, does to these pairs.
+CandidateEffect OnPairs(const EstimableEffect& effect, const Flight& flight,
+                        const std::vector<PairEnds>& pairs);
 CandidateEffect OnPairs(const OwnEffect& own, const std::vector<PairEnds>& pairs);
 
 /// The effects of a scanner whose mount stands still. What estimates them is not the adjustment of

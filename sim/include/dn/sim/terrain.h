@@ -52,8 +52,6 @@ class Terrain {
   double Relief(const Eigen::Vector2d& en_m) const;  // without roughness and water
   double DryGround(const Eigen::Vector2d& en_m) const { return Relief(en_m) + roughness_.At(en_m); }
   double WaterLevel() const;
-  double ClearUpTo(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
-                   double range_m) const;
   std::optional<Building> BuildingIn(const Eigen::Vector2i& cell) const;
   std::optional<Tree> TreeIn(const Eigen::Vector2i& cell) const;
   bool BuiltUp(const Eigen::Vector2d& en_m) const;
