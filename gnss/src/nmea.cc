@@ -15,7 +15,8 @@
 namespace dn::internal {
 namespace {
 
-/// The fields of "$GPGGA,...*hh" without the '$' and the checksum; none where that is wrong.
+/// Returns the fields of "$GPGGA,...*hh" without '$' and checksum. The result is empty for a line
+/// that is not a sentence or has a wrong checksum.
 std::vector<std::string_view> FieldsOf(std::string_view line) {
   while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
   if (line.empty() || line.front() != '$') return {};
@@ -42,7 +43,7 @@ bool IsSentence(const std::vector<std::string_view>& fields, std::string_view ty
   return fields.size() >= least && fields[0].size() == 5 && fields[0].substr(2) == type;
 }
 
-/// Two digits of a field from a place on; -1 where there are none.
+/// Parses two digits of a field from position `at` on; returns -1 if they are not digits.
 int TwoDigits(std::string_view field, std::size_t at) {
   int value = -1;
   if (field.size() < at + 2) return -1;
@@ -51,7 +52,7 @@ int TwoDigits(std::string_view field, std::size_t at) {
   return error == std::errc() && parsed == end ? value : -1;
 }
 
-/// Seconds of the day of "hhmmss.ss".
+/// Parses "hhmmss.ss" and returns the seconds of the day.
 double TimeOfDay(std::string_view field, const FileLocation& where) {
   const int hour = TwoDigits(field, 0), minute = TwoDigits(field, 2);
   if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || field.size() < 6) {
@@ -64,7 +65,7 @@ double TimeOfDay(std::string_view field, const FileLocation& where) {
   return 3600.0 * hour + 60.0 * minute + second;
 }
 
-/// Degrees of "dddmm.mmmm" and its hemisphere.
+/// Converts "dddmm.mmmm" to degrees, negative for the hemispheres S and W.
 double Degrees(std::string_view field, std::string_view hemisphere, const FileLocation& where) {
   const double value = ParseNumber(field, where);
   const double degrees = std::floor(value / 100.0);
@@ -72,9 +73,9 @@ double Degrees(std::string_view field, std::string_view hemisphere, const FileLo
   return hemisphere == "S" || hemisphere == "W" ? -angle : angle;
 }
 
-/// The beginning of a day, UTC as if it were GPS time.
+/// Beginning of a UTC day, written as if it were GPS time.
 struct Day {
-  double t_s;  ///< since the GPS epoch
+  double t_s;  ///< seconds since the GPS epoch
 };
 
 Day DayOf(int year, int month, int day, const FileLocation& where) {
@@ -86,7 +87,7 @@ Day DayOf(int year, int month, int day, const FileLocation& where) {
   }
 }
 
-/// The date and time of day that a sentence states, if it does.
+/// Date and time of day of one sentence, UTC.
 struct Stamp {
   Day day;
   double time_of_day_s;
@@ -115,7 +116,7 @@ struct Fix {
   long line;
 };
 
-/// Whether a GGA sentence has a position at all.
+/// Returns true if a GGA sentence contains a position.
 bool HasFix(const std::vector<std::string_view>& gga) {
   return !gga[2].empty() && !gga[4].empty() && !gga[6].empty() && gga[6] != "0" && !gga[9].empty();
 }
@@ -132,8 +133,8 @@ Fix FixOf(const std::vector<std::string_view>& gga, const FileLocation& where) {
   return fix;
 }
 
-/// The beginning of the day that brings a time of day nearest to a known time: a file may cross
-/// midnight.
+/// Returns the beginning of the day that puts `time_of_day_s` closest to `known_s`. The day differs
+/// from `day_s` where a file crosses midnight.
 double NearestDay(double day_s, double known_s, double time_of_day_s) {
   return day_s + kDayS * std::round((known_s - day_s - time_of_day_s) / kDayS);
 }
@@ -188,7 +189,7 @@ GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
   }
   if (fixes.empty()) throw InvalidInput("no GGA sentence with a position", {file.string(), 0, 0});
   if (!stamp) {
-    throw InvalidInput("no RMC or ZDA sentence tells the date of the GGA sentences",
+    throw InvalidInput("no RMC or ZDA sentence gives the date of the GGA sentences",
                        {file.string(), 0, 0});
   }
   GnssData data = DataOf(fixes, *stamp, time_offset_s, file);
