@@ -119,7 +119,7 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
               HasSubstr("perpendicular"));
   EXPECT_THAT(Fault(Replace(kGood, "imu: {preset: airins}", "imu: {rate_hz: 200}")),
               HasSubstr("imu.preset"));
-  EXPECT_THAT(Fault(kGood + "pairs: {count: 2.5}\n"), HasSubstr("whole number"));
+  EXPECT_THAT(Fault(kGood + "pairs: {count: 2.5}\n"), HasSubstr("an integer"));
   EXPECT_THAT(Fault(kGood + "strips: 3\n"), HasSubstr("strips"));
   EXPECT_THAT(Fault(kGood + "terrain: {relief_m: 10, water_share: 0.95}\n"),
               HasSubstr("terrain.water_share: must be at most 0.9"));
