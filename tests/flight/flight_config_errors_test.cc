@@ -153,7 +153,7 @@ TEST(FlightConfigErrors, LidarNeedsItsNoise) { ExpectBad("lidar: {}\n", "one of 
 
 TEST(FlightConfigErrors, MountingMatrixIsNoRotation) {
   ExpectBad("lidar:\n  gsd_m: 1\n  R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1.1]]\n",
-            "lidar.R_sensor_to_body: matrix is no rotation", 3);
+            "lidar.R_sensor_to_body: matrix is not a rotation", 3);
   ExpectBad("lidar:\n  gsd_m: 1\n  R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n",
             "reflection", 3);
 }

@@ -35,7 +35,7 @@ LasRecord GeoKeys(const std::vector<std::array<std::uint16_t, 4>>& keys) {
   return record;
 }
 
-TEST(LasCrs, NothingIsSaid) {
+TEST(LasCrs, FileWithoutSystem) {
   const StripCrs crs = CrsOf({});
   EXPECT_FALSE(crs.epsg);
   EXPECT_EQ(crs.text, "");
@@ -64,12 +64,12 @@ TEST(LasCrs, GeoTiffKeys) {
 TEST(LasCrs, BrokenGeoTiffKeys) {
   LasRecord keys = GeoKeys({{1024, 0, 1, 1}});
   LasBytes::Put(std::uint16_t{9}, 6, &keys.content);
-  ExpectInvalidIn([&] { CrsOf({keys}); }, "promises 9 keys", "strip.las");
+  ExpectInvalidIn([&] { CrsOf({keys}); }, "announces 9 keys", "strip.las");
   ExpectInvalidIn(
       [&] {
         CrsOf({{"LASF_Projection", kGeoKeys, "x"}});
       },
-      "promises 0 keys", "strip.las");
+      "announces 0 keys", "strip.las");
   EXPECT_EQ(CrsOf({GeoKeys({{1026, kGeoAscii, 60000, 60000}})}).text, "");
 }
 
@@ -98,7 +98,7 @@ TEST(LasCrs, WellKnownTextOf2019) {
   EXPECT_EQ(crs.name, "utm:56s");
 }
 
-TEST(LasCrs, ATitleSaysTheZone) {
+TEST(LasCrs, FindsTheZoneInTheTitle) {
   EXPECT_EQ(CrsOf({Wkt(R"(PROJCS["WGS 84 / UTM zone 11N",UNIT["metre",1]])")}).name, "utm:11n");
   EXPECT_EQ(CrsOf({Wkt(R"(PROJCS["WGS 84 / UTM zone ",UNIT["metre",1]])")}).name, "");
 }
@@ -126,7 +126,8 @@ TEST(LasCrs, BrokenTextIsKept) {
   }
 }
 
-// Within the time limit of a test: every bracket counts the systems around it once.
+// The run time stays within the limit of a test because each bracket counts the enclosing systems
+// only once.
 TEST(LasCrs, DeeplyNestedTextTakesNoTime) {
   std::string text;
   constexpr int kDepth = 80000;
