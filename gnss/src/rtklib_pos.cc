@@ -33,8 +33,8 @@ enum class TimeSystem { kGps, kUtc, kJapan };
 /// Header of a .pos file: time system and names of the columns after the two columns of the time.
 struct Header {
   TimeSystem time_system;
-  std::vector<std::string>
-      columns;  ///< names without unit; latitude or longitude in deg, min, s counts once
+  /// Names without unit; latitude or longitude in deg, min, s counts once.
+  std::vector<std::string> columns;
   bool degrees_minutes_seconds = false;
 
   std::optional<std::size_t> Find(const std::string& name) const {

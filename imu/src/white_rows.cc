@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 constexpr double kWindowS = 1.0;
 constexpr std::size_t kLeastRows = 5;
 
-/// Rows that say something new.
+/// Returns the rows that differ from the row before.
 std::vector<ImuSample> OwnRows(const std::vector<ImuSample>& samples) {
   std::vector<ImuSample> rows;
   for (const ImuSample& sample : samples) {
@@ -24,7 +24,7 @@ std::vector<ImuSample> OwnRows(const std::vector<ImuSample>& samples) {
   return rows;
 }
 
-/// Largest density of an axis over the rows [first, last).
+/// Returns the largest density of the three axes over the rows [first, last).
 double Density(const std::vector<ImuSample>& rows, std::size_t first, std::size_t last,
                Vector3d ImuSample::*value) {
   constexpr double kOfWhiteNoise = 6.0;

@@ -56,8 +56,8 @@ double RawValue(int type, const char* bytes) {
 std::size_t BytesOfType(int type) {
   constexpr std::array<std::size_t, 11> kBytes{0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
   if (type < 1 || type > 30) return 0;
-  const auto values =
-      static_cast<std::size_t>((type - 1) / 10 + 1);  // older versions had pairs and triples
+  // Older versions had pairs and triples.
+  const auto values = static_cast<std::size_t>((type - 1) / 10 + 1);
   return values * kBytes[static_cast<std::size_t>((type - 1) % 10 + 1)];
 }
 

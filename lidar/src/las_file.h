@@ -63,8 +63,8 @@ struct LasFile {
   std::size_t source_at = 0;
   std::vector<Vlr> vlrs;
   std::vector<ExtraDimension> extra;
-  std::size_t described_bytes =
-      0;  ///< record length covered by the standard part and the described extra bytes
+  /// Record length covered by the standard part and the described extra bytes.
+  std::size_t described_bytes = 0;
   StripCrs crs;
 
   std::uint64_t points_begin() const { return head.size(); }

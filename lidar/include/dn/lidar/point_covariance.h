@@ -10,13 +10,13 @@ namespace dn {
 /// each other.
 struct PointErrors {
   Eigen::Matrix3d position_m2 = Eigen::Matrix3d::Zero();  ///< covariance of p_mb, in m axes
-  Eigen::Matrix3d attitude_rad2 =
-      Eigen::Matrix3d::Zero();  ///< covariance of the rotation vector d about b, q Exp(d)
-  Eigen::Matrix3d boresight_rad2 =
-      Eigen::Matrix3d::Zero();  ///< covariance of the left perturbation, about b
+  /// Covariance of the rotation vector d about b, q Exp(d).
+  Eigen::Matrix3d attitude_rad2 = Eigen::Matrix3d::Zero();
+  /// Covariance of the left perturbation, about b.
+  Eigen::Matrix3d boresight_rad2 = Eigen::Matrix3d::Zero();
   double sigma_range_m = 0.0;
-  double sigma_beam_rad =
-      0.0;  ///< direction of the beam, about each of two axes perpendicular to it
+  /// Direction of the beam, about each of two axes perpendicular to it.
+  double sigma_beam_rad = 0.0;
 };
 
 /// Returns the covariance of Georeference(pose, mounting, u_s) in m axes, m^2, to first order:

@@ -14,11 +14,11 @@ struct StripCloud {
   std::vector<Eigen::Vector3d> p_c;  ///< in the coordinate system c of the file, m
   std::vector<double> t_s;           ///< GPS seconds of week
   std::vector<Eigen::Vector3d> u_s;  ///< laser vector in the sensor frame, m
-  std::vector<std::uint16_t>
-      source;  ///< LAS point source id; in many files the number of the flight line
+  /// LAS point source id; in many files the number of the flight line.
+  std::vector<std::uint16_t> source;
   std::vector<std::uint16_t> intensity;
-  std::vector<std::uint8_t>
-      returns_after;  ///< number of later returns of the same pulse; 0: this is the last return
+  /// Number of later returns of the same pulse; 0: this is the last return.
+  std::vector<std::uint8_t> returns_after;
   std::vector<std::uint8_t> classification;  ///< LAS class, such as 2 for ground
   /// Covariance of p_c, m^2.
   std::vector<Eigen::Matrix3d> covariance_c_m2;

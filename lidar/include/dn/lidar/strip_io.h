@@ -16,8 +16,8 @@ struct StripCrs {
   std::string
       text;  ///< name or well-known text of the system; empty: the file does not state a system
   std::string name;  ///< name in strips_crs of flight.yaml: utm:32n, ecef; else empty
-  bool heights_from_geoid =
-      false;  ///< the file names a vertical system: heights are not ellipsoidal
+  /// The file names a vertical system: heights are not ellipsoidal.
+  bool heights_from_geoid = false;
 };
 
 /// Writes points to a file. The file appears under its name only when it is complete.

@@ -12,8 +12,8 @@ namespace dn {
 struct Swath {
   std::string strip;
   std::vector<Eigen::Vector2d> line_en_m;  ///< path of the body
-  std::vector<Eigen::Vector2d>
-      outline_en_m;  ///< polygon; the first corner is not repeated at the end
+  /// Polygon; the first corner is not repeated at the end.
+  std::vector<Eigen::Vector2d> outline_en_m;
 };
 
 /// Computes the outline of the points of a strip. For each second of time it keeps the outermost
