@@ -100,8 +100,8 @@ TEST_P(EveryLasFormat, ReadsClassesWithoutTheirFlags) {
   las.minor = GetParam().minor;
   las.format = GetParam().format;
   las.points[0].classification = 2;
-  las.points[1].classification =
-      las.format >= 6 ? 64 : 6 | 0x80;  // with the flag "withheld" in the old formats
+  // With the flag "withheld" in the old formats.
+  las.points[1].classification = las.format >= 6 ? 64 : 6 | 0x80;
   const TempFile file("strip.las", las.Build());
   EXPECT_EQ(ReadAll(file.path()).classification,
             (std::vector<std::uint8_t>{2, static_cast<std::uint8_t>(las.format >= 6 ? 64 : 6), 0}));

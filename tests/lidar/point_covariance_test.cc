@@ -54,8 +54,8 @@ TEST(LaserVectorTo, IsTheInverseOfGeoreference) {
 TEST(PointCovariance, MatchesHandComputedNadirBeam) {
   Case c;
   c.u_s = Vector3d(0.0, 0.0, 1000.0);
-  c.errors.attitude_rad2 =
-      Vector3d(4e-10, 1e-10, 9e-10).asDiagonal();  // 0.02 m and 0.01 m; yaw has no influence
+  // 0.02 m and 0.01 m; yaw has no influence.
+  c.errors.attitude_rad2 = Vector3d(4e-10, 1e-10, 9e-10).asDiagonal();
   c.errors.sigma_range_m = 0.03;
   c.errors.sigma_beam_rad = 2e-5;
   const Matrix3d C = PointCovariance(c.pose, c.mounting, c.u_s, c.errors);
