@@ -10,7 +10,7 @@ struct ShippedScenario {
   std::string yaml;
 };
 
-/// The scenarios of sim/scenarios, compiled in.
+/// Returns the scenarios of sim/scenarios, which are compiled in.
 const std::vector<ShippedScenario>& ShippedScenarios();
 
 }  // namespace dn

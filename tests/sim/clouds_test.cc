@@ -32,7 +32,7 @@ SimulatedFlight Fly(const Scenario& scenario, bool noise = false) {
   return Simulate(scenario, {.seed = 5, .noise = noise});
 }
 
-/// All points of a strip.
+/// Returns all points of a strip.
 StripCloud PointsOf(const SimulatedFlight& flight, std::size_t strip, int threads = 2) {
   StripCloud all;
   flight.clouds->Run(
@@ -53,7 +53,8 @@ Mounting TrueMounting(const SimulatedFlight& flight) {
   return mounting;
 }
 
-/// How many points lie on the surface, seen along their rays: also where these meet a wall.
+/// Returns the number of points on the surface. They are compared along their rays, so that points
+/// on walls count too.
 std::size_t CountOnSurface(const SimulatedFlight& flight, const StripCloud& points,
                            const std::function<Mounting(double t_s)>& mounting, double late_s = 0) {
   const Terrain terrain(flight.scenario.terrain);
@@ -97,7 +98,7 @@ TEST(Clouds, PointsAreMadeWithTheAssumedMounting) {
   }
 }
 
-/// A flat world under a calm, level flight, with pulses that lie gsd_m apart.
+/// Returns a scenario with flat terrain and a calm, level flight; the pulses are gsd_m apart.
 Scenario FlatScenario(ScanPattern pattern, double gsd_m) {
   constexpr double kFov_rad = 1.0, kSpeed_mps = 40.0, kHeight_m = 200.0;
   Scenario scenario = CloudScenario();
@@ -125,7 +126,7 @@ double DensityNearTrack(const StripCloud& points) {
   return static_cast<double>(count) / (4.0 * kHalf_m * kHalf_m);
 }
 
-/// Mean distance of neighbours in a scan, near the track.
+/// Returns the mean distance of neighbouring points in a scan, near the track.
 double SpacingAcross(const StripCloud& points) {
   double sum_m = 0.0;
   int count = 0;
@@ -138,7 +139,7 @@ double SpacingAcross(const StripCloud& points) {
   return sum_m / count;
 }
 
-TEST(Clouds, ALinesPulsesLieAGsdApartAlongAndAcross) {
+TEST(Clouds, LinePulsesAreOneGsdApartAlongAndAcross) {
   constexpr double kGsd_m = 0.5;
   const StripCloud points = PointsOf(Fly(FlatScenario(ScanPattern::kLine, kGsd_m)), 0);
   EXPECT_NEAR(DensityNearTrack(points) * kGsd_m * kGsd_m, 1.0, 0.05);
@@ -152,7 +153,7 @@ TEST(Clouds, AConeSeesTheGroundTwice) {
   EXPECT_NEAR(SpacingAcross(points), kGsd_m, 0.1 * kGsd_m);
 }
 
-TEST(Clouds, NoiseIsThatOfTheScenario) {
+TEST(Clouds, NoiseMatchesTheScenario) {
   Scenario scenario = FlatScenario(ScanPattern::kLine, 1.0);
   scenario.lidar.sigma_range_m = 0.05;
   scenario.lidar.beam_divergence_rad = 4e-3;
@@ -169,7 +170,7 @@ TEST(Clouds, NoiseIsThatOfTheScenario) {
   EXPECT_NEAR(squares / expected, 1.0, 0.05);
 }
 
-TEST(Clouds, NoiseOfAStripHangsOnNothingButItsName) {
+TEST(Clouds, NoiseOfAStripDependsOnlyOnItsName) {
   Scenario scenario = FlatScenario(ScanPattern::kLine, 1.0);
   const StripCloud before = PointsOf(Fly(scenario, true), 0);
   scenario.pairs.count = 0;
@@ -182,7 +183,7 @@ TEST(Clouds, NoiseOfAStripHangsOnNothingButItsName) {
   }
 }
 
-TEST(Clouds, AreInTheOrderOfTimeAndTheSameForAnyNumberOfThreads) {
+TEST(Clouds, AreSortedByTimeAndIndependentOfThreads) {
   const SimulatedFlight flight = Fly(CloudScenario(), true);
   const testing::TempFolder folder;
   const auto written = [&](const std::string& name, int threads) {
@@ -208,7 +209,7 @@ TEST(Clouds, AreInTheOrderOfTimeAndTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(Clouds, TheLidarEffectsAreInTheVectors) {
+TEST(Clouds, VectorsContainTheLidarEffects) {
   const Scenario scenario = CloudScenario();
   const StripCloud plain = PointsOf(Fly(scenario), 0);
   const StripCloud longer =
@@ -270,7 +271,7 @@ TEST(Clouds, WaterIsAGap) {
   EXPECT_EQ(counts.points + counts.on_water, counts.pulses);
 }
 
-TEST(Clouds, AreMadeOnlyWhereTheScenarioAsks) {
+TEST(Clouds, ExistOnlyIfTheScenarioAsks) {
   Scenario scenario = testing::SmallScenario();
   scenario.pairs.count = 0;
   EXPECT_EQ(Fly(scenario).clouds, nullptr);

@@ -1,4 +1,5 @@
-// The noise of simulated inertial data as their high band shows it: the motion of a flight must not.
+// These tests check the noise of simulated inertial data in their high band. The motion of the
+// flight must not affect it.
 #include <dn/imu/noise_check.h>
 #include <dn/sim/simulate.h>
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@ namespace dn::inertial_noise_test {
 constexpr double kSigmas = 4.0;
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
-/// Survey aircraft (navigation grade) or drone (small sensor), at 100 Hz.
+/// Simulates a survey aircraft (navigation grade) or a drone (small sensor), at 100 Hz.
 SimulatedFlight Fly(const std::string& preset, const std::string& effects, bool noise = true) {
   Scenario scenario = testing::SmallScenario("effects: [" + effects + "]\n");
   scenario.imu.rate_hz = 100.0;
@@ -50,7 +51,7 @@ TEST_P(InertialNoise, IsAsAssumed) {
   EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kAssumed);
 }
 
-TEST_P(InertialNoise, OfAnotherSizeIsMeasured) {
+TEST_P(InertialNoise, MeasuresAnotherLevel) {
   const NoiseCheck check = CheckNoise(BandOf(
       Fly(GetParam(),
           "{effect: gyro_noise_scale, value: 1.1}, {effect: accel_noise_scale, value: 1.5}")));
@@ -59,7 +60,7 @@ TEST_P(InertialNoise, OfAnotherSizeIsMeasured) {
   EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kScale);
 }
 
-TEST_P(InertialNoise, OfAWindowIsFound) {
+TEST_P(InertialNoise, FindsAWindow) {
   const NoiseCheck check = CheckNoise(BandOf(
       Fly(GetParam(), "{effect: imu_vibration, value: [0.1, 0.3], window_s: [381150, 381180]}")));
   ASSERT_TRUE(check.window);
