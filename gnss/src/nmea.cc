@@ -17,7 +17,7 @@ namespace {
 
 /// Returns the fields of "$GPGGA,...*hh" without '$' and checksum. The result is empty for a line
 /// that is not a sentence or has a wrong checksum.
-std::vector<std::string_view> FieldsOf(std::string_view line) {
+std::vector<std::string_view> SplitSentence(std::string_view line) {
   while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
   if (line.empty() || line.front() != '$') return {};
   line.remove_prefix(1);
@@ -78,7 +78,7 @@ struct Day {
   double t_s;  ///< seconds since the GPS epoch
 };
 
-Day DayOf(int year, int month, int day, const FileLocation& where) {
+Day MakeDay(int year, int month, int day, const FileLocation& where) {
   try {
     const GpsTime time = GpsTimeOfCalendar(year, month, day, 0, 0, 0.0);
     return {kWeekS * static_cast<double>(time.week) + time.tow_s};
@@ -93,19 +93,19 @@ struct Stamp {
   double time_of_day_s;
 };
 
-std::optional<Stamp> StampOf(const std::vector<std::string_view>& fields,
-                             const FileLocation& where) {
+std::optional<Stamp> ParseStamp(const std::vector<std::string_view>& fields,
+                                const FileLocation& where) {
   if (IsSentence(fields, "RMC", 10) && fields[9].size() == 6) {
     const int short_year = TwoDigits(fields[9], 4);
     const int year = short_year + (short_year < 80 ? 2000 : 1900);
-    return Stamp{DayOf(year, TwoDigits(fields[9], 2), TwoDigits(fields[9], 0), where),
+    return Stamp{MakeDay(year, TwoDigits(fields[9], 2), TwoDigits(fields[9], 0), where),
                  TimeOfDay(fields[1], where)};
   }
   if (IsSentence(fields, "ZDA", 5) && !fields[4].empty()) {
     const auto number = [&](std::size_t i) {
       return static_cast<int>(std::clamp(ParseNumber(fields[i], where), -1.0, 9999.0));
     };
-    return Stamp{DayOf(number(4), number(3), number(2), where), TimeOfDay(fields[1], where)};
+    return Stamp{MakeDay(number(4), number(3), number(2), where), TimeOfDay(fields[1], where)};
   }
   return std::nullopt;
 }
@@ -121,7 +121,7 @@ bool HasFix(const std::vector<std::string_view>& gga) {
   return !gga[2].empty() && !gga[4].empty() && !gga[6].empty() && gga[6] != "0" && !gga[9].empty();
 }
 
-Fix FixOf(const std::vector<std::string_view>& gga, const FileLocation& where) {
+Fix ParseFix(const std::vector<std::string_view>& gga, const FileLocation& where) {
   Fix fix{};
   fix.time_of_day_s = TimeOfDay(gga[1], where);
   const double separation_m = gga[11].empty() ? 0.0 : ParseNumber(gga[11], where);
@@ -139,8 +139,8 @@ double NearestDay(double day_s, double known_s, double time_of_day_s) {
   return day_s + kDayS * std::round((known_s - day_s - time_of_day_s) / kDayS);
 }
 
-GnssData DataOf(const std::vector<Fix>& fixes, const Stamp& stamp, double time_offset_s,
-                const std::filesystem::path& file) {
+GnssData MakeGnssData(const std::vector<Fix>& fixes, const Stamp& stamp, double time_offset_s,
+                      const std::filesystem::path& file) {
   TextTable table;
   table.file = file;
   table.columns = 4;
@@ -177,12 +177,12 @@ GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
   LineReader lines(file);
   for (std::string_view line; lines.Next(&line);) {
     const FileLocation where{file.string(), lines.line(), 0};
-    const std::vector<std::string_view> fields = FieldsOf(line);
-    if (!stamp) stamp = StampOf(fields, where);
+    const std::vector<std::string_view> fields = SplitSentence(line);
+    if (!stamp) stamp = ParseStamp(fields, where);
     if (fields.empty() && line.find("GGA") != std::string_view::npos) ++unusable;
     if (!IsSentence(fields, "GGA", 12)) continue;
     if (HasFix(fields)) {
-      fixes.push_back(FixOf(fields, where));
+      fixes.push_back(ParseFix(fields, where));
     } else {
       ++unusable;
     }
@@ -192,7 +192,7 @@ GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
     throw InvalidInput("no RMC or ZDA sentence gives the date of the GGA sentences",
                        {file.string(), 0, 0});
   }
-  GnssData data = DataOf(fixes, *stamp, time_offset_s, file);
+  GnssData data = MakeGnssData(fixes, *stamp, time_offset_s, file);
   data.unusable_sentences = unusable;
   return data;
 }

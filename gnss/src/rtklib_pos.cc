@@ -137,8 +137,8 @@ GpsTime ParseTime(std::string_view first, std::string_view second, const FileLoc
 }
 
 GpsTime ToGpsTime(GpsTime time, TimeSystem system) {
-  constexpr double kJapanAheadOfUtcS = 9.0 * 3600.0;
-  if (system == TimeSystem::kJapan) time.tow_s -= kJapanAheadOfUtcS;
+  constexpr double kJapanMinusUtcS = 9.0 * 3600.0;
+  if (system == TimeSystem::kJapan) time.tow_s -= kJapanMinusUtcS;
   if (system != TimeSystem::kGps) time.tow_s += GpsMinusUtcS(time);
   return time;
 }

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kIntervalsOfAGap = 5.0;
+constexpr double kGapIntervals = 5.0;
 constexpr double kShortestGap_s = 0.05;
 constexpr double kTagTolerance_s = 1e-6;
 /// Number of known samples on either side that are interpolated to estimate the error of a bridge.
@@ -93,7 +93,7 @@ void Bridge(std::size_t k, ImuData* imu) {
 double LongestImuInterval(double nominal_dt_s) { return 1.5 * nominal_dt_s + kTagTolerance_s; }
 
 double LongestImuBridge(std::optional<double> max_gap_s, double nominal_dt_s) {
-  return max_gap_s.value_or(std::max(kIntervalsOfAGap * nominal_dt_s, kShortestGap_s)) +
+  return max_gap_s.value_or(std::max(kGapIntervals * nominal_dt_s, kShortestGap_s)) +
          kTagTolerance_s;
 }
 

@@ -167,7 +167,7 @@ std::vector<double> Differences(const ImuData& imu, ImuTriad triad, Eigen::Index
 double Resolution(const ImuData& imu, ImuTriad triad, Eigen::Index axis) {
   /// In medians of the differences: a finer step adds no relevant noise.
   constexpr double kLeastStep = 0.02;
-  constexpr double kNearMultiple = 0.1, kShareOfMultiples = 0.95;
+  constexpr double kNearMultiple = 0.1, kMultiplesShare = 0.95;
   const std::vector<double> differences = Differences(imu, triad, axis);
   if (differences.empty()) return 0.0;
   const double least = kLeastStep * Median(differences);
@@ -179,7 +179,7 @@ double Resolution(const ImuData& imu, ImuTriad triad, Eigen::Index axis) {
     return std::abs(d / step - std::round(d / step)) < kNearMultiple;
   });
   const bool stepped =
-      static_cast<double>(multiples) > kShareOfMultiples * static_cast<double>(differences.size());
+      static_cast<double>(multiples) > kMultiplesShare * static_cast<double>(differences.size());
   return stepped ? step : 0.0;
 }
 

@@ -27,14 +27,14 @@ std::vector<ImuSample> OwnRows(const std::vector<ImuSample>& samples) {
 /// Returns the largest density of the three axes over the rows [first, last).
 double Density(const std::vector<ImuSample>& rows, std::size_t first, std::size_t last,
                Vector3d ImuSample::*value) {
-  constexpr double kOfWhiteNoise = 6.0;
+  constexpr double kWhiteNoiseFactor = 6.0;
   Vector3d sum = Vector3d::Zero();
   for (std::size_t k = first + 2; k < last; ++k) {
     sum += (rows[k].*value - 2.0 * (rows[k - 1].*value) + rows[k - 2].*value).cwiseAbs2();
   }
   const double steps = static_cast<double>(last - first - 1);
   const double dt_s = (rows[last - 1].t_s - rows[first].t_s) / steps;
-  return std::sqrt(sum.maxCoeff() / (kOfWhiteNoise * (steps - 1.0)) * dt_s);
+  return std::sqrt(sum.maxCoeff() / (kWhiteNoiseFactor * (steps - 1.0)) * dt_s);
 }
 
 }  // namespace

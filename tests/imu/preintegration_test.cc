@@ -243,10 +243,11 @@ ImuCorrection WithEffects(const Vector3d& gyro_bias, const Vector3d& accel_bias,
   return {gyro_bias, accel_bias, {{mixed_effect, mixed}, {scale_effect, scale}}};
 }
 
-constexpr double kOfBias = 3e-5;   // second order in the change, and the slope within a sample
-constexpr double kOfScale = 1e-3;  // the coning of 1e-5 rad/s is not differentiated
+constexpr double kBiasTolerance =
+    3e-5;  // second order in the change, and the slope within a sample
+constexpr double kScaleTolerance = 1e-3;  // the coning of 1e-5 rad/s is not differentiated
 // Coning by the vibration that g-sensitivity transfers to the gyro.
-constexpr double kOfForce = 1e-2;
+constexpr double kForceTolerance = 1e-2;
 
 void ExpectPredicted(const Preintegrated& pre, const Preintegrated& moved,
                      const Eigen::Matrix<double, 9, 1>& change, double relative) {
@@ -279,8 +280,8 @@ TEST(Preintegrate, JacobiansPredictIntegrationWithOtherBiases) {
       Eigen::Matrix<double, 9, 1> by_gyro, by_accel;
       by_gyro << pre.J_q_bg * d_bg, pre.J_v_bg * d_bg, pre.J_p_bg * d_bg;
       by_accel << Vector3d::Zero(), pre.J_v_ba * d_ba, pre.J_p_ba * d_ba;
-      ExpectPredicted(pre, integrate(bg + d_bg, ba), by_gyro, kOfBias);
-      ExpectPredicted(pre, integrate(bg, ba + d_ba), by_accel, kOfBias);
+      ExpectPredicted(pre, integrate(bg + d_bg, ba), by_gyro, kBiasTolerance);
+      ExpectPredicted(pre, integrate(bg, ba + d_ba), by_accel, kBiasTolerance);
     }
   }
 }
@@ -303,7 +304,8 @@ TEST(Preintegrate, JacobiansPredictIntegrationWithOtherEffects) {
     const Preintegrated pre = integrate(values);
     ASSERT_EQ(pre.J_effects.cols(), 9);
     for (const auto& [first, relative] :
-         {std::pair{0, kOfForce}, std::pair{3, kOfScale}, std::pair{6, kOfScale}}) {
+         {std::pair{0, kForceTolerance}, std::pair{3, kScaleTolerance},
+          std::pair{6, kScaleTolerance}}) {
       Eigen::VectorXd d = Eigen::VectorXd::Zero(9);
       d.segment<3>(first) = step.segment<3>(first);
       ExpectPredicted(pre, integrate(values + d), pre.J_effects * d, relative);

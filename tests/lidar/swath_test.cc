@@ -36,9 +36,9 @@ SwathOutline StraightStrip(double course_rad, double duration_s) {
   return outline;
 }
 
-class CourseOfSwath : public ::testing::TestWithParam<double> {};
+class SwathCourse : public ::testing::TestWithParam<double> {};
 
-TEST_P(CourseOfSwath, ItsOutlineIsAsWideAsTheStrip) {
+TEST_P(SwathCourse, ItsOutlineIsAsWideAsTheStrip) {
   constexpr double kDuration_s = 200.0;
   const std::vector<Vector2d> corners = StraightStrip(GetParam(), kDuration_s).Corners();
   EXPECT_LE(corners.size(), 120u);
@@ -47,7 +47,7 @@ TEST_P(CourseOfSwath, ItsOutlineIsAsWideAsTheStrip) {
               0.03);  // each end of the strip loses half a stretch of time
 }
 
-INSTANTIATE_TEST_SUITE_P(Courses, CourseOfSwath, ::testing::Values(0.0, 0.3, 1.0, 2.0, 3.14, 5.0));
+INSTANTIATE_TEST_SUITE_P(Courses, SwathCourse, ::testing::Values(0.0, 0.3, 1.0, 2.0, 3.14, 5.0));
 
 TEST(SwathOutline, SurroundsThePointsOfOneSecond) {
   const std::vector<Vector2d> corners = StraightStrip(0.0, 0.9).Corners();

@@ -33,7 +33,7 @@ SimulatedFlight Fly(const Scenario& scenario, bool noise = false) {
 }
 
 /// Returns all points of a strip.
-StripCloud PointsOf(const SimulatedFlight& flight, std::size_t strip, int threads = 2) {
+StripCloud AllPoints(const SimulatedFlight& flight, std::size_t strip, int threads = 2) {
   StripCloud all;
   flight.clouds->Run(
       strip, threads,
@@ -80,7 +80,7 @@ TEST(Clouds, ExactPointsLieOnTheSurface) {
         CloudScenario("effects: [{effect: lidar_lever_arm, value: [0.3, -0.2, 0.1]}]\n");
     scenario.lidar.pattern = pattern;
     const SimulatedFlight flight = Fly(scenario);
-    const StripCloud points = PointsOf(flight, 2);
+    const StripCloud points = AllPoints(flight, 2);
     EXPECT_GT(points.size(), 30000u);
     EXPECT_EQ(CountOnSurface(flight, points, [&](double) { return TrueMounting(flight); }),
               points.size());
@@ -89,7 +89,7 @@ TEST(Clouds, ExactPointsLieOnTheSurface) {
 
 TEST(Clouds, PointsAreMadeWithTheAssumedMounting) {
   const SimulatedFlight flight = Fly(CloudScenario());
-  const StripCloud points = PointsOf(flight, 0);
+  const StripCloud points = AllPoints(flight, 0);
   const Mounting assumed = flight.flight.config.lidar->mounting;
   EXPECT_EQ(assumed.boresight_rad, Vector3d::Zero());
   for (std::size_t i = 0; i < points.size(); i += 100) {
@@ -141,14 +141,14 @@ double SpacingAcross(const StripCloud& points) {
 
 TEST(Clouds, LinePulsesAreOneGsdApartAlongAndAcross) {
   constexpr double kGsd_m = 0.5;
-  const StripCloud points = PointsOf(Fly(FlatScenario(ScanPattern::kLine, kGsd_m)), 0);
+  const StripCloud points = AllPoints(Fly(FlatScenario(ScanPattern::kLine, kGsd_m)), 0);
   EXPECT_NEAR(DensityNearTrack(points) * kGsd_m * kGsd_m, 1.0, 0.05);
   EXPECT_NEAR(SpacingAcross(points), kGsd_m, 0.05 * kGsd_m);
 }
 
 TEST(Clouds, AConeSeesTheGroundTwice) {
   constexpr double kGsd_m = 0.5;
-  const StripCloud points = PointsOf(Fly(FlatScenario(ScanPattern::kCone, kGsd_m)), 0);
+  const StripCloud points = AllPoints(Fly(FlatScenario(ScanPattern::kCone, kGsd_m)), 0);
   EXPECT_NEAR(DensityNearTrack(points) * kGsd_m * kGsd_m, 2.0, 0.1);
   EXPECT_NEAR(SpacingAcross(points), kGsd_m, 0.1 * kGsd_m);
 }
@@ -158,7 +158,7 @@ TEST(Clouds, NoiseMatchesTheScenario) {
   scenario.lidar.sigma_range_m = 0.05;
   scenario.lidar.beam_divergence_rad = 4e-3;
   const SimulatedFlight flight = Fly(scenario, true);
-  const StripCloud points = PointsOf(flight, 0);
+  const StripCloud points = AllPoints(flight, 0);
   double squares = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector3d u_s = points.u_s[i];
@@ -172,11 +172,11 @@ TEST(Clouds, NoiseMatchesTheScenario) {
 
 TEST(Clouds, NoiseOfAStripDependsOnlyOnItsName) {
   Scenario scenario = FlatScenario(ScanPattern::kLine, 1.0);
-  const StripCloud before = PointsOf(Fly(scenario, true), 0);
+  const StripCloud before = AllPoints(Fly(scenario, true), 0);
   scenario.pairs.count = 0;
   scenario.gnss.rate_hz = 5.0;
   scenario.plan.lines.push_back({{150.0, 50.0}, {-150.0, 50.0}, 200.0, 40.0});
-  const StripCloud after = PointsOf(Fly(scenario, true), 0);
+  const StripCloud after = AllPoints(Fly(scenario, true), 0);
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < before.size(); i += 50) {
     EXPECT_LT((after.u_s[i] - before.u_s[i]).norm(), kOnSurface_m);
@@ -194,7 +194,7 @@ TEST(Clouds, AreSortedByTimeAndIndependentOfThreads) {
   const std::string one = written("one.las", 1);
   EXPECT_EQ(one, written("two.las", 2));
 
-  const StripCloud points = PointsOf(flight, 1);
+  const StripCloud points = AllPoints(flight, 1);
   EXPECT_TRUE(std::is_sorted(points.t_s.begin(), points.t_s.end()));
   const auto reader = OpenStrip(folder.path() / "one.las");
   ASSERT_EQ(reader->points(), points.size());
@@ -211,12 +211,12 @@ TEST(Clouds, AreSortedByTimeAndIndependentOfThreads) {
 
 TEST(Clouds, VectorsContainTheLidarEffects) {
   const Scenario scenario = CloudScenario();
-  const StripCloud plain = PointsOf(Fly(scenario), 0);
+  const StripCloud plain = AllPoints(Fly(scenario), 0);
   const StripCloud longer =
-      PointsOf(Fly(CloudScenario("effects: [{effect: lidar_range_offset, value: 0.25}]\n")), 0);
+      AllPoints(Fly(CloudScenario("effects: [{effect: lidar_range_offset, value: 0.25}]\n")), 0);
   const SimulatedFlight late_flight =
       Fly(CloudScenario("effects: [{effect: lidar_time_offset, value: 0.01}]\n"));
-  const StripCloud late = PointsOf(late_flight, 0);
+  const StripCloud late = AllPoints(late_flight, 0);
   ASSERT_EQ(longer.size(), plain.size());
   ASSERT_EQ(late.size(), plain.size());
   for (std::size_t i = 0; i < plain.size(); i += 100) {
@@ -239,7 +239,7 @@ TEST(Clouds, ABoresightStepTurnsTheBeams) {
                                    std::to_string(step_at_s) + "}]\n")
                          .effects;
   const SimulatedFlight flight = Fly(scenario);
-  const StripCloud points = PointsOf(flight, 0);
+  const StripCloud points = AllPoints(flight, 0);
   const Mounting before = TrueMounting(flight);
   Mounting after = before;
   after.boresight_rad.x() += 0.5 * kRadPerDeg;

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
-std::string TextOf(const std::filesystem::path& file) {
+std::string ReadFileText(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
@@ -222,7 +222,7 @@ TEST(WriteFlight, TruthIsInTruthYamlOnly) {
   EXPECT_EQ(truth["effects"][1]["effect"].as<std::string>(), "gyro_scale_factor");
   EXPECT_EQ(truth["effects"][1]["value"][1].as<double>(), -200.0);
   EXPECT_EQ(truth["effects"][2]["value"].as<double>(), 0.001);
-  const std::string assumed = TextOf(path / "flight.yaml");
+  const std::string assumed = ReadFileText(path / "flight.yaml");
   EXPECT_THAT(assumed, ::testing::Not(::testing::HasSubstr("effect")));
   EXPECT_THAT(assumed, ::testing::Not(::testing::HasSubstr("1.2")));
 }

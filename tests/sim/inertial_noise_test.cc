@@ -26,14 +26,14 @@ SimulatedFlight Fly(const std::string& preset, const std::string& effects, bool 
   return Simulate(scenario, options);
 }
 
-HighBand BandOf(const SimulatedFlight& flight) {
+HighBand MeasureBand(const SimulatedFlight& flight) {
   return MeasureHighBand(*flight.flight.imu, flight.scenario.imu.model);
 }
 
 class InertialNoise : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(InertialNoise, MotionDoesNotShow) {
-  const HighBand band = BandOf(Fly(GetParam(), "", false));
+  const HighBand band = MeasureBand(Fly(GetParam(), "", false));
   for (const ImuTriad triad : {kGyroTriad, kAccelTriad}) {
     BandEnergy sum;
     for (const HighBandWindow& window : band.windows) sum += window.Of(triad);
@@ -42,7 +42,7 @@ TEST_P(InertialNoise, MotionDoesNotShow) {
 }
 
 TEST_P(InertialNoise, IsAsAssumed) {
-  const NoiseCheck check = CheckNoise(BandOf(Fly(GetParam(), "")));
+  const NoiseCheck check = CheckNoise(MeasureBand(Fly(GetParam(), "")));
   for (const auto& level : check.level) {
     ASSERT_TRUE(level);
     EXPECT_NEAR(level->ratio, 1.0, kSigmas * level->sigma);
@@ -52,7 +52,7 @@ TEST_P(InertialNoise, IsAsAssumed) {
 }
 
 TEST_P(InertialNoise, MeasuresAnotherLevel) {
-  const NoiseCheck check = CheckNoise(BandOf(
+  const NoiseCheck check = CheckNoise(MeasureBand(
       Fly(GetParam(),
           "{effect: gyro_noise_scale, value: 1.1}, {effect: accel_noise_scale, value: 1.5}")));
   EXPECT_NEAR(check.level[kGyroTriad]->ratio, 1.1, kSigmas * check.level[kGyroTriad]->sigma);
@@ -61,7 +61,7 @@ TEST_P(InertialNoise, MeasuresAnotherLevel) {
 }
 
 TEST_P(InertialNoise, FindsAWindow) {
-  const NoiseCheck check = CheckNoise(BandOf(
+  const NoiseCheck check = CheckNoise(MeasureBand(
       Fly(GetParam(), "{effect: imu_vibration, value: [0.1, 0.3], window_s: [381150, 381180]}")));
   ASSERT_TRUE(check.window);
   const NoiseWindow& window = *check.window;

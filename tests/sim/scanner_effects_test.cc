@@ -55,7 +55,7 @@ Belief Assumed(const SimulatedFlight& flight) {
   return {[boresight_rad = flight.boresight_rad](double) { return boresight_rad; }};
 }
 
-double MiddleOfPairs(const SimulatedFlight& flight) {
+double PairsMiddle(const SimulatedFlight& flight) {
   double first_s = 1e300, last_s = 0.0;
   for (const LidarPair& pair : flight.flight.pairs->pairs) {
     first_s = std::min({first_s, pair.t_i_s, pair.t_j_s});
@@ -72,7 +72,7 @@ TEST(ScannerEffects, WithoutAnyThePairsMeet) {
 TEST(ScannerEffects, BoresightDriftsAboutTheMiddleOfThePairs) {
   const SimulatedFlight flight = Exact("{effect: boresight_drift, value: [3, -2, 1]}");
   const Vector3d rate_radps = kRadPerDegree / 3600.0 * Vector3d(3.0, -2.0, 1.0);
-  const double middle_s = MiddleOfPairs(flight);
+  const double middle_s = PairsMiddle(flight);
   Belief belief;
   belief.boresight_rad = [&](double t_s) {
     return Vector3d(flight.boresight_rad + rate_radps * (t_s - middle_s));
