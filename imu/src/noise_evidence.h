@@ -25,8 +25,10 @@ class NoiseLevels {
  public:
   explicit NoiseLevels(double rounding) : rounding_(rounding) {}
 
+  /// Returns the ratio of the actual to the assumed sigma.
   double Ratio(const BandEnergy& energy) const;
   double Sigma(const BandEnergy& energy) const;  ///< standard deviation of the ratio
+  /// Returns the level with its uncertainty and likelihood.
   LogLevel Of(const BandEnergy& energy) const;
 
  private:

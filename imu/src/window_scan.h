@@ -46,11 +46,13 @@ class WindowScan {
   WindowScan(const HighBand& band, const NoiseCheckOptions& options,
              const std::vector<RunningSums>& sums, bool with_scale, std::size_t group);
 
+  /// Returns the log evidence, averaged over all windows.
   double Evidence() const;
   /// Returns the most likely window; nullopt if no window has additional noise.
   std::optional<NoiseWindow> Likeliest() const;
 
  private:
+  /// Evidence and energies of one window.
   struct Case {
     double evidence = 0.0;
     double log_likelihood = 0.0;
@@ -58,6 +60,7 @@ class WindowScan {
     std::array<double, kImuTriads> base{1.0, 1.0};
   };
 
+  /// Sum over the windows evaluated so far, with the most likely one.
   struct Seen {
     LogSum sum;
     double weight = 0.0;
@@ -68,14 +71,20 @@ class WindowScan {
   bool IsUsable(ImuTriad triad) const { return sums_[triad].All().dof > 0.0; }
   /// Returns nullopt if too little data outside the window are left to estimate a level.
   std::optional<Case> CaseOf(const CellSpan& span) const;
+  // Adds the noise outside the window to the case. Returns false if too little data are outside.
   bool AddOutside(const CellSpan& span, ImuTriad triad, Case* one) const;
+  // Adds one case to the sum.
   static void See(const CellSpan& span, const Case& one, double weight, Seen* seen);
+  // Evaluates the windows of the coarse grid, then all windows near the most likely one.
   void SeeAll();
+  // Evaluates all windows near `about`.
   void SeeNear(const CellSpan& about);
+  // Returns the cells near an edge.
   std::vector<std::size_t> Around(std::size_t edge) const;
   /// Returns the case without its first and last cell, which the noise of a window may cover only
   /// in part.
   Case WithoutEnds(const CellSpan& span, const Case& one) const;
+  // Sets the sigma of the window for one triad.
   void AddTriad(const Case& one, ImuTriad triad, NoiseWindow* window) const;
 
   const HighBand& band_;

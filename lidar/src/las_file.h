@@ -69,7 +69,9 @@ struct LasFile {
 
   std::uint64_t points_begin() const { return head.size(); }
   std::uint64_t points_end() const { return head.size() + points * record_bytes; }
+  /// Returns the extra attribute of this name; nullptr if the file has no such attribute.
   const ExtraDimension* Find(std::string_view name) const;
+  /// Returns the content of a variable length record.
   std::string_view Content(const Vlr& vlr) const {
     return std::string_view(head).substr(vlr.at + las::kVlrHeaderBytes, vlr.bytes);
   }

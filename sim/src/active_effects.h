@@ -26,6 +26,7 @@ struct LidarSpan {
   double middle_s() const { return 0.5 * (first_s + last_s); }
 };
 
+/// Returns the span from the first to the last epoch.
 LidarSpan SpanOf(const std::vector<StripInterval>& strips);
 LidarSpan SpanOf(const std::vector<LidarPair>& pairs);
 

@@ -14,6 +14,7 @@
 
 namespace dn {
 
+/// Simulated inertial data with their true values.
 struct SimulatedImu {
   ImuData data;
   std::vector<Eigen::Vector3d> gyro_bias_radps;  ///< for every sample, mean over its interval
@@ -22,6 +23,7 @@ struct SimulatedImu {
   std::vector<NavPoint> reference;
 };
 
+/// Options of SimulateImu.
 struct ImuSimulation {
   std::uint64_t seed = 1;
   bool noise = true;

@@ -15,6 +15,7 @@
 
 namespace dn {
 
+/// Options of SimulatePairs.
 struct PairSimulation {
   std::uint64_t seed = 1;
   bool noise = true;

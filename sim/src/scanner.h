@@ -45,16 +45,21 @@ class Scanner {
   /// Signed distance of a vector in the sensor frame from a surface that contains the beams.
   using FromBeams = double (Scanner::*)(const Eigen::Vector3d& u_s) const;
 
+  // Returns the distance of a vector ahead of the beams of a line scanner, m.
   double Ahead(const Eigen::Vector3d& u_s) const;
+  // Returns the distance of a vector inside the cone of the beams, m.
   double InsideCone(const Eigen::Vector3d& u_s) const;
   /// Returns the vector from the scanner to a point, in the sensor frame, m.
   Eigen::Vector3d VectorTo(const Eigen::Vector3d& point_m, const MapPose& pose) const;
   /// Returns the pose at which the point lies on the beams.
   std::optional<MapPose> Swept(FromBeams from_beams, const Eigen::Vector3d& point_m,
                                const MapPose& first, const MapPose& last) const;
+  // Returns all poses at which the point lies on the beams, in time order.
   std::vector<MapPose> AllSwept(const Eigen::Vector3d& point_m, const MapPose& first,
                                 const MapPose& last) const;
+  // Returns true if a vector lies in the field of view.
   bool InView(const Eigen::Vector3d& u_s) const;
+  // Returns true if the surface hides the point from the scanner.
   bool Hidden(const Eigen::Vector3d& point_m, const MapPose& pose) const;
 
   std::shared_ptr<const TruthTrajectory> truth_;

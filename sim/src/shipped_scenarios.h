@@ -5,6 +5,7 @@
 
 namespace dn {
 
+/// Scenario that comes with the program.
 struct ShippedScenario {
   std::string name;
   std::string yaml;

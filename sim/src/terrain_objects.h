@@ -28,6 +28,7 @@ class CellNumbers {
   std::uint64_t state_;
 };
 
+/// Returns the grid cell that contains a point.
 inline Eigen::Vector2i CellOf(const Eigen::Vector2d& en_m, double cell_m) {
   return {static_cast<int>(std::floor(en_m.x() / cell_m)),
           static_cast<int>(std::floor(en_m.y() / cell_m))};
@@ -69,6 +70,7 @@ struct Building {
     return {d.dot(axis), axis.x() * d.y() - axis.y() * d.x()};
   }
 
+  /// Returns the roof height above the ground at the centre, at a distance across the house.
   double RoofAcross(double across_m) const {
     const double rise =
         gabled ? half_width_m - std::abs(across_m) : 0.5 * (half_width_m + across_m);

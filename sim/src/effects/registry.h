@@ -26,6 +26,7 @@ struct EffectInput {
 /// Adds the physics of one entry to the lists of `active`.
 using ActivateEffect = void (*)(const EffectInput& input, ActiveEffects* active);
 
+/// Name of an effect and the function with its physics.
 struct SimulatedEffect {
   const char* name;
   ActivateEffect activate;

@@ -56,6 +56,8 @@ struct GaussMarkovStep {
   double phi = 1.0;
   double q = 0.0;
 };
+/// Returns the exact step over dt_s of a process with standard deviation `sigma` and correlation
+/// time tau_s.
 GaussMarkovStep DiscretiseGaussMarkov(double sigma, double tau_s, double dt_s);
 
 /// The functions below convert between units according to their names.

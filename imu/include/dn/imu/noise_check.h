@@ -75,6 +75,7 @@ struct NoiseCauses {
   std::array<double, kImuTriads> not_white{};
 };
 
+/// Computes the log Bayes factors of the causes from those of the hypotheses.
 NoiseCauses CausesOf(const NoiseEvidence& evidence);
 
 /// Prior assumptions about the size of the noise.

@@ -121,6 +121,8 @@ class GrowingMotion {
   GrowingMotion(const GrowingMotion&) = delete;
   GrowingMotion& operator=(const GrowingMotion&) = delete;
 
+  /// Returns the increments up to t_end_s. Throws InvalidInput also if t_end_s precedes that of the
+  /// call before.
   InertialIncrements To(double t_end_s);
 
  private:

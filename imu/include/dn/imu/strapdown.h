@@ -55,6 +55,7 @@ class Propagation {
   Propagation(const LocalFrame& frame, const MapPose& start,
               const Eigen::Vector3d& added_mps2 = Eigen::Vector3d::Zero());
 
+  /// Returns pose and velocity at the end of the increments.
   MapPose To(const InertialIncrements& increments) const;
 
  private:
@@ -86,6 +87,7 @@ struct AffineStep {
   Eigen::Vector3d v_0;
   Eigen::Matrix3d C;  ///< as in EarthStep
 
+  /// Computes the coefficients for an interval dt_s. Gravitation is linearised at p_nominal_m.
   static AffineStep Make(const LocalFrame& frame, double dt_s, const Eigen::Vector3d& p_nominal_m);
 };
 

@@ -31,6 +31,7 @@ class SwathOutline {
  private:
   static constexpr std::size_t kDirections = 16;
 
+  /// Points of one second, or of several joined seconds.
   struct Stretch {
     double points = 0.0;
     Eigen::Vector2d sum_en_m = Eigen::Vector2d::Zero();
@@ -43,7 +44,9 @@ class SwathOutline {
     const Eigen::Vector2d& Towards(const Eigen::Vector2d& direction_en) const;
   };
 
+  /// Returns unit vectors in 16 equally spaced directions.
   static const std::array<Eigen::Vector2d, kDirections>& Directions();
+  /// Joins neighbouring stretches so that at most 60 remain.
   std::vector<Stretch> FewStretches() const;
 
   std::map<long, Stretch> by_second_;

@@ -23,6 +23,7 @@ class SumOfSines {
   /// proportional to 1/sqrt(f); the root mean square over a long time is `rms`.
   SumOfSines(double rms, double f_low_hz, double f_high_hz, int count, Random& random);
 
+  /// Returns the sum and its first two derivatives at a time.
   Sample At(double t_s) const;
 
   /// Returns the sum of the amplitudes: |value| never exceeds it.

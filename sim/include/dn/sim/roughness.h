@@ -15,6 +15,7 @@ class Roughness {
   /// rms_m: root mean square of the height; 0: no relief.
   Roughness(double rms_m, std::uint64_t seed);
 
+  /// Returns the height at a point, m.
   double At(const Eigen::Vector2d& en_m) const;
 
   /// Upper bounds of |height| (m) and of the slope in any direction.

@@ -52,9 +52,12 @@ class Terrain {
   };
   double Relief(const Eigen::Vector2d& en_m) const;  // relief without roughness and water
   double DryGround(const Eigen::Vector2d& en_m) const { return Relief(en_m) + roughness_.At(en_m); }
+  // Returns the height below which the share of water of the scenario lies.
   double WaterLevel() const;
+  // Returns the object in a cell; nullopt if the cell is empty.
   std::optional<Building> BuildingIn(const Eigen::Vector2i& cell) const;
   std::optional<Tree> TreeIn(const Eigen::Vector2i& cell) const;
+  // Returns true if a point lies in a built-up area.
   bool BuiltUp(const Eigen::Vector2d& en_m) const;
 
   TerrainScenario scenario_;

@@ -36,11 +36,14 @@ class TerrainCaster {
   struct Crown;
   struct Ray;
 
+  // Returns the tile of a cell from the cache; surveys it if necessary.
   const Tile& TileAt(const Eigen::Vector2i& cell);
+  // Fills a tile: bounds of the ground and objects.
   void Survey(const Eigen::Vector2i& cell, Tile* tile) const;
   void BoundGround(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
   void AddHouses(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
   void AddCrowns(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
+  // Returns the range of the first hit in a tile, between two ranges.
   std::optional<double> CastInTile(const Tile& tile, const Ray& ray, double from_m,
                                    double to_m) const;
   std::optional<double> GroundHit(const Tile& tile, const Ray& ray, double from_m,

@@ -29,6 +29,7 @@ struct NormalEarth {
   Eigen::Matrix3d R_mn = Eigen::Matrix3d::Identity();      ///< local NED to map
   Eigen::Vector3d attraction_m = Eigen::Vector3d::Zero();  ///< gravitation, m/s^2, in map axes
 
+  /// Returns the normal Earth at a point in map.
   static NormalEarth At(const LocalFrame& frame, const Eigen::Vector3d& p_m);
 };
 
@@ -70,6 +71,7 @@ class TruthTrajectory {
   NavPoint Nav(double t_s) const;
 
  private:
+  /// Position and angles of the flight, with their derivatives.
   struct Motion {
     Eigen::Vector3d p, v, a;        // in m
     Eigen::Vector3d rph, rph_rate;  // roll, pitch, heading, rad and rad/s

@@ -22,6 +22,7 @@ class YamlValue {
 
   /// Throws InvalidConfig "<path>: <message>" with the location of this value.
   [[noreturn]] void Fail(const std::string& message) const;
+  /// Location in the file; that of the nearest existing parent if this value is absent.
   FileLocation where() const;
 
   /// Throws InvalidConfig unless this is a map whose keys all belong to `known` and occur once.
@@ -56,10 +57,13 @@ class YamlValue {
   double Number() const;    ///< from -1e12 to 1e12
   double Positive() const;  ///< from 1e-12 to 1e12
   double NotNegative() const;
+  /// Returns an integer of at least `lowest`.
   long long Integer(long long lowest) const;
+  /// Returns a list of exactly `size` numbers.
   Eigen::VectorXd Numbers(Eigen::Index size) const;
   Eigen::Vector3d Vector3() const { return Numbers(3); }
   Eigen::Vector3d PositiveVector3() const;
+  /// Returns a 3 x 3 matrix, given as a list of three rows.
   Eigen::Matrix3d Matrix3() const;
   /// Returns a list of numbers of any length; a single number counts as a list of one.
   std::vector<double> NumberList() const;
