@@ -44,11 +44,11 @@ struct GnssColumns {
 /// counted. A backward jump of a week counts as a week rollover: later times continue beyond it.
 ///
 ///   kOdyn    t, lat, lon [deg], h; 7 columns: + sigma E N U; 10: + v E N U, sigma v E N U; 13: all
-///   kRtklib  .pos with its header: latitude and longitude (degrees, or degrees minutes seconds) and
-///            ellipsoidal height, or ECEF x, y, z; time as week and seconds or as calendar date, in
-///            GPST, UTC or JST. Covariances come from signed roots; an indefinite one becomes
-///            positive definite by shrinking its correlations. A velocity whose sigmas are all 0
-///            was not estimated and is ignored.
+///   kRtklib  .pos with its header: latitude and longitude (degrees, or degrees minutes seconds)
+///            and ellipsoidal height, or ECEF x, y, z; time as week and seconds or as calendar
+///            date, in GPST, UTC or JST. Covariances come from signed roots; an indefinite one
+///            becomes positive definite by shrinking its correlations. A velocity whose sigmas
+///            are all 0 was not estimated and is ignored.
 ///   kObGins  t, lat, lon [deg], h, sigma N E D; 13 columns: t, lat, lon, h, v N E D, sigma N E D,
 ///            sigma v N E D
 ///   kNmea    sentences GGA (position; height above the geoid plus geoid separation) and RMC or ZDA
