@@ -11,7 +11,7 @@ namespace dn {
 namespace internal {
 namespace {
 
-/// Standard deviations in m or m/s beyond these are other quantities.
+/// Standard deviations in m or m/s outside this interval must be another quantity.
 constexpr double kLeastSigma = 1e-9, kMostSigma = 1e9;
 
 }  // namespace
@@ -25,7 +25,7 @@ void CheckSigmas(const Eigen::Vector3d& sigma, const std::string& what, const st
     text += axes[static_cast<std::size_t>(i)];
     text += " is ";
     text += value == 0.0 ? "zero" : value < 0.0 ? "negative" : FormatDouble(value);
-    text += ", must lie within 1e-9 and 1e9; leave the sigma columns out where it is unknown";
+    text += ", must lie between 1e-9 and 1e9; omit the sigma columns if the sigma is unknown";
     throw InvalidInput(text, where);
   }
 }

@@ -9,7 +9,7 @@
 
 namespace dn::internal {
 
-/// See ReadGnss; one function per format.
+/// One reader per format; ReadGnss documents the formats and the errors.
 GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
                       const GnssColumns& columns);
 GnssData ReadRtklibPos(const std::filesystem::path& file, double time_offset_s);
@@ -18,27 +18,28 @@ GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s,
 
 GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s);
 
-/// Turns velocity and covariances from the grid of the columns to true east and north.
+/// Rotates velocity and covariances from the grid axes of `columns` to true east and north.
 void TurnToTrueNorth(const GnssColumns& columns, GnssEpoch* epoch);
 
-/// Throws InvalidInput for a velocity that nothing flies at.
+/// Throws InvalidInput if a component of the velocity exceeds 1e5 m/s.
 void CheckVelocity(const Eigen::Vector3d& velocity_mps, const FileLocation& where);
 
-/// Checks that standard deviations lie within 1e-9 and 1e9 (m or m/s); `what` ("position",
-/// "velocity") and `axes` ("ENU") name them in the message.
+/// Throws InvalidInput unless every standard deviation lies between 1e-9 and 1e9 (m or m/s). The
+/// message names it by `what` ("position", "velocity") and by its letter in `axes` ("ENU").
 void CheckSigmas(const Eigen::Vector3d& sigma, const std::string& what, const std::string& axes,
                  const FileLocation& where);
 
-/// diag(sigma^2), after CheckSigmas with the axes east, north, up.
+/// Returns diag(sigma^2) after CheckSigmas for the axes east, north, up.
 Eigen::Matrix3d CovarianceOfSigmasEnu(const Eigen::Vector3d& sigma_enu, const std::string& what,
                                       const FileLocation& where);
 
-/// Rotation from the local east-north-up of a point to ECEF.
+/// Returns the rotation from the local east-north-up axes at a point to ECEF.
 Eigen::Matrix3d R_e_enu(const Geodetic& point);
 
-/// The covariance with the given standard deviations and with the covariances whose signed roots
-/// (sign(c) sqrt|c|) of the pairs 01, 12, 20 are given, made positive definite where rounding or
-/// the writer left it indefinite: correlations are shrunk, standard deviations kept.
+/// Returns the covariance matrix with standard deviations `sigma`. The covariances c of the pairs
+/// 01, 12, 20 are given as signed roots sign(c) sqrt|c|. If rounding or the writing program left
+/// the matrix indefinite, it becomes positive definite by shrinking the correlations; the standard
+/// deviations stay.
 Eigen::Matrix3d CovarianceOfSignedRoots(const Eigen::Vector3d& sigma,
                                         const Eigen::Vector3d& signed_roots);
 

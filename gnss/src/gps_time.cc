@@ -17,7 +17,7 @@ using std::chrono::year_month_day;
 
 constexpr sys_days kGpsEpoch = year{1980} / 1 / 6;
 
-/// Days from which GPS time was ahead of UTC by one more second (IERS Bulletin C).
+/// Days on which GPS time minus UTC grew by one second (IERS Bulletin C).
 constexpr std::array<year_month_day, 18> kLeapDays{
     year{1981} / 7 / 1, year{1982} / 7 / 1, year{1983} / 7 / 1, year{1985} / 7 / 1,
     year{1988} / 1 / 1, year{1990} / 1 / 1, year{1991} / 1 / 1, year{1992} / 7 / 1,

@@ -15,8 +15,9 @@
 namespace dn::internal {
 namespace {
 
-/// The fields of "$GPGGA,...*hh" without the '$' and the checksum; none where that is wrong.
-std::vector<std::string_view> FieldsOf(std::string_view line) {
+/// Returns the fields of "$GPGGA,...*hh" without '$' and checksum. The result is empty for a line
+/// that is not a sentence or has a wrong checksum.
+std::vector<std::string_view> SplitSentence(std::string_view line) {
   while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
   if (line.empty() || line.front() != '$') return {};
   line.remove_prefix(1);
@@ -42,7 +43,7 @@ bool IsSentence(const std::vector<std::string_view>& fields, std::string_view ty
   return fields.size() >= least && fields[0].size() == 5 && fields[0].substr(2) == type;
 }
 
-/// Two digits of a field from a place on; -1 where there are none.
+/// Parses two digits of a field from position `at` on; returns -1 if they are not digits.
 int TwoDigits(std::string_view field, std::size_t at) {
   int value = -1;
   if (field.size() < at + 2) return -1;
@@ -51,7 +52,7 @@ int TwoDigits(std::string_view field, std::size_t at) {
   return error == std::errc() && parsed == end ? value : -1;
 }
 
-/// Seconds of the day of "hhmmss.ss".
+/// Parses "hhmmss.ss" and returns the seconds of the day.
 double TimeOfDay(std::string_view field, const FileLocation& where) {
   const int hour = TwoDigits(field, 0), minute = TwoDigits(field, 2);
   if (hour < 0 || hour > 23 || minute < 0 || minute > 59 || field.size() < 6) {
@@ -64,7 +65,7 @@ double TimeOfDay(std::string_view field, const FileLocation& where) {
   return 3600.0 * hour + 60.0 * minute + second;
 }
 
-/// Degrees of "dddmm.mmmm" and its hemisphere.
+/// Converts "dddmm.mmmm" to degrees, negative for the hemispheres S and W.
 double Degrees(std::string_view field, std::string_view hemisphere, const FileLocation& where) {
   const double value = ParseNumber(field, where);
   const double degrees = std::floor(value / 100.0);
@@ -72,12 +73,12 @@ double Degrees(std::string_view field, std::string_view hemisphere, const FileLo
   return hemisphere == "S" || hemisphere == "W" ? -angle : angle;
 }
 
-/// The beginning of a day, UTC as if it were GPS time.
+/// Beginning of a UTC day, written as if it were GPS time.
 struct Day {
-  double t_s;  ///< since the GPS epoch
+  double t_s;  ///< seconds since the GPS epoch
 };
 
-Day DayOf(int year, int month, int day, const FileLocation& where) {
+Day MakeDay(int year, int month, int day, const FileLocation& where) {
   try {
     const GpsTime time = GpsTimeOfCalendar(year, month, day, 0, 0, 0.0);
     return {kWeekS * static_cast<double>(time.week) + time.tow_s};
@@ -86,25 +87,25 @@ Day DayOf(int year, int month, int day, const FileLocation& where) {
   }
 }
 
-/// The date and time of day that a sentence states, if it does.
+/// Date and time of day of one sentence, UTC.
 struct Stamp {
   Day day;
   double time_of_day_s;
 };
 
-std::optional<Stamp> StampOf(const std::vector<std::string_view>& fields,
-                             const FileLocation& where) {
+std::optional<Stamp> ParseStamp(const std::vector<std::string_view>& fields,
+                                const FileLocation& where) {
   if (IsSentence(fields, "RMC", 10) && fields[9].size() == 6) {
     const int short_year = TwoDigits(fields[9], 4);
     const int year = short_year + (short_year < 80 ? 2000 : 1900);
-    return Stamp{DayOf(year, TwoDigits(fields[9], 2), TwoDigits(fields[9], 0), where),
+    return Stamp{MakeDay(year, TwoDigits(fields[9], 2), TwoDigits(fields[9], 0), where),
                  TimeOfDay(fields[1], where)};
   }
   if (IsSentence(fields, "ZDA", 5) && !fields[4].empty()) {
     const auto number = [&](std::size_t i) {
       return static_cast<int>(std::clamp(ParseNumber(fields[i], where), -1.0, 9999.0));
     };
-    return Stamp{DayOf(number(4), number(3), number(2), where), TimeOfDay(fields[1], where)};
+    return Stamp{MakeDay(number(4), number(3), number(2), where), TimeOfDay(fields[1], where)};
   }
   return std::nullopt;
 }
@@ -115,12 +116,12 @@ struct Fix {
   long line;
 };
 
-/// Whether a GGA sentence has a position at all.
+/// Returns true if a GGA sentence contains a position.
 bool HasFix(const std::vector<std::string_view>& gga) {
   return !gga[2].empty() && !gga[4].empty() && !gga[6].empty() && gga[6] != "0" && !gga[9].empty();
 }
 
-Fix FixOf(const std::vector<std::string_view>& gga, const FileLocation& where) {
+Fix ParseFix(const std::vector<std::string_view>& gga, const FileLocation& where) {
   Fix fix{};
   fix.time_of_day_s = TimeOfDay(gga[1], where);
   const double separation_m = gga[11].empty() ? 0.0 : ParseNumber(gga[11], where);
@@ -132,14 +133,14 @@ Fix FixOf(const std::vector<std::string_view>& gga, const FileLocation& where) {
   return fix;
 }
 
-/// The beginning of the day that brings a time of day nearest to a known time: a file may cross
-/// midnight.
+/// Returns the beginning of the day that puts `time_of_day_s` closest to `known_s`. The day differs
+/// from `day_s` where a file crosses midnight.
 double NearestDay(double day_s, double known_s, double time_of_day_s) {
   return day_s + kDayS * std::round((known_s - day_s - time_of_day_s) / kDayS);
 }
 
-GnssData DataOf(const std::vector<Fix>& fixes, const Stamp& stamp, double time_offset_s,
-                const std::filesystem::path& file) {
+GnssData MakeGnssData(const std::vector<Fix>& fixes, const Stamp& stamp, double time_offset_s,
+                      const std::filesystem::path& file) {
   TextTable table;
   table.file = file;
   table.columns = 4;
@@ -176,22 +177,22 @@ GnssData ReadNmea(const std::filesystem::path& file, double time_offset_s) {
   LineReader lines(file);
   for (std::string_view line; lines.Next(&line);) {
     const FileLocation where{file.string(), lines.line(), 0};
-    const std::vector<std::string_view> fields = FieldsOf(line);
-    if (!stamp) stamp = StampOf(fields, where);
+    const std::vector<std::string_view> fields = SplitSentence(line);
+    if (!stamp) stamp = ParseStamp(fields, where);
     if (fields.empty() && line.find("GGA") != std::string_view::npos) ++unusable;
     if (!IsSentence(fields, "GGA", 12)) continue;
     if (HasFix(fields)) {
-      fixes.push_back(FixOf(fields, where));
+      fixes.push_back(ParseFix(fields, where));
     } else {
       ++unusable;
     }
   }
   if (fixes.empty()) throw InvalidInput("no GGA sentence with a position", {file.string(), 0, 0});
   if (!stamp) {
-    throw InvalidInput("no RMC or ZDA sentence tells the date of the GGA sentences",
+    throw InvalidInput("no RMC or ZDA sentence gives the date of the GGA sentences",
                        {file.string(), 0, 0});
   }
-  GnssData data = DataOf(fixes, *stamp, time_offset_s, file);
+  GnssData data = MakeGnssData(fixes, *stamp, time_offset_s, file);
   data.unusable_sentences = unusable;
   return data;
 }

@@ -5,8 +5,8 @@
 namespace dn::internal {
 namespace {
 
-/// Standard deviations are written north, east, down.
-Eigen::Matrix3d CovarianceOfSigmasNed(const double* ned, const std::string& what,
+/// Returns the ENU covariance of standard deviations that are written north, east, down.
+Eigen::Matrix3d NedSigmasToCovariance(const double* ned, const std::string& what,
                                       const FileLocation& where) {
   CheckSigmas(Eigen::Vector3d(ned), what, "NED", where);
   return CovarianceOfSigmasEnu({ned[1], ned[0], ned[2]}, what, where);
@@ -30,11 +30,11 @@ GnssData ReadObGinsGnss(const std::filesystem::path& file, double time_offset_s,
     epoch.antenna = columns.position.Read(row + 1, where);
     epoch.line = table.lines[i];
     epoch.covariance_enu_m2 =
-        CovarianceOfSigmasNed(row + (has_velocity ? 7 : 4), "position", where);
+        NedSigmasToCovariance(row + (has_velocity ? 7 : 4), "position", where);
     if (has_velocity) {
       epoch.velocity_enu_mps = Eigen::Vector3d(row[5], row[4], -row[6]);
       CheckVelocity(*epoch.velocity_enu_mps, where);
-      epoch.velocity_covariance_enu = CovarianceOfSigmasNed(row + 10, "velocity", where);
+      epoch.velocity_covariance_enu = NedSigmasToCovariance(row + 10, "velocity", where);
     }
     TurnToTrueNorth(columns, &epoch);
     data.epochs.push_back(epoch);

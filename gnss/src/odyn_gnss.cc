@@ -5,12 +5,12 @@
 namespace dn::internal {
 namespace {
 
-/// Offsets of the optional triples in a row; 0: not there.
+/// Columns at which the optional triples of a row begin; 0: the row does not have the triple.
 struct Layout {
   std::size_t sigma, velocity, velocity_sigma;
 };
 
-Layout LayoutOf(std::size_t columns) {
+Layout RowLayout(std::size_t columns) {
   switch (columns) {
     case 7:
       return {4, 0, 0};
@@ -28,7 +28,7 @@ Layout LayoutOf(std::size_t columns) {
 GnssData ReadOdynGnss(const std::filesystem::path& file, double time_offset_s,
                       const GnssColumns& columns) {
   TextTable table = ReadTextTable(file, {4, 7, 10, 13});
-  const Layout layout = LayoutOf(table.columns);
+  const Layout layout = RowLayout(table.columns);
   std::vector<std::size_t> keep;
   GnssData data;
   data.repeated_rows_dropped = ContinueAndCheckTimes(table, keep, time_offset_s);

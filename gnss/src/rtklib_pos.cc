@@ -30,10 +30,11 @@ Fields Split(std::string_view line) {
 
 enum class TimeSystem { kGps, kUtc, kJapan };
 
-/// What the header says of the rows: time system and the columns after the two of the time.
+/// Header of a .pos file: time system and names of the columns after the two columns of the time.
 struct Header {
   TimeSystem time_system;
-  std::vector<std::string> columns;  ///< names without unit; a triple in degrees counts once
+  /// Names without unit; latitude or longitude in deg, min, s counts once.
+  std::vector<std::string> columns;
   bool degrees_minutes_seconds = false;
 
   std::optional<std::size_t> Find(const std::string& name) const {
@@ -48,7 +49,7 @@ struct Header {
   }
 };
 
-std::optional<TimeSystem> TimeSystemOf(std::string_view label) {
+std::optional<TimeSystem> ParseTimeSystem(std::string_view label) {
   if (label == "GPST") return TimeSystem::kGps;
   if (label == "UTC") return TimeSystem::kUtc;
   if (label == "JST") return TimeSystem::kJapan;
@@ -64,11 +65,11 @@ void CheckCoordinates(const Header& header, const FileLocation& where) {
       where);
 }
 
-/// The header of the columns, if this comment line is it.
+/// Parses a comment line; returns nullopt unless it is the line that names the columns.
 std::optional<Header> ParseHeader(std::string_view line, const FileLocation& where) {
   const Fields fields = Split(line.substr(1));
   if (fields.empty()) return std::nullopt;
-  const std::optional<TimeSystem> time_system = TimeSystemOf(fields[0]);
+  const std::optional<TimeSystem> time_system = ParseTimeSystem(fields[0]);
   if (!time_system) return std::nullopt;
   Header header{*time_system, {}};
   for (std::size_t i = 1; i < fields.size(); ++i) {
@@ -95,12 +96,12 @@ long ParseInteger(std::string_view text, const FileLocation& where) {
   long value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
-    throw InvalidInput("'" + std::string(text) + "' is not a whole number", where);
+    throw InvalidInput("'" + std::string(text) + "' is not an integer", where);
   }
   return value;
 }
 
-/// Three parts separated by `separator`: of a date or a time of day.
+/// Splits a date or a time of day at `separator`. Throws unless it has three parts.
 Fields SplitInThree(std::string_view text, char separator, const FileLocation& where) {
   Fields parts;
   std::string_view rest = text;
@@ -136,13 +137,14 @@ GpsTime ParseTime(std::string_view first, std::string_view second, const FileLoc
 }
 
 GpsTime ToGpsTime(GpsTime time, TimeSystem system) {
-  constexpr double kJapanAheadOfUtcS = 9.0 * 3600.0;
-  if (system == TimeSystem::kJapan) time.tow_s -= kJapanAheadOfUtcS;
+  constexpr double kJapanMinusUtcS = 9.0 * 3600.0;
+  if (system == TimeSystem::kJapan) time.tow_s -= kJapanMinusUtcS;
   if (system != TimeSystem::kGps) time.tow_s += GpsMinusUtcS(time);
   return time;
 }
 
-/// Degrees from degrees, minutes, seconds; the sign is that of the degrees, also of "-0".
+/// Converts degrees, minutes, seconds to degrees. The sign of the degrees, including that of "-0",
+/// applies to the whole angle.
 double ParseDms(const std::string_view* parts, const FileLocation& where) {
   const double degrees = std::abs(ParseNumber(parts[0], where));
   const double minutes = ParseNumber(parts[1], where), seconds = ParseNumber(parts[2], where);
@@ -150,8 +152,8 @@ double ParseDms(const std::string_view* parts, const FileLocation& where) {
   return parts[0].starts_with('-') ? -angle_deg : angle_deg;
 }
 
-/// Collects the rows of a .pos file in a table: seconds of the first row's week, then the columns
-/// of the header.
+/// Collects the rows of a .pos file in a table. Column 0 holds the time in seconds from the start
+/// of the first row's week; the header's columns follow.
 class PosParser {
  public:
   explicit PosParser(const std::filesystem::path& file) { table_.file = file; }
@@ -194,8 +196,8 @@ class PosParser {
     const std::size_t wanted =
         2 + header_->columns.size() + (header_->degrees_minutes_seconds ? 4 : 0);
     if (fields.size() != wanted) {
-      throw InvalidInput("row has " + std::to_string(fields.size()) + " values, the header names " +
-                             std::to_string(wanted),
+      throw InvalidInput("row has " + std::to_string(fields.size()) +
+                             " values, but the header names " + std::to_string(wanted),
                          Here());
     }
     table_.values.push_back(Time(fields));
@@ -233,7 +235,7 @@ class PosParser {
   long first_week_ = 0;
 };
 
-/// Values of one row by the names of their columns.
+/// Gives access to the values of one row by column name.
 class Row {
  public:
   Row(const Header& header, const double* row) : header_(header), row_(row) {}
@@ -249,7 +251,7 @@ class Row {
   const double* row_;
 };
 
-/// Names of the columns of one quantity in one coordinate form: the roots belong to the pairs 01,
+/// Column names of one quantity in one coordinate form. The signed roots belong to the pairs 01,
 /// 12, 20 of the axes.
 struct Names {
   std::string axes;
@@ -273,7 +275,7 @@ Eigen::Matrix3d Covariance(const Row& row, const Names& names, const std::string
   return CovarianceOfSignedRoots(sigma, roots);
 }
 
-GnssEpoch EpochOfRow(const Row& row, const FileLocation& where) {
+GnssEpoch MakeEpoch(const Row& row, const FileLocation& where) {
   GnssEpoch epoch;
   epoch.line = where.line;
   if (row.Has({"Q"})) epoch.quality = static_cast<int>(row("Q"));
@@ -320,7 +322,7 @@ GnssData ReadRtklibPos(const std::filesystem::path& file, double time_offset_s) 
   data.epochs.reserve(keep.size());
   for (const std::size_t i : keep) {
     const Row row(parser.header(), table.row(i));
-    data.epochs.push_back(EpochOfRow(row, {file.string(), table.lines[i], 0}));
+    data.epochs.push_back(MakeEpoch(row, {file.string(), table.lines[i], 0}));
     data.epochs.back().t_s = table.row(i)[0];
   }
   return data;

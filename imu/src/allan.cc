@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kFewestValues = 100;
 constexpr std::size_t kClustersAtLeast = 5;
 
-// Running sum times dt, about the mean so that no digits are lost.
+// Returns the running sum times dt. The mean is subtracted first so that no digits are lost.
 std::vector<double> Angles(const std::vector<double>& rates, double dt_s) {
   double mean = 0.0;
   for (const double rate : rates) mean += rate / static_cast<double>(rates.size());
@@ -20,7 +20,8 @@ std::vector<double> Angles(const std::vector<double>& rates, double dt_s) {
   return theta;
 }
 
-// Of overlapping estimates of white rate noise from n angles.
+// Returns the equivalent degrees of freedom of overlapping estimates for white rate noise, from n
+// angles.
 double EquivalentDof(std::size_t angles, std::size_t m) {
   const auto n = static_cast<double>(angles), M = static_cast<double>(m);
   return (1.5 * (n - 1.0) / M - 2.0 * (n - 2.0) / n) * 4.0 * M * M / (4.0 * M * M + 5.0);
@@ -66,7 +67,8 @@ std::vector<AllanPoint> MeanCurve(const std::vector<std::vector<AllanPoint>>& cu
       sum2 += curve[p].variance * curve[p].variance / curve[p].dof;
     }
     mean[p].variance = sum / static_cast<double>(curves.size());
-    mean[p].dof = sum * sum / sum2;  // of a sum of independent estimates of different size
+    // Degrees of freedom of a sum of independent estimates of different size.
+    mean[p].dof = sum * sum / sum2;
   }
   return mean;
 }

@@ -7,16 +7,16 @@
 
 namespace dn::internal {
 
-/// The bridges of samples that are visited in the order of time.
+/// Finds the bridges of samples that are visited in time order.
 class BridgeCursor {
  public:
-  /// From the first sample after t_s on.
+  /// Starts at the first sample after t_s.
   BridgeCursor(const ImuData& imu, double t_s)
       : next_(std::upper_bound(imu.bridges.begin(), imu.bridges.end(), t_s,
                                [](double t, const ImuBridge& b) { return t < b.row.t_s; })),
         end_(imu.bridges.end()) {}
 
-  /// The one whose hole the sample stands for, too; null: none.
+  /// Returns the bridge whose hole this sample also covers; nullptr if there is no such bridge.
   const ImuBridge* Of(const ImuSample& sample) {
     while (next_ != end_ && next_->row.t_s < sample.t_s) ++next_;
     return next_ == end_ || next_->row.t_s > sample.t_s ? nullptr : &*next_;

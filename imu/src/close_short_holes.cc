@@ -10,19 +10,19 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kIntervalsOfAGap = 5.0;
+constexpr double kGapIntervals = 5.0;
 constexpr double kShortestGap_s = 0.05;
 constexpr double kTagTolerance_s = 1e-6;
-/// Interpolations of known samples on either side that tell the error of a bridge.
+/// Number of known samples on either side that are interpolated to estimate the error of a bridge.
 constexpr std::size_t kTrials = 64;
 
-/// Sum of squared interpolation errors, per axis.
+/// Sums of squared interpolation errors, per axis.
 struct Errors {
   Vector3d w = Vector3d::Zero(), f = Vector3d::Zero();
   double count = 0.0;
 };
 
-/// Adds the error of the mean of samples [first + 1, last), taken from its two neighbours.
+/// Adds the error of interpolating the mean of samples [first + 1, last) from its two neighbours.
 void AddError(const std::vector<ImuSample>& x, std::size_t first, std::size_t last, Errors* sum) {
   Vector3d w = Vector3d::Zero(), f = Vector3d::Zero();
   for (std::size_t k = first + 1; k < last; ++k) {
@@ -37,14 +37,15 @@ void AddError(const std::vector<ImuSample>& x, std::size_t first, std::size_t la
   sum->count += 1.0;
 }
 
-/// Whether no hole, bridged or not, lies between sample k and the one before.
+/// Returns true if no hole, bridged or not, lies between sample k and the one before.
 bool FollowsWithoutHole(const ImuData& imu, std::size_t k) {
   const ImuSample& sample = imu.samples[k];
   return sample.t_s - imu.samples[k - 1].t_s <= LongestImuInterval(imu.nominal_dt_s) &&
          sample.dt_s <= LongestImuInterval(imu.nominal_dt_s);
 }
 
-/// Errors of holes of `missing` samples near the one that ends before sample k.
+/// Returns the interpolation errors of holes of `missing` samples near the hole that ends before
+/// sample k.
 Errors NearbyErrors(const ImuData& imu, std::size_t k, std::size_t missing) {
   const std::size_t reach = kTrials + missing;
   std::size_t begin = k - 1;
@@ -61,7 +62,7 @@ Errors NearbyErrors(const ImuData& imu, std::size_t k, std::size_t missing) {
   return sum;
 }
 
-/// Lets sample k stand for the hole before it, too.
+/// Extends sample k over the hole before it and adds a bridge.
 void Bridge(std::size_t k, ImuData* imu) {
   ImuSample& sample = imu->samples[k];
   ImuBridge bridge{imu->samples[k - 1].t_s, sample};
@@ -79,7 +80,8 @@ void Bridge(std::size_t k, ImuData* imu) {
   bridge.gyro_sigma_rad = hole_s * std::sqrt(errors.w.maxCoeff() / errors.count);
   bridge.accel_sigma_mps = hole_s * std::sqrt(errors.f.maxCoeff() / errors.count);
 
-  const double share = 0.5 * hole_s / (hole_s + sample.dt_s);  // of the sample before the hole
+  // Weight of the sample before the hole.
+  const double share = 0.5 * hole_s / (hole_s + sample.dt_s);
   sample.w_ib_b_radps += share * (before.w_ib_b_radps - sample.w_ib_b_radps);
   sample.f_b_mps2 += share * (before.f_b_mps2 - sample.f_b_mps2);
   sample.dt_s = sample.t_s - bridge.t_begin_s;
@@ -91,7 +93,7 @@ void Bridge(std::size_t k, ImuData* imu) {
 double LongestImuInterval(double nominal_dt_s) { return 1.5 * nominal_dt_s + kTagTolerance_s; }
 
 double LongestImuBridge(std::optional<double> max_gap_s, double nominal_dt_s) {
-  return max_gap_s.value_or(std::max(kIntervalsOfAGap * nominal_dt_s, kShortestGap_s)) +
+  return max_gap_s.value_or(std::max(kGapIntervals * nominal_dt_s, kShortestGap_s)) +
          kTagTolerance_s;
 }
 

@@ -16,9 +16,9 @@ using Taps = std::vector<double>;
 constexpr std::size_t kTaps = 12;
 constexpr double kMostWindows = 50000.0;
 constexpr double kMostRepeated = 0.05;
-constexpr double kCoarsestResolution = 2.0;  ///< in sigmas of the noise
+constexpr double kCoarsestResolution = 2.0;  ///< in standard deviations of the noise
 
-/// Scaling filter of Daubechies, N = 6.
+/// Returns the scaling filter of Daubechies, N = 6.
 const Taps& ScalingFilter() {
   static const Taps filter{0.1115407433501095, 0.4946238903984533,  0.7511339080210959,
                            0.3152503517091982, -0.2262646939654400, -0.1297668675672625,
@@ -36,7 +36,7 @@ const Taps& WaveletFilter() {
   return filter;
 }
 
-/// sum_l filter[l] x[2 k + l] for every k that has all its terms.
+/// Returns sum_l filter[l] x[2 k + l] for every k for which all terms exist.
 std::vector<double> Halved(const std::vector<double>& x, const Taps& filter) {
   std::vector<double> out;
   for (std::size_t k = 0; k + kTaps <= x.size(); k += 2) {
@@ -55,10 +55,10 @@ Taps Convolved(const Taps& a, const Taps& b, std::size_t step_of_b) {
   return product;
 }
 
-/// What white noise of variance 1 becomes in an octave.
+/// Effect of an octave filter on white noise of variance 1.
 struct Gain {
   double variance = 1.0;
-  double dof = 1.0;  ///< degrees of freedom of each coefficient
+  double dof = 1.0;  ///< degrees of freedom per coefficient
 };
 
 double LaggedProduct(const Taps& taps, std::size_t lag) {
@@ -67,8 +67,8 @@ double LaggedProduct(const Taps& taps, std::size_t lag) {
   return sum;
 }
 
-/// Of coefficients with these taps, one every `step` samples.
-Gain GainOf(const Taps& taps, std::size_t step) {
+/// Returns the gain of coefficients with these taps, one every `step` samples.
+Gain ComputeGain(const Taps& taps, std::size_t step) {
   const double variance = LaggedProduct(taps, 0);
   double sum = 1.0;
   for (std::size_t lag = step; lag < taps.size(); lag += step) {
@@ -79,11 +79,11 @@ Gain GainOf(const Taps& taps, std::size_t step) {
 
 std::array<Gain, kImuOctaves> Gains(ImuSampling sampling) {
   const Taps sampled = sampling == ImuSampling::kMean ? Taps{1.0} : Taps{0.5, 0.5};
-  return {GainOf(Convolved(sampled, WaveletFilter(), 1), 2),
-          GainOf(Convolved(Convolved(sampled, ScalingFilter(), 1), WaveletFilter(), 2), 4)};
+  return {ComputeGain(Convolved(sampled, WaveletFilter(), 1), 2),
+          ComputeGain(Convolved(Convolved(sampled, ScalingFilter(), 1), WaveletFilter(), 2), 4)};
 }
 
-/// Samples without a hole between them: [first, past).
+/// Range of samples without a hole between them: [first, past).
 struct Stretch {
   std::size_t first, past;
 };
@@ -100,7 +100,8 @@ bool FollowsRegularly(const ImuData& imu, std::size_t k) {
          imu.samples[k].t_s - imu.samples[k - 1].t_s < kLongest * imu.nominal_dt_s;
 }
 
-/// Whether the sample is too close to an end of known noise to be of one side.
+/// Returns true if the sample is so close to an end of a vibration that filters would mix both
+/// sides.
 bool IsAtEdge(const ImuSample& sample, const ImuModel& model, double margin_s) {
   return std::any_of(model.vibration.begin(), model.vibration.end(), [&](const ImuVibration& v) {
     return std::abs(sample.t_s - v.t0_s) <= margin_s || std::abs(sample.t_s - v.t1_s) <= margin_s;
@@ -119,7 +120,7 @@ std::vector<Stretch> Stretches(const ImuData& imu, const ImuModel& model, double
   return stretches;
 }
 
-/// Variance that is known to be added at a time.
+/// Returns the variance that the vibrations of the model add at a time.
 double AddedVariance(double t_s, ImuTriad triad, const ImuModel& model) {
   double variance = 0.0;
   for (const ImuVibration& v : model.vibration) {
@@ -129,16 +130,16 @@ double AddedVariance(double t_s, ImuTriad triad, const ImuModel& model) {
   return variance;
 }
 
-const Eigen::Vector3d& ValueOf(const ImuSample& sample, ImuTriad triad) {
+const Eigen::Vector3d& TriadValue(const ImuSample& sample, ImuTriad triad) {
   return triad == kGyroTriad ? sample.w_ib_b_radps : sample.f_b_mps2;
 }
 
-std::vector<double> AxisOf(const ImuData& imu, const Stretch& stretch, ImuTriad triad,
-                           Eigen::Index axis) {
+std::vector<double> AxisValues(const ImuData& imu, const Stretch& stretch, ImuTriad triad,
+                               Eigen::Index axis) {
   std::vector<double> values;
   values.reserve(stretch.past - stretch.first);
   for (std::size_t k = stretch.first; k < stretch.past; ++k) {
-    values.push_back(ValueOf(imu.samples[k], triad)[axis]);
+    values.push_back(TriadValue(imu.samples[k], triad)[axis]);
   }
   return values;
 }
@@ -146,7 +147,7 @@ std::vector<double> AxisOf(const ImuData& imu, const Stretch& stretch, ImuTriad 
 double RepeatedShare(const ImuData& imu, ImuTriad triad) {
   std::size_t repeated = 0;
   for (std::size_t k = 1; k < imu.samples.size(); ++k) {
-    if (ValueOf(imu.samples[k], triad) == ValueOf(imu.samples[k - 1], triad)) ++repeated;
+    if (TriadValue(imu.samples[k], triad) == TriadValue(imu.samples[k - 1], triad)) ++repeated;
   }
   return static_cast<double>(repeated) / static_cast<double>(imu.samples.size());
 }
@@ -154,18 +155,19 @@ double RepeatedShare(const ImuData& imu, ImuTriad triad) {
 std::vector<double> Differences(const ImuData& imu, ImuTriad triad, Eigen::Index axis) {
   std::vector<double> differences;
   for (std::size_t k = 1; k < imu.samples.size(); ++k) {
-    const double d =
-        std::abs(ValueOf(imu.samples[k], triad)[axis] - ValueOf(imu.samples[k - 1], triad)[axis]);
+    const double d = std::abs(TriadValue(imu.samples[k], triad)[axis] -
+                              TriadValue(imu.samples[k - 1], triad)[axis]);
     if (d > 0.0) differences.push_back(d);
   }
   return differences;
 }
 
-/// The step of which the differences of successive values are multiples, but for the digits of a
-/// file; 0 where there is none that matters.
+/// Returns the step of which the differences of successive values are multiples, apart from the
+/// rounding of the file. Returns 0 if there is no such step, or if it is too small to matter.
 double Resolution(const ImuData& imu, ImuTriad triad, Eigen::Index axis) {
-  constexpr double kLeastStep = 0.02;  ///< in medians: a finer one adds nothing to the noise
-  constexpr double kNearMultiple = 0.1, kShareOfMultiples = 0.95;
+  /// In medians of the differences: a finer step adds no relevant noise.
+  constexpr double kLeastStep = 0.02;
+  constexpr double kNearMultiple = 0.1, kMultiplesShare = 0.95;
   const std::vector<double> differences = Differences(imu, triad, axis);
   if (differences.empty()) return 0.0;
   const double least = kLeastStep * Median(differences);
@@ -177,7 +179,7 @@ double Resolution(const ImuData& imu, ImuTriad triad, Eigen::Index axis) {
     return std::abs(d / step - std::round(d / step)) < kNearMultiple;
   });
   const bool stepped =
-      static_cast<double>(multiples) > kShareOfMultiples * static_cast<double>(differences.size());
+      static_cast<double>(multiples) > kMultiplesShare * static_cast<double>(differences.size());
   return stepped ? step : 0.0;
 }
 
@@ -208,7 +210,7 @@ class Collector {
   void Add(const Stretch& stretch) {
     variance_ = assumed_variance_ + AddedVariance(imu_.samples[stretch.first].t_s, triad_, model_);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      const std::vector<double> x = AxisOf(imu_, stretch, triad_, axis);
+      const std::vector<double> x = AxisValues(imu_, stretch, triad_, axis);
       const double t_s = 0.5 * (imu_.samples[stretch.first].t_s + Begin(stretch));
       const double dt_s = imu_.nominal_dt_s;
       const double middle = 0.5 * (kTaps - 1);
@@ -240,7 +242,7 @@ class Collector {
   const ImuModel& model_;
   const HighBandOptions& options_;
   double assumed_variance_;
-  double variance_ = 0.0;  ///< of the stretch
+  double variance_ = 0.0;  ///< variance of the current stretch
   ImuTriad triad_;
   std::array<Gain, kImuOctaves> gains_;
   std::vector<HighBandWindow>& windows_;
@@ -248,11 +250,13 @@ class Collector {
 
 std::string Repeats(double share) {
   char text[64];
-  std::snprintf(text, sizeof(text), "%.0f %% of its samples repeat the one before", 100.0 * share);
+  std::snprintf(text, sizeof(text), "%.0f %% of its samples repeat the sample before",
+                100.0 * share);
   return text;
 }
 
-/// A step seen in means of two point samples is half of that of the samples.
+/// Returns the variance from rounding, mean of the axes. A step seen in means of two point samples
+/// is half the step of the samples.
 double RoundingVariance(const ImuData& imu, ImuTriad triad, ImuSampling sampling) {
   double sum = 0.0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -270,11 +274,11 @@ BandEnergy Total(const std::vector<HighBandWindow>& windows, ImuTriad triad, Imu
   return total;
 }
 
-/// Why the energies say nothing of a triad.
+/// Returns the reason why the energies do not show the noise of a triad; empty if they do.
 std::string Unusable(const TriadSamples& samples, const std::vector<HighBandWindow>& windows,
                      ImuTriad triad) {
   BandEnergy total = Total(windows, triad, kSecondOctave);
-  if (!(total.dof > 0.0)) return "it has no stretch of samples at equal intervals";
+  if (!(total.dof > 0.0)) return "it has no continuous samples at equal intervals";
   total += Total(windows, triad, kTopOctave);
   const double coarsest = kCoarsestResolution * kCoarsestResolution / 12.0;
   if (samples.rounding > coarsest * (1.0 + samples.rounding) * total.Variance()) {
@@ -319,7 +323,7 @@ BandEnergy HighBandWindow::Of(ImuTriad triad) const {
 void HighBandOptions::Validate() const {
   if (!(window_s > 0.0) || !std::isfinite(window_s)) {
     throw InvalidConfig("high band: option window_s is " + std::to_string(window_s) +
-                        ", must be positive and finite");
+                        " s, but must be positive and finite");
   }
 }
 

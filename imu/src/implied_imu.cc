@@ -10,7 +10,7 @@
 namespace dn {
 namespace {
 
-/// Of one sample: the poses at its ends.
+/// Returns one sample from the poses at its ends.
 ImuSample Between(const LocalFrame& frame, const EarthStep& step, const MapPose& i,
                   const MapPose& j) {
   const Eigen::Matrix3d R_bm = i.q_mb.toRotationMatrix().transpose();

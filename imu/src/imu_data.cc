@@ -15,16 +15,17 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Mean |f| of anything that does not fall is near 9.8 m/s^2, whatever it does meanwhile.
+/// Limits of the mean |f|. It is near 9.8 m/s^2 for any vehicle that does not fall, whatever its
+/// motion.
 constexpr double kLowestMeanForce = 3.0;
 constexpr double kHighestMeanForce = 50.0;
 constexpr double kLowestMeanForceInG = 0.2;
-/// 115 deg/s rms over a whole file: no surveying platform turns like that, and most flights read
-/// in deg/s come out above it.
+/// Limit of the rms rate over a whole file (115 deg/s). Surveying platforms do not rotate this
+/// fast, and most flights in deg/s exceed the limit.
 constexpr double kHighestRmsRate = 2.0;
-/// No sensor delivers rates [rad/s], forces [m/s^2] or increments of this size.
+/// Larger values cannot be rates [rad/s], forces [m/s^2] or increments of a sensor.
 constexpr double kHighestValue = 1e6;
-/// No inertial sensor is as slow.
+/// Inertial sensors are faster than this.
 constexpr double kLongestUsualInterval_s = 1.0;
 
 struct Row {
@@ -39,14 +40,14 @@ Vector3d ToBody(const Vector3d& v, double unit, const ImuReadOptions& options) {
 
 [[noreturn]] void FailSize(double value, const FileLocation& where) {
   throw InvalidInput("IMU data: " + FormatDouble(value) +
-                         " is no angular rate in rad/s and no specific force in m/s^2",
+                         " is too large for an angular rate in rad/s or a specific force in m/s^2",
                      where);
 }
 
 std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOptions& options,
                           long* repeated_rows_dropped) {
   std::vector<std::size_t> columns{7};
-  if (options.format == ImuFormat::kIncrements) columns.push_back(8);  // odometer, not used
+  if (options.format == ImuFormat::kIncrements) columns.push_back(8);  // an odometer, not used
   TextTable table = ReadTextTable(file, columns);
   std::vector<std::size_t> keep;
   *repeated_rows_dropped = ContinueAndCheckTimes(table, keep, options.time_offset_s);
@@ -62,21 +63,21 @@ std::vector<Row> ReadRows(const std::filesystem::path& file, const ImuReadOption
   }
   if (rows.size() < 2) {
     throw InvalidInput("IMU data: " + std::to_string(rows.size()) +
-                           " row, at least 2 are needed to know the interval",
+                           " row, but at least 2 are needed to determine the interval",
                        {file.string(), table.lines.empty() ? 0 : table.lines.front()});
   }
   return rows;
 }
 
-/// What the steps between the rows tell of the sensor's intervals.
+/// Intervals of the sensor, estimated from the steps between the rows.
 struct Intervals {
   double nominal_s;
   bool uneven;
-  double longest_s;  ///< between rows that adjoin
+  double longest_s;  ///< longest step between adjacent rows
 };
 
-/// The usual interval is the mean of those without a lost row, up to 1.75 medians: tags rounded to a
-/// coarse clock have a median off the mean.
+/// Estimates the usual interval as the mean of the steps up to 1.75 medians, which have no lost
+/// row. The median alone would differ from the mean if tags are rounded to a coarse clock.
 Intervals FindIntervals(const std::vector<Row>& rows, std::optional<double> max_gap_s) {
   constexpr double kEvenShare = 0.8, kNear = 0.25;
   std::vector<double> dt(rows.size() - 1);
@@ -99,15 +100,15 @@ Intervals FindIntervals(const std::vector<Row>& rows, std::optional<double> max_
 
 void CheckInterval(double nominal_dt_s, const FileLocation& where) {
   if (nominal_dt_s <= kLongestUsualInterval_s) return;
-  throw InvalidInput("IMU data: the usual interval between the rows is " +
-                         FormatDouble(nominal_dt_s) +
-                         " in the unit that should be seconds: is the time in milliseconds? Divide "
-                         "it by 1000 (by 1e6 if in microseconds)",
-                     where);
+  throw InvalidInput(
+      "IMU data: the usual interval between the rows is " + FormatDouble(nominal_dt_s) +
+          ", too long for seconds: is the time in milliseconds? Divide it by 1000 (by 1e6 if "
+          "in microseconds)",
+      where);
 }
 
-/// The sample that ends at row i, over its own interval: the step from the row before, or after a
-/// hole and at the first row (i = 0) the usual one.
+/// Returns the sample that ends at row i, over its own interval. This is the step from the row
+/// before; at the first row (i = 0) and after a hole it is the usual interval.
 ImuSample Sample(const std::vector<Row>& rows, std::size_t i, const Intervals& intervals,
                  const ImuReadOptions& options) {
   const Row& row = rows[i];
@@ -120,7 +121,8 @@ ImuSample Sample(const std::vector<Row>& rows, std::size_t i, const Intervals& i
   const bool joined =
       i > 0 && since_last_s <= LongestImuBridge(options.max_gap_s, intervals.nominal_s);
   if (options.sampling == ImuSampling::kInstantaneous && joined) {
-    const double back = 0.5 * dt_s / since_last_s;  // the middle of the interval
+    // Weight of row i - 1 at the middle of the interval.
+    const double back = 0.5 * dt_s / since_last_s;
     return {row.t_s, dt_s, row.w + back * (rows[i - 1].w - row.w),
             row.f + back * (rows[i - 1].f - row.f)};
   }
@@ -133,7 +135,7 @@ std::string Rounded(double value) {
   return text;
 }
 
-/// Throws InvalidInput when the values cannot be rad/s and m/s^2 (or increments of them).
+/// Throws InvalidInput if the values cannot be in rad/s and m/s^2 (or increments of them).
 void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
   double sum_f = 0.0, sum_w2 = 0.0;
   for (const ImuSample& sample : imu.samples) {
@@ -143,8 +145,8 @@ void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
   const double count = static_cast<double>(imu.samples.size());
   const double mean_f = sum_f / count, rms_w = std::sqrt(sum_w2 / count);
   const FileLocation where{file.string()};
-  const std::string force = "IMU data: the mean specific force is " + Rounded(mean_f) +
-                            " in the unit that should be m/s^2, where 9.8 is due: ";
+  const std::string force =
+      "IMU data: the mean specific force is " + Rounded(mean_f) + ", but 9.8 m/s^2 is expected: ";
   if (mean_f < kLowestMeanForceInG) {
     throw InvalidInput(
         force + "is gravity removed, or are these increments ('format: increments')?", where);
@@ -159,7 +161,7 @@ void CheckUnits(const ImuData& imu, const std::filesystem::path& file) {
   }
   if (rms_w > kHighestRmsRate) {
     throw InvalidInput("IMU data: the angular rate is " + Rounded(rms_w) +
-                           " rms in the unit that should be rad/s: is it in deg/s? Multiply by "
+                           " rms, too large for rad/s: is it in deg/s? Multiply by "
                            "0.0174533, or set imu.rate_unit: deg/s",
                        where);
   }
@@ -174,7 +176,7 @@ ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options
   imu.nominal_dt_s = intervals.nominal_s;
   imu.uneven = intervals.uneven;
   CheckInterval(imu.nominal_dt_s, {file.string()});
-  // A point sample is the mean of nothing before it: the first row only begins the first interval.
+  // A point sample gives no mean before its own time: the first row only begins the first interval.
   const bool first_is_a_sample =
       options.format == ImuFormat::kIncrements || options.sampling == ImuSampling::kMean;
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -46,7 +46,7 @@ class Joiner {
   double longest_s_;
   internal::BridgeCursor bridges_;
   std::vector<ImuSample> joined_;
-  bool closed_ = true;  // the last joined sample takes no other
+  bool closed_ = true;  // true if no other sample may be joined to the last one
 };
 
 }  // namespace

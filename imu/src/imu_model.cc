@@ -13,7 +13,7 @@ namespace {
 constexpr double kSecondsPerHour = 3600.0;
 constexpr double kSqrtSecondsPerSqrtHour = 60.0;
 
-/// The figures of a preset in the units of data sheets.
+/// Figures of a preset in the units of data sheets.
 struct Datasheet {
   const char* name;
   double gyro_constant_deg_h, gyro_markov_deg_h, gyro_tau_s, gyro_white_deg_sqrt_h;
@@ -38,7 +38,7 @@ constexpr Datasheet kDatasheets[] = {
      "estimates"},
 };
 
-ImuModel ModelOf(const Datasheet& sheet) {
+ImuModel MakeModel(const Datasheet& sheet) {
   using Type = BiasProcess::Type;
   ImuModel model;
   model.name = sheet.name;
@@ -51,13 +51,14 @@ ImuModel ModelOf(const Datasheet& sheet) {
       {Type::kRandomConstant, Mps2FromMg(1e-3 * sheet.accel_constant_ug), 0.0},
       {Type::kGaussMarkov, Mps2FromMg(1e-3 * sheet.accel_markov_ug), sheet.accel_tau_s}};
   model.source = sheet.source;
-  model.approximate = true;  // no preset has every figure from a cited edition of a data sheet
+  model.approximate = true;  // no preset has all its figures from a cited edition of a data sheet
   return model;
 }
 
 void CheckPositive(double value, const std::string& what) {
   if (!(value > 0.0) || !std::isfinite(value)) {
-    throw InvalidConfig(what + " is " + std::to_string(value) + ", must be positive and finite");
+    throw InvalidConfig(what + " is " + std::to_string(value) +
+                        ", but must be positive and finite");
   }
 }
 
@@ -81,7 +82,7 @@ void CheckVibration(const ImuVibration& vibration, const std::string& which) {
   for (const double sigma : {vibration.gyro_sigma_radps, vibration.accel_sigma_mps2}) {
     if (sigma >= 0.0 && std::isfinite(sigma)) continue;
     throw InvalidConfig(which + ": a sigma is " + std::to_string(sigma) +
-                        ", must be finite and at least 0");
+                        ", but must be finite and at least 0");
   }
 }
 
@@ -95,10 +96,10 @@ std::vector<std::string> ImuPresetNames() {
 
 ImuModel ImuPreset(const std::string& name) {
   for (const Datasheet& sheet : kDatasheets) {
-    if (name == sheet.name) return ModelOf(sheet);
+    if (name == sheet.name) return MakeModel(sheet);
   }
-  throw InvalidConfig("imu: no grade '" + name + "', the nearest is '" +
-                      NearestName(name, ImuPresetNames()) + "'");
+  throw InvalidConfig("imu: there is no grade '" + name + "'; did you mean '" +
+                      NearestName(name, ImuPresetNames()) + "'?");
 }
 
 GaussMarkovStep DiscretiseGaussMarkov(double sigma, double tau_s, double dt_s) {

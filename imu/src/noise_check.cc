@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kLeastGroup_s = 2.0;
 constexpr std::size_t kMostGroups = 500;
-constexpr double kFewestDof = 20.0;  ///< fewer are no level
+constexpr double kFewestDof = 20.0;  ///< a level needs at least this many
 
-/// Cells in a group: two seconds, and more in a long flight.
-std::size_t GroupOf(const HighBand& band) {
+/// Returns the number of cells in a group. A group lasts two seconds, or more in a long flight.
+std::size_t GroupSize(const HighBand& band) {
   const std::size_t cells = band.windows.size();
   const double cell_s =
       (band.windows.back().t1_s - band.windows.front().t0_s) / static_cast<double>(cells);
@@ -25,7 +25,7 @@ std::size_t GroupOf(const HighBand& band) {
   return std::max({std::size_t{1}, of_time, (cells + kMostGroups - 1) / kMostGroups});
 }
 
-/// What one triad says by itself.
+/// Results of one triad on its own.
 class TriadCheck {
  public:
   TriadCheck(const HighBand& band, ImuTriad triad, const RunningSums& sums)
@@ -82,7 +82,8 @@ class TriadCheck {
   NoiseLevels levels_;
 };
 
-/// Each triad with a noise of another size or without.
+/// Returns the log Bayes factor of the better alternative for each triad: another level, or the
+/// assumed one.
 double BestScale(const NoiseEvidence& evidence) {
   return std::max(0.0, evidence.scale[kGyroTriad]) + std::max(0.0, evidence.scale[kAccelTriad]);
 }
@@ -91,16 +92,17 @@ double NotWhite(const NoiseEvidence& evidence, ImuTriad triad) {
   return std::max(evidence.coloured[triad], evidence.unsteady[triad]);
 }
 
-double BestOfTriad(const NoiseEvidence& evidence, ImuTriad triad) {
+double BestForTriad(const NoiseEvidence& evidence, ImuTriad triad) {
   return std::max({0.0, evidence.scale[triad], NotWhite(evidence, triad)});
 }
 
 ImuTriad Other(ImuTriad triad) { return triad == kGyroTriad ? kAccelTriad : kGyroTriad; }
 
-/// At least one triad not white, the other by what is best for it.
-double BestOfAnyColour(const NoiseEvidence& evidence) {
-  return std::max(NotWhite(evidence, kGyroTriad) + BestOfTriad(evidence, kAccelTriad),
-                  NotWhite(evidence, kAccelTriad) + BestOfTriad(evidence, kGyroTriad));
+/// Returns the largest evidence with at least one triad not white; the other triad uses its best
+/// hypothesis.
+double BestNotWhite(const NoiseEvidence& evidence) {
+  return std::max(NotWhite(evidence, kGyroTriad) + BestForTriad(evidence, kAccelTriad),
+                  NotWhite(evidence, kAccelTriad) + BestForTriad(evidence, kGyroTriad));
 }
 
 }  // namespace
@@ -109,7 +111,7 @@ void NoiseCheckOptions::Validate() const {
   const auto expect = [](bool good, const char* name, double value, const char* bound) {
     if (good) return;
     throw InvalidConfig("noise check: option " + std::string(name) + " is " +
-                        std::to_string(value) + ", must be " + bound);
+                        std::to_string(value) + ", but must be " + bound);
   };
   expect(typical_ratio > 1.0, "typical_ratio", typical_ratio, "above 1");
   for (const double sigma : typical_sigma) {
@@ -119,9 +121,9 @@ void NoiseCheckOptions::Validate() const {
 }
 
 NoiseAccount BestAccount(const NoiseEvidence& evidence) {
-  // Of equal ones the first, which is the simplest.
+  // If several are equal, max_element returns the first one, which is the simplest.
   const std::array<double, 5> all{0.0, BestScale(evidence), evidence.window,
-                                  evidence.window_and_scale, BestOfAnyColour(evidence)};
+                                  evidence.window_and_scale, BestNotWhite(evidence)};
   return static_cast<NoiseAccount>(std::max_element(all.begin(), all.end()) - all.begin());
 }
 
@@ -130,7 +132,7 @@ NoiseCauses CausesOf(const NoiseEvidence& evidence) {
   NoiseCauses causes;
   causes.window = std::max(evidence.window, both) - BestScale(evidence);
   for (const ImuTriad triad : kBothTriads) {
-    const double other = BestOfTriad(evidence, Other(triad));
+    const double other = BestForTriad(evidence, Other(triad));
     const double scale = evidence.scale[triad];
     causes.scale[triad] = std::max(scale + other, both) - std::max(other, evidence.window);
     causes.not_white[triad] = NotWhite(evidence, triad) + other -
@@ -147,7 +149,7 @@ NoiseCheck CheckNoise(const HighBand& band, const NoiseCheckOptions& options) {
   options.Validate();
   NoiseCheck check;
   const RatioPrior prior(options.typical_ratio);
-  const std::size_t group = GroupOf(band);
+  const std::size_t group = GroupSize(band);
   std::vector<RunningSums> sums;
   bool any = false;
   for (const ImuTriad triad : kBothTriads) sums.emplace_back(band, triad);

@@ -9,16 +9,15 @@
 namespace dn {
 namespace {
 
-/// Spreads of the logarithm of sigma between levels.
+/// Standard deviations of the logarithm of sigma between levels.
 constexpr std::array<double, 6> kSpreads{0.003, 0.01, 0.03, 0.1, 0.3, 1.0};
 
 double LogNormal(double x, double variance) {
   return -0.5 * (x * x / variance + std::log(2.0 * std::numbers::pi * variance));
 }
 
-/// Levels that scatter about a common one.
-double EvidenceOfSpread(const std::vector<LogLevel>& levels, double spread,
-                        const RatioPrior& prior) {
+/// Returns the evidence of levels that scatter about a common level with a known spread.
+double SpreadEvidence(const std::vector<LogLevel>& levels, double spread, const RatioPrior& prior) {
   double weight = 0.0, mean = 0.0;
   for (const LogLevel& level : levels) {
     const double w = 1.0 / (level.variance + spread * spread);
@@ -73,7 +72,7 @@ double EvidenceOfDifferentLevels(const std::vector<LogLevel>& levels, const Rati
   if (levels.empty()) return 0.0;
   LogSum sum;
   for (const double spread : kSpreads) {
-    sum.Add(EvidenceOfSpread(levels, spread, prior) - std::log(kSpreads.size()));
+    sum.Add(SpreadEvidence(levels, spread, prior) - std::log(kSpreads.size()));
   }
   return sum.Value();
 }
@@ -90,7 +89,7 @@ double Addition::Evidence(const BandEnergy& energy, double base) const {
   const double shift = typical_log_ - std::log(base);
   const double excess = energy.Variance() - 1.0;
   const double sigma = std::sqrt(2.0 / energy.dof) * (1.0 + std::max(0.0, excess));
-  if (excess > kClear * sigma) {  // Laplace, in log(theta)
+  if (excess > kClear * sigma) {  // Laplace approximation in log(theta)
     return LogLikelihood(energy, 1.0 + excess) + LogPrior(std::log(excess) - shift) +
            std::log(sigma / excess * std::sqrt(2.0 * std::numbers::pi));
   }

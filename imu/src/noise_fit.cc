@@ -11,14 +11,15 @@
 namespace dn {
 namespace {
 
-// Quantiles of chi-square that leave one in a thousand outside, by degrees of freedom.
+// Quantiles 99.9 % of chi-square with 1 and 2 degrees of freedom.
 constexpr double kKeep1 = 10.83, kKeep2 = 13.82;
-// A faster Gauss-Markov process looks like white noise, a slower one like a random walk.
-constexpr double kShortestCorrelation = 2.0;  // shortest cluster times
-constexpr double kLongestCorrelation = 1.0;   // longest cluster times
-// Filters and resolution make noise other than white over a few samples.
+// Limits of the correlation time: a faster Gauss-Markov process looks like white noise, a slower
+// one like a random walk.
+constexpr double kShortestCorrelation = 2.0;  // times the shortest cluster time
+constexpr double kLongestCorrelation = 1.0;   // times the longest cluster time
+// Over fewer samples than this, filters and resolution add other than white noise.
 constexpr double kFewestSamples = 10.0;
-// No real sensor follows three terms to better than this share of the deviation.
+// Relative accuracy of the deviation to which a real sensor follows the three terms.
 constexpr double kModelAccuracy = 0.02;
 
 enum Term : std::size_t { kWhite, kGaussMarkov, kRandomWalk, kTerms };
@@ -35,14 +36,14 @@ double UnitVariance(std::size_t term, double tau_s, double correlation_s) {
   }
 }
 
-/// Amplitudes (variances) of the chosen terms and the correlation time, fitted in logarithms: all
-/// stay positive, and a factor of two is as far above as below.
+/// Amplitudes (variances) of the chosen terms, and the correlation time. They are fitted in
+/// logarithms: all remain positive, and factors of 2 and 1/2 are equally far away.
 struct TermModel {
   Chosen chosen{};
   std::array<double, kTerms> amplitude{};
   double correlation_s = 1.0;
   double chi2 = 1e300;
-  Eigen::MatrixXd covariance;  // of the logarithms, in the order of Parameters
+  Eigen::MatrixXd covariance;  // covariance of the logarithms, in the order of Gradient
 
   double Variance(double tau_s) const {
     double sum = 0.0;
@@ -61,7 +62,7 @@ class Fitter {
  public:
   explicit Fitter(const std::vector<AllanPoint>& curve) : curve_(curve) {}
 
-  /// Best fit of a choice of terms, over several starting correlation times.
+  /// Returns the best fit of a choice of terms, over several initial correlation times.
   TermModel Fit(const Chosen& chosen) const {
     TermModel best;
     const double shortest_s = Shortest(), longest_s = Longest();
@@ -81,7 +82,7 @@ class Fitter {
   double Shortest() const { return kShortestCorrelation * curve_.front().tau_s; }
   double Longest() const { return kLongestCorrelation * curve_.back().tau_s; }
 
-  // Every term alone at the height that it may have at most.
+  // Starts with equal shares of the largest amplitude that each term can have alone.
   void Start(TermModel* model) const {
     const auto terms =
         static_cast<double>(std::count(model->chosen.begin(), model->chosen.end(), true));
@@ -94,7 +95,8 @@ class Fitter {
     }
   }
 
-  // The logarithm of a variance with d degrees of freedom has mean -1/d and variance 2/d.
+  // This uses that the logarithm of a variance with d degrees of freedom has mean -1/d and variance
+  // 2/d.
   double Residual(const TermModel& model, const AllanPoint& p) const {
     return std::sqrt(0.5 * p.dof) *
            (std::log(p.variance) + 1.0 / p.dof - std::log(model.Variance(p.tau_s)));
@@ -106,7 +108,8 @@ class Fitter {
     return std::isfinite(sum) ? sum : 1e300;
   }
 
-  // d residual / d log parameter: the chosen terms, then the correlation time.
+  // Returns d residual / d log parameter, first for the chosen terms, then for the correlation
+  // time.
   Eigen::VectorXd Gradient(const TermModel& model, const AllanPoint& p) const {
     constexpr double kStep = 1e-4;
     Eigen::VectorXd gradient(model.NumParameters());
@@ -175,7 +178,8 @@ class Fitter {
   const std::vector<AllanPoint>& curve_;
 };
 
-// Adds terms as long as they pay, then takes out those that no longer do.
+// Adds terms as long as chi-square improves enough, then removes the terms that are no longer
+// needed.
 TermModel ChooseTerms(const Fitter& fitter) {
   const auto price = [](std::size_t term) { return term == kGaussMarkov ? kKeep2 : kKeep1; };
   const auto with = [](const TermModel& model, std::size_t term, bool chosen) {
@@ -244,7 +248,7 @@ NoiseFit ToFit(const TermModel& model, const std::vector<AllanPoint>& curve) {
   return fit;
 }
 
-// The part of the curve that the terms are to explain, each point no better than they can.
+// Returns the points of the curve to fit. The accuracy of each is limited to that of the model.
 std::vector<AllanPoint> Usable(const std::vector<AllanPoint>& curve) {
   constexpr double kModelDof = 1.0 / (2.0 * kModelAccuracy * kModelAccuracy);
   std::vector<AllanPoint> usable;
@@ -288,7 +292,7 @@ NoiseFit FitNoise(const std::vector<AllanPoint>& curve) {
   const std::vector<AllanPoint> usable = Usable(curve);
   if (usable.size() < kFewestPoints) {
     throw InvalidInput("noise terms: an Allan curve of " + std::to_string(usable.size()) +
-                       " usable points is too short, record for longer");
+                       " usable points is too short; make a longer recording");
   }
   return ToFit(ChooseTerms(Fitter(usable)), usable);
 }

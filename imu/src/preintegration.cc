@@ -17,13 +17,13 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// A stretch of one sample with rates linear in time: x(t) = mean + slope (t - middle).
+/// Part of one sample with rates that are linear in time: x(t) = mean + slope (t - middle).
 struct Piece {
   double dt_s;
   Vector3d w, w_slope, f, f_slope;
 };
 
-/// Densities of white noise, rad^2/s and m^2/s^3.
+/// White noise densities, rad^2/s and m^2/s^3.
 struct Densities {
   double gyro = 0.0, accel = 0.0;
 
@@ -32,7 +32,7 @@ struct Densities {
   }
 };
 
-/// What vibration adds to the white noise of a sample.
+/// Returns the density that vibration adds to the white noise of a sample.
 Densities VibrationNoise(const std::vector<ImuVibration>& vibration, const ImuSample& sample) {
   Densities sum;
   for (const ImuVibration& v : vibration) {
@@ -43,9 +43,9 @@ Densities VibrationNoise(const std::vector<ImuVibration>& vibration, const ImuSa
   return sum;
 }
 
-/// What the hole that a sample bridges adds to its white noise: its error, spread over all of the
-/// sample. Null: there is none.
-Densities NoiseOfBridge(const ImuBridge* bridge, double dt_s) {
+/// Returns the density that a bridge adds to the white noise of its sample: the error of the hole,
+/// spread over the whole sample. nullptr: the sample has no bridge.
+Densities BridgeNoise(const ImuBridge* bridge, double dt_s) {
   if (bridge == nullptr) return {};
   return {bridge->gyro_sigma_rad * bridge->gyro_sigma_rad / dt_s,
           bridge->accel_sigma_mps * bridge->accel_sigma_mps / dt_s};
@@ -59,8 +59,8 @@ std::string Seconds(double t_s) {
 
 double Middle(const ImuSample& sample) { return sample.t_s - 0.5 * sample.dt_s; }
 
-/// The rates of a sample without their biases as a linear function of time with its mean, and the
-/// slope that has its first moment.
+/// Rates of a sample without biases, as a linear function of time. It has the mean of the sample
+/// and the slope that reproduces the first moment.
 class LinearSample {
  public:
   LinearSample(const ImuData& imu, std::size_t k, const ImuCorrection& bias)
@@ -82,16 +82,17 @@ class LinearSample {
   Vector3d Rate(double t_s) const { return w_ + (t_s - middle_s_) * w_slope_; }
   Vector3d Force(double t_s) const { return f_ + (t_s - middle_s_) * f_slope_; }
 
-  /// The part of the sample in [t0_s, t1_s].
+  /// Returns the part of the sample in [t0_s, t1_s].
   Piece Part(double t0_s, double t1_s) const {
     const double middle_s = t0_s + 0.5 * (t1_s - t0_s);
     return {t1_s - t0_s, Rate(middle_s), w_slope_, Force(middle_s), f_slope_};
   }
 
  private:
-  // A signal x has means x + h^2/24 x'' over samples of length h, hence differences of means at
-  // distance 1 and 2 give the slopes x' + 5/24 h^2 x''' and x' + 17/24 h^2 x'''; the line of the
-  // same first moment has the slope x' + 1/40 h^2 x''', their mean with the weights w and 1 - w.
+  // A signal x has means x + h^2/24 x'' over samples of length h. Differences of means at distances
+  // 1 and 2 therefore give the slopes x' + 5/24 h^2 x''' and x' + 17/24 h^2 x'''. The line with the
+  // same first moment has slope x' + 1/40 h^2 x'''. It is the mean of both slopes with weights w
+  // and 1 - w.
   static constexpr double kNearWeight = 41.0 / 30.0;
 
   static std::size_t Before(const std::vector<ImuSample>& x, std::size_t k) {
@@ -111,7 +112,7 @@ class LinearSample {
   Vector3d w_slope_ = Vector3d::Zero(), f_slope_ = Vector3d::Zero();
 };
 
-/// Takes the effects of a correction out of pieces whose biases are subtracted.
+/// Removes the effects of a correction from pieces after the biases are subtracted.
 class EffectCorrector {
  public:
   explicit EffectCorrector(const ImuEffectValues& effects) : effects_(effects) {
@@ -123,7 +124,7 @@ class EffectCorrector {
 
   bool empty() const { return effects_.empty(); }
 
-  /// At t_s; the derivatives of the result stay in reading().
+  /// Corrects the piece at t_s. The derivatives of the result remain in reading().
   void Correct(double t_s, Piece* piece) {
     reading_.t_s = t_s;
     reading_.w_b = piece->w;
@@ -147,12 +148,12 @@ class EffectCorrector {
 
   const ImuReading& reading() const { return reading_; }
 
-  static constexpr int kBiases = 6;  // columns of the biases, before those of the effects
+  static constexpr int kBiases = 6;  // number of bias columns, which precede those of the effects
 
  private:
   static void Check(const ImuEffectValue& one) {
     if (one.value.size() == one.effect->components() && one.value.allFinite()) return;
-    throw InvalidInput("an effect of the inertial sensors needs " +
+    throw InvalidInput("the value of an effect of the inertial sensors needs " +
                        std::to_string(one.effect->components()) + " finite values");
   }
 
@@ -160,14 +161,14 @@ class EffectCorrector {
   ImuReading reading_;
 };
 
-/// The functions of the angle x that the exponential and its integrals are made of:
+/// Functions of the angle x in the exponential and in its integrals:
 ///   half_sinc = sin(x/2)/x, cos_half = cos(x/2),
 ///   a = (1 - cos x)/x^2, b = (x - sin x)/x^3, c = (x^2/2 + cos x - 1)/x^4.
 struct AngleFunctions {
   double half_sinc, cos_half, a, b, c;
 
   explicit AngleFunctions(double x2) {
-    if (x2 < 1e-2) {  // series, the first neglected term is below 1e-16
+    if (x2 < 1e-2) {  // series; the first neglected term is below 1e-16
       half_sinc = 0.5 - x2 * (1.0 / 48 - x2 * (1.0 / 3840 - x2 * (1.0 / 645120 - x2 / 185794560)));
       cos_half = 1.0 - x2 * (1.0 / 8 - x2 * (1.0 / 384 - x2 * (1.0 / 46080 - x2 / 10321920)));
       a = 0.5 - x2 * (1.0 / 24 - x2 * (1.0 / 720 - x2 * (1.0 / 40320 - x2 / 3628800)));
@@ -184,38 +185,38 @@ struct AngleFunctions {
   }
 };
 
-/// a x M, column by column.
+/// Returns a x M, column by column.
 Matrix3d Cross(const Vector3d& a, const Matrix3d& M) {
   Matrix3d out;
   for (int i = 0; i < 3; ++i) out.col(i) = a.cross(M.col(i));
   return out;
 }
 
-/// Skew(a) Skew(b).
+/// Returns Skew(a) Skew(b).
 Matrix3d SkewProduct(const Vector3d& a, const Vector3d& b) {
   Matrix3d out = b * a.transpose();
   out.diagonal().array() -= a.dot(b);
   return out;
 }
 
-/// What one piece does to the increments before it.
+/// Contribution of one piece to the increments before it.
 struct PieceMotion {
-  Matrix3d dR;  ///< body at the begin of the piece -> body at the begin
+  Matrix3d dR;  ///< rotation from body at the beginning of the piece to body at the beginning
   Vector3d phi_b;
   AngleFunctions g;
-  Vector3d phi, u;              ///< turn and change of velocity without the turn, at the begin
+  Vector3d phi, u;  ///< rotation, and velocity change without rotation, in axes at the beginning
   Vector3d velocity, position;  ///< added to the increments
 };
 
-/// Rotation, velocity and position, piece by piece.
+/// Integrates rotation, velocity and position piece by piece.
 class MotionIntegrator {
  public:
-  PieceMotion Of(const Piece& piece) const {
+  PieceMotion Move(const Piece& piece) const {
     const double d = piece.dt_s;
     const double d3 = d * d * d / 12.0;
     const Matrix3d dR = dq_.toRotationMatrix();
 
-    // Coning, Magnus expansion to second order: a slope s of the rate adds d^3/12 w x s.
+    // Coning by the Magnus expansion to second order: a slope s of the rate adds d^3/12 w x s.
     const Vector3d phi_b = d * piece.w + d3 * piece.w.cross(piece.w_slope);
     const AngleFunctions g(phi_b.squaredNorm());
     const Vector3d phi = dR * phi_b;
@@ -223,7 +224,7 @@ class MotionIntegrator {
     const Vector3d phi_x_u = phi.cross(u);
     const Vector3d phi_x_phi_x_u = phi.cross(phi_x_u);
     const Vector3d f_x_slope = dR * piece.f.cross(piece.w_slope);
-    // Sculling and scrolling: int R f and its integral, R and f linear in time.
+    // Sculling and scrolling: the integral of R f and its integral, with R and f linear in time.
     const Vector3d velocity = u + g.a * phi_x_u + g.b * phi_x_phi_x_u +
                               d3 * (dR * piece.w.cross(piece.f_slope) + f_x_slope);
     const Vector3d position = d * (0.5 * u + g.b * phi_x_u + g.c * phi_x_phi_x_u) -
@@ -238,10 +239,10 @@ class MotionIntegrator {
     const Vector3d& phi_b = motion.phi_b;
     dq_ = dq_ * Eigen::Quaterniond(g.cos_half, g.half_sinc * phi_b.x(), g.half_sinc * phi_b.y(),
                                    g.half_sinc * phi_b.z());
-    dq_.coeffs() *= 1.5 - 0.5 * dq_.squaredNorm();  // stays normalised to rounding
+    dq_.coeffs() *= 1.5 - 0.5 * dq_.squaredNorm();  // renormalises to within rounding
   }
 
-  void Add(const Piece& piece) { Add(piece.dt_s, Of(piece)); }
+  void Add(const Piece& piece) { Add(piece.dt_s, Move(piece)); }
 
   void Write(InertialIncrements* out) const {
     out->delta_q = dq_.normalized();
@@ -257,10 +258,10 @@ class MotionIntegrator {
   Vector3d dv_ = Vector3d::Zero(), dp_ = Vector3d::Zero();
 };
 
-/// Integrates piece by piece. Errors of the rotation are kept as rotation vectors in body axes at
-/// the begin (psi: true dR = Exp(psi) dR). White gyro noise then makes psi isotropic, its
-/// correlations with velocity and position are skew, and the 9 x 9 recursion P <- F P F^T + Q
-/// comes down to vectors and rank-two terms:
+/// Integrates covariance and derivatives piece by piece. Rotation errors are rotation vectors psi
+/// in body axes at the beginning (true dR = Exp(psi) dR). White gyro noise then makes psi
+/// isotropic, and its correlations with velocity and position are skew-symmetric. Therefore the
+/// 9 x 9 recursion P <- F P F^T + Q reduces to vectors and rank-two terms:
 ///   E[psi psi^T] = P_qq I,  E[dv psi^T] = -[a]x,  E[dp psi^T] = -[b]x.
 class Integrator {
  public:
@@ -268,11 +269,11 @@ class Integrator {
       : gyro_psd_(noise.gyro_white_rad_per_sqrt_s * noise.gyro_white_rad_per_sqrt_s),
         accel_psd_(noise.accel_white_mps_per_sqrt_s * noise.accel_white_mps_per_sqrt_s) {}
 
-  /// `added`: noise of this piece beyond the white noise of the sensor; `reading`: how its rates
-  /// depend on biases and effects, null where there are no effects.
+  /// Adds a piece. `added`: noise in addition to the white noise of the sensor. `reading`:
+  /// derivatives of the rates with respect to biases and effects; nullptr without effects.
   void Add(const Piece& piece, const Densities& added, const ImuReading* reading) {
     const double d = piece.dt_s;
-    const PieceMotion motion = motion_.Of(piece);
+    const PieceMotion motion = motion_.Move(piece);
     const Densities psd{gyro_psd_ + added.gyro, accel_psd_ + added.accel};
     noisy_ = noisy_ || psd.gyro > 0.0 || psd.accel > 0.0;
     if (noisy_) AddCovariance(d, psd, motion);
@@ -286,7 +287,8 @@ class Integrator {
     const Matrix3d dR = out->delta_q.toRotationMatrix();
     const Matrix3d dR_inverse = dR.transpose();
 
-    // psi in body axes at the begin -> rotation vector at the end.
+    // The covariance changes from psi in body axes at the beginning to a rotation vector at the
+    // end.
     const Matrix3d P_vq = -Skew(a_) * dR;
     const Matrix3d P_pq = -Skew(b_) * dR;
     out->covariance << P_qq_ * Matrix3d::Identity(), P_vq.transpose(), P_pq.transpose(), P_vq,
@@ -307,8 +309,9 @@ class Integrator {
     Matrix3d q = Matrix3d::Zero(), v = Matrix3d::Zero(), p = Matrix3d::Zero();
   };
 
-  // The noise within the piece is continuous and white; its moments are exact for a constant
-  // specific force, hence the covariance is positive semidefinite and independent of the sampling.
+  // The noise within the piece is continuous and white. Its moments are exact for a constant
+  // specific force, so that the covariance is positive semidefinite and independent of the
+  // sampling.
   void AddCovariance(double d, const Densities& psd, const PieceMotion& motion) {
     const Vector3d &u = motion.u, &velocity = motion.velocity, &position = motion.position;
     const double psi_psd = P_qq_, q = psd.gyro * d;
@@ -347,17 +350,17 @@ class Integrator {
     }
     J_p_ba_ += d * J_v_ba_ - d * d * moved;
     J_v_ba_ -= d * turned;
-    // The terms within the piece (u) are of first order in its turn.
+    // The terms within the piece (u) are of first order in its rotation.
     bias_.p += d * bias_.v - Cross(position, bias_.q) + d * d / 6.0 * u_x_dR;
     bias_.v += 0.5 * d * u_x_dR - Cross(velocity, bias_.q);
     bias_.q -= d * turned;
   }
 
-  // The same for any parameters on which rate and specific force depend. What a change of rate does
-  // to velocity and position grows with what is added after it; with V, P the increments up to the
-  // end of this piece and t its time, the sums
+  // Adds the derivatives with respect to any parameters on which rate and specific force depend.
+  // The influence of a rate change on velocity and position increases with the later increments.
+  // Let V, P be the increments up to the end of this piece, and t its time. The sums
   //   q = sum dq,  b = sum dv + V x dq,  a = sum dp - t (dv + V x dq) + P x dq
-  // of what it does within the piece suffice for every later end T:
+  // over the changes within the pieces are then sufficient for every later end T:
   //   v = b - V(T) x q,  p = a + T b - P(T) x q.
   void AddSensitivities(double d, const Matrix3d& turned, const Matrix3d& moved,
                         const Matrix3d& u_x_dR, const Vector3d& velocity, const Vector3d& position,
@@ -376,7 +379,7 @@ class Integrator {
     for (Eigen::Index c = 0; c < reading.J_w.cols(); ++c) {
       const double* w = reading.J_w.col(c).data();
       const double* f = reading.J_f.col(c).data();
-      // Most sensitivities are those of one axis.
+      // Most derivatives concern one axis only.
       for (int axis = 0; axis < 3; ++axis) {
         if (w[axis] != 0.0) sums_.col(c) += w[axis] * of_w.col(axis);
         if (f[axis] != 0.0) sums_.col(c).tail<6>() += f[axis] * of_f.col(axis).tail<6>();
@@ -402,30 +405,31 @@ class Integrator {
 
   double gyro_psd_, accel_psd_;
   bool noisy_ = false;
-  double P_qq_ = 0.0;  // of each component of psi
+  double P_qq_ = 0.0;  // variance of each component of psi
   MotionIntegrator motion_;
   Vector3d a_ = Vector3d::Zero(), b_ = Vector3d::Zero();
   Matrix3d P_vv_ = Matrix3d::Zero(), P_pv_ = Matrix3d::Zero(), P_pp_ = Matrix3d::Zero();
   Sensitivity bias_;
   Matrix3d J_v_ba_ = Matrix3d::Zero(), J_p_ba_ = Matrix3d::Zero();
-  double t_s_ = 0.0;  // since the begin
-  // What of biases and effects grows into sensitivities, where there are effects.
+  double t_s_ = 0.0;  // time since the beginning
+  // Sums of AddSensitivities for biases and effects; empty without effects.
   Eigen::Matrix<double, 9, Eigen::Dynamic> sums_;
 };
 
 void CheckBias(const ImuCorrection& bias, double t_s) {
   const bool gyro = bias.gyro_bias_radps.allFinite();
   if (gyro && bias.accel_bias_mps2.allFinite()) return;
-  throw InvalidInput("the estimated bias of the " + std::string(gyro ? "accelerometers" : "gyros") +
-                     " at t = " + Seconds(t_s) +
-                     " is no number, the adjustment diverges; check units and axes of the inertial "
-                     "data, and the sigmas of the biases and of GNSS");
+  throw InvalidInput(
+      "the estimated bias of the " + std::string(gyro ? "accelerometers" : "gyros") +
+      " at t = " + Seconds(t_s) +
+      " is not finite: the adjustment diverges; check units and axes of the inertial "
+      "data, and the sigmas of the biases and of GNSS");
 }
 
 void CheckNoise(double value) {
   if (!(value >= 0.0) || !std::isfinite(value)) {
     throw InvalidInput("inertial increments: a noise is " + std::to_string(value) +
-                       ", must be finite and not negative");
+                       ", but must be finite and not negative");
   }
 }
 
@@ -468,7 +472,8 @@ Preintegrated LinearisedAt(const ImuCorrection& correction) {
   return out;
 }
 
-/// The samples from t_begin_s on, piece by piece, up to ends that come in the order of time.
+/// Visits the samples from t_begin_s on, piece by piece. The requested ends must come in increasing
+/// order.
 class SampleWalk {
  public:
   SampleWalk(const ImuData& imu, double t_begin_s, const ImuCorrection& correction)
@@ -481,7 +486,7 @@ class SampleWalk {
     CheckBias(correction, t_begin_s);
   }
 
-  /// Hands on what ends before t_end_s: each(piece).
+  /// Calls each(piece) for all samples that end before t_end_s.
   template <class Each>
   void Pass(double t_end_s, const Each& each) {
     Check(t_end_s);
@@ -496,7 +501,7 @@ class SampleWalk {
     }
   }
 
-  /// After Pass: the last piece, which is not passed.
+  /// Calls each(piece) for the last piece, which stays the next one to visit. Call it after Pass.
   template <class Each>
   void Finish(double t_end_s, const Each& each, InertialIncrements* out) {
     const LinearSample linear = Linear(t_end_s);
@@ -508,18 +513,19 @@ class SampleWalk {
 
   const ImuSample& sample() const { return imu_.samples[*k_]; }
   const ImuCorrection& correction() const { return correction_; }
-  /// How the rates of the piece at hand depend on biases and effects; null without effects.
+  /// Derivatives of the rates of the current piece with respect to biases and effects; nullptr
+  /// without effects.
   const ImuReading* reading() const { return corrector_.empty() ? nullptr : &corrector_.reading(); }
 
  private:
   void Check(double t_end_s) const {
     if (!(t_end_s > t_begin_s_)) {
       throw InvalidInput("inertial increments: the end " + Seconds(t_end_s) +
-                         " is not after the begin " + Seconds(t_begin_s_));
+                         " is not after the beginning " + Seconds(t_begin_s_));
     }
     if (t_end_s < last_end_s_) {
       throw InvalidInput("inertial increments: the end " + Seconds(t_end_s) +
-                         " precedes the one before, " + Seconds(last_end_s_));
+                         " precedes the previous end " + Seconds(last_end_s_));
     }
     CheckInside(imu_, t_begin_s_, t_end_s);
   }
@@ -531,7 +537,7 @@ class SampleWalk {
     return {imu_, *k_, correction_};
   }
 
-  /// What is left of the sample at hand, up to stop_s.
+  /// Returns the remaining part of the current sample, up to stop_s.
   Piece Rest(const LinearSample& linear, double stop_s) {
     Piece piece = linear.Part(t_s_, stop_s);
     if (!corrector_.empty()) corrector_.Correct(t_s_ + 0.5 * (stop_s - t_s_), &piece);
@@ -542,9 +548,9 @@ class SampleWalk {
   double t_begin_s_;
   ImuCorrection correction_;
   EffectCorrector corrector_;
-  std::optional<std::size_t> k_;  ///< the sample that comes next
-  double t_s_;                    ///< passed up to here
-  double last_end_s_;             ///< of Pass
+  std::optional<std::size_t> k_;  ///< index of the next sample
+  double t_s_;                    ///< end of the visited time
+  double last_end_s_;             ///< t_end_s of the last Pass
 };
 
 }  // namespace
@@ -577,7 +583,7 @@ class GrowingIncrements::Impl {
     const ImuSample& sample = walk_.sample();
     integrator->Add(
         piece,
-        NoiseOfBridge(bridges_.Of(sample), sample.dt_s) + VibrationNoise(noise_.vibration, sample),
+        BridgeNoise(bridges_.Of(sample), sample.dt_s) + VibrationNoise(noise_.vibration, sample),
         walk_.reading());
   }
 

@@ -6,7 +6,7 @@
 namespace dn {
 namespace {
 
-/// sin(x)/x - 1, relative accuracy 1e-15.
+/// Returns sin(x)/x - 1, relative accuracy 1e-15.
 double SincMinusOne(double x) {
   const double x2 = x * x;
   if (x2 > 0.25) return std::sin(x) / x - 1.0;
@@ -18,7 +18,7 @@ double SincMinusOne(double x) {
   return sum;
 }
 
-/// (1 - cos x) / x^2, relative accuracy 1e-15.
+/// Returns (1 - cos x) / x^2, relative accuracy 1e-15.
 double VersinOverSquare(double x) {
   const double sinc = 1.0 + SincMinusOne(0.5 * x);
   return 0.5 * sinc * sinc;
@@ -99,7 +99,8 @@ AffineStep AffineStep::Make(const LocalFrame& frame, double dt_s,
   const Eigen::Matrix3d Gamma = AttractionGradient(frame, p_nominal_m);
   const Eigen::Vector3d G_0 = frame.Attraction(p_nominal_m) - Gamma * p_nominal_m;
 
-  // Position predicted with the attraction at the begin, C^T z: the same pass as Propagate.
+  // Position predicted with the gravitation at the beginning, C^T z; Propagate has the same
+  // iteration.
   const Eigen::Matrix3d z_p = I + dt * W + 0.5 * dt * dt * Gamma;
   const Eigen::Vector3d z_0 = -earth.origin_position_m + 0.5 * dt * dt * G_0;
   const Eigen::Vector3d G_end_0 = G_0 + Gamma * (C_inverse * z_0);

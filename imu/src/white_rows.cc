@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 constexpr double kWindowS = 1.0;
 constexpr std::size_t kLeastRows = 5;
 
-/// Rows that say something new.
+/// Returns the rows that differ from the row before.
 std::vector<ImuSample> OwnRows(const std::vector<ImuSample>& samples) {
   std::vector<ImuSample> rows;
   for (const ImuSample& sample : samples) {
@@ -24,17 +24,17 @@ std::vector<ImuSample> OwnRows(const std::vector<ImuSample>& samples) {
   return rows;
 }
 
-/// Largest density of an axis over the rows [first, last).
+/// Returns the largest density of the three axes over the rows [first, last).
 double Density(const std::vector<ImuSample>& rows, std::size_t first, std::size_t last,
                Vector3d ImuSample::*value) {
-  constexpr double kOfWhiteNoise = 6.0;
+  constexpr double kWhiteNoiseFactor = 6.0;
   Vector3d sum = Vector3d::Zero();
   for (std::size_t k = first + 2; k < last; ++k) {
     sum += (rows[k].*value - 2.0 * (rows[k - 1].*value) + rows[k - 2].*value).cwiseAbs2();
   }
   const double steps = static_cast<double>(last - first - 1);
   const double dt_s = (rows[last - 1].t_s - rows[first].t_s) / steps;
-  return std::sqrt(sum.maxCoeff() / (kOfWhiteNoise * (steps - 1.0)) * dt_s);
+  return std::sqrt(sum.maxCoeff() / (kWhiteNoiseFactor * (steps - 1.0)) * dt_s);
 }
 
 }  // namespace

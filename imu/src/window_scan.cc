@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kReachInGroups = 2;
 
-/// From `begin` to `end`, both included, one every `step` cells.
+/// Returns every `step`-th cell from `begin` on, and `end`.
 std::vector<std::size_t> Edges(std::size_t begin, std::size_t end, std::size_t step) {
   std::vector<std::size_t> edges;
   for (std::size_t cell = begin; cell < end; cell += step) edges.push_back(cell);
@@ -73,7 +73,8 @@ void WindowScan::See(const CellSpan& span, const Case& one, double weight, Seen*
 }
 
 void WindowScan::SeeAll() {
-  const auto weight = static_cast<double>(group_ * group_);  // windows of cells that one stands for
+  // Number of windows of cells that one coarse window represents.
+  const auto weight = static_cast<double>(group_ * group_);
   std::vector<std::pair<CellSpan, Case>> coarse;
   Seen groups;
   const std::vector<std::size_t> edges = Edges(0, band_.windows.size(), group_);

@@ -4,7 +4,7 @@
 
 namespace dn::internal {
 
-/// Points that a reader gives at a time, at most.
+/// Maximum number of points in a chunk of a StripReader.
 inline constexpr std::size_t kChunkPoints = 65536;
 
 }  // namespace dn::internal

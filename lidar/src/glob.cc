@@ -14,7 +14,7 @@ bool IsWild(const std::string& component) {
   return component.find_first_of("*?[") != std::string::npos;
 }
 
-/// Entries of `base` that one component of the pattern names.
+/// Returns the entries of `base` that match one component of the pattern.
 std::vector<fs::path> Expand(const fs::path& base, const std::string& component) {
   std::error_code none;
   if (!IsWild(component)) {

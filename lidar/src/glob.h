@@ -6,9 +6,9 @@
 
 namespace dn::internal {
 
-/// What a glob pattern (*, ?, [..] in any component of the path) names, sorted by path; folders
-/// only where the pattern has none of these. A relative pattern starts at `folder`, whose own name
-/// is taken literally.
+/// Returns the paths that match a glob pattern (*, ?, [..] in any component of the path), sorted.
+/// Folders match only a pattern without wildcards. A relative pattern starts at `folder`; special
+/// characters in `folder` itself are literal.
 std::vector<std::filesystem::path> Glob(const std::filesystem::path& folder,
                                         const std::string& pattern);
 

@@ -18,8 +18,9 @@ std::string Utm(int zone, bool south) {
   return "utm:" + std::to_string(zone) + (south ? "s" : "n");
 }
 
-/// Name in strips_crs of the systems on WGS84, ETRS89 and NAD83, which differ by less than 3 m.
-std::string NameOfEpsg(int epsg) {
+/// Returns the name in strips_crs of a system on WGS84, ETRS89 or NAD83 (which differ by less than
+/// 3 m); empty for other systems.
+std::string EpsgName(int epsg) {
   const int zone = epsg % 100;
   const auto utm = [&](int first, int from, int to) {
     return epsg - zone == first && zone >= from && zone <= to;
@@ -39,7 +40,8 @@ std::string NameOfEpsg(int epsg) {
       where);
 }
 
-/// GeoTIFF keys by their number, those whose value stands in the directory.
+/// Access to GeoTIFF keys by number, for keys with the value in the directory or in the ASCII
+/// record.
 class GeoKeys {
  public:
   GeoKeys(std::string_view directory, std::string_view ascii, const FileLocation& where)
@@ -47,8 +49,9 @@ class GeoKeys {
     constexpr std::size_t kEntryBytes = 8;
     count_ = directory.size() < kEntryBytes ? 0 : Word(3);
     if (directory.size() < kEntryBytes * (1 + count_)) {
-      throw InvalidInput("LAS header: the GeoTIFF directory promises " + std::to_string(count_) +
-                             " keys, its record has " + std::to_string(directory.size()) + " bytes",
+      throw InvalidInput("LAS header: the GeoTIFF directory announces " + std::to_string(count_) +
+                             " keys, but its record has " + std::to_string(directory.size()) +
+                             " bytes",
                          where);
     }
   }
@@ -71,7 +74,8 @@ class GeoKeys {
     return LoadLittleEndian<std::uint16_t>(directory_.data() + 2 * index);
   }
 
-  /// First word of a key whose value stands at `location`; 0 where there is none.
+  /// Returns the first word of a key whose value is stored at `location`; 0 if there is no such
+  /// key.
   std::size_t Find(std::size_t key, std::size_t location) const {
     for (std::size_t i = 1; i <= count_; ++i) {
       if (Word(4 * i) == key && Word(4 * i + 1) == location) return 4 * i;
@@ -89,18 +93,18 @@ constexpr std::size_t kModelKey = 1024, kCitationKey = 1026, kGeographicKey = 20
 constexpr int kProjectedModel = 1, kGeographicModel = 2, kGeocentricModel = 3;
 constexpr int kMetre = 9001, kUserDefined = 32767;
 
-std::optional<int> EpsgOf(const GeoKeys& keys, std::size_t key) {
+std::optional<int> FindEpsg(const GeoKeys& keys, std::size_t key) {
   const std::optional<int> code = keys.Number(key);
   return code && *code >= 1024 && *code != kUserDefined ? code : std::nullopt;
 }
 
 void ReadProjected(const GeoKeys& keys, StripCrs* crs) {
-  crs->epsg = EpsgOf(keys, kProjectedKey);
+  crs->epsg = FindEpsg(keys, kProjectedKey);
   if (crs->epsg) {
-    crs->name = NameOfEpsg(*crs->epsg);
+    crs->name = EpsgName(*crs->epsg);
     return;
   }
-  // A projection without a system: 160zz and 161zz are UTM, north and south.
+  // A projection without a coordinate system: 160zz is UTM north and 161zz is UTM south.
   const int projection = keys.Number(kProjectionKey).value_or(0);
   const int zone = projection % 100;
   if (projection / 200 == 80 && zone >= 1 && zone <= 60) crs->name = Utm(zone, projection >= 16100);
@@ -111,7 +115,7 @@ void CheckUnit(const GeoKeys& keys, std::size_t key, const char* what, const Fil
   if (unit && *unit != kMetre && *unit != kUserDefined && *unit != 0) FailUnit(what, where);
 }
 
-/// Reads well-known text: of its outermost horizontal system the code and the unit.
+/// Reads well-known text and returns EPSG code, unit and name of its outermost horizontal system.
 class WktReader {
  public:
   WktReader(std::string_view text, const FileLocation& where) : text_(text), where_(where) {}
@@ -119,8 +123,8 @@ class WktReader {
   StripCrs Read() {
     for (std::size_t at = 0; at < text_.size();) at = Step(at);
     crs_.text = WithoutControls(text_.substr(0, kMostText));
-    if (crs_.epsg) crs_.name = NameOfEpsg(*crs_.epsg);
-    if (crs_.name.empty()) crs_.name = NameOfTitle();
+    if (crs_.epsg) crs_.name = EpsgName(*crs_.epsg);
+    if (crs_.name.empty()) crs_.name = TitleToName();
     return crs_;
   }
 
@@ -141,7 +145,7 @@ class WktReader {
     return keyword == "VERT_CS" || keyword == "VERTCRS" || keyword == "VERTICALCRS";
   }
 
-  /// Reads what stands at a place; returns the place behind it.
+  /// Reads one token at position `at` and returns the position after it.
   std::size_t Step(std::size_t at) {
     const char c = text_[at];
     if (c == '"') return Quoted(at);
@@ -199,8 +203,8 @@ class WktReader {
     if (node.values[0] == "EPSG" && result.ec == std::errc()) crs_.epsg = code;
   }
 
-  /// "WGS 84 / UTM zone 11N" says it without a code.
-  std::string NameOfTitle() const {
+  /// Recognises a title such as "WGS 84 / UTM zone 11N", for text without an EPSG code.
+  std::string TitleToName() const {
     constexpr std::string_view kPhrase = "UTM zone ";
     const std::size_t at = title_.find(kPhrase);
     if (at == std::string::npos) return {};
@@ -219,7 +223,7 @@ class WktReader {
   std::string word_;
   std::string title_;
   std::vector<Node> nodes_;
-  long horizontal_ = 0;  ///< systems among them
+  long horizontal_ = 0;  ///< number of horizontal systems among nodes_
 };
 
 }  // namespace
@@ -235,14 +239,14 @@ StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
     ReadProjected(keys, &crs);
     CheckUnit(keys, kUnitKey, "coordinates", where);
   } else if (model == kGeographicModel) {
-    crs.epsg = EpsgOf(keys, kGeographicKey);
+    crs.epsg = FindEpsg(keys, kGeographicKey);
   } else if (model == kGeocentricModel) {
     const int datum = keys.Number(kGeographicKey).value_or(0);
     if (datum == kGeographicWgs84 || datum == kGeocentricWgs84) crs.epsg = kGeocentricWgs84;
     crs.name = "ecef";
   }
   CheckUnit(keys, kVerticalUnitKey, "heights", where);
-  // Codes 5000 to 5099 are ellipsoids.
+  // Vertical codes from 5001 to 5033 are ellipsoids.
   const int vertical = keys.Number(kVerticalKey).value_or(0);
   crs.heights_from_geoid =
       vertical >= 1024 && vertical != kUserDefined && !(vertical >= 5001 && vertical <= 5033);

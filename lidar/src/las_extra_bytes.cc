@@ -5,7 +5,7 @@
 namespace dn::internal {
 namespace {
 
-// Of a descriptor.
+// Byte positions within a descriptor.
 constexpr std::size_t kTypeAt = 2, kOptionsAt = 3, kNameAt = 4, kNameBytes = 32, kScaleAt = 112,
                       kOffsetAt = 136, kDescriptionAt = 160, kDescriptionBytes = 32;
 constexpr int kHasScale = 8, kHasOffset = 16;
@@ -56,7 +56,8 @@ double RawValue(int type, const char* bytes) {
 std::size_t BytesOfType(int type) {
   constexpr std::array<std::size_t, 11> kBytes{0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
   if (type < 1 || type > 30) return 0;
-  const auto values = static_cast<std::size_t>((type - 1) / 10 + 1);  // pairs and triples of old
+  // Older versions had pairs and triples.
+  const auto values = static_cast<std::size_t>((type - 1) / 10 + 1);
   return values * kBytes[static_cast<std::size_t>((type - 1) % 10 + 1)];
 }
 
@@ -64,7 +65,8 @@ std::vector<ExtraDimension> ParseExtraBytes(std::string_view content, std::size_
                                             std::size_t record_bytes, const FileLocation& where) {
   if (content.size() % las::kDescriptorBytes != 0) {
     throw InvalidInput("LAS header: the record of the extra bytes has " +
-                           std::to_string(content.size()) + " bytes, no multiple of 192",
+                           std::to_string(content.size()) +
+                           " bytes, which is not a multiple of 192",
                        where);
   }
   std::vector<ExtraDimension> dimensions;
@@ -81,11 +83,11 @@ std::vector<ExtraDimension> ParseExtraBytes(std::string_view content, std::size_
     dimensions.push_back(std::move(dimension));
   }
   if (at > record_bytes) {
-    throw InvalidInput("LAS header: a record has " + std::to_string(record_bytes) +
-                           " bytes (byte 105), but its standard part and the extra bytes that are "
-                           "described " +
-                           std::to_string(at),
-                       where);
+    throw InvalidInput(
+        "LAS header: a record has " + std::to_string(record_bytes) +
+            " bytes (byte 105), but its standard part and the described extra bytes need " +
+            std::to_string(at),
+        where);
   }
   return dimensions;
 }

@@ -20,12 +20,12 @@ constexpr std::uint64_t kMostWktBytes = std::uint64_t{1} << 20;
 constexpr double kMostScaleM = 1e3;
 constexpr double kMostOffsetM = 1e9;
 
-// Of point formats 0 to 10.
+// Record lengths of point formats 0 to 10, in bytes.
 constexpr std::array<std::size_t, 11> kFormatBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
 std::string Bytes(std::uint64_t count) { return std::to_string(count) + " bytes"; }
 
-/// Reads the header, its variable length records and what follows the points.
+/// Reads the header, its variable length records and the data after the points.
 class LasFileReader {
  public:
   explicit LasFileReader(const fs::path& path) : where_{path.string()} { las_.path = path; }
@@ -73,33 +73,34 @@ class LasFileReader {
   void ReadHead() {
     constexpr std::uint64_t kThroughOffset = 105;
     if (las_.file_bytes < kThroughOffset) {
-      throw InvalidInput("file has " + Bytes(las_.file_bytes) + ", a LAS header at least 227",
-                         where_);
+      throw InvalidInput(
+          "file has " + Bytes(las_.file_bytes) + ", but a LAS header has at least 227", where_);
     }
     las_.head = ReadBytes(0, kThroughOffset);
     if (!las_.head.starts_with("LASF")) {
-      throw InvalidInput("this is no LAS file: it does not begin with LASF", where_);
+      throw InvalidInput("this is not a LAS file: it does not begin with LASF", where_);
     }
     const int major = Number<std::uint8_t>(las::kVersionAt);
     las_.minor = Number<std::uint8_t>(las::kVersionAt + 1);
     if (major != 1 || las_.minor < 2 || las_.minor > 4) {
       Fail("version " + std::to_string(major) + "." + std::to_string(las_.minor) +
-           " (byte 24) is not read; convert the file to LAS 1.4");
+           " (byte 24) is not supported; convert the file to LAS 1.4");
     }
     const auto points_begin = Number<std::uint32_t>(las::kPointsAt);
     las_.header_bytes = Number<std::uint16_t>(las::kHeaderBytesAt);
     if (las_.header_bytes < LeastHeaderBytes()) {
-      Fail("its size (byte 94) is " + std::to_string(las_.header_bytes) + ", of version 1." +
-           std::to_string(las_.minor) + " at least " + std::to_string(LeastHeaderBytes()));
+      Fail("the header size (byte 94) is " + std::to_string(las_.header_bytes) +
+           ", but version 1." + std::to_string(las_.minor) + " needs at least " +
+           std::to_string(LeastHeaderBytes()));
     }
     if (points_begin < las_.header_bytes || points_begin > las_.file_bytes) {
       Fail("the points begin (byte 96) at byte " + std::to_string(points_begin) +
-           ", which must lie behind the header of " + Bytes(las_.header_bytes) +
+           ", which must lie after the header of " + Bytes(las_.header_bytes) +
            " and within the file of " + Bytes(las_.file_bytes));
     }
     if (points_begin > kMostHeadBytes) {
-      Fail("the points begin (byte 96) at byte " + std::to_string(points_begin) + ", at most " +
-           std::to_string(kMostHeadBytes) + " are read; remove needless records");
+      Fail("the points begin (byte 96) at byte " + std::to_string(points_begin) +
+           ", but the limit is " + std::to_string(kMostHeadBytes) + "; remove unneeded records");
     }
     las_.head = ReadBytes(0, points_begin);
   }
@@ -109,14 +110,14 @@ class LasFileReader {
     if ((format & 0xC0) != 0) FailCompressed();
     const int most = las_.minor == 2 ? 3 : las_.minor == 3 ? 5 : 10;
     if (format > most) {
-      Fail("point format " + std::to_string(format) + " (byte 104) is none of 0 to " +
-           std::to_string(most) + ", which version 1." + std::to_string(las_.minor) + " has");
+      Fail("point format " + std::to_string(format) + " (byte 104) is not supported: version 1." +
+           std::to_string(las_.minor) + " allows 0 to " + std::to_string(most));
     }
     las_.format = format;
     las_.record_bytes = Number<std::uint16_t>(las::kRecordBytesAt);
     if (las_.record_bytes < kFormatBytes[format]) {
-      Fail("a record has " + Bytes(las_.record_bytes) + " (byte 105), of point format " +
-           std::to_string(format) + " at least " + std::to_string(kFormatBytes[format]));
+      Fail("a record has " + Bytes(las_.record_bytes) + " (byte 105), but point format " +
+           std::to_string(format) + " needs at least " + std::to_string(kFormatBytes[format]));
     }
     const bool extended = format >= 6;
     las_.source_at = extended ? 20 : 18;
@@ -131,7 +132,7 @@ class LasFileReader {
 
   [[noreturn]] void FailCompressed() const {
     throw InvalidInput(
-        "the points are compressed (LAZ), which is not read; unpack the file, with `laszip -i "
+        "the points are compressed (LAZ), which is not supported; unpack the file with `laszip -i "
         "strip.laz -o strip.las` or `pdal translate strip.laz strip.las`",
         where_);
   }
@@ -140,24 +141,24 @@ class LasFileReader {
     const auto legacy = Number<std::uint32_t>(las::kLegacyCountAt);
     las_.points = las_.minor < 4 ? legacy : Number<std::uint64_t>(las::kCountAt);
     if (las_.minor == 4 && legacy != 0 && legacy != las_.points) {
-      Fail("it gives two numbers of points, " + std::to_string(las_.points) + " (byte 247) and " +
-           std::to_string(legacy) + " (byte 107); repair it");
+      Fail("it gives two different numbers of points, " + std::to_string(las_.points) +
+           " (byte 247) and " + std::to_string(legacy) + " (byte 107); repair it");
     }
     const std::uint64_t room = las_.file_bytes - las_.points_begin();
     if (las_.points > room / las_.record_bytes) {
-      Fail(std::to_string(las_.points) + " points of " + Bytes(las_.record_bytes) +
-           " are promised from byte " + std::to_string(las_.points_begin()) +
+      Fail("it announces " + std::to_string(las_.points) + " points of " +
+           Bytes(las_.record_bytes) + " from byte " + std::to_string(las_.points_begin()) +
            " on, but the file ends after " + std::to_string(room / las_.record_bytes) +
            " of them (" + Bytes(las_.file_bytes) +
            "): it is truncated, or the header is wrong; copy it again, or repair it");
     }
   }
 
-  /// A number of the header that must be finite.
+  /// Reads a number of the header; throws InvalidInput unless it is finite.
   double Real(const char* what, std::size_t at) const {
     const auto value = Number<double>(at);
     if (!std::isfinite(value)) {
-      Fail(std::string(what) + " (byte " + std::to_string(at) + ") is no finite number");
+      Fail(std::string(what) + " (byte " + std::to_string(at) + ") is not a finite number");
     }
     return value;
   }
@@ -174,12 +175,12 @@ class LasFileReader {
       }
       if (std::abs(las_.offset[i]) > kMostOffsetM) {
         Fail("offset " + FormatDouble(las_.offset[i]) + " (byte " + std::to_string(offset_at) +
-             ") must lie within -1e9 and 1e9 m");
+             ") must lie between -1e9 and 1e9 m");
       }
     }
   }
 
-  static std::string TextOf(std::string_view bytes) {
+  static std::string TextUpToNull(std::string_view bytes) {
     return std::string(bytes.substr(0, bytes.find('\0')));
   }
 
@@ -190,11 +191,12 @@ class LasFileReader {
       const std::size_t room = las_.head.size() - at;
       const std::string name = "variable length record " + std::to_string(i + 1) + " of " +
                                std::to_string(count) + " (byte 100), at byte " + std::to_string(at);
-      if (room < las::kVlrHeaderBytes) Fail(name + ", reaches into the points");
-      Vlr vlr{TextOf(std::string_view(las_.head).substr(at + 2, 16)),
+      if (room < las::kVlrHeaderBytes) Fail(name + ", extends into the points");
+      Vlr vlr{TextUpToNull(std::string_view(las_.head).substr(at + 2, 16)),
               Number<std::uint16_t>(at + 18), at, Number<std::uint16_t>(at + 20)};
       if (room - las::kVlrHeaderBytes < vlr.bytes) {
-        Fail(name + ", has " + Bytes(vlr.bytes) + " of content and so reaches into the points");
+        Fail(name + ", has " + Bytes(vlr.bytes) +
+             " of content and therefore extends into the points");
       }
       if (vlr.user == "laszip encoded") FailCompressed();
       at += las::kVlrHeaderBytes + vlr.bytes;
@@ -210,7 +212,7 @@ class LasFileReader {
     if (!las_.extra.empty()) las_.described_bytes = las_.extra.back().at + las_.extra.back().bytes;
   }
 
-  // What follows the points.
+  // Reads the data after the points, or checks that the file ends there.
   void ReadTail() {
     std::uint64_t tail = las_.points_end();
     if (las_.minor == 4 && Number<std::uint32_t>(las::kEvlrCountAt) > 0) {
@@ -221,14 +223,14 @@ class LasFileReader {
       const auto waveform = Number<std::uint64_t>(las::kWaveformAt);
       if (waveform != 0 && (waveform < tail || waveform > las_.file_bytes)) {
         Fail("the waveforms begin (byte 227) at byte " + std::to_string(waveform) +
-             ", which must lie behind the points, at " + std::to_string(tail) +
+             ", which must lie after the points, which end at byte " + std::to_string(tail) +
              ", and within the file of " + Bytes(las_.file_bytes));
       }
       if (waveform != 0) return;
     }
     if (las_.file_bytes - tail >= las_.record_bytes) {
       Fail(Bytes(las_.file_bytes - tail) + " follow the " + std::to_string(las_.points) +
-           " points of which it knows: the number of points is wrong; repair it");
+           " points that it announces: the number of points is wrong; repair it");
     }
   }
 
@@ -251,7 +253,7 @@ class LasFileReader {
         Fail(name + ", has " + Bytes(bytes) + " of content, beyond the end of the file");
       }
       const auto id = LoadLittleEndian<std::uint16_t>(header.data() + 18);
-      if (TextOf(header.substr(2, 16)) == "LASF_Projection" && id == kWktId &&
+      if (TextUpToNull(header.substr(2, 16)) == "LASF_Projection" && id == kWktId &&
           bytes <= kMostWktBytes) {
         extended_wkt_ = ReadBytes(at + las::kEvlrHeaderBytes, bytes);
       }
@@ -259,7 +261,8 @@ class LasFileReader {
     }
   }
 
-  // Well-known text wins over GeoTIFF keys: where both are there, the keys are the older copy.
+  // Well-known text takes precedence over GeoTIFF keys: if a file has both, the keys are the older
+  // copy.
   void ReadCrs() {
     std::string_view directory, ascii, wkt = extended_wkt_;
     for (const Vlr& vlr : las_.vlrs) {

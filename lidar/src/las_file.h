@@ -14,7 +14,7 @@
 
 namespace dn::internal {
 
-/// Bytes of the header and of the records, from the ASPRS LAS specification 1.4 R15.
+/// Byte positions in the header and in the records, from the ASPRS LAS specification 1.4 R15.
 namespace las {
 inline constexpr std::size_t kEncodingAt = 6, kVersionAt = 24, kSoftwareAt = 58,
                              kHeaderBytesAt = 94, kPointsAt = 96, kVlrCountAt = 100,
@@ -28,84 +28,90 @@ inline constexpr std::size_t kLegacyReturns = 5, kReturns = 15;
 inline constexpr std::uint16_t kExtraBytesId = 4;
 }  // namespace las
 
-/// One of the attributes behind the standard part of a record.
+/// One attribute of a record after its standard part.
 struct ExtraDimension {
   std::string name;
-  int type = 0;        ///< of the specification, 0: bytes without a meaning
-  std::size_t at = 0;  ///< first byte in the record
+  int type = 0;        ///< data type of the LAS specification; 0: bytes without a defined meaning
+  std::size_t at = 0;  ///< position of its first byte in the record
   std::size_t bytes = 0;
   double scale = 1.0;
   double offset = 0.0;
 };
 
-/// A variable length record: its header and content lie in LasFile::head.
+/// Variable length record; its header and content are stored in LasFile::head.
 struct Vlr {
   std::string user;
   std::uint16_t id = 0;
-  std::size_t at = 0;     ///< first byte of its header
-  std::size_t bytes = 0;  ///< of its content
+  std::size_t at = 0;     ///< position of its first header byte
+  std::size_t bytes = 0;  ///< length of its content
 };
 
-/// All that a LAS file says but its points, checked.
+/// Checked contents of a LAS file, without the points.
 struct LasFile {
   std::filesystem::path path;
-  std::string head;  ///< everything before the first point
-  int minor = 0;     ///< version 1.minor
-  int format = 0;    ///< of the points
+  std::string head;  ///< all bytes before the first point
+  int minor = 0;     ///< minor part of version 1.minor
+  int format = 0;    ///< point format
   std::size_t header_bytes = 0;
   std::size_t record_bytes = 0;
   std::uint64_t points = 0;
   std::uint64_t file_bytes = 0;
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
-  std::optional<std::size_t> time_at;  ///< first byte of the GPS time in a record
-  bool adjusted_time = false;          ///< GPS time is "adjusted standard", else seconds of week
+  std::optional<std::size_t> time_at;  ///< position of the GPS time in a record
+  bool adjusted_time = false;  ///< GPS time is "adjusted standard"; otherwise seconds of week
   std::size_t source_at = 0;
   std::vector<Vlr> vlrs;
   std::vector<ExtraDimension> extra;
-  std::size_t described_bytes = 0;  ///< of a record: standard part and described extra bytes
+  /// Record length covered by the standard part and the described extra bytes.
+  std::size_t described_bytes = 0;
   StripCrs crs;
 
   std::uint64_t points_begin() const { return head.size(); }
   std::uint64_t points_end() const { return head.size() + points * record_bytes; }
+  /// Returns the extra attribute of this name; nullptr if the file has no such attribute.
   const ExtraDimension* Find(std::string_view name) const;
+  /// Returns the content of a variable length record.
   std::string_view Content(const Vlr& vlr) const {
     return std::string_view(head).substr(vlr.at + las::kVlrHeaderBytes, vlr.bytes);
   }
 };
 
-/// Returns of the same pulse after that of a record.
+/// Returns the number of returns of the same pulse after this one.
 std::uint8_t ReturnsAfter(const LasFile& las, const char* record);
 
-/// Class of a record, without its flags.
+/// Returns the class of a record, without its flags.
 std::uint8_t ClassOf(const LasFile& las, const char* record);
 
-/// Reads everything but the points.
+/// Reads and checks everything but the points. Throws InvalidInput as OpenStrip does.
 LasFile ReadLasFile(const std::filesystem::path& file);
 
-/// Bytes of a value of one type; 0 for a type that there is not.
+/// Returns the length of a value of this type; 0 if the type does not exist.
 std::size_t BytesOfType(int type);
 
-/// The attributes that the record "extra bytes" describes, behind `base_bytes` of the standard part.
-/// Throws InvalidInput at `where` when they do not fit into the record.
+/// Parses the attributes that the record "extra bytes" describes, which follow `base_bytes` bytes
+/// of the standard part. Throws InvalidInput at `where` if they do not fit into the record.
 std::vector<ExtraDimension> ParseExtraBytes(std::string_view content, std::size_t base_bytes,
                                             std::size_t record_bytes, const FileLocation& where);
 
-/// Description of an attribute; `options` of one without a meaning (type 0): its bytes.
+/// Formats the descriptor of an attribute. For an attribute of type 0, `options` is its length in
+/// bytes.
 std::string FormatDescriptor(int type, std::size_t options, const std::string& name,
                              const std::string& description);
 
-/// The variable length record of these descriptions.
+/// Formats the variable length record that contains these descriptors.
 std::string FormatExtraBytes(const std::string& descriptors);
 
-/// Value of an attribute of a single number.
+/// Returns the value of an attribute that consists of a single number.
 double ValueOf(const ExtraDimension& dimension, const char* record);
 
-/// Coordinate system by GeoTIFF keys: content of the records 34735 and 34737.
+/// Parses GeoTIFF keys, the contents of the records 34735 and 34737. Throws InvalidInput at `where`
+/// for a bad directory or units other than metres.
 StripCrs ParseGeoTiff(std::string_view directory, std::string_view ascii,
                       const FileLocation& where);
 
-/// Coordinate system by well-known text, of 2001 or 2019.
+/// Parses well-known text of the version of 2001 or 2019. Throws InvalidInput at `where` for units
+/// other than metres.
 StripCrs ParseWkt(std::string_view text, const FileLocation& where);
 
 }  // namespace dn::internal

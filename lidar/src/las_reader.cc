@@ -14,9 +14,9 @@
 namespace dn::internal {
 namespace {
 
-// "Adjusted standard" GPS time counts from here, in seconds since 1980.
+// "Adjusted standard" GPS time counts seconds from this origin, which is in seconds since 1980.
 constexpr double kAdjustedOriginS = 1e9;
-// Adjusted time of the year 2100.
+// Largest accepted adjusted time; it corresponds to the year 2100.
 constexpr double kMostAdjustedS = 2.8e9;
 constexpr std::uint64_t kChunkBytes = std::uint64_t{8} << 20;
 

@@ -9,7 +9,7 @@
 
 namespace dn::internal {
 
-/// The points of a LAS file.
+/// Reads the points of a LAS file.
 class LasReader final : public StripReader {
  public:
   explicit LasReader(const std::filesystem::path& file);
@@ -32,7 +32,8 @@ class LasReader final : public StripReader {
   std::array<const ExtraDimension*, 3> vector_{};  ///< ux, uy, uz
   std::ifstream in_;
   std::uint64_t read_ = 0;
-  /// GPS time of the file minus seconds of week: of whole weeks, so that no bit is lost.
+  /// GPS time of the file minus seconds of week. It is a number of whole weeks, so that the
+  /// subtraction is exact.
   std::optional<double> time_origin_s_;
 };
 

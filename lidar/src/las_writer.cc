@@ -19,7 +19,7 @@ constexpr std::size_t kMostWord = std::numeric_limits<std::uint16_t>::max();
 constexpr const char* kSoftware = "dn";
 constexpr std::size_t kSoftwareBytes = 32;
 
-// As PDAL's filters.als_tpu names them; row and column of the covariance.
+// Element of the covariance (row and column), with the name that filters.als_tpu of PDAL uses.
 struct CovarianceElement {
   const char* name;
   int row, column;
@@ -31,7 +31,8 @@ constexpr std::array<CovarianceElement, 6> kElements{{{"VarianceX", 0, 0},
                                                       {"CovarianceXZ", 0, 2},
                                                       {"CovarianceYZ", 1, 2}}};
 
-/// Descriptors for bytes of a record that nothing describes: behind them there is room for more.
+/// Describes the bytes of a record that have no descriptor yet, so that more attributes can follow
+/// them.
 std::string DescribeRest(std::size_t bytes) {
   constexpr std::size_t kMostBytes = 255;
   std::string descriptors;
@@ -53,7 +54,7 @@ const Vlr* FindExtraBytes(const LasFile& las) {
                      FileLocation{las.path.string()});
 }
 
-/// Adds descriptors to the record of the extra bytes, which is made if there is none.
+/// Adds descriptors to the record of the extra bytes; creates this record if it does not exist.
 void InsertDescriptors(const LasFile& las, const std::string& descriptors, std::string* head) {
   if (const Vlr* vlr = FindExtraBytes(las)) {
     const std::size_t bytes = vlr->bytes + descriptors.size();
@@ -70,7 +71,7 @@ void InsertDescriptors(const LasFile& las, const std::string& descriptors, std::
                     head->data() + las::kVlrCountAt);
 }
 
-/// Places of the six numbers in a record; adds those that the file does not have yet.
+/// Returns the positions of the six elements in a record; adds the elements that the file lacks.
 std::array<std::size_t, 6> PlaceCovariance(const LasFile& las, std::string* head,
                                            std::size_t* record_bytes) {
   std::array<std::size_t, 6> at{};
@@ -83,7 +84,7 @@ std::array<std::size_t, 6> PlaceCovariance(const LasFile& las, std::string* head
     }
     if (there != nullptr) {
       throw InvalidInput(std::string("the extra bytes ") + kElements[k].name +
-                             " are there already, and no float; rename or remove them",
+                             " already exist but are not of type float; rename or remove them",
                          FileLocation{las.path.string()});
     }
     if (descriptors.empty()) descriptors = DescribeRest(*record_bytes - las.described_bytes);
@@ -183,7 +184,7 @@ void LasWriter::StoreCounts() {
   for (std::size_t k = 0; k < las::kReturns; ++k) Store(las::kReturnsAt + 8 * k, returns_[k]);
 }
 
-/// Where the waveforms and the extended records begin now.
+/// Updates the positions at which the waveforms and the extended records begin.
 void LasWriter::MoveTail() {
   const std::uint64_t end = head_.size() + written_ * record_bytes_;
   const auto move = [&](std::size_t at) {

@@ -10,11 +10,11 @@
 
 namespace dn::internal {
 
-/// Writes points into a copy of a LAS file: header, records and what follows the points are kept,
-/// except for what the points themselves change. Coordinates are rounded to the grid of the file.
+/// Writes points into a copy of a LAS file. Header, records and the data after the points are kept,
+/// except for fields that depend on the points. Coordinates are rounded to the grid of the file.
 class LasWriter final : public StripWriter {
  public:
-  /// with_covariance: six floats more per point, the extra bytes VarianceX, VarianceY, VarianceZ,
+  /// with_covariance: adds six floats per point, the extra bytes VarianceX, VarianceY, VarianceZ,
   /// CovarianceXY, CovarianceXZ, CovarianceYZ (m^2).
   LasWriter(const std::filesystem::path& file, LasFile las, bool with_covariance);
 
@@ -34,7 +34,7 @@ class LasWriter final : public StripWriter {
   }
 
   LasFile las_;
-  std::string head_;  ///< of the new file
+  std::string head_;  ///< header and records of the new file
   std::size_t record_bytes_ = 0;
   std::optional<std::array<std::size_t, 6>> covariance_at_;
   FileWriter file_;

@@ -8,8 +8,8 @@
 namespace dn {
 namespace {
 
-constexpr double kRotationTolerance = 1e-6;  // typed matrices carry six digits or more
-constexpr double kRoundOff = 1e-14;          // a product of rotations is orthonormal to this
+constexpr double kRotationTolerance = 1e-6;  // matrices typed by hand have six digits or more
+constexpr double kRoundOff = 1e-14;  // orthonormality error that a product of rotations can have
 
 double OrthonormalityError(const Eigen::Matrix3d& R) {
   return (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
@@ -21,12 +21,12 @@ Eigen::Matrix3d CheckedRotation(const Eigen::Matrix3d& R) {
   if (!R.allFinite()) throw InvalidInput("rotation matrix has an element that is not finite");
   const double error = OrthonormalityError(R);
   if (error > kRotationTolerance) {
-    throw InvalidInput("matrix is no rotation: R^T R differs from the identity by " +
-                       std::to_string(error) + ", at most 1e-6 is allowed");
+    throw InvalidInput("matrix is not a rotation: R^T R differs from the identity by " +
+                       std::to_string(error) + ", but at most 1e-6 is allowed");
   }
   if (R.determinant() < 0.0) {
     throw InvalidInput(
-        "matrix is no rotation but a reflection (determinant -1): one axis has the wrong sign");
+        "matrix is not a rotation but a reflection (determinant -1): one axis has the wrong sign");
   }
   if (error <= kRoundOff) return R;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);

@@ -13,8 +13,8 @@ constexpr std::size_t kHeaderBytes = 375, kFormat = 6, kFormatBytes = 30;
 constexpr std::size_t kSourceAt = 20, kTimeAt = 22, kVectorAt = kFormatBytes;
 constexpr std::size_t kRecordBytes = kVectorAt + 3 * sizeof(double);
 constexpr int kDouble = 10;
-constexpr std::uint16_t kWktEncoding = 16;  // which point format 6 requires; time: seconds of week
-constexpr char kOnlyReturn = 0x11;          // the first of one
+constexpr std::uint16_t kWktEncoding = 16;  // required by point format 6; time: seconds of week
+constexpr char kOnlyReturn = 0x11;          // return number 1 of 1
 
 std::string DescribeVector() {
   std::string descriptors;
@@ -41,7 +41,7 @@ std::string Header(const LasGrid& grid) {
   return head;
 }
 
-/// An empty file, in memory.
+/// Returns the description of a file without points; nothing is written to disk.
 LasFile EmptyFile(const std::filesystem::path& path, const LasGrid& grid) {
   LasFile las;
   las.path = path;
@@ -58,7 +58,7 @@ LasFile EmptyFile(const std::filesystem::path& path, const LasGrid& grid) {
   return las;
 }
 
-/// Makes the records of points that come from no file.
+/// Builds the LAS records of points that do not come from a LAS file.
 class NewLasWriter final : public StripWriter {
  public:
   NewLasWriter(const std::filesystem::path& file, const LasGrid& grid)

@@ -34,7 +34,7 @@ const Eigen::Matrix3d& CheckedCovariance(const Eigen::Matrix3d& M_m2, const File
   const Eigen::Vector3d variances_m2 = M_m2.diagonal();
   if (variances_m2.minCoeff() < kLeastVarianceM2 || variances_m2.maxCoeff() > kMostVarianceM2) {
     throw InvalidInput(
-        "covariance of the pair: every variance must lie within 1e-12 and 1e12 m^2; is it in m^2?",
+        "covariance of the pair: every variance must lie between 1e-12 and 1e12 m^2; is it in m^2?",
         where);
   }
   return M_m2;
@@ -75,10 +75,10 @@ void AppendFile(const std::filesystem::path& path, double time_offset_s, PairDat
   }
 }
 
-/// Epochs and vectors of a pair, the earlier end first.
+/// Epochs and vectors of a pair, ordered so that the smaller end is first.
 using PairKey = std::array<double, 8>;
 
-PairKey KeyOf(const LidarPair& pair) {
+PairKey MakeKey(const LidarPair& pair) {
   const PairKey key{pair.t_i_s, pair.u_i_s.x(), pair.u_i_s.y(), pair.u_i_s.z(),
                     pair.t_j_s, pair.u_j_s.x(), pair.u_j_s.y(), pair.u_j_s.z()};
   PairKey swapped = key;
@@ -86,12 +86,12 @@ PairKey KeyOf(const LidarPair& pair) {
   return std::min(key, swapped);
 }
 
-/// Keeps the first of the pairs that are equal, also with i and j exchanged; returns the number of
-/// the others.
+/// Keeps the first of several equal pairs, where i and j may be exchanged; returns the number of
+/// dropped pairs.
 long DropRepeats(std::vector<LidarPair>& pairs) {
   std::vector<std::pair<PairKey, std::size_t>> order;
   order.reserve(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i) order.emplace_back(KeyOf(pairs[i]), i);
+  for (std::size_t i = 0; i < pairs.size(); ++i) order.emplace_back(MakeKey(pairs[i]), i);
   std::sort(order.begin(), order.end());
   std::vector<bool> repeated(pairs.size(), false);
   for (std::size_t i = 1; i < order.size(); ++i) {
@@ -129,7 +129,7 @@ PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::s
   for (const std::filesystem::path& file : FindPairFiles(folder, patterns))
     AppendFile(file, time_offset_s, data);
   if (data.pairs.empty()) {
-    throw InvalidInput("no lidar pair in " + folder.string() + ": no pattern is given");
+    throw InvalidInput("no lidar pair in " + folder.string() + ": no file pattern is given");
   }
   data.repeated_pairs_dropped = DropRepeats(data.pairs);
   return data;

@@ -15,7 +15,7 @@ std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending == ".txt") return std::make_unique<internal::StripTextReader>(file);
   if (ending == ".las" || ending == ".laz") return std::make_unique<internal::LasReader>(file);
-  throw InvalidInput("strips are .las or .txt files, this ends in '" + ending + "'",
+  throw InvalidInput("strips must be .las or .txt files, but the extension is '" + ending + "'",
                      FileLocation{file.string()});
 }
 

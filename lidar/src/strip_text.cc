@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kStripColumns = 7;
 constexpr std::size_t kStripColumnsWithCovariance = 13;
-// No system in use has larger ones.
+// Coordinates of all systems in use are smaller than this.
 constexpr double kMostCoordinateM = 3e7;
 
 Eigen::Vector3d Coordinates(const double* row, const FileLocation& where) {

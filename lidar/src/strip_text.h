@@ -6,7 +6,7 @@
 
 namespace dn::internal {
 
-/// The points of a LiMatch text file.
+/// Reads the points of a LiMatch text file.
 class StripTextReader final : public StripReader {
  public:
   explicit StripTextReader(const std::filesystem::path& file);
@@ -24,7 +24,7 @@ class StripTextReader final : public StripReader {
   StripCrs crs_;
 };
 
-/// Writes a LiMatch text file, with as many digits as it takes to read back the same bits.
+/// Writes a LiMatch text file with enough digits to read back identical values.
 class StripTextWriter final : public StripWriter {
  public:
   StripTextWriter(const std::filesystem::path& file, bool with_covariance)

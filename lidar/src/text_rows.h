@@ -8,7 +8,7 @@ namespace dn::internal {
 /// Appends numbers to a row of a text file, separated by ", ".
 void AppendNumbers(const double* values, Eigen::Index count, std::string& line);
 
-/// Symmetric matrix from its upper triangle xx, xy, xz, yy, yz, zz, and back to a row.
+/// Converts between a symmetric matrix and its upper triangle xx, xy, xz, yy, yz, zz in a row.
 Eigen::Matrix3d FromUpperTriangle(const double* c);
 void AppendUpperTriangle(const Eigen::Matrix3d& M, std::string& line);
 

@@ -77,10 +77,10 @@ void AddOwnErrors(const OwnErrors& own, const std::shared_ptr<const TruthTraject
 void RefuseStepBack(const std::vector<TagShift>& shifts, double before_s, double t_s) {
   for (const TagShift& shift : shifts) {
     if (shift.shift_s(t_s) < shift.shift_s(before_s)) {
-      throw InvalidConfig(shift.effect + ": the tags would step back", shift.where);
+      throw InvalidConfig(shift.effect + ": the time tags would step back", shift.where);
     }
   }
-  throw InvalidInput("the tags would step back");
+  throw InvalidInput("the time tags would step back");
 }
 
 double Tag(const std::vector<TagShift>& shifts, double t_s) {

@@ -14,7 +14,7 @@ constexpr int kAttitudeWaves = 14;
 constexpr double kPathLowHz = 0.005;
 constexpr double kPathHighHz = 0.1;
 constexpr int kPathWaves = 10;
-// Each of roll and pitch, so that the tilt of both together stays within 0.3 deg.
+// Limit for roll and for pitch, so that both together stay within 0.3 deg.
 constexpr double kStabilisedRad = 0.3 / std::numbers::sqrt2 * std::numbers::pi / 180.0;
 
 }  // namespace
@@ -80,7 +80,7 @@ Disturbance MakeDisturbance(const TurbulenceScenario& turbulence, double mean_sp
   d.heading_rad = attitude(turbulence.heading_rad, "turbulence heading");
   d.height_m = along_path(turbulence.height_m, "turbulence height");
   d.lead_s = along_path(turbulence.speed_mps / mean_speed_mps, "turbulence speed");
-  d.lead_s.Integrate();  // relative speed -> time ahead
+  d.lead_s.Integrate();  // relative speed becomes time ahead
   if (stabilised) {
     d.roll_rad.LimitTo(kStabilisedRad);
     d.pitch_rad.LimitTo(kStabilisedRad);

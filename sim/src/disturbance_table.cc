@@ -12,7 +12,8 @@ struct HermiteWeights {
   Eigen::Vector3d value, first, second;
 };
 
-/// Of the node before x, which is in [0, 1]: the quintic that is 0 at 1 with its derivatives.
+/// Returns the weights of the node before x, which is in [0, 1]: the quintic that is 0 at 1 with
+/// its derivatives.
 HermiteWeights Before(double x) {
   const double y = 1.0 - x, y2 = y * y, x2 = x * x;
   HermiteWeights w;
@@ -22,7 +23,7 @@ HermiteWeights Before(double x) {
   return w;
 }
 
-/// Of the node after x, by symmetry.
+/// Returns the weights of the node after x, by symmetry.
 HermiteWeights After(double x) {
   HermiteWeights w = Before(1.0 - x);
   w.value[1] = -w.value[1];

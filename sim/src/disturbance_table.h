@@ -7,17 +7,17 @@
 
 namespace dn {
 
-/// A disturbance over a span of time, sampled sixteen times a second with its first two derivatives
-/// and continued between the samples by quintic polynomials: twice continuously differentiable, and
-/// within 1e-7 of waves of 1 Hz. Many times quicker than their sum.
+/// Table of a disturbance over a time span, much faster than the sum of waves. It contains sixteen
+/// samples per second with two derivatives, interpolated by quintic polynomials. The interpolation
+/// has two continuous derivatives and represents waves of 1 Hz with an error of 1e-7.
 class DisturbanceTable {
  public:
   struct Sample {
-    /// Lead (s), height (m), roll, pitch, heading (rad), as in Disturbance; and their rates.
+    /// Lead (s), height (m), roll, pitch, heading (rad) as in Disturbance, and their derivatives.
     Eigen::Matrix<double, 5, 1> value, first, second;
   };
 
-  /// For times in [0, duration_s], and one step beyond either end.
+  /// Creates a table for times in [0, duration_s], and one step before and after.
   DisturbanceTable(const Disturbance& disturbance, double duration_s);
 
   Sample At(double t_s) const;
@@ -25,7 +25,7 @@ class DisturbanceTable {
  private:
   /// Value, first and second derivative with respect to time in steps.
   using Node = Eigen::Matrix<double, 5, 3>;
-  std::vector<Node> nodes_;  // the first one step before 0
+  std::vector<Node> nodes_;  // the first node is one step before 0
 };
 
 }  // namespace dn

@@ -7,11 +7,11 @@
 namespace dn {
 namespace {
 
-/// 2a - 3 + 4 exp(-a) - exp(-2a) without cancellation: = sum_{n>=3} (-a)^n (4 - 2^n) / n!.
+/// Returns 2a - 3 + 4 exp(-a) - exp(-2a) without cancellation, as sum_{n>=3} (-a)^n (4 - 2^n) / n!.
 double IntegralVarianceFactor(double a) {
   if (a > 1.0) return 2.0 * a - 3.0 + 4.0 * std::exp(-a) - std::exp(-2.0 * a);
   double sum = 0.0;
-  double term = 0.5 * a * a;  // (-a)^n / n!, from n = 2
+  double term = 0.5 * a * a;  // (-a)^n / n!, starting at n = 2
   double power = 4.0;         // 2^n
   for (int n = 3; n <= 30; ++n) {
     term *= -a / n;

@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kStep_s = 2e-3;
 
-/// The cubic between two values with their derivatives, x in [0, 1] of the step.
+/// Returns the cubic between two values with given derivatives; x in [0, 1] is the fraction of the
+/// step.
 template <class V>
 V Cubic(const V& a, const V& a_rate, const V& b, const V& b_rate, double step_s, double x) {
   const double y = 1.0 - x;

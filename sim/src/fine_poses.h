@@ -8,19 +8,20 @@
 
 namespace dn {
 
-/// True poses of a short time, many of them: cubics through exact ones every 2 ms, with their
-/// velocities and angular rates. Within 1e-7 m and 1e-9 rad of the truth for motion up to some Hz.
+/// Computes many true poses within a short time. It interpolates exact poses every 2 ms by cubics
+/// with their velocities and angular rates. The error is below 1e-7 m and 1e-9 rad for motion up to
+/// a few Hz.
 class FinePoses {
  public:
   FinePoses(const TruthTrajectory& truth, double begin_s, double end_s);
 
-  /// t_s within the time it was made for.
+  /// Returns the pose at t_s, which must lie in the span given to the constructor.
   MapPose At(double t_s) const;
 
  private:
   struct Knot {
     Eigen::Vector3d p_m, v_mps;
-    Eigen::Vector4d q, q_rate;  // map from body, the sign of the knot before
+    Eigen::Vector4d q, q_rate;  // map from body, with the sign of the knot before
   };
   double begin_s_;
   double step_s_;

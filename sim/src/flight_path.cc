@@ -12,14 +12,14 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kNoTurn = 1e-9;  // rad: a turn within this of a full circle is none
+constexpr double kNoTurn = 1e-9;  // rad; a turn within this of a full circle counts as no turn
 
 Vector2d Right(double heading) { return {std::cos(heading), -std::sin(heading)}; }
-double HeadingOf(const Vector2d& d) { return std::atan2(d.x(), d.y()); }
-/// Heading of travel at a point whose unit vector to the right is `right`.
+double VectorHeading(const Vector2d& d) { return std::atan2(d.x(), d.y()); }
+/// Returns the heading of travel at a point from the unit vector to the right.
 double HeadingFromRight(const Vector2d& right) { return std::atan2(-right.y(), right.x()); }
 
-/// Angle turned from one heading to another when turning to `side` (+1 right, -1 left), [0, 2 pi).
+/// Returns the angle between two headings when turning to `side` (+1 right, -1 left), in [0, 2 pi).
 double Turned(double from, double to, double side) {
   double angle = std::fmod(side * (to - from), kTurn);
   if (angle < 0.0) angle += kTurn;
@@ -36,14 +36,14 @@ std::optional<std::vector<PathPiece>> ArcLineArc(const Waypoint& from, const Way
   const double crossing_m = side0 == side1 ? 0.0 : 2.0 * radius_m;
   if (d.norm() < crossing_m) return std::nullopt;
   const double line_m = std::sqrt(std::max(0.0, d.squaredNorm() - crossing_m * crossing_m));
-  const double heading = HeadingOf(d) + side0 * std::atan2(crossing_m, line_m);
+  const double heading = VectorHeading(d) + side0 * std::atan2(crossing_m, line_m);
   return std::vector<PathPiece>{
       {radius_m * Turned(from.heading_rad, heading, side0), side0 / radius_m},
       {line_m, 0.0},
       {radius_m * Turned(heading, to.heading_rad, side1), side1 / radius_m}};
 }
 
-/// turn: on which side of the line between the outer centres the middle one lies.
+/// turn: side of the line between the outer centres on which the middle centre lies.
 std::optional<std::vector<PathPiece>> ThreeArcs(const Waypoint& from, const Waypoint& to,
                                                 double radius_m, double side, double turn) {
   const Vector2d c0 = Centre(from, side, radius_m), c1 = Centre(to, side, radius_m);

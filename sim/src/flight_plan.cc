@@ -15,50 +15,53 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Spacing of the spline's control points: rolls into a turn within about 4 s.
+// Spacing of the control points of the spline. It makes the roll into a turn take about 4 s.
 constexpr double kPathStep_s = 2.0;
-// Straight and level before and after every line: longer than a spline point's influence (6 s).
+// Straight and level flight before and after every line. It is longer than the influence of a
+// control point (6 s).
 constexpr double kLeadIn_s = 9.0;
 constexpr double kWarmUpLeg_s = 20.0;
 constexpr double kRunOut_s = 75.0;
-constexpr double kPathMargin_s = 20.0;  // of path before and after the flight, for spline and lead
+// Part of the path before and after the flight, for the spline and the lead.
+constexpr double kPathMargin_s = 20.0;
 constexpr double kIntegrationStep_s = 0.02;
 
-/// A piece of the path. Height and speed change smoothly from the leg before to the leg after, over
-/// all the pieces that join them: this one covers the shares [share0, share1] of that way.
+/// Piece of the path. Height and speed change smoothly from the leg before to the leg after, over
+/// all pieces between them. This piece covers the fractions [share0, share1] of that connection.
 struct Segment {
   Waypoint start;
   double length_m = 0.0;
   double curvature_per_m = 0.0;
-  double begin_m = 0.0;  // along the whole path
+  double begin_m = 0.0;  // position along the whole path
   double height0_m = 0.0, height1_m = 0.0;
   double speed0_mps = 0.0, speed1_mps = 0.0;
   double share0 = 0.0, share1 = 1.0;
 };
 
-double HeadingOf(const PlannedLine& line) {
+double LineHeading(const PlannedLine& line) {
   const Vector2d d = line.end_en_m - line.start_en_m;
   return std::atan2(d.x(), d.y());
 }
 
 double SmoothStep(double x) { return x * x * x * (10.0 + x * (6.0 * x - 15.0)); }
 
-/// How much of the change of height and speed is done `into_m` along a segment, 0..1.
+/// Returns the fraction 0..1 of the change of height and speed after `into_m` along a segment.
 double ChangeDone(const Segment& s, double into_m) {
   const double x = std::clamp(into_m / s.length_m, 0.0, 1.0);
   return SmoothStep(s.share0 + (s.share1 - s.share0) * x);
 }
 
-/// The whole path over ground, built leg by leg.
+/// Builds the whole path over ground leg by leg.
 class PathBuilder {
  public:
   explicit PathBuilder(double bank_rad) : tan_bank_(std::tan(bank_rad)) {}
 
-  /// Flies to the leg's lead-in, then along it; returns the path lengths where it begins and ends.
+  /// Adds the connection to the leg's lead-in and the leg itself; returns the path lengths where
+  /// the leg begins and ends.
   Vector2d AddLeg(const PlannedLine& leg) {
     const double lead_m = kLeadIn_s * leg.speed_mps;
     const double length_m = (leg.end_en_m - leg.start_en_m).norm();
-    Waypoint start{leg.start_en_m, HeadingOf(leg)};
+    Waypoint start{leg.start_en_m, LineHeading(leg)};
     start = Advance(start, -lead_m, 0.0);
     if (segments_.empty()) {
       at_ = start;
@@ -74,13 +77,13 @@ class PathBuilder {
 
   const std::vector<Segment>& segments() const { return segments_; }
 
-  /// Speed at a path length, m/s.
+  /// Returns the speed at a path length, m/s.
   double SpeedAt(double along_m) const {
     const Segment& s = At(along_m);
     return s.speed0_mps + (s.speed1_mps - s.speed0_mps) * ChangeDone(s, along_m - s.begin_m);
   }
 
-  /// Duration if each piece were flown at its lower speed, s.
+  /// Returns the duration if each piece were flown at its lower speed, s.
   double LongestDuration() const {
     double sum_s = 0.0;
     for (const Segment& s : segments_) sum_s += s.length_m / std::min(s.speed0_mps, s.speed1_mps);
@@ -138,10 +141,11 @@ class PathBuilder {
   double length_m_ = 0.0;
 };
 
-/// Path lengths at equal steps of time.
+/// Table of path lengths at equal time steps.
 class Timetable {
  public:
-  /// From path length 0 at time 0 until end_m; continued at constant speed beyond both.
+  /// Starts with path length 0 at time 0 and ends at end_m. Outside, the motion continues at
+  /// constant speed.
   Timetable(const PathBuilder& path, double end_m) {
     double along_m = 0.0;
     while (along_m < end_m) {
@@ -171,8 +175,8 @@ class Timetable {
   std::vector<double> along_m_;
 };
 
-/// Leg `index` before the first line: all cross near the middle of the block, turned by the golden
-/// angle each, with changing height and speed.
+/// Returns leg `index` before the first line. All these legs cross near the centre of the block;
+/// successive legs are rotated by the golden angle and change height and speed.
 PlannedLine WarmUpLeg(const PlanScenario& plan, int index) {
   constexpr std::array<double, 3> kHeights_m{20.0, 40.0, 0.0};
   constexpr std::array<double, 4> kSpeeds{1.0, 0.9, 1.0, 1.1};
@@ -181,7 +185,7 @@ PlannedLine WarmUpLeg(const PlanScenario& plan, int index) {
   for (const PlannedLine& line : plan.lines) centre += 0.5 * (line.start_en_m + line.end_en_m);
   centre /= static_cast<double>(plan.lines.size());
   const PlannedLine& first = plan.lines.front();
-  const double heading = HeadingOf(first) + kGoldenAngle * (index + 1);
+  const double heading = LineHeading(first) + kGoldenAngle * (index + 1);
   const Vector2d forward(std::sin(heading), std::cos(heading));
   PlannedLine leg;
   leg.speed_mps = first.speed_mps * kSpeeds[static_cast<std::size_t>(index) % kSpeeds.size()];
@@ -192,9 +196,9 @@ PlannedLine WarmUpLeg(const PlanScenario& plan, int index) {
   return leg;
 }
 
-/// After the last strip: a turn of 120 degrees and a straight line.
+/// Returns the leg after the last strip: a turn of 120 degrees and a straight line.
 PlannedLine RunOutLeg(const PlannedLine& last) {
-  const double heading = HeadingOf(last);
+  const double heading = LineHeading(last);
   const Vector2d forward(std::sin(heading), std::cos(heading));
   const double onward = heading + 2.0 * std::numbers::pi / 3.0;
   const Vector2d direction(std::sin(onward), std::cos(onward));
@@ -219,7 +223,7 @@ UniformSpline::Vector ControlPoint(const PathBuilder& path, double along_m,
   return c;
 }
 
-/// Pitch of the control points: the slope of the path.
+/// Sets the pitch of the control points to the slope of the path.
 void PitchAlongPath(std::vector<UniformSpline::Vector>& control) {
   for (std::size_t i = 1; i + 1 < control.size(); ++i) {
     const Eigen::Vector3d d = (control[i + 1] - control[i - 1]).head<3>();
@@ -227,7 +231,7 @@ void PitchAlongPath(std::vector<UniformSpline::Vector>& control) {
   }
 }
 
-/// Warm-up, lines and run-out on one path.
+/// Path with warm-up, lines and run-out, and the strips as intervals of path length.
 struct Course {
   PathBuilder path;
   std::vector<Vector2d> strips_m;

@@ -8,15 +8,15 @@
 
 namespace dn {
 
-/// The path to fly, and when its strips are flown.
+/// Path to fly, and the times of its strips.
 struct FlightPlan {
-  UniformSpline path;  ///< times count from the start of the flight
+  UniformSpline path;  ///< its times count from the start of the flight
   double duration_s = 0.0;
-  double mean_speed_mps = 0.0;            ///< on the lines
-  std::vector<Eigen::Vector2d> strips_s;  ///< begin and end of each strip, along the path
+  double mean_speed_mps = 0.0;            ///< mean over the lines
+  std::vector<Eigen::Vector2d> strips_s;  ///< begin and end of each strip, as times of the path
 };
 
-/// Joins warm-up legs, the planned lines and a run-out by coordinated turns of at most bank_rad.
+/// Connects warm-up legs, the planned lines and a run-out by coordinated turns of at most bank_rad.
 /// The first strip begins warm_up_s after the start.
 FlightPlan PlanFlight(const PlanScenario& plan);
 

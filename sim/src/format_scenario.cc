@@ -31,14 +31,14 @@ std::string Matrix(const Eigen::Matrix3d& M) {
 }
 
 template <class T>
-std::string WordOf(T value, const ScenarioWords<T>& words) {
+std::string FindWord(T value, const ScenarioWords<T>& words) {
   for (const auto& [word, meaning] : words) {
     if (meaning == value) return word;
   }
   return {};
 }
 
-/// Lines of YAML; those of a section are indented.
+/// Collects lines of YAML; the lines of a section are indented.
 class Writer {
  public:
   void Section(const std::string& name) { text_ += name + ":\n"; }
@@ -79,7 +79,7 @@ void WritePlan(const PlanScenario& plan, Writer* out) {
 
 void WriteTerrain(const TerrainScenario& terrain, Writer* out) {
   out->Section("terrain");
-  out->Key("kind", WordOf(terrain.kind, TerrainWords()));
+  out->Key("kind", FindWord(terrain.kind, TerrainWords()));
   out->Key("base_m", Number(terrain.base_m));
   out->Key("relief_m", Number(terrain.relief_m));
   out->Key("wavelength_m", Number(terrain.wavelength_m));
@@ -119,7 +119,7 @@ void WriteLidar(const LidarScenario& lidar, Writer* out) {
   out->Key("lever_arm_m", List(lidar.mounting.lever_arm_b_m));
   out->Key("boresight_deg", List(lidar.mounting.boresight_rad, &FromDeg));
   out->Key("fov_deg", Number(lidar.fov_rad, &FromDeg));
-  out->Key("pattern", WordOf(lidar.pattern, ScanPatternWords()));
+  out->Key("pattern", FindWord(lidar.pattern, ScanPatternWords()));
   out->Key("gsd_m", Number(lidar.gsd_m));
   out->Key("pulse_rate_hz", Number(lidar.pulse_rate_hz));
   out->Key("beam_divergence_mrad", Number(lidar.beam_divergence_rad, &FromMilli));

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Draws one epoch after the other.
+/// Simulates the epochs one after the other.
 class Receiver {
  public:
   Receiver(const GnssScenario& gnss, const TruthTrajectory& truth, std::uint64_t seed, bool noise,
@@ -27,18 +27,20 @@ class Receiver {
         noise_scale_(noise ? effects.gnss_noise_ratio : 0.0),
         random_(seed, "gnss") {
     for (std::size_t i = 0; noise && i < gnss.processes.size(); ++i) {
-      lasting_.emplace_back(gnss.processes[i], Random(seed, "gnss process " + std::to_string(i)));
+      correlated_errors_.emplace_back(gnss.processes[i],
+                                      Random(seed, "gnss process " + std::to_string(i)));
     }
   }
 
-  /// `first_s`: the true time of the first epoch in the file.
+  /// Returns the epoch at the true time t_s. `first_s` is the true time of the first epoch in the
+  /// file.
   MapGnssEpoch At(double t_s, double first_s) {
     const TruthState state = truth_.State(t_s);
     const Eigen::Matrix3d R_mb = state.pose.q_mb.toRotationMatrix();
     const Vector3d antenna_m = state.pose.p_mb + R_mb * lever_arm_b_m_;
     const Eigen::Matrix3d R_m_enu = truth_.frame().R_m_enu(antenna_m);
     Vector3d error_enu = noise_scale_ * gnss_.sigma_enu_m.cwiseProduct(random_.Normal3());
-    for (AntennaError& lasting_enu_m : lasting_) error_enu += lasting_enu_m(t_s);
+    for (AntennaError& correlated_enu_m : correlated_errors_) error_enu += correlated_enu_m(t_s);
     for (const auto& more_enu_m : effects_.antenna_enu_m) error_enu += more_enu_m(t_s);
     MapGnssEpoch epoch;
     epoch.t_s = Tag(effects_.gnss_tags, t_s) + effects_.gnss_tag_drift * (t_s - first_s);
@@ -59,10 +61,10 @@ class Receiver {
   const GnssScenario& gnss_;
   const TruthTrajectory& truth_;
   const ActiveEffects& effects_;
-  Vector3d lever_arm_b_m_;  // true
+  Vector3d lever_arm_b_m_;  // true value
   double noise_scale_;
   Random random_;
-  std::vector<AntennaError> lasting_;
+  std::vector<AntennaError> correlated_errors_;
 };
 
 }  // namespace
@@ -89,7 +91,7 @@ MapGnss SimulateGnss(const GnssScenario& gnss, const TruthTrajectory& truth, std
   }
   if (data.epochs.empty() && !effects.gnss_gaps.empty()) {
     const DataGap& gap = effects.gnss_gaps.front();
-    throw InvalidConfig(gap.effect + ": no GNSS epoch is left", gap.where);
+    throw InvalidConfig(gap.effect + ": no GNSS epoch remains", gap.where);
   }
   return data;
 }

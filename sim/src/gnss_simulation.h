@@ -11,12 +11,12 @@
 
 namespace dn {
 
-/// Sigma of simulated GNSS velocities, east, north, up, m/s.
+/// Standard deviation of simulated GNSS velocities, east, north, up, m/s.
 inline const Eigen::Vector3d kGnssVelocitySigma_enu_mps(0.02, 0.02, 0.03);
 
-/// Antenna positions (and velocities where the scenario wants them) at whole multiples of 1 / rate
-/// in GPS time, with the GNSS effects; without `noise` there is no white noise. Throws
-/// InvalidConfig when no epoch is left, or a clock steps back over an epoch.
+/// Simulates antenna positions, and velocities if the scenario has them, at multiples of 1 / rate
+/// in GPS time. The GNSS effects apply; without `noise` there is no white noise. Throws
+/// InvalidConfig if no epoch remains, or if a clock steps back beyond an epoch.
 MapGnss SimulateGnss(const GnssScenario& gnss, const TruthTrajectory& truth, std::uint64_t seed,
                      bool noise, const ActiveEffects& effects);
 

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 constexpr long kProgressSamples = 20000;
 
-/// Specific force with the actual gravity instead of the normal one.
+/// Returns the specific force with the actual gravity instead of the normal one.
 Vector3d ActualForce(const TruthState& state, const LocalFrame& frame,
                      const ActiveEffects& effects) {
   Vector3d f_b = state.f_b;
@@ -26,7 +26,7 @@ Vector3d ActualForce(const TruthState& state, const LocalFrame& frame,
   return f_b;
 }
 
-/// A state and the Earth at its place.
+/// State, with the Earth at its position.
 struct Place {
   Place(const TruthTrajectory& truth, double t_s) : state(truth.State(t_s, &earth)) {}
 
@@ -34,8 +34,9 @@ struct Place {
   TruthState state;
 };
 
-/// Mean rate and force between two states by Gauss-Lobatto quadrature with four points, two of them
-/// at the ends: exact for polynomials of degree five, as Gauss-Legendre is with three.
+/// Computes mean rate and force between two states by Gauss-Lobatto quadrature with four points,
+/// two of them at the ends. It is exact for polynomials of degree five, like Gauss-Legendre
+/// quadrature with three points.
 void MeanBetween(const TruthTrajectory& truth, const Place& from, const Place& to,
                  const ActiveEffects& effects, ImuSample& sample) {
   static const double kNode = 1.0 / std::sqrt(5.0);
@@ -51,7 +52,7 @@ void MeanBetween(const TruthTrajectory& truth, const Place& from, const Place& t
   sample.f_b_mps2 = (force(begin) + force(end) + 5.0 * (force(early) + force(late))) / 12.0;
 }
 
-/// White noise and assumed bias processes of a triad.
+/// Simulates white noise and assumed bias processes of a triad.
 class TriadErrors {
  public:
   TriadErrors(const SensorNoise& noise, double white_ratio, double dt_s, std::uint64_t seed,
@@ -83,7 +84,7 @@ Vector3d Sum(const std::vector<std::function<Vector3d()>>& biases) {
   return sum;
 }
 
-/// Interval lengths as a reader finds them: differences of the tags.
+/// Sets the interval lengths to the differences of the time tags, as a reader of the file does.
 void DescribeIntervals(ImuData& data, double nominal_dt_s) {
   data.nominal_dt_s = nominal_dt_s;
   data.samples.front().dt_s = nominal_dt_s;

@@ -14,21 +14,24 @@
 
 namespace dn {
 
+/// Simulated inertial data with their true values.
 struct SimulatedImu {
   ImuData data;
-  std::vector<Eigen::Vector3d> gyro_bias_radps;  ///< of every sample, mean over its interval
+  std::vector<Eigen::Vector3d> gyro_bias_radps;  ///< for every sample, mean over its interval
   std::vector<Eigen::Vector3d> accel_bias_mps2;
-  std::vector<NavPoint> reference;  ///< the truth at the begin, and at the end of every interval
+  /// The truth at the beginning, and at the end of every interval.
+  std::vector<NavPoint> reference;
 };
 
+/// Options of SimulateImu.
 struct ImuSimulation {
   std::uint64_t seed = 1;
   bool noise = true;
   std::function<void(double fraction)> progress;
 };
 
-/// Means of rate and specific force over (t_{k-1}, t_k], t_k = begin + k / rate, with the model's
-/// noise and the scenario's effects.
+/// Simulates means of rate and specific force over (t_{k-1}, t_k], with t_k = begin + k / rate. The
+/// noise of the model and the effects of the scenario apply.
 SimulatedImu SimulateImu(const Scenario& scenario, const TruthTrajectory& truth,
                          const ImuSimulation& options, const ActiveEffects& effects);
 

@@ -26,7 +26,7 @@ void LeaveOutGaps(const ActiveEffects& effects, SimulatedImu* imu) {
   KeepOnly(keep, &imu->accel_bias_mps2);
   if (imu->data.samples.empty()) {
     const DataGap& gap = effects.imu_gaps.front();
-    throw InvalidConfig(gap.effect + ": no inertial sample is left", gap.where);
+    throw InvalidConfig(gap.effect + ": no inertial sample remains", gap.where);
   }
 }
 

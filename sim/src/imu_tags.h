@@ -5,9 +5,9 @@
 
 namespace dn {
 
-/// Takes out the rows inside gaps and shifts the tags, as a reader then finds the data; the biases
-/// go with their samples. Throws InvalidConfig when no sample is left, or the clock steps back over
-/// a sample.
+/// Removes the samples inside gaps, with their biases, and shifts the time tags; the intervals are
+/// then those that a reader finds. Throws InvalidConfig if no sample remains, or if the clock steps
+/// back beyond a sample.
 void ApplyImuTagEffects(const ActiveEffects& effects, SimulatedImu* imu);
 
 }  // namespace dn

@@ -19,11 +19,12 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kTrials = 400;                                        // to measure an overlap
-constexpr double kExtraAngle_rad = 4.0 * std::numbers::pi / 180.0;  // roll may widen the swath
+constexpr int kTrials = 400;  // to estimate the size of an overlap
+// Allows for a swath widened by roll.
+constexpr double kExtraAngle_rad = 4.0 * std::numbers::pi / 180.0;
 constexpr double kWidestAngle_rad = 85.0 * std::numbers::pi / 180.0;
 
-/// The ground that a strip may cover: a rectangle around its track.
+/// Ground area that a strip can cover: a rectangle along its track.
 class Footprint {
  public:
   Footprint(const Vector3d& begin_m, const Vector3d& end_m, double half_width_m)
@@ -60,11 +61,11 @@ struct Strip {
   Footprint footprint;
 };
 
-/// Two strips, and how much ground both see.
+/// Two strips and the ground area that both can see.
 struct Overlap {
   const Strip* i;
   const Strip* j;
-  double seen_share = 0.0;  // of the footprint of i
+  double seen_share = 0.0;  // fraction of the footprint of i
   long count = 0;
 
   double area_m2() const { return seen_share * i->footprint.area_m2(); }
@@ -80,7 +81,8 @@ class PairSampler {
   PairSampler(const Scanner& scanner, const Terrain& terrain)
       : scanner_(scanner), terrain_(terrain) {}
 
-  /// A random ground point of the overlap as seen from both strips; nothing when the draw missed.
+  /// Draws a random ground point of the overlap and returns both sightings; nullopt if the draw
+  /// fails.
   std::optional<TwoSightings> Try(const Overlap& overlap, Random& random) const {
     const Vector2d en_m = overlap.i->footprint.Draw(random);
     if (!overlap.j->footprint.Contains(en_m)) return std::nullopt;
@@ -94,7 +96,7 @@ class PairSampler {
   }
 
  private:
-  /// One of the sightings of a strip.
+  /// Returns one sighting of the point from a strip, drawn at random if there are two.
   std::optional<Sighting> See(const Vector3d& point_m, const Strip& strip, Random& random) const {
     const auto seen = scanner_.See(point_m, strip.first, strip.last);
     if (seen.empty()) return std::nullopt;
@@ -134,7 +136,8 @@ std::vector<Overlap> FindOverlaps(const std::vector<Strip>& strips, const PairSa
   return overlaps;
 }
 
-/// Shares `count` out by area (largest remainder), at least one each where there are enough.
+/// Distributes `count` over the overlaps in proportion to area (largest remainder). Each overlap
+/// gets at least one if there are enough.
 void Allocate(std::vector<Overlap>& overlaps, long count) {
   double total_m2 = 0.0;
   for (const Overlap& overlap : overlaps) total_m2 += overlap.area_m2();
@@ -161,7 +164,7 @@ std::vector<TwoSightings> Draw(const Overlap& overlap, const PairSampler& sample
                                std::uint64_t seed) {
   Random random(seed, "pairs " + overlap.File());
   std::vector<TwoSightings> drawn;
-  while (static_cast<long>(drawn.size()) < overlap.count) {  // ends: a share of the draws succeeds
+  while (static_cast<long>(drawn.size()) < overlap.count) {  // ends because some draws succeed
     if (const auto sightings = sampler.Try(overlap, random)) drawn.push_back(*sightings);
   }
   std::sort(drawn.begin(), drawn.end(),
@@ -169,7 +172,7 @@ std::vector<TwoSightings> Draw(const Overlap& overlap, const PairSampler& sample
   return drawn;
 }
 
-/// Draws the pairs of a flight, as they are when the scanner is that of `span`.
+/// Draws the pairs of a flight for a scanner with a given `span`.
 class PairSimulator {
  public:
   PairSimulator(const Scenario& scenario, const std::vector<StripInterval>& intervals,
@@ -183,7 +186,7 @@ class PairSimulator {
         options_(options),
         effects_(effects) {}
 
-  /// With true epochs and vectors as measured.
+  /// Returns pairs with true epochs and measured vectors.
   PairData Run(const LidarSpan& span) const {
     const Scanner scanner(scenario_.lidar, effects_, span, truth_, terrain_);
     const PairSampler sampler(scanner, *terrain_);
@@ -205,12 +208,12 @@ class PairSimulator {
   }
 
  private:
-  /// The overlaps in the order of their files, with the pairs of each.
+  /// Returns the overlaps sorted by file name, with the number of pairs of each.
   std::vector<Overlap> SharedOut(const PairSampler& sampler) const {
     std::vector<Overlap> overlaps = FindOverlaps(strips_, sampler, options_.seed);
     if (overlaps.empty()) {
       throw NoOverlap("no two strips of scenario '" + scenario_.name +
-                          "' see the same ground: bring its lines closer, or set pairs: {count: 0}",
+                          "' overlap: move its lines closer together, or set pairs: {count: 0}",
                       scenario_.pairs.where);
     }
     Allocate(overlaps, scenario_.pairs.count);
@@ -272,8 +275,8 @@ PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval
                        const std::shared_ptr<const TruthTrajectory>& truth,
                        const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options,
                        const ActiveEffects& effects) {
-  // Where the boresight changes, when a point is seen depends a little on when the pairs begin and
-  // end, and they on it.
+  // If the boresight varies, the epochs at which a point is seen depend slightly on the span of the
+  // pairs. Since the span depends on these epochs in turn, the computation is iterated.
   constexpr int kMostRuns = 6;
   constexpr double kSameSpan_s = 1e-7;
   const PairSimulator simulator(scenario, intervals, truth, terrain, options, effects);

@@ -15,15 +15,16 @@
 
 namespace dn {
 
+/// Options of SimulatePairs.
 struct PairSimulation {
   std::uint64_t seed = 1;
   bool noise = true;
   std::function<void(double fraction)> progress;
 };
 
-/// Correspondences uniformly over the overlaps of all strip pairs, `count` in total; files
-/// "lidar/<a>_<b>.txt", sorted by name, pairs sorted by t_i within a file. Throws InvalidConfig
-/// when no two strips overlap.
+/// Simulates correspondences that are distributed uniformly over the overlaps of all strip pairs,
+/// `count` in total. The files "lidar/<a>_<b>.txt" are sorted by name, and the pairs in a file by
+/// t_i. Throws InvalidConfig if no two strips overlap.
 PairData SimulatePairs(const Scenario& scenario, const std::vector<StripInterval>& strips,
                        const std::shared_ptr<const TruthTrajectory>& truth,
                        const std::shared_ptr<const Terrain>& terrain, const PairSimulation& options,

@@ -23,7 +23,8 @@ std::uint64_t MixBits(std::uint64_t x) {
 Random::Random(std::uint64_t seed, std::string_view stream)
     : engine_(MixBits(MixBits(seed) ^ HashName(stream))) {}
 
-double Random::Normal() {  // Marsaglia's polar method: the same numbers with every standard library
+// Marsaglia's polar method gives the same numbers with every standard library.
+double Random::Normal() {
   if (has_spare_) {
     has_spare_ = false;
     return spare_;

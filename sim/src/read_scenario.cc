@@ -36,9 +36,9 @@ std::string ScenarioText(const std::string& name_or_path) {
     return ReadText(name_or_path);
   }
   const std::string shipped = JoinNames(ScenarioNames());
-  throw InvalidConfig("'" + name_or_path +
-                      "' is neither a scenario file nor a shipped scenario; the nearest one is '" +
-                      NearestName(name_or_path, ScenarioNames()) + "'. Shipped: " + shipped);
+  throw InvalidConfig(
+      "'" + name_or_path + "' is neither a scenario file nor a shipped scenario; did you mean '" +
+      NearestName(name_or_path, ScenarioNames()) + "'? Shipped scenarios: " + shipped);
 }
 
 Scenario ReadScenario(const std::string& name_or_path, const std::vector<std::string>& changes) {

@@ -27,7 +27,7 @@ void CheckHoles(const Trajectory& trajectory) {
     if (points[i].t_s - points[i - 1].t_s > kLongestHole_s) {
       throw InvalidInput("the trajectory to replay has a hole from " +
                          FormatDouble(points[i - 1].t_s) + " to " + FormatDouble(points[i].t_s) +
-                         " s; only holes of up to 1 s can be flown over");
+                         " s; holes of at most 1 s are allowed");
     }
   }
   if (trajectory.t_end_s() - trajectory.t_begin_s() < kShortestFlight_s) {
@@ -47,7 +47,7 @@ UniformSpline::Vector ControlPoint(const MapPose& pose, const LocalFrame& frame,
   return c;
 }
 
-/// Straight, level stretches that are long enough.
+/// Returns the straight and level parts of the path that are long enough for a strip.
 std::vector<Eigen::Vector2d> FindStraights(const UniformSpline& path, double duration_s) {
   std::vector<Eigen::Vector2d> strips_s;
   double begin_s = 0.0;

@@ -6,12 +6,13 @@
 
 namespace dn {
 
-/// The path of a given trajectory, smoothed over a few quarters of a second; its times count from
-/// the trajectory's first epoch plus replay_margin_s. Strips are its straight stretches of at least
-/// 10 s. Throws InvalidInput when it is shorter than 10 s or has a hole of more than 1 s.
+/// Returns a plan that follows a given trajectory, smoothed over some quarters of a second. Its
+/// times count from the first epoch of the trajectory plus kReplayMargin_s. The strips are its
+/// straight parts of at least 10 s. Throws InvalidInput if the trajectory is shorter than 10 s or
+/// has a hole of more than 1 s.
 FlightPlan ReplayFlight(const Trajectory& trajectory, const LocalFrame& frame);
 
-/// Seconds cut off at both ends of a replayed trajectory.
+/// Time removed at both ends of a replayed trajectory, s.
 inline constexpr double kReplayMargin_s = 1.0;
 
 }  // namespace dn

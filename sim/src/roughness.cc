@@ -10,12 +10,12 @@ namespace {
 
 constexpr double kCoarsest_m = 8.0;
 constexpr double kHurst = 0.8;
-// Of (1/3) (integral of s^2 + (1 - s)^2)^2: heights uniform in [-1, 1] at the corners of a cell,
-// weighted by s = 3 x^2 - 2 x^3 between them.
+// Mean square of one octave: (1/3) (integral of s^2 + (1 - s)^2)^2. The heights at the corners of a
+// cell are uniform in [-1, 1], and the weight between them is s = 3 x^2 - 2 x^3.
 constexpr double kMeanSquare = (1.0 / 3.0) * (26.0 / 35.0) * (26.0 / 35.0);
-constexpr double kSteepestWeight = 1.5;  // of s
+constexpr double kSteepestWeight = 1.5;  // largest slope of s
 
-/// Uniform in [-1, 1], of a point of a lattice.
+/// Returns the height of a lattice point, uniform in [-1, 1].
 double Height(std::uint64_t seed, std::int64_t x, std::int64_t y) {
   const std::uint64_t key = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ull +
                             static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4full;
@@ -61,7 +61,7 @@ double Roughness::bound_m() const {
 }
 
 double Roughness::slope_bound() const {
-  double slope = 0.0;  // the height differs by 2 at most over a cell, east and north
+  double slope = 0.0;  // the height changes by at most 2 over a cell, to the east and to the north
   for (int i = 0; i < kOctaves; ++i) {
     slope += amplitude_m_[static_cast<std::size_t>(i)] / Cell(i);
   }

@@ -9,10 +9,11 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kOnPlane_m = 1e-9;
-constexpr double kSameTime_s = 1e-10;  // about one step of a double at a second of the week
+constexpr double kSameTime_s = 1e-10;  // about the resolution of a double for seconds of week
 constexpr double kJump_m = 1e-4;
 constexpr int kMaxSteps = 60;
-constexpr double kNearSurface_m = 0.3;  // of range: what is this close does not hide the point
+// Range difference; a surface this close does not hide the point.
+constexpr double kNearSurface_m = 0.3;
 
 Eigen::Matrix3d Rotation(const Vector3d& phi) {
   const double angle = phi.norm();
@@ -46,7 +47,7 @@ Eigen::Matrix3d Scanner::R_bs(double t_s) const {
   return Rotation(boresight_rad) * mounting_.R_bs_nominal;
 }
 
-/// How far the point lies ahead of the beams of a line, toward +scan_axis.
+/// Returns the distance of the point ahead of the beams of a line scanner, towards +scan_axis.
 double Scanner::Ahead(const Vector3d& u_s) const {
   const double ahead_m = u_s.dot(scan_axis_s_);
   return sine_of_turn_ == 0.0 ? ahead_m : ahead_m - sine_of_turn_ * u_s.norm();
@@ -81,7 +82,7 @@ std::optional<MapPose> Scanner::Swept(FromBeams from_beams, const Vector3d& poin
       t0_s = t1_s;
       g0 = g1;
     } else {
-      g0 *= 0.5;  // Illinois: the end that stays must not stall the secant
+      g0 *= 0.5;  // Illinois method: halving the other end keeps the secant method from stalling
     }
     g1 = g;
   }
@@ -89,7 +90,8 @@ std::optional<MapPose> Scanner::Swept(FromBeams from_beams, const Vector3d& poin
   return latest;
 }
 
-/// A cone is passed once on each side of the plane across its axis of travel.
+/// Returns the poses at which the beams pass the point. A cone passes it once on each side of the
+/// plane that is perpendicular to the direction of travel.
 std::vector<MapPose> Scanner::AllSwept(const Vector3d& point_m, const MapPose& first,
                                        const MapPose& last) const {
   const std::optional<MapPose> abeam = Swept(&Scanner::Ahead, point_m, first, last);

@@ -14,57 +14,63 @@
 
 namespace dn {
 
-/// A ground point seen by the scanner: when, and the exact vector to it in the sensor frame.
+/// Sighting of a ground point: its epoch, and the exact vector to the point in the sensor frame.
 struct Sighting {
   double t_s = 0.0;
   Eigen::Vector3d u_s = Eigen::Vector3d::Zero();
 };
 
-/// The true scanner on its true path. The beams of a line scanner lie in the plane through its origin
-/// that is perpendicular to scan_axis, within half the field of view of nadir_axis; those of a conical
-/// one at half the field of view from nadir_axis all around, so that a point is passed twice, ahead
-/// and behind. The effect lidar_scan_cone turns all of them toward +scan_axis.
+/// The true scanner on its true path. The beams of a line scanner lie in the plane through its
+/// origin that is perpendicular to scan_axis, within half the field of view of nadir_axis. The
+/// beams of a conical scanner lie at half the field of view around nadir_axis, so that each point
+/// is passed twice, ahead and behind. The effect lidar_scan_cone rotates all beams towards
+/// +scan_axis.
 class Scanner {
  public:
-  /// span: of the epochs that the pairs will have, for effects that refer to them.
+  /// span: span of the epochs of the pairs, for effects that depend on it.
   Scanner(const LidarScenario& lidar, const ActiveEffects& effects, const LidarSpan& span,
           std::shared_ptr<const TruthTrajectory> truth, std::shared_ptr<const Terrain> terrain);
 
-  /// When, between two poses of the true path, the beams sweep over the point, in the order of time:
-  /// at most once for a line, twice for a cone. Not where the point is outside the field of view
-  /// then, or hidden behind the surface.
+  /// Returns the sightings of the point between two poses of the true path, in time order: at most
+  /// one for a line, two for a cone. A sighting is omitted if the point is then outside the field
+  /// of view or hidden by the surface.
   std::vector<Sighting> See(const Eigen::Vector3d& point_m, const MapPose& first,
                             const MapPose& last) const;
 
-  /// True rotation sensor -> body, and the true origin of the sensor in body.
+  /// Returns the true rotation from sensor to body, and the true origin of the sensor in body.
   Eigen::Matrix3d R_bs(double t_s) const;
   const Eigen::Vector3d& lever_arm_b_m() const { return mounting_.lever_arm_b_m; }
 
  private:
-  /// Signed distance of a vector in the sensor frame from a surface on which the beams lie.
+  /// Signed distance of a vector in the sensor frame from a surface that contains the beams.
   using FromBeams = double (Scanner::*)(const Eigen::Vector3d& u_s) const;
 
+  // Returns the distance of a vector ahead of the beams of a line scanner, m.
   double Ahead(const Eigen::Vector3d& u_s) const;
+  // Returns the distance of a vector inside the cone of the beams, m.
   double InsideCone(const Eigen::Vector3d& u_s) const;
-  /// Vector from the scanner to a point, in the sensor frame, m.
+  /// Returns the vector from the scanner to a point, in the sensor frame, m.
   Eigen::Vector3d VectorTo(const Eigen::Vector3d& point_m, const MapPose& pose) const;
-  /// The pose at which the point lies on the beams.
+  /// Returns the pose at which the point lies on the beams.
   std::optional<MapPose> Swept(FromBeams from_beams, const Eigen::Vector3d& point_m,
                                const MapPose& first, const MapPose& last) const;
+  // Returns all poses at which the point lies on the beams, in time order.
   std::vector<MapPose> AllSwept(const Eigen::Vector3d& point_m, const MapPose& first,
                                 const MapPose& last) const;
+  // Returns true if a vector lies in the field of view.
   bool InView(const Eigen::Vector3d& u_s) const;
+  // Returns true if the surface hides the point from the scanner.
   bool Hidden(const Eigen::Vector3d& point_m, const MapPose& pose) const;
 
   std::shared_ptr<const TruthTrajectory> truth_;
   std::shared_ptr<const Terrain> terrain_;
-  Mounting mounting_;  // true; the boresight is that before effects
+  Mounting mounting_;  // true mounting; its boresight is the one before effects
   const ActiveEffects& effects_;
   LidarSpan span_;
-  Eigen::Matrix3d constant_R_bs_;  // where no effect changes the boresight
+  Eigen::Matrix3d constant_R_bs_;  // valid if no effect changes the boresight
   Eigen::Vector3d scan_axis_s_;
   Eigen::Vector3d nadir_axis_s_;
-  double sine_of_turn_;  // of the beams toward +scan_axis
+  double sine_of_turn_;  // sine of the rotation of the beams towards +scan_axis
   ScanPattern pattern_;
   double half_fov_rad_;
 };

@@ -9,7 +9,7 @@
 namespace dn {
 namespace {
 
-// Beyond this the plane of the map is no longer that of the ground.
+// Farther away, the horizontal plane of the map deviates too much from the ground.
 constexpr double kFarthest_m = 1e6;
 constexpr double kHighest_m = 1e5;
 constexpr double kLargestRelief_m = 1e4;
@@ -19,7 +19,7 @@ constexpr std::size_t kMostLines = 1000;
 constexpr double kRoughest_m = 10.0;
 constexpr double kMostPulses_hz = 1e7;
 constexpr long kMostPairs = 5000000;
-// A sample, its true state and their text take about half a kB.
+// A sample, its true state and their text need about half a kB.
 constexpr double kMostSamples = 1e7;
 
 void ExpectAtMost(
@@ -27,7 +27,7 @@ void ExpectAtMost(
     const std::function<FileLocation()>& place = [] { return FileLocation(); }) {
   if (std::abs(value) <= most) return;
   throw InvalidConfig(std::string("scenario: ") + what + " is " + FormatDouble(value) + unit +
-                          ", at most " + FormatDouble(most) + unit + " can be simulated",
+                          ", but at most " + FormatDouble(most) + unit + " can be simulated",
                       place());
 }
 

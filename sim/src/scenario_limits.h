@@ -8,14 +8,14 @@
 
 namespace dn {
 
-/// Where a key of a section stands in the scenario's file.
+/// Function that returns the location of a key of a section in the file of the scenario.
 using PlaceOfKey = std::function<FileLocation(const std::string& section, const std::string& key)>;
 
-/// Throws InvalidConfig, naming the bound and the place, for a scenario that no memory holds or
-/// that no flight comes near.
+/// Throws InvalidConfig, with limit and location, for a scenario that does not fit into memory or
+/// that is far from any real flight.
 void CheckLimits(const Scenario& scenario, const PlaceOfKey& place);
 
-/// The same once it is known how long the flight takes.
+/// Checks the limits that depend on the duration of the flight; throws as CheckLimits does.
 void CheckDuration(double duration_s);
 void CheckSamples(const ImuScenario& imu, double duration_s);
 

@@ -46,7 +46,7 @@ TurbulenceScenario ReadTurbulence(const YamlValue& s) {
   return t;
 }
 
-/// The name of a strip becomes part of file names.
+/// The name of a strip becomes part of file names, so that only these characters are allowed.
 bool IsPlainName(const std::string& name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-';
@@ -54,7 +54,8 @@ bool IsPlainName(const std::string& name) {
 }
 
 std::vector<StripInterval> ReadReplayedStrips(const YamlValue& s) {
-  if (s["strips"] && !s["replay"]) s["strips"].Fail("belongs to replay; lines are strips");
+  if (s["strips"] && !s["replay"])
+    s["strips"].Fail("is only allowed with replay; otherwise the lines are the strips");
   std::vector<StripInterval> strips = ReadStrips(s["strips"]);
   for (const StripInterval& strip : strips) {
     if (IsPlainName(strip.name)) continue;
@@ -63,17 +64,17 @@ std::vector<StripInterval> ReadReplayedStrips(const YamlValue& s) {
   return strips;
 }
 
-/// Turbulence that would turn the aircraft over or stop it is a mistake.
+/// Throws InvalidConfig for turbulence that would turn the aircraft over or stop it.
 void CheckTurbulence(const YamlValue& turbulence, const PlanScenario& plan) {
   constexpr double kMostAttitude_rad = 10.0 * kRadPerDeg;
   constexpr double kMostSpeedShare = 0.1;
   const TurbulenceScenario& t = plan.turbulence;
   if (std::max({t.roll_rad, t.pitch_rad, t.heading_rad}) > kMostAttitude_rad) {
-    turbulence.Fail("turbulence in attitude may be up to 10 deg rms");
+    turbulence.Fail("turbulence in attitude must not exceed 10 deg rms");
   }
   for (const PlannedLine& line : plan.lines) {
     if (t.speed_mps > kMostSpeedShare * line.speed_mps) {
-      turbulence["speed_m_s"].Fail("may be up to a tenth of every line's speed");
+      turbulence["speed_m_s"].Fail("must not exceed a tenth of the speed of any line");
     }
   }
 }
@@ -92,7 +93,8 @@ PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   plan.bank_rad = bank_deg * kRadPerDeg;
   plan.turbulence = ReadTurbulence(s["turbulence"]);
   plan.crab_rad = s["crab_deg"].NumberOr(0.0) * kRadPerDeg;
-  if (std::abs(plan.crab_rad) > 45.0 * kRadPerDeg) s["crab_deg"].Fail("must be within 45");
+  if (std::abs(plan.crab_rad) > 45.0 * kRadPerDeg)
+    s["crab_deg"].Fail("must lie between -45 and 45");
   plan.stabilised_mount = s["stabilised_mount"].BoolOr(false);
   if (s["replay"]) {
     plan.replay = std::filesystem::path(file).parent_path() / s["replay"].Text();
@@ -104,7 +106,8 @@ PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   return plan;
 }
 
-/// Roughness of the ground under point clouds, rms, m: chosen, from paved and mown to scree.
+/// Returns an assumed roughness of the ground under point clouds (rms, m), from paved or mown
+/// ground to scree.
 double UsualRoughness(TerrainKind kind) {
   switch (kind) {
     case TerrainKind::kBuiltUp:
@@ -121,7 +124,8 @@ double UsualRoughness(TerrainKind kind) {
   return 0.0;
 }
 
-/// clouds: points are simulated on it, not pairs alone, whose ground is smooth unless said.
+/// clouds: true if point clouds are simulated. If only pairs are simulated, the ground is smooth by
+/// default.
 TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
   s.ExpectMapOrNothing({"kind", "relief_m", "wavelength_m", "base_m", "buildings_per_km2",
                         "trees_per_km2", "roughness_m", "water_share", "seed"});
@@ -137,7 +141,7 @@ TerrainScenario ReadTerrain(const YamlValue& s, bool clouds) {
   if (terrain.water_share > kMostWater) s["water_share"].Fail("must be at most 0.9");
   if (terrain.water_share > 0.0 &&
       (terrain.relief_m == 0.0 || terrain.kind == TerrainKind::kFlat)) {
-    s["water_share"].Fail("water needs a relief: ground that is flat is all above it or below");
+    s["water_share"].Fail("water needs a relief: flat ground is either all water or all dry");
   }
   if (s["seed"]) terrain.seed = static_cast<std::uint64_t>(s["seed"].Integer(0));
   return terrain;
@@ -147,7 +151,7 @@ ImuScenario ReadImuScenario(const YamlValue& s) {
   s.ExpectMapOrNothing({"rate_hz", "preset", "gyro", "accel"});
   ImuScenario imu;
   imu.rate_hz = s["rate_hz"].PositiveOr(200.0);
-  if (imu.rate_hz < 10.0 || imu.rate_hz > 2000.0) s["rate_hz"].Fail("must lie in 10 to 2000");
+  if (imu.rate_hz < 10.0 || imu.rate_hz > 2000.0) s["rate_hz"].Fail("must lie between 10 and 2000");
   imu.model = ReadImuNoise(s, "preset");
   if (s["preset"] && !s["gyro"] && !s["accel"]) imu.preset = s["preset"].Name();
   return imu;
@@ -196,7 +200,7 @@ PairScenario ReadPairScenario(const YamlValue& s, double gsd_m) {
   return pairs;
 }
 
-const EffectSpec& SpecOf(const YamlValue& name) {
+const EffectSpec& RequireEffect(const YamlValue& name) {
   const EffectSpec* effect = FindEffect(name.Name());
   if (effect == nullptr) {
     name.Fail("unknown effect '" + name.Name() + "'; did you mean '" +
@@ -207,7 +211,7 @@ const EffectSpec& SpecOf(const YamlValue& name) {
 
 Effect ReadEffect(const YamlValue& item) {
   item.ExpectMap({"effect", "value", "window_s", "t0_s"});
-  const EffectSpec& spec = SpecOf(item["effect"]);
+  const EffectSpec& spec = RequireEffect(item["effect"]);
   Effect effect;
   effect.name = spec.name;
   effect.where = item.where();

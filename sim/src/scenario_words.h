@@ -8,7 +8,7 @@
 
 namespace dn {
 
-/// The words of a scenario and what they stand for.
+/// Words of a scenario file with their meanings.
 template <class T>
 using ScenarioWords = std::vector<std::pair<std::string, T>>;
 

@@ -5,12 +5,13 @@
 
 namespace dn {
 
+/// Scenario that comes with the program.
 struct ShippedScenario {
   std::string name;
   std::string yaml;
 };
 
-/// The scenarios of sim/scenarios, compiled in.
+/// Returns the scenarios of sim/scenarios, which are compiled in.
 const std::vector<ShippedScenario>& ShippedScenarios();
 
 }  // namespace dn

@@ -44,20 +44,21 @@ FlownPlan Plan(const Scenario& scenario, const LocalFrame& frame, std::uint64_t 
   return {std::move(plan), scenario.start_s, std::move(disturbance)};
 }
 
-/// When the flight, which runs ahead of its plan or behind it, is at the planned time path_s;
-/// never before it begins.
+/// Returns the time at which the flight reaches the planned time path_s; turbulence makes it lead
+/// or lag. The time is never before the beginning of the flight.
 double FlownTime(const Disturbance& disturbance, double path_s) {
   double t_s = path_s;
-  for (int i = 0; i < 50; ++i) t_s = path_s - disturbance.lead_s.At(t_s).value;  // contraction
+  // This fixed-point iteration is a contraction.
+  for (int i = 0; i < 50; ++i) t_s = path_s - disturbance.lead_s.At(t_s).value;
   return std::max(0.0, t_s);
 }
 
-/// The strips that the scenario names, which must be flown.
+/// Returns the strips that the scenario gives; throws InvalidConfig if one lies outside the flight.
 std::vector<StripInterval> NamedStrips(const PlanScenario& plan, const FlownPlan& flown) {
   const double end_s = flown.begin_s + flown.plan.duration_s;
   for (const StripInterval& strip : plan.strips) {
     if (strip.t0_s >= flown.begin_s && strip.t1_s <= end_s) continue;
-    throw InvalidConfig("strip '" + strip.name + "' lies outside the time that is flown, " +
+    throw InvalidConfig("strip '" + strip.name + "' lies outside the time of the flight, " +
                             FormatDouble(flown.begin_s) + " to " + FormatDouble(end_s) + " s",
                         plan.where);
   }
@@ -92,7 +93,7 @@ void CheckClearance(const Scenario& scenario, const std::vector<StripInterval>& 
   }
 }
 
-/// What flight.yaml says: the assumed model, and nothing of the truth.
+/// Returns the contents of flight.yaml: the assumed model without any true values.
 FlightConfig AssumedConfig(const Scenario& scenario, const std::vector<StripInterval>& strips) {
   FlightConfig config;
   config.name = scenario.name;
@@ -123,7 +124,7 @@ LidarConfig AssumedLidar(const Scenario& scenario, const std::optional<PairData>
   return lidar;
 }
 
-/// The true trajectory with its attitude turned; none where no effect turns it.
+/// Returns the true trajectory with rotated attitude; nullopt if no effect rotates it.
 std::optional<Trajectory> TurnedTrajectory(const ActiveEffects& effects,
                                            const Trajectory& reference) {
   if (effects.trajectory_turn.empty()) return std::nullopt;

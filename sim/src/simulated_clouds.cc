@@ -22,11 +22,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kChunkPulses = 16384;
-constexpr std::size_t kChunksPerThread = 4;  // between two groups: a fraction of a second
+// The time between two groups is then a fraction of a second.
+constexpr std::size_t kChunksPerThread = 4;
 // The standard deviation across a Gaussian beam is a quarter of its divergence, which is the full
-// angle where the intensity has fallen by e^2.
+// angle at which the intensity has fallen to 1/e^2.
 constexpr double kBeamSigmas = 4.0;
-constexpr double kLeastSink = 0.0872;  // sine of 5 deg: what grazes the ground does not return
+// Sine of 5 deg: flatter pulses graze the ground and do not return.
+constexpr double kLeastSink = 0.0872;
 constexpr double kLongestRange_m = 20e3;
 
 struct Flown {
@@ -73,7 +75,7 @@ struct SimulatedClouds::World {
   Scanner scanner;
 };
 
-/// The pulses of one strip.
+/// Simulates the pulses of one strip.
 class SimulatedClouds::Pulses {
  public:
   Pulses(const World& world, const StripInterval& strip, std::uint16_t number)
@@ -86,7 +88,7 @@ class SimulatedClouds::Pulses {
 
   std::size_t count() const { return count_; }
 
-  /// The pulses from `first` to before `past`; random numbers go by the chunk.
+  /// Simulates the pulses from `first` to before `past`. The random numbers depend on the chunk.
   CloudCounts Fire(std::size_t chunk, std::size_t first, std::size_t past,
                    StripCloud* cloud) const {
     cloud->Clear();
@@ -108,7 +110,7 @@ class SimulatedClouds::Pulses {
   double Since(std::size_t k) const { return static_cast<double>(k) / world_.lidar.pulse_rate_hz; }
   double Epoch(std::size_t k) const { return strip_.t0_s + Since(k); }
 
-  /// The true direction of the beam's middle, in the sensor frame.
+  /// Returns the true direction of the centre of the beam, in the sensor frame.
   Vector3d Beam(std::size_t k) const {
     Vector3d nominal_s = scan_.Direction(Since(k));
     if (world_.effects.scan_cone_rad == 0.0) return nominal_s;
@@ -116,7 +118,7 @@ class SimulatedClouds::Pulses {
                             nominal_s);
   }
 
-  /// A direction within the footprint, where the return comes from.
+  /// Draws a direction within the footprint, from which the return comes.
   Vector3d InFootprint(const Vector3d& beam_s, Random* random) const {
     if (!world_.noise) return beam_s;
     const double sigma_rad = world_.lidar.beam_divergence_rad / kBeamSigmas;
@@ -137,8 +139,8 @@ class SimulatedClouds::Pulses {
     return tag_s;
   }
 
-  /// The pose that a processing takes for the tag.
-  MapPose PoseOfTag(double tag_s, const MapPose& true_pose) const {
+  /// Returns the pose that software with this time tag uses.
+  MapPose PoseAtTag(double tag_s, const MapPose& true_pose) const {
     if (tag_s == true_pose.t_s) return true_pose;
     const TruthTrajectory& truth = *world_.truth;
     return truth.Pose(std::clamp(tag_s, truth.t_begin_s(), truth.t_end_s()));
@@ -160,7 +162,7 @@ class SimulatedClouds::Pulses {
     const double tag_s = Tag(t_s);
     cloud->t_s.push_back(tag_s);
     cloud->u_s.push_back(u_s);
-    cloud->p_c.push_back(Georeference(PoseOfTag(tag_s, pose), world_.assumed, u_s));
+    cloud->p_c.push_back(Georeference(PoseAtTag(tag_s, pose), world_.assumed, u_s));
     cloud->source.push_back(number_);
   }
 

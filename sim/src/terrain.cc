@@ -18,15 +18,16 @@ using Eigen::Vector3d;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kTallestObject_m = 22.0;  // above the relief at its centre
-constexpr double kWidestObject_m = 16.0;   // from its centre to its rim
-constexpr double kSurelyClear_m = 1e-6;    // more than rounding makes of a height
+constexpr double kWidestObject_m = 16.0;   // from the centre of the object to its edge
+constexpr double kSurelyClear_m = 1e-6;    // larger than the rounding error of a height
 constexpr double kRayStep_m = 0.25;
 constexpr int kWavesPerOctave = 4;
-constexpr double kSmallestCell_m = 12.0;  // of buildings: they would touch
+constexpr double kSmallestCell_m = 12.0;  // for buildings; in smaller cells they would touch
 constexpr double kSmallestTreeCell_m = 4.0;
 
-/// range_m after as many steps along a ray as stay below limit_m. Up to the next power of two, beyond
-/// which numbers are coarser, any number of steps is exact and taken at once.
+/// Returns range_m after as many steps along a ray as stay below limit_m. Any number of steps is
+/// exact up to the next power of two, where the resolution of a double changes. These steps are
+/// taken at once.
 double StepsBelow(double limit_m, double range_m) {
   while (range_m + kRayStep_m < limit_m) {
     const double exact_m = std::min(limit_m, std::exp2(std::ilogb(range_m) + 1));
@@ -80,9 +81,9 @@ Terrain::Terrain(const TerrainScenario& scenario)
   if (scenario_.water_share > 0.0) water_m_ = WaterLevel();
 }
 
-/// The height below which the wanted share of the ground lies, by samples.
+/// Returns the height below which the given fraction of the ground lies, estimated from samples.
 double Terrain::WaterLevel() const {
-  constexpr int kSamples = 100;  // each way
+  constexpr int kSamples = 100;  // in each direction
   constexpr double kSpacing = 0.137;
   std::vector<double> heights_m;
   for (int i = 0; i < kSamples; ++i) {
@@ -132,17 +133,18 @@ std::optional<Tree> Terrain::TreeIn(const Vector2i& cell) const {
   return tree;
 }
 
-/// The objects at places one after the other: that of a cell serves all places in it.
+/// Finds the objects at successive positions. An object found in a cell is reused for other
+/// positions in that cell.
 class Terrain::Objects {
  public:
   explicit Objects(const Terrain& terrain) : terrain_(terrain) {}
 
-  /// Height of the highest one, where there is one.
+  /// Returns the height of the highest object at a position; -infinity without an object.
   double Top(const Vector2d& en_m) {
     const auto building_in = [this](const Vector2i& cell) { return terrain_.BuildingIn(cell); };
     const auto tree_in = [this](const Vector2i& cell) { return terrain_.TreeIn(cell); };
-    return std::max(TopOf(en_m, terrain_.buildings_.cell_m, building_in, &building_),
-                    TopOf(en_m, terrain_.trees_.cell_m, tree_in, &tree_));
+    return std::max(CellTop(en_m, terrain_.buildings_.cell_m, building_in, &building_),
+                    CellTop(en_m, terrain_.trees_.cell_m, tree_in, &tree_));
   }
 
  private:
@@ -152,11 +154,11 @@ class Terrain::Objects {
   struct Occupied {
     std::optional<Vector2i> cell;
     std::optional<Object> object;
-    double ground_m = 0.0;  // at its centre
+    double ground_m = 0.0;  // at the centre of the object
   };
 
   template <class Object, class Find>
-  double TopOf(const Vector2d& en_m, double cell_m, const Find& find, Occupied<Object>* last) {
+  double CellTop(const Vector2d& en_m, double cell_m, const Find& find, Occupied<Object>* last) {
     if (cell_m <= 0.0) return kNone;
     const Vector2i cell = CellOf(en_m, cell_m);
     if (last->cell != cell) {
@@ -177,13 +179,14 @@ double Terrain::Surface(const Vector2d& en_m) const {
   return std::max(Ground(en_m), Objects(*this).Top(en_m));
 }
 
-/// The surface below a ray: what is found of it at one range serves the next ones.
+/// The surface below a ray. Results for one range are reused for the next ranges.
 class Terrain::AlongRay {
  public:
   AlongRay(const Terrain& terrain, const Vector3d& origin_m, const Vector3d& direction)
       : terrain_(terrain), origin_m_(origin_m), direction_(direction), objects_(terrain) {}
 
-  /// A range up to which the ray meets nothing: no slope of the relief outruns it.
+  /// Returns a range up to which the ray certainly meets nothing, from the maximum slope of the
+  /// relief.
   double ClearUpTo(double range_m) const {
     const Vector3d point_m = At(range_m);
     double top_m = terrain_.Relief(point_m.head<2>()) + terrain_.above_relief_m_;
@@ -191,7 +194,7 @@ class Terrain::AlongRay {
     return range_m + (point_m.z() - top_m - kSurelyClear_m) / Nearing(terrain_.relief_slope_bound_);
   }
 
-  /// Whether the ray is above the surface.
+  /// Returns true if the ray is above the surface at this range.
   bool IsAbove(double range_m) {
     const Vector3d point_m = At(range_m);
     return IsAboveGround(range_m, point_m) && point_m.z() > objects_.Top(point_m.head<2>());
@@ -200,7 +203,8 @@ class Terrain::AlongRay {
  private:
   Vector3d At(double range_m) const { return origin_m_ + range_m * direction_; }
 
-  /// To a surface of this slope, per range, at most.
+  /// Returns the maximum rate at which the ray approaches a surface of this slope, per unit of
+  /// range.
   double Nearing(double slope) const {
     return -direction_.z() + slope * direction_.head<2>().norm();
   }
@@ -217,7 +221,7 @@ class Terrain::AlongRay {
   const Vector3d origin_m_;
   const Vector3d direction_;
   const double ground_slope_ = terrain_.relief_slope_bound_ + terrain_.roughness_.slope_bound();
-  double above_from_m_ = 0.0, above_to_m_ = -1.0;  // ranges between which no ground is met
+  double above_from_m_ = 0.0, above_to_m_ = -1.0;  // the ray meets no ground between these ranges
   Objects objects_;
 };
 

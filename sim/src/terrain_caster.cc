@@ -20,18 +20,18 @@ using Eigen::Vector3d;
 
 constexpr double kTile_m = 16.0;
 constexpr double kTileRadius_m = 0.5 * std::numbers::sqrt2 * kTile_m;
-constexpr std::size_t kTiles = 4096;  // kept; a power of two
+constexpr std::size_t kTiles = 4096;  // number of tiles in the cache; a power of two
 constexpr double kNear_m = 1e-3;      // above ground
 constexpr double kOnGround_m = 1e-11;
 constexpr double kSameRange_m = 1e-10;
 constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
-/// A stretch of a ray, between two ranges.
+/// Part of a ray between two ranges.
 struct Stretch {
   double from_m, to_m;
   bool empty() const { return !(from_m <= to_m); }
 
-  /// What of it has |start + rate t| <= half.
+  /// Returns the part with |start + rate t| <= half.
   Stretch Within(double start, double rate, double half) const {
     if (rate == 0.0) return std::abs(start) <= half ? *this : Stretch{kNowhere, -kNowhere};
     const double a = (-half - start) / rate, b = (half - start) / rate;
@@ -39,7 +39,8 @@ struct Stretch {
   }
 };
 
-/// The first root of a t^2 + 2 b t + c, which is positive at `from`, in [from, to].
+/// Returns the first root of a t^2 + 2 b t + c in the stretch; the function is positive at its
+/// start.
 std::optional<double> FirstRoot(double a, double b, double c, const Stretch& stretch) {
   const double discriminant = b * b - a * c;
   if (discriminant < 0.0) return std::nullopt;
@@ -52,7 +53,7 @@ std::optional<double> FirstRoot(double a, double b, double c, const Stretch& str
   return std::nullopt;
 }
 
-/// The root of a function that is positive at a and not at b (Illinois).
+/// Returns the root of a function that is positive at a and not positive at b (Illinois method).
 template <class F>
 double RootBetween(const F& clearance_m, double a, double at_a, double b, double at_b) {
   constexpr int kMostSteps = 60;
@@ -86,9 +87,9 @@ struct TerrainCaster::Crown {
 
 struct TerrainCaster::Tile {
   Vector2i cell = Vector2i::Constant(std::numeric_limits<int>::min());
-  double ground_top_m = 0.0;  // no ground is higher
-  double top_m = 0.0;         // nothing is
-  double slope = 0.0;         // no ground is steeper
+  double ground_top_m = 0.0;  // the ground is nowhere higher
+  double top_m = 0.0;         // nothing on the tile is higher
+  double slope = 0.0;         // the ground is nowhere steeper
   std::vector<House> houses;
   std::vector<Crown> crowns;
 };
@@ -102,11 +103,11 @@ struct TerrainCaster::Ray {
   Vector2d Place(double range_m) const {
     return origin_m.head<2>() + range_m * direction.head<2>();
   }
-  double RangeOf(double height_m) const { return (height_m - origin_m.z()) / direction.z(); }
+  double RangeAtHeight(double height_m) const { return (height_m - origin_m.z()) / direction.z(); }
 
-  /// Where it meets the house: a wall, or the roof.
+  /// Returns the range at which the ray meets a wall or the roof of the house.
   std::optional<double> Hit(const House& house, const Stretch& within) const;
-  /// Where it meets the crown: its rim, or its top.
+  /// Returns the range at which the ray meets the edge or the top of the crown.
   std::optional<double> Hit(const Crown& crown, const Stretch& within) const;
 };
 
@@ -127,7 +128,7 @@ std::optional<double> TerrainCaster::Ray::Hit(const House& house, const Stretch&
   const double ridge_m = -start.y() / rate.y();
   const bool crosses_ridge = building.gabled && ridge_m > over.from_m && ridge_m < over.to_m;
   for (const double to_m : {crosses_ridge ? ridge_m : over.to_m, over.to_m}) {
-    const double at_to_m = clearance_m(to_m);  // linear between the two
+    const double at_to_m = clearance_m(to_m);  // the clearance is linear between both ranges
     if (at_to_m <= 0.0) return from_m + (to_m - from_m) * at_from_m / (at_from_m - at_to_m);
     from_m = to_m;
     at_from_m = at_to_m;
@@ -146,7 +147,7 @@ std::optional<double> TerrainCaster::Ray::Hit(const Crown& crown, const Stretch&
   Stretch over = within;
   if (across > 0.0) over = within.Within(-closest_m, 1.0, std::sqrt(chord2) / across);
   if (over.empty()) return std::nullopt;
-  // Height above the crown: c + 2 b s + a s^2 at s behind the closest point.
+  // The height above the crown is c + 2 b s + a s^2, with s the range from the closest point.
   const double fall = Tree::kDroop * tree.height_m / (tree.radius_m * tree.radius_m);
   const double a = fall * across * across, b = 0.5 * direction.z();
   const double c = Height(closest_m) - crown.ground_m - tree.height_m + fall * miss2;
@@ -169,7 +170,7 @@ TerrainCaster::TerrainCaster(const Terrain& terrain) : terrain_(terrain), tiles_
 TerrainCaster::~TerrainCaster() = default;
 
 const TerrainCaster::Tile& TerrainCaster::TileAt(const Vector2i& cell) {
-  constexpr int kRow = 64;  // of kTiles: neighbours never share a place
+  constexpr int kRow = 64;  // row length of the cache: neighbouring tiles never share a place
   const auto column = static_cast<std::size_t>(cell.x() & (kRow - 1));
   const auto row = static_cast<std::size_t>(cell.y() & (kRow - 1));
   Tile& tile = tiles_[row * kRow + column];
@@ -203,7 +204,7 @@ void TerrainCaster::BoundGround(const Vector2d& centre_en_m, Tile* tile) const {
   if (terrain_.water_m_) tile->ground_top_m = std::max(tile->ground_top_m, *terrain_.water_m_);
 }
 
-/// Calls visit(cell) for the cells of a grid that touch a tile.
+/// Calls visit(cell) for the cells of a grid that overlap a tile.
 template <class Visit>
 void ForCells(const Vector2d& centre_en_m, double cell_m, const Visit& visit) {
   const Vector2d half = Vector2d::Constant(0.5 * kTile_m);
@@ -236,8 +237,8 @@ void TerrainCaster::AddCrowns(const Vector2d& centre_en_m, Tile* tile) const {
   });
 }
 
-/// Steps that no slope of the tile outruns; where the clearance falls everywhere, straight to its
-/// only root.
+/// The steps are so short that the ground cannot reach the ray in between, given the slope of the
+/// tile. If the clearance decreases everywhere, the search goes directly to its only root.
 std::optional<double> TerrainCaster::GroundHit(const Tile& tile, const Ray& ray, double from_m,
                                                double to_m) const {
   const auto clearance_m = [&](double range_m) {
@@ -246,7 +247,7 @@ std::optional<double> TerrainCaster::GroundHit(const Tile& tile, const Ray& ray,
   const double sink = -ray.direction.z();
   const double fastest = sink + tile.slope * ray.across;
   const double slowest = sink - tile.slope * ray.across;
-  double t = std::max(from_m, ray.RangeOf(tile.ground_top_m));
+  double t = std::max(from_m, ray.RangeAtHeight(tile.ground_top_m));
   while (t <= to_m) {
     const double above_m = clearance_m(t);
     if (above_m <= kOnGround_m) return t;
@@ -279,10 +280,11 @@ std::optional<RayHit> TerrainCaster::Cast(const Vector3d& origin_m, const Vector
                                           double max_range_m) {
   if (!(direction.z() < 0.0)) throw InvalidInput("a laser ray must point downwards");
   const Ray ray{origin_m, direction};
-  double from_m = std::max(0.0, ray.RangeOf(terrain_.highest_m()));
+  double from_m = std::max(0.0, ray.RangeAtHeight(terrain_.highest_m()));
   Vector2i cell = CellOf(ray.Place(from_m), kTile_m);
   Vector2i step;
-  Vector2d exit_m, spacing_m;  // of the ray from the tiles' borders east or west, north or south
+  // Ranges at which the ray leaves the tile to the east or west, and to the north or south.
+  Vector2d exit_m, spacing_m;
   for (int k = 0; k < 2; ++k) {
     step[k] = direction[k] > 0.0 ? 1 : -1;
     spacing_m[k] = direction[k] == 0.0 ? kNowhere : kTile_m / std::abs(direction[k]);

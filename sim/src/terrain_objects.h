@@ -10,7 +10,7 @@
 
 namespace dn {
 
-/// Numbers in [0, 1) that belong to one cell of a grid.
+/// Random numbers in [0, 1) that depend only on the cell of a grid.
 class CellNumbers {
  public:
   CellNumbers(std::uint64_t seed, const Eigen::Vector2i& cell) {
@@ -28,23 +28,24 @@ class CellNumbers {
   std::uint64_t state_;
 };
 
+/// Returns the grid cell that contains a point.
 inline Eigen::Vector2i CellOf(const Eigen::Vector2d& en_m, double cell_m) {
   return {static_cast<int>(std::floor(en_m.x() / cell_m)),
           static_cast<int>(std::floor(en_m.y() / cell_m))};
 }
 
-/// A rectangular house in its cell: flat, gabled or single-pitched roof.
+/// Rectangular house in its cell, with a flat, gabled or single-pitched roof.
 struct Building {
   Eigen::Vector2d centre_en_m;
   Eigen::Vector2d axis;  // unit vector along the length
   double half_length_m;
   double half_width_m;
   double eaves_m;  // above the ground at the centre
-  double slope;    // of the roof, 0: flat
+  double slope;    // slope of the roof, 0: flat
   bool gabled;
 
   Building(CellNumbers numbers, const Eigen::Vector2i& cell, double cell_m) {
-    const double room_m = 0.5 * cell_m - 0.5;  // radius of the circle that the house must fit in
+    const double room_m = 0.5 * cell_m - 0.5;  // radius of the circle that must contain the house
     const double radius_m = std::min(room_m, numbers.Next(7.0, 16.0));
     const double aspect = numbers.Next(0.45, 1.0);
     half_length_m = radius_m / std::hypot(1.0, aspect);
@@ -63,19 +64,20 @@ struct Building {
                 : std::tan(numbers.Next(15.0, gabled ? 40.0 : 25.0) * std::numbers::pi / 180.0);
   }
 
-  /// A point in the axes of the house: along its length and across, from the centre.
+  /// Converts a point to the axes of the house: along its length and across, from the centre.
   Eigen::Vector2d ToAxes(const Eigen::Vector2d& en_m) const {
     const Eigen::Vector2d d = en_m - centre_en_m;
     return {d.dot(axis), axis.x() * d.y() - axis.y() * d.x()};
   }
 
+  /// Returns the roof height above the ground at the centre, at a distance across the house.
   double RoofAcross(double across_m) const {
     const double rise =
         gabled ? half_width_m - std::abs(across_m) : 0.5 * (half_width_m + across_m);
     return eaves_m + slope * rise;
   }
 
-  /// Roof height above the ground at the centre; negative outside the house.
+  /// Returns the roof height above the ground at the centre; negative outside the house.
   double Above(const Eigen::Vector2d& en_m) const {
     const Eigen::Vector2d at = ToAxes(en_m);
     if (std::abs(at.x()) > half_length_m || std::abs(at.y()) > half_width_m) return -1.0;
@@ -86,9 +88,9 @@ struct Building {
   double highest_m() const { return eaves_m + slope * half_width_m; }
 };
 
-/// A tree in its cell: a paraboloid that ends above the ground.
+/// Tree in its cell: a paraboloid that ends above the ground.
 struct Tree {
-  static constexpr double kDroop = 0.6;  // share of the height between top and rim of the crown
+  static constexpr double kDroop = 0.6;  // fraction of the height between top and edge of the crown
 
   Eigen::Vector2d centre_en_m;
   double radius_m;
@@ -103,7 +105,7 @@ struct Tree {
     height_m = numbers.Next(5.0, 18.0);
   }
 
-  /// Crown height above the ground at the centre; negative outside the crown.
+  /// Returns the crown height above the ground at the centre; negative outside the crown.
   double Above(const Eigen::Vector2d& en_m) const {
     const double x = (en_m - centre_en_m).squaredNorm() / (radius_m * radius_m);
     return x > 1.0 ? -1.0 : height_m * (1.0 - kDroop * x);

@@ -18,8 +18,8 @@ constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
 constexpr double kEndsMargin_s = 1e-3;
 
-/// Rate of the local north-east-down of the point with respect to the Earth, in it (transport
-/// rate).
+/// Returns the transport rate: angular rate of the local north-east-down axes with respect to the
+/// Earth, in these axes.
 Vector3d TransportRate(const Matrix3d& R_en, const Vector3d& p_e, const Vector3d& v_n) {
   const Vector3d up_e = -R_en.col(2);
   const double sin_lat = up_e.z();
@@ -32,7 +32,7 @@ Vector3d TransportRate(const Matrix3d& R_en, const Vector3d& p_e, const Vector3d
           -v_n.y() / prime_vertical_m * sin_lat / cos_lat};
 }
 
-/// Rotation body -> north-east-down: Rz(heading) Ry(pitch) Rx(roll).
+/// Returns the rotation from body to north-east-down: Rz(heading) Ry(pitch) Rx(roll).
 Matrix3d BodyToNed(const Vector3d& rph) {
   const double cr = std::cos(rph.x()), sr = std::sin(rph.x());
   const double cp = std::cos(rph.y()), sp = std::sin(rph.y());
@@ -44,7 +44,8 @@ Matrix3d BodyToNed(const Vector3d& rph) {
   return R;
 }
 
-/// Angular rate of the body with respect to north-east-down, in body, from the angles' rates.
+/// Returns the angular rate of the body with respect to north-east-down, in body, from the rates of
+/// the angles.
 Vector3d RateFromAngles(const Vector3d& rph, const Vector3d& rate) {
   const double cr = std::cos(rph.x()), sr = std::sin(rph.x());
   const double cp = std::cos(rph.y()), sp = std::sin(rph.y());
@@ -60,14 +61,14 @@ TruthTrajectory::TruthTrajectory(LocalFrame frame, UniformSpline path,
   if (!(t_end_s_ > t_begin_s_)) throw InvalidInput("a trajectory must end after it begins");
   const double lead_s = disturbance.lead_s.Bound() + kEndsMargin_s;
   if (path_.t_begin_s() > -lead_s || path_.t_end_s() < t_end_s_ - t_begin_s_ + lead_s) {
-    throw InvalidInput("the path does not cover the trajectory's time span");
+    throw InvalidInput("the path does not cover the time span of the trajectory");
   }
   disturbance_ = std::make_shared<DisturbanceTable>(disturbance, t_end_s_ - t_begin_s_);
 }
 
 TruthTrajectory::Motion TruthTrajectory::MotionAt(double t_s) const {
   if (!(t_s >= t_begin_s_ - kEndsMargin_s && t_s <= t_end_s_ + kEndsMargin_s)) {
-    throw InvalidInput("time outside the simulated trajectory");
+    throw InvalidInput("the time lies outside the simulated trajectory");
   }
   const double t = t_s - t_begin_s_;
   const DisturbanceTable::Sample air = disturbance_->At(t);

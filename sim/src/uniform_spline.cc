@@ -11,8 +11,8 @@ namespace {
 
 using Weights = Eigen::Matrix<double, 6, 1>;
 
-// Row i: coefficients of 1, x, .., x^5 (times 120) of the weight of control point i of the six
-// around the knot interval, x in [0, 1].
+// Row i contains the coefficients of 1, x, .., x^5 (times 120) of the weight of control point i,
+// one of the six around the knot interval; x is in [0, 1].
 const Eigen::Matrix<double, 6, 6>& Basis() {
   static const Eigen::Matrix<double, 6, 6> basis = [] {
     Eigen::Matrix<double, 6, 6> B;
@@ -32,7 +32,7 @@ const Eigen::Matrix<double, 6, 6>& Basis() {
 UniformSpline::UniformSpline(double begin_s, double step_s, std::vector<Vector> control)
     : begin_s_(begin_s), step_s_(step_s), control_(std::move(control)) {
   if (control_.size() < 6) throw InvalidInput("a spline needs at least 6 control points");
-  if (!(step_s_ > 0.0)) throw InvalidInput("a spline's step must be positive");
+  if (!(step_s_ > 0.0)) throw InvalidInput("the step of a spline must be positive");
 }
 
 UniformSpline::Sample UniformSpline::At(double t_s) const {

@@ -9,7 +9,8 @@
 namespace dn {
 namespace {
 
-/// Numbers separated by commas, each the shortest that reads back to the same bits.
+/// Writes numbers separated by commas, each with as few digits as are needed to read back the same
+/// bits.
 class TableText {
  public:
   void Add(double value) {
@@ -77,7 +78,7 @@ std::string YamlList(const double* values, std::size_t count) {
 
 std::string YamlList(const Eigen::Vector3d& v) { return YamlList(v.data(), 3); }
 
-/// A YAML double-quoted scalar.
+/// Returns a YAML double-quoted scalar.
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {

@@ -179,7 +179,7 @@ TEST(CliOutputFolder, ANameReachesNoInterpreter) {
                "name: \"a\\n!touch " + touched + "\"\n" + yaml.substr(yaml.find('\n') + 1));
   const ProgramRun run = flight.Run("smooth");
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr("name: holds a line break or another control character"));
+  EXPECT_THAT(run.err, HasSubstr("name: contains a line break or another control character"));
   EXPECT_FALSE(fs::exists(touched));
 }
 

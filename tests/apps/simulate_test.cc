@@ -132,7 +132,7 @@ TEST(CliSimulate, AKeyOfTheScenarioIsChangedForThisRun) {
   EXPECT_THAT(unknown.err, HasSubstr("unknown key 'counts'"));
   const ProgramRun none = simulate("123");
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_THAT(none.err, HasSubstr("write key=value, as strips=true"));
+  EXPECT_THAT(none.err, HasSubstr("write for example strips=true"));
 }
 
 TEST(CliSimulate, AScenarioWithAnUnknownKeyIsRefused) {

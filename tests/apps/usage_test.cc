@@ -242,7 +242,7 @@ TEST(CliUsage, UnknownScenarioNamesTheNearest) {
   const ProgramRun run = RunProgram({"simulate", "lar33", "--out", (folder.path() / "f").string()});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, HasSubstr("'lar33'"));
-  EXPECT_THAT(run.err, HasSubstr("nearest one is 'lar3'"));
+  EXPECT_THAT(run.err, HasSubstr("did you mean 'lar3'"));
 }
 
 }  // namespace dn::testing::usage_test

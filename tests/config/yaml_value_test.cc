@@ -21,7 +21,7 @@ const char* const kText =
 
 YamlValue Root() { return ParseYaml(kText, "file.yaml"); }
 
-/// "line:column message" of what is thrown; empty when nothing is.
+/// Returns "line:column message" of the exception that `act` throws; empty if it throws nothing.
 std::string Fault(const std::function<void()>& act) {
   try {
     act();
@@ -32,7 +32,7 @@ std::string Fault(const std::function<void()>& act) {
   return "";
 }
 
-TEST(YamlValue, ReadsWhatIsThere) {
+TEST(YamlValue, ReadsValues) {
   const YamlValue root = Root();
   EXPECT_EQ(root["a"].Number(), 1.5);
   EXPECT_EQ(root["b"]["c"].Vector3(), Eigen::Vector3d(1, 2, 3));
@@ -44,7 +44,7 @@ TEST(YamlValue, ReadsWhatIsThere) {
   EXPECT_TRUE(root["yes"].BoolOr(false));
 }
 
-TEST(YamlValue, WhatIsAbsentHasNothingBelowAndThePlaceOfWhatHoldsIt) {
+TEST(YamlValue, AbsentValuesHaveTheLocationOfTheirParent) {
   const YamlValue root = Root();
   EXPECT_TRUE(root["z"].absent());
   EXPECT_TRUE(root["b"]["d"].absent());
@@ -57,7 +57,7 @@ TEST(YamlValue, WhatIsAbsentHasNothingBelowAndThePlaceOfWhatHoldsIt) {
             "2:4 b.e.f: expected a word, found nothing");
 }
 
-TEST(YamlValue, ComplaintsNameKeyPathLineAndColumn) {
+TEST(YamlValue, ErrorsNameKeyPathLineAndColumn) {
   const YamlValue root = Root();
   EXPECT_EQ(Fault([&] { root["b"]["c"].Number(); }),
             "2:8 b.c: expected a number, found a list of 3");

@@ -46,7 +46,7 @@ TEST(EffectTable, EveryTypicalSizeIsAllowedAndNotZero) {
   }
 }
 
-// An unknown of the adjustment is one block with one unit, and may have either sign.
+// An unknown of the adjustment is one block with one unit and can have either sign.
 TEST(EffectTable, AFixedEffectHasOneUnitAndBothSigns) {
   for (const EffectSpec& effect : EffectTable()) {
     if (effect.kind != EffectKind::kFixed) continue;
@@ -74,7 +74,7 @@ TEST(EffectTable, ConvertsToSi) {
   EXPECT_NEAR(si("p2p_range_noise", {0.3})[0], 3e-4, 1e-18);
 }
 
-TEST(EffectTable, TypicalSizesAreThoseOfTheTableInSi) {
+TEST(EffectTable, ConvertsTypicalSizesToSi) {
   for (const EffectSpec& effect : EffectTable()) {
     std::vector<double> typical;
     for (const EffectComponent& component : effect.components) typical.push_back(component.typical);
@@ -82,12 +82,12 @@ TEST(EffectTable, TypicalSizesAreThoseOfTheTableInSi) {
   }
 }
 
-TEST(EffectTable, SaysWhatIsWrongWithAValue) {
+TEST(EffectTable, ReportsTheErrorInAValue) {
   EXPECT_EQ(Fault("gnss_lever_arm", {0, 0, -1}), "");
   EXPECT_EQ(Fault("gnss_lever_arm", {0, 1}),
             "'gnss_lever_arm' takes 3 numbers (x [m], y [m], z [m])");
   EXPECT_EQ(Fault("lidar_time_offset", {0, 1}), "'lidar_time_offset' takes 1 number (offset [s])");
-  EXPECT_EQ(Fault("imu_gap", {1}), "'imu_gap' has no value");
+  EXPECT_EQ(Fault("imu_gap", {1}), "'imu_gap' takes no value");
   EXPECT_EQ(Fault("imu_gap", {}), "");
   EXPECT_EQ(Fault("gnss_noise_scale", {0}), "ratio must be positive, is 0");
   EXPECT_EQ(Fault("gyro_bias_process", {1, -3}), "tau must be positive, is -3");
@@ -97,7 +97,7 @@ TEST(EffectTable, SaysWhatIsWrongWithAValue) {
   EXPECT_THAT(Fault("lidar_range_scale", {std::nan("")}), HasSubstr("must lie between"));
 }
 
-// --- The table of docs/formats.md, row by row.
+// --- The tests below compare the table with docs/formats.md row by row.
 
 std::vector<std::string> Cells(const std::string& row) {
   std::vector<std::string> cells;
@@ -110,7 +110,7 @@ std::vector<std::string> Cells(const std::string& row) {
   return cells;
 }
 
-/// Rows of the first table below a heading, its two head rows left out.
+/// Returns the rows of the first table below a heading, without the two head rows.
 std::vector<std::vector<std::string>> TableBelow(const std::string& heading) {
   std::ifstream page(std::string(DN_DOCS_DIR) + "/formats.md");
   std::string line;
@@ -130,7 +130,7 @@ std::string Short(double value) {
   return text.str();
 }
 
-/// "x, y, z [m]"; "sigma [mg], tau [s]".
+/// Formats the value cell: "x, y, z [m]" or "sigma [mg], tau [s]".
 std::string ValueCell(const EffectSpec& effect) {
   std::string text;
   for (std::size_t i = 0; i < effect.components.size(); ++i) {
@@ -143,7 +143,7 @@ std::string ValueCell(const EffectSpec& effect) {
   return text;
 }
 
-/// "0.03"; "0.02, 40": one figure for neighbours that are the same.
+/// Formats the typical values: "0.03" or "0.02, 40". Equal neighbours with one unit appear once.
 std::string TypicalCell(const EffectSpec& effect) {
   std::string text;
   for (std::size_t i = 0; i < effect.components.size(); ++i) {
@@ -155,7 +155,7 @@ std::string TypicalCell(const EffectSpec& effect) {
   return text;
 }
 
-TEST(EffectTable, IsThatOfTheDocuments) {
+TEST(EffectTable, AgreesWithTheDocuments) {
   const std::map<EffectKind, std::string> kinds{{EffectKind::kFixed, "fixed"},
                                                 {EffectKind::kStochastic, "stochastic"},
                                                 {EffectKind::kFault, "fault"}};

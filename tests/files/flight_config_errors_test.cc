@@ -83,11 +83,11 @@ TEST(FlightConfigErrors, OutOfRange) {
   ExpectBad("network: {node_rate_hz: -1}\n", "greater than 0", 1);
   ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: max, count: 0}}\n", "at least 1", 1);
   ExpectBad("lidar: {gsd_m: 1, pairs: {seed: -1}}\n", "at least 0", 1);
-  ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: max, count: 1.5}}\n", "a whole number", 1);
+  ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: max, count: 1.5}}\n", "an integer", 1);
 }
 
 TEST(FlightConfigErrors, UnknownWord) {
-  ExpectBad("body: FRU\n", "body: 'FRU' is none of FRD, FLU", 1);
+  ExpectBad("body: FRU\n", "body: 'FRU' is not one of FRD, FLU", 1);
   ExpectBad("gnss: {robust: hubber}\n", "did you mean 'huber'", 1);
   ExpectBad("strips_crs: utm:61n\n", "'utm:61n' is none of", 1);
   ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: some}}\n", "all, max, freq, time_window", 1);
@@ -107,7 +107,7 @@ TEST(FlightConfigErrors, GnssProcesses) {
   ExpectBad(begin + "sigma_enu: [0.01, 0.01, 0.02], tau_s: 120}\n", "did you mean 'sigma_enu_m'?",
             3);
   ExpectBad("gnss:\n  processes: [{type: random_walk, sigma_enu_m: [1, 1, 1], tau_s: 1}]\n",
-            "gnss.processes[0].type: 'random_walk' is none of gauss_markov", 2);
+            "gnss.processes[0].type: 'random_walk' is not one of gauss_markov", 2);
   ExpectBad("gnss: {processes: 3}\n", "gnss.processes: expected a list", 1);
 }
 
@@ -153,7 +153,7 @@ TEST(FlightConfigErrors, LidarNeedsItsNoise) { ExpectBad("lidar: {}\n", "one of 
 
 TEST(FlightConfigErrors, MountingMatrixIsNoRotation) {
   ExpectBad("lidar:\n  gsd_m: 1\n  R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, 1.1]]\n",
-            "lidar.R_sensor_to_body: matrix is no rotation", 3);
+            "lidar.R_sensor_to_body: matrix is not a rotation", 3);
   ExpectBad("lidar:\n  gsd_m: 1\n  R_sensor_to_body: [[1, 0, 0], [0, 1, 0], [0, 0, -1]]\n",
             "reflection", 3);
 }
@@ -271,7 +271,7 @@ TEST(FlightConfigErrors, AFileOfAbsurdSizeIsRefused) {
 }
 
 TEST(FlightConfigErrors, NamesWithControlCharacters) {
-  const std::string what = "holds a line break or another control character";
+  const std::string what = "contains a line break or another control character";
   ExpectBad("body: FRD\nname: \"a\\n!b\"\n", "name: " + what, 2);
   ExpectBad("name: \"a\\e[2J\"\n", "name: " + what, 1);
   ExpectBad("strips: [{name: \"a\\rb\", t0: 1, t1: 2}]\n", "strips[0].name: " + what, 1);

@@ -17,7 +17,7 @@ GnssData Read(const std::string& text) {
   return ReadGnss(file.path(), GnssFormat::kNmea);
 }
 
-/// A sentence with its checksum.
+/// Returns the sentence with '$' and checksum.
 std::string Sentence(const std::string& text) {
   unsigned sum = 0;
   for (const char c : text) sum ^= static_cast<unsigned char>(c);
@@ -34,7 +34,8 @@ std::string Rmc(const std::string& time, const std::string& date) {
   return Sentence("GPRMC," + time + ",A,4807.038,N,01131.000,W,022.4,084.4," + date + ",003.1,W");
 }
 
-// The sentences that are printed with every description of the format; Wednesday, 9 leap seconds.
+// This sentence appears in most descriptions of the format; its date is a Wednesday with 9 leap
+// seconds.
 TEST(Nmea, ReadsAPosition) {
   const GnssData data = Read(
       "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\n"
@@ -48,7 +49,7 @@ TEST(Nmea, ReadsAPosition) {
   EXPECT_FALSE(epoch.covariance_enu_m2 || epoch.velocity_enu_mps);
 }
 
-// Saturday to Sunday, when a GPS week ends, too.
+// Midnight from Saturday to Sunday is also the end of a GPS week.
 TEST(Nmea, CrossesMidnightAndTheEndOfAWeek) {
   const GnssData data = Read(Gga("235930.00") + Gga("235959.50") + Rmc("235959.50", "220625") +
                              Gga("000000.50") + Gga("000001.50"));
@@ -60,7 +61,7 @@ TEST(Nmea, CrossesMidnightAndTheEndOfAWeek) {
   EXPECT_EQ(week.epochs[1].t_s - week.epochs[0].t_s, 3.0);
 }
 
-TEST(Nmea, WhatIsNoPositionIsCounted) {
+TEST(Nmea, CountsSentencesWithoutPosition) {
   std::string damaged = Gga("120002");
   damaged[20] = '9';
   const GnssData data = Read(Rmc("120000", "220625") + Gga("120000") + Gga("120001", "0") +
@@ -69,8 +70,8 @@ TEST(Nmea, WhatIsNoPositionIsCounted) {
   EXPECT_EQ(data.unusable_sentences, 2);
 }
 
-TEST(Nmea, RefusesWhatTellsNoDateOrNoPosition) {
-  ExpectInvalid([] { Read(Gga("120000")); }, "tells the date", 0);
+TEST(Nmea, RejectsFilesWithoutDateOrPosition) {
+  ExpectInvalid([] { Read(Gga("120000")); }, "gives the date", 0);
   ExpectInvalid([] { Read(Rmc("120000", "220625")); }, "no GGA sentence", 0);
   ExpectInvalid([] { Read(Rmc("120000", "990025") + Gga("120000")); }, "no such date", 1);
   ExpectInvalid([] { Read(Rmc("120000", "220625") + Gga("12:00")); }, "hhmmss", 2);

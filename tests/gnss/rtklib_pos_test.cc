@@ -36,7 +36,7 @@ GnssData Read(const std::string& text) {
 
 GnssEpoch ReadOne(const std::string& text) { return Read(text).epochs.at(0); }
 
-// c = s |s| of the roots; columns are north-east, east-up, up-north.
+// The signed roots s give covariances c = s |s|; the columns are north-east, east-up, up-north.
 Eigen::Matrix3d ExpectedCovarianceEnu() {
   const double ne = -0.006 * 0.006, eu = 0.008 * 0.008, un = 0.015 * 0.015;
   Eigen::Matrix3d C;
@@ -48,7 +48,7 @@ TEST(RtklibPos, ReadsGeodeticCoordinatesAndSignedRoots) {
   const GnssEpoch epoch =
       ReadOne(kPreamble + kGpst + kLlh + "\n" +
               "2024/03/12 13:45:30.250   46.123456789    6.987654321   512.3456" + kQuality + "\n");
-  // 2024-03-12 is a Tuesday: two days into the week.
+  // 2024-03-12 is a Tuesday, two days into the week.
   EXPECT_EQ(epoch.t_s, 2 * 86400 + 13 * 3600 + 45 * 60 + 30.25);
   EXPECT_EQ(epoch.antenna.lat_rad, 46.123456789 * kRadPerDeg);
   EXPECT_EQ(epoch.antenna.lon_rad, 6.987654321 * kRadPerDeg);
@@ -95,10 +95,10 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(TimeCase{"GPST", "2024/03/12 00:00:00.000", 172800.0},
                       TimeCase{"UTC", "2024/03/12 00:00:00.000", 172818.0},
                       TimeCase{"UTC", "2305 172800.000", 172818.0},
-                      // The week ends while UTC still has 18 s to go.
+                      // The GPS week ends while UTC is still 18 s before midnight.
                       TimeCase{"UTC", "2024/03/16 23:59:50.000", 8.0},
                       TimeCase{"JST", "2024/03/12 09:00:00.000", 172818.0},
-                      // 16 leap seconds before July 2015, 17 before 2017.
+                      // There were 16 leap seconds before July 2015 and 17 before 2017.
                       TimeCase{"UTC", "2015/06/30 23:59:59.000", 2 * 86400 + 86399 + 16.0},
                       TimeCase{"UTC", "2015/07/01 00:00:00.000", 3 * 86400 + 17.0},
                       TimeCase{"UTC", "2016/12/31 00:00:00.000", 6 * 86400 + 17.0}),
@@ -125,7 +125,7 @@ TEST(RtklibPos, ReadsOtherSeparators) {
   EXPECT_EQ(ReadOne(text).antenna.h_m, 512.3);
 }
 
-// At latitude 0 and longitude 90 deg, east is -x, north z, up y.
+// At latitude 0 and longitude 90 deg, east is -x, north is z, and up is y.
 TEST(RtklibPos, TurnsEcefIntoEastNorthUp) {
   const std::string header =
       kGpst +
@@ -162,7 +162,8 @@ TEST(RtklibPos, ReadsVelocities) {
   EXPECT_FALSE(none.velocity_enu_mps || none.velocity_covariance_enu);
 }
 
-// Correlation +1 twice and -1 once cannot be: the sigmas stay, the correlations give way.
+// Two correlations of +1 and one of -1 cannot exist together: the sigmas stay, the correlations
+// shrink.
 TEST(RtklibPos, RepairsIndefiniteCovariances) {
   const GnssEpoch epoch =
       ReadOne(kGpst + kLlh + "\n2305 100.000   46.1    6.9   512.3" +
@@ -191,13 +192,13 @@ TEST(RtklibPos, RejectsBadRowsEachByItsOwnMessage) {
   ExpectInvalid(row("2305 1.0 91 6.9 512"), "latitude is 91", 2);
   ExpectInvalid(row("2305 1.0 46 400 512"), "longitude is 400", 2);
   ExpectInvalid(row("2305 1.0 46 6.9 nan"), "'nan' is not a finite", 2);
-  ExpectInvalid(row("2305 1.0 46 6.9"), "row has 14 values, the header names 15", 2);
+  ExpectInvalid(row("2305 1.0 46 6.9"), "row has 14 values, but the header names 15", 2);
   ExpectInvalid(row("2024/02/30 00:00:00 46 6.9 512"), "no such date", 2);
   ExpectInvalid(row("2024/02/10 24:00:00 46 6.9 512"), "no such time of day", 2);
   ExpectInvalid(row("1979/02/10 00:00:00 46 6.9 512"), "before the GPS epoch", 2);
   ExpectInvalid(row("2024/02 00:00:00 46 6.9 512"), "neither year/month/day", 2);
-  ExpectInvalid(row("2024/x/10 00:00:00 46 6.9 512"), "'x' is not a whole number", 2);
-  ExpectInvalid(row("23.5 1.0 46 6.9 512"), "'23.5' is not a whole number", 2);
+  ExpectInvalid(row("2024/x/10 00:00:00 46 6.9 512"), "'x' is not an integer", 2);
+  ExpectInvalid(row("23.5 1.0 46 6.9 512"), "'23.5' is not an integer", 2);
   ExpectInvalid([&] { Read(header + "2305 1.0 46 6.9 512 1 9 0.02 0 0.05 0 0 0 0.00 4.2\n"); },
                 "position sigma E is zero", 2);
   ExpectInvalid([&] { Read(header + "2305 1.0 46 6.9 512 1 9 -0.02 1 0.05 0 0 0 0.00 4.2\n"); },

@@ -15,7 +15,7 @@ namespace dn::text_formats_test {
 using testing::ExpectInvalid;
 using testing::TempFile;
 
-// Rounding of one product.
+// The tolerance allows for the rounding of one product.
 constexpr double kRounding = 1e-15;
 
 GnssData ReadOdyn(const std::string& text) {
@@ -96,7 +96,7 @@ TEST(OdynGnss, OtherCoordinatesAreDeclared) {
   }
 }
 
-// A second of flight along grid north, as its two positions show it.
+// The two positions show one second of flight along grid north.
 TEST(OdynGnss, VelocitiesOfAGridAreTurnedToTrueNorth) {
   const LocalFrame frame(kPlace);
   const PointCrs utm("utm:32n", frame);
@@ -132,7 +132,7 @@ TEST(OdynGnss, RejectsBadFilesEachByItsOwnMessage) {
   const std::string ok = "10 46 6 500 0.1 0.1 0.1\n";
   ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 0.1 0 0.1\n"); }, "position sigma N is zero", 2);
   ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 500 0.1 1e-200 1\n"); },
-                "position sigma N is 1e-200, must lie within 1e-9 and 1e9", 2);
+                "position sigma N is 1e-200, must lie between 1e-9 and 1e9", 2);
   ExpectInvalid([&] { ReadOdyn(ok + "11 46 6 1e308 0.1 0.1 1\n"); },
                 "height is 1e+308 m, must be within -1e6 and 1e6 m", 2);
   ExpectInvalid([] { ReadOdyn("11 46 6 500 0 1e300 0 1 1 1\n"); },
@@ -186,7 +186,8 @@ struct RealFile {
 
 class RealGnss : public ::testing::TestWithParam<RealFile> {};
 
-// Consecutive positions agree with the speed that a helicopter or less can have.
+// The speed between consecutive positions must be one that a helicopter or a slower vehicle can
+// reach.
 TEST_P(RealGnss, Reads) {
   const std::filesystem::path path =
       std::filesystem::path(DN_SHARED_DATA_DIR "/data") / GetParam().folder / "GPS.txt";

@@ -10,7 +10,8 @@
 
 namespace dn::allan_test {
 
-/// Noise of known terms, drawn exactly: white of density N, Gauss-Markov (s, T), random walk K.
+/// Draws noise with known terms exactly: white noise of density N, Gauss-Markov (s, T), random walk
+/// K.
 std::vector<double> Draw(unsigned seed, std::size_t n, double dt_s, double white, double gm_sigma,
                          double gm_tau_s, double walk) {
   std::mt19937_64 rng(seed);
@@ -29,8 +30,8 @@ std::vector<double> Draw(unsigned seed, std::size_t n, double dt_s, double white
 constexpr double kDt_s = 0.01;
 constexpr std::size_t kHour = 360000;
 
-TEST(AllanVariance, OfASineByHand) {
-  // theta of 0, 1, 0, 1, ...: every second difference is +-2 at m = 1, 0 at m = 2.
+TEST(AllanVariance, AgreesWithHandComputation) {
+  // The angles theta are 0, 1, 0, 1, ...: every second difference is +-2 at m = 1 and 0 at m = 2.
   std::vector<double> rates;
   for (int k = 0; k < 200; ++k) rates.push_back(k % 2 == 0 ? 1.0 : -1.0);
   const std::vector<AllanPoint> curve = AllanVariance(rates, 1.0);
@@ -39,7 +40,7 @@ TEST(AllanVariance, OfASineByHand) {
   EXPECT_EQ(curve.back().tau_s, 32.0);
 }
 
-TEST(AllanVariance, OfWhiteNoiseFallsWithTheClusterTime) {
+TEST(AllanVariance, WhiteNoiseFallsWithTheClusterTime) {
   const std::vector<AllanPoint> curve =
       AllanVariance(Draw(1, kHour, kDt_s, 0.02, 0.0, 0.0, 0.0), kDt_s);
   for (const AllanPoint& p : curve) {
@@ -49,7 +50,7 @@ TEST(AllanVariance, OfWhiteNoiseFallsWithTheClusterTime) {
 }
 
 // The squared scatter of many estimates gives their degrees of freedom.
-TEST(AllanVariance, DegreesOfFreedomAreThoseOfTheScatter) {
+TEST(AllanVariance, DegreesOfFreedomMatchTheScatter) {
   constexpr int kSeeds = 400;
   constexpr std::size_t kPoint = 6;
   double sum = 0.0, sum2 = 0.0, dof = 0.0;
@@ -62,7 +63,7 @@ TEST(AllanVariance, DegreesOfFreedomAreThoseOfTheScatter) {
   EXPECT_NEAR(2.0 * sum * sum / (sum2 - sum * sum) / dof, 1.0, 0.3);
 }
 
-TEST(AllanVariance, OfAGaussMarkovProcessPeaksWhereTheBooksSay) {
+TEST(AllanVariance, GaussMarkovProcessPeaksAtTheKnownClusterTime) {
   constexpr double kT_s = 100.0;
   double peak = 0.0, at = 0.0;
   for (double tau_s = 1.0; tau_s < 1e4; tau_s *= 1.01) {
@@ -107,8 +108,8 @@ TEST(FitNoise, RecoversWhiteAndGaussMarkov) {
     tau += std::log(fit.gauss_markov_tau_s->value / 30.0) / kSeeds;
     sigma += std::log(fit.gauss_markov->value / 0.02) / kSeeds;
   }
-  // 7200 s hold some hundred independent values each: 7 % for sigma, 15 % for tau, less in the
-  // mean.
+  // A record of 7200 s contains about a hundred independent values, so that the errors are 7 % for
+  // sigma and 15 % for tau. The errors of the means over all seeds are smaller.
   EXPECT_NEAR(sigma, 0.0, 0.1);
   EXPECT_NEAR(tau, 0.0, 0.2);
 }
@@ -126,7 +127,7 @@ TEST(FitNoise, RecoversWhiteAndRandomWalk) {
   }
 }
 
-// A coarse file and a filter change the noise over a few samples, not its terms.
+// A coarse file resolution and a filter change the noise over a few samples, but not its terms.
 TEST(FitNoise, IsNotMisledByResolutionAndFilter) {
   std::vector<double> x = Draw(3, kHour, kDt_s, 0.01, 0.0, 0.0, 0.0);
   double filtered = 0.0;
@@ -150,7 +151,7 @@ TEST(FitNoise, BecomesAModelOfATriad) {
   EXPECT_EQ(noise.processes[0].tau_s, fit.gauss_markov_tau_s->value);
 }
 
-TEST(MeanCurve, OfThreeAxesHasTheirDegreesOfFreedom) {
+TEST(MeanCurve, ThreeAxesAddTheirDegreesOfFreedom) {
   std::vector<std::vector<AllanPoint>> curves;
   for (unsigned axis = 1; axis <= 3; ++axis) {
     curves.push_back(AllanVariance(Draw(axis, 20000, kDt_s, 0.02, 0.0, 0.0, 0.0), kDt_s));
@@ -161,7 +162,7 @@ TEST(MeanCurve, OfThreeAxesHasTheirDegreesOfFreedom) {
               (curves[0][3].variance + curves[1][3].variance + curves[2][3].variance) / 3.0, 1e-15);
 }
 
-TEST(AllanVariance, BadInputIsNamed) {
+TEST(AllanVariance, RejectsBadInput) {
   testing::ExpectInvalid([] { AllanVariance(std::vector<double>(50, 1.0), 1.0); }, "too few", 0);
   testing::ExpectInvalid([] { AllanVariance(std::vector<double>(500, 1.0), 0.0); }, "positive", 0);
   std::vector<double> x(500, 1.0);

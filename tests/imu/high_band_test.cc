@@ -31,13 +31,13 @@ BandEnergy Sum(const HighBand& band, ImuTriad triad) {
   return sum;
 }
 
-/// Distance of the variance from the assumed one, in sigmas.
+/// Returns the difference of the variance from the assumed one, in sigmas.
 double Departure(const BandEnergy& energy) {
   return (energy.Variance() - 1.0) / std::sqrt(2.0 / energy.dof);
 }
 
-/// Mean square of the departures of all windows, axes and octaves; 1 where the degrees of freedom
-/// are right.
+/// Returns the mean square of Departure over all windows, axes and octaves. It is 1 if the degrees
+/// of freedom are right.
 double MeanSquareDeparture(const HighBand& band) {
   double sum = 0.0, count = 0.0;
   for (const HighBandWindow& window : band.windows) {
@@ -76,8 +76,8 @@ TEST(HighBand, WhiteNoiseOfTheAssumedDensityHasVarianceOne) {
   EXPECT_NEAR(MeanSquareDeparture(band), 1.0, 0.15);
 }
 
-TEST(HighBand, TellsTheOctavesApart) {
-  constexpr double kAmplitude = 0.01;  // a hundred times the variance of the noise / 2
+TEST(HighBand, SeparatesTheOctaves) {
+  constexpr double kAmplitude = 0.01;  // a hundred times the noise variance / 2
   for (const auto& [hz, octave, other] :
        {std::tuple(38.0, kTopOctave, kSecondOctave), std::tuple(18.0, kSecondOctave, kTopOctave)}) {
     const double omega = 2.0 * std::numbers::pi * hz;
@@ -94,7 +94,8 @@ TEST(HighBand, TellsTheOctavesApart) {
   }
 }
 
-// Turns and turbulence: a thousand times the noise, slower than an eighth of the sampling rate.
+// The turns and turbulence are a thousand times the noise and slower than an eighth of the sampling
+// rate.
 TEST(HighBand, MotionDoesNotShow) {
   const HighBand still = MeasureHighBand(WhiteImu(3, 100.0), WhiteModel());
   const HighBand moving = MeasureHighBand(
@@ -108,7 +109,7 @@ TEST(HighBand, MotionDoesNotShow) {
   EXPECT_NEAR(Sum(moving, kAccelTriad).Variance(), Sum(still, kAccelTriad).Variance(), 1e-3);
 }
 
-TEST(HighBand, WindowsHoldTheirOwnTime) {
+TEST(HighBand, WindowsContainOnlyTheirOwnTime) {
   HighBandOptions options;
   options.window_s = 5.0;
   const HighBand band = MeasureHighBand(Changed(WhiteImu(4, 52.0),
@@ -121,13 +122,14 @@ TEST(HighBand, WindowsHoldTheirOwnTime) {
   EXPECT_NEAR(band.windows.back().t1_s, 1052.0, 1e-9);
   for (std::size_t k = 0; k < band.windows.size(); ++k) {
     const double variance = band.windows[k].Of(kAccelTriad).Variance();
-    if (k == 4 || k == 3 || k == 5) continue;  // the steps at its ends
+    if (k == 4 || k == 3 || k == 5) continue;  // the steps at the ends of the window
     EXPECT_NEAR(variance, 1.0, kSigmas * std::sqrt(2.0 / band.windows[k].Of(kAccelTriad).dof));
   }
 }
 
-// Across the gap the rate jumps by hundreds of sigmas: no coefficient may see both sides.
-TEST(HighBand, NothingIsTakenAcrossAGap) {
+// Across the gap the rate jumps by hundreds of sigmas: no coefficient may contain samples of both
+// sides.
+TEST(HighBand, NoCoefficientSpansAGap) {
   ImuData imu = Changed(WhiteImu(5, 100.0), [](double t_s, ImuSample* s) {
     if (t_s > 50.0) s->w_ib_b_radps.x() += 1.0;
   });
@@ -138,7 +140,7 @@ TEST(HighBand, NothingIsTakenAcrossAGap) {
   EXPECT_LT(gap.windows[24].Of(kGyroTriad).dof + gap.windows[25].Of(kGyroTriad).dof,
             0.55 * 2.0 * gap.windows[3].Of(kGyroTriad).dof);
 
-  CloseShortHoles(3.0, &imu);  // the same hole, bridged: one sample of two seconds
+  CloseShortHoles(3.0, &imu);  // the same hole as a bridge: one sample of two seconds
   ASSERT_EQ(imu.bridges.size(), 1U);
   EXPECT_LT(std::abs(Departure(Sum(MeasureHighBand(imu, WhiteModel()), kGyroTriad))), kSigmas);
 }
@@ -164,7 +166,7 @@ TEST(HighBand, ARepeatingSensorIsNotUsed) {
                                                 }),
                                         WhiteModel());
   EXPECT_NEAR(band.triads[kAccelTriad].repeated_share, 1.0 / 3.0, 0.01);
-  EXPECT_EQ(band.triads[kAccelTriad].unusable, "33 % of its samples repeat the one before");
+  EXPECT_EQ(band.triads[kAccelTriad].unusable, "33 % of its samples repeat the sample before");
   EXPECT_EQ(Sum(band, kAccelTriad).dof, 0.0);
   EXPECT_EQ(band.triads[kGyroTriad].unusable, "") << "the gyro does not repeat";
   EXPECT_LT(std::abs(Departure(Sum(band, kGyroTriad))), kSigmas);
@@ -179,7 +181,8 @@ ImuData Rounded(ImuData imu, double step, double digits) {
   return imu;
 }
 
-// Steps of a sigma, written with fewer digits than they have: the rounding is counted.
+// The data have steps of one sigma, written with fewer digits than they have. The rounding must be
+// included.
 TEST(HighBand, RoundingIsPartOfTheNoise) {
   const HighBand band = MeasureHighBand(Rounded(WhiteImu(7, 100.0), 1.0003e-3, 1e-7), WhiteModel());
   EXPECT_NEAR(band.triads[kGyroTriad].rounding, 1.0 / 12.0, 0.002);
@@ -192,8 +195,9 @@ TEST(HighBand, ACoarseSensorIsNotUsed) {
   EXPECT_EQ(band.triads[kAccelTriad].unusable, "");
 }
 
-// Means of the two ends of each interval: point samples of the assumed density have variance one.
-TEST(HighBand, MeansOfPointSamplesAreExpectedToBeQuiet) {
+// For means of the two ends of each interval, point samples of the assumed density have variance
+// one.
+TEST(HighBand, AllowsForMeansOfPointSamples) {
   ImuData imu = WhiteImu(9, 400.0);
   for (std::size_t k = imu.samples.size() - 1; k > 0; --k) {
     ImuSample &sample = imu.samples[k], &before = imu.samples[k - 1];
@@ -210,10 +214,10 @@ TEST(HighBand, MeansOfPointSamplesAreExpectedToBeQuiet) {
   EXPECT_NEAR(MeanSquareDeparture(band), 1.0, 0.15);
 }
 
-TEST(HighBand, AFewSamplesSayNothing) {
+TEST(HighBand, AFewSamplesAreUnusable) {
   ImuData imu = WhiteImu(10, 0.05);
   const HighBand band = MeasureHighBand(imu, WhiteModel());
-  EXPECT_EQ(band.triads[kGyroTriad].unusable, "it has no stretch of samples at equal intervals");
+  EXPECT_EQ(band.triads[kGyroTriad].unusable, "it has no continuous samples at equal intervals");
   HighBandOptions options;
   options.window_s = 0.0;
   ExpectInvalid([&] { MeasureHighBand(imu, WhiteModel(), options); }, "window_s", 0);

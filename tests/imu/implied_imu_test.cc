@@ -22,8 +22,8 @@ std::vector<MapPose> Poses(const EarthMotion& motion, double t0_s) {
   return poses;
 }
 
-// The readings against those of the same motion by Coriolis's form, Euler angles and quadrature.
-TEST(ImpliedImu, IsWhatTheMotionGivesAPerfectSensor) {
+// The reference data come from the same motion by the Coriolis form, Euler angles and quadrature.
+TEST(ImpliedImu, AgreesWithAPerfectSensor) {
   const EarthMotion motion = PlaneMotion();
   const ImuData measured = motion.Measure(0.0, kLengthS, kRateHz);
   const ImuData implied = ImpliedImu(motion.frame, Poses(motion, 0.0), kRateHz);

@@ -54,7 +54,7 @@ TEST(ReadImu, FluBecomesFrd) {
   EXPECT_EQ(imu.samples[0].f_b_mps2, Vector3d(1, -2, 9.0));
 }
 
-// In the units, axes and clock of somebody else.
+// The file has other units, axes and clock than the program.
 TEST(ReadImu, UnitsAxesAndClockOfTheFile) {
   Eigen::Matrix3d R_frd_from_rfu;
   R_frd_from_rfu << 0, 1, 0, 1, 0, 0, 0, 0, -1;
@@ -79,7 +79,7 @@ TEST(ReadImu, RowsThatRepeatTheValuesBeforeAreCounted) {
   EXPECT_EQ(imu.samples.size(), 5u);
 }
 
-// Rates are increments over the interval of each row; an odometer column is ignored.
+// Rates are increments divided by the interval of each row; an odometer column is ignored.
 TEST(ReadImu, Increments) {
   const ImuData imu = Read(
       "0.00 1e-3 0 0 0 0 -0.098 7\n0.01 2e-3 0 0 0 0 -0.098 7\n"
@@ -96,7 +96,7 @@ TEST(ReadImu, SpanIsCutAndCounted) {
   const ImuData imu = Read(kFour, {.t_begin_s = 100.005, .t_end_s = 100.025});
   ASSERT_EQ(imu.samples.size(), 2u);
   EXPECT_EQ(imu.rows_outside_span, 2);
-  EXPECT_NEAR(imu.t_begin_s(), 100.00, 1e-12);  // of the sample that ends at 100.01
+  EXPECT_NEAR(imu.t_begin_s(), 100.00, 1e-12);  // begin of the sample that ends at 100.01
 }
 
 TEST(ReadImu, GapStaysVisible) {
@@ -113,8 +113,8 @@ TEST(ReadImu, GapStaysVisible) {
   }
 }
 
-/// 100 Hz rows of rates that are linear in time, seen as `sampling` has them, without rows
-/// [first, last).
+/// Returns 100 Hz rows of rates that are linear in time, sampled according to `sampling`, without
+/// rows [first, last).
 std::string RampWithout(int first, int last, ImuSampling sampling) {
   std::string text;
   for (int i = 0; i < 60; ++i) {
@@ -139,13 +139,13 @@ TEST(ReadImu, AHoleOfUpToFourRowsIsBridged) {
       EXPECT_NEAR(imu.bridges[0].row.t_s, 100.20 + 0.01 * lost, 1e-12);
       EXPECT_NEAR(imu.bridges[0].row.dt_s, 0.01, 1e-12);
       EXPECT_LE(imu.max_jitter_s, 1e-12);
-      // Nothing is lost of rates that the interpolation meets.
+      // Rates that the interpolation reproduces lose nothing.
       const PreintegrationNoise noise{1e-4, 1e-3, 0.0};
       const auto increment = [&](const ImuData& x) {
         return Preintegrate(x, 100.1, 100.4, {}, noise);
       };
       EXPECT_LT(increment(imu).delta_q.angularDistance(increment(whole).delta_q), 1e-7);
-      // The slope within a sample takes its neighbours as equally long.
+      // The slope within a sample assumes that its neighbours are equally long.
       EXPECT_LT((increment(imu).delta_v - increment(whole).delta_v).norm(), 5e-6);
       EXPECT_LT((increment(imu).covariance - increment(whole).covariance).norm(), 1e-10);
     }
@@ -161,8 +161,8 @@ TEST(ReadImu, TheLongestBridgeIsConfigured) {
   EXPECT_THROW(Read(text, {.max_gap_s = 0.005}), InvalidConfig);
 }
 
-// Rates that jump at every row: the error of a bridge is that of the same interpolation elsewhere.
-TEST(ReadImu, ABridgeKnowsItsError) {
+// The rates jump at every row: the error of a bridge is that of the same interpolation elsewhere.
+TEST(ReadImu, ABridgeHasTheErrorOfInterpolation) {
   std::string text;
   for (int i = 0; i < 80; ++i) {
     if (i == 41) continue;
@@ -196,8 +196,8 @@ TEST(ReadImu, HolesNextToEachOtherAreBridgedOneByOne) {
   EXPECT_NEAR(imu.samples[21].w_ib_b_radps.x(), 0.225, 1e-12);
 }
 
-// Tags of a coarse clock: the median, 0.006, is not the rate.
-TEST(ReadImu, JitterIsNoGap) {
+// The tags come from a coarse clock: the median interval, 0.006 s, differs from the mean.
+TEST(ReadImu, JitterIsNotAGap) {
   const ImuData imu = Read(
       "408640.961,0,0,0,0,0,-9.8\n408640.967,0,0,0,0,0,-9.8\n408640.973,0,0,0,0,0,-9.8\n"
       "408640.9823,0,0,0,0,0,-9.8\n408640.9883,0,0,0,0,0,-9.8\n");
@@ -207,7 +207,8 @@ TEST(ReadImu, JitterIsNoGap) {
   EXPECT_NEAR(imu.max_jitter_s, 0.0093 - 0.0273 / 4.0, 1e-9);
 }
 
-/// 1000 Hz rows of a constant turn about z; every fifth step is `long_s` instead of a millisecond.
+/// Returns 1000 Hz rows of a constant turn about z. Every fifth step is `long_s` instead of a
+/// millisecond.
 std::string Bursts(double long_s) {
   std::string text;
   double t_s = 0.0;
@@ -218,7 +219,7 @@ std::string Bursts(double long_s) {
   return text;
 }
 
-// A logger that writes in bursts: the long steps are as good as the others.
+// A logger that writes in bursts: the long steps are as valid as the others.
 TEST(ReadImu, UnevenStepsAreData) {
   std::string text;
   double t_s = 0.0;
@@ -266,7 +267,8 @@ TEST(ReadImu, RejectsBadRowsByLine) {
   ExpectInvalid([] { Read("0,0,0,0,0,0,-9.8\n"); }, "at least 2", 1);
   EXPECT_THROW(Read(""), InvalidInput);
   EXPECT_THROW(ReadImu("/nowhere/IMU.txt", {}), InvalidInput);
-  EXPECT_THROW(Read("0 0 0 0 0 0 -9.8 1\n0.01 0 0 0 0 0 -9.8 1\n"), InvalidInput);  // odyn: 7
+  EXPECT_THROW(Read("0 0 0 0 0 0 -9.8 1\n0.01 0 0 0 0 0 -9.8 1\n"),
+               InvalidInput);  // format odyn has 7 columns
   ExpectInvalid([] { Read(kFour, {.t_begin_s = 200.0}); }, "no row between", 0);
 }
 
@@ -288,16 +290,16 @@ TEST(ReadImu, RejectsOtherUnits) {
   EXPECT_NO_THROW(Read(row(0.0, -20.0)));
 }
 
-TEST(ReadImu, RejectsTimesThatAreNoSeconds) {
+TEST(ReadImu, RejectsTimesInOtherUnits) {
   ExpectInvalid([] { Read("0,0,0,0,0,0,-9.8\n10,0,0,0,0,0,-9.8\n20,0,0,0,0,0,-9.8\n"); },
                 "is the time in milliseconds? Divide it by 1000", 0);
   ExpectInvalid([] { Read("381000000,0,0,0,0,0,-9.8\n381000010,0,0,0,0,0,-9.8\n"); },
                 "milliseconds? Divide it by 1000", 1);
 }
 
-TEST(ReadImu, RejectsValuesOfNoSensorByLine) {
+TEST(ReadImu, RejectsImpossibleValuesByLine) {
   ExpectInvalid([] { Read("0,0,0,0,0,0,-9.8\n0.01,0,0,0,0,1e308,-9.8\n"); },
-                "1e+308 is no angular rate", 2);
+                "1e+308 is too large for an angular rate", 2);
 }
 
 TEST(SampleRange, CoversTheInterval) {
@@ -322,7 +324,7 @@ TEST(ReadImu, RealFiles) {
     double sum = 0.0;
     for (const ImuSample& sample : imu.samples) sum += sample.f_b_mps2.norm();
     EXPECT_NEAR(sum / static_cast<double>(imu.samples.size()), 9.8, 0.8);
-    // walk's tags are written to 1 ms at intervals of 6 to 9 ms: jitter, not gaps.
+    // The tags of `walk` are written to 1 ms, at intervals of 6 to 9 ms: this is jitter, not gaps.
     EXPECT_TRUE(imu.gaps.empty());
     const Preintegrated pre =
         Preintegrate(imu, imu.t_begin_s(), imu.t_end_s(), {}, {1e-4, 1e-3, 1e-6});

@@ -8,7 +8,7 @@ namespace dn::imu_means_test {
 
 using Eigen::Vector3d;
 
-/// Samples of 4 ms whose rates and forces tell their index.
+/// Returns samples of 4 ms whose rates and forces contain their index.
 ImuData Numbered(int samples) {
   ImuData imu;
   for (int k = 0; k < samples; ++k) {
@@ -19,7 +19,7 @@ ImuData Numbered(int samples) {
   return imu;
 }
 
-/// The x axes of both triads lean towards y.
+/// Effect that tilts the x axes of both triads towards y.
 class LeaningAxis final : public ImuEffect {
  public:
   int components() const override { return 1; }
@@ -34,7 +34,7 @@ class LeaningAxis final : public ImuEffect {
 
 TEST(MeansOver, KeepsTheIntegralsAndTheSpan) {
   const ImuData means = MeansOver(Numbered(12), 0.02);
-  ASSERT_EQ(means.samples.size(), 3U);  // five, five, two
+  ASSERT_EQ(means.samples.size(), 3U);  // of five, five and two samples
   EXPECT_NEAR(means.samples[0].dt_s, 0.02, 1e-12);
   EXPECT_NEAR(means.samples[0].w_ib_b_radps.x(), 2.0, 1e-9);
   EXPECT_NEAR(means.samples[1].f_b_mps2.z(), -14.0, 1e-9);
@@ -81,7 +81,8 @@ TEST(MeansOver, LeavesASampleThatBridgesAHoleByItself) {
   ASSERT_EQ(means.bridges.size(), 1U);
 }
 
-// What the vehicle does within 20 ms hardly changes how increments depend on an effect.
+// The motion of the vehicle within 20 ms hardly changes the derivatives of increments with respect
+// to an effect.
 TEST(MeansOver, SufficeForDerivativesByEffects) {
   const ImuData imu = testing::PlaneMotion().Measure(0.0, 2.0, 500.0);
   const ImuCorrection at{.effects = {{std::make_shared<LeaningAxis>(), Eigen::VectorXd::Zero(1)}}};

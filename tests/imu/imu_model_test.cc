@@ -11,8 +11,9 @@ namespace dn::imu_model_test {
 
 using Type = BiasProcess::Type;
 
-// The factors of the conversion table, to the digits it gives.
-TEST(ImuUnits, AreThoseOfTheDataSheets) {
+// The expected factors are those of the conversion table in docs/conventions.md, to the digits
+// given there.
+TEST(ImuUnits, ConvertDataSheetUnits) {
   EXPECT_NEAR(RadpsFromDegPerHour(1.0), 4.848137e-6, 1e-12);
   EXPECT_NEAR(RadPerSqrtSFromDegPerSqrtHour(1.0), 2.908882e-4, 1e-10);
   EXPECT_DOUBLE_EQ(Mps2FromMg(1.0), 9.80665e-3);
@@ -76,15 +77,17 @@ TEST(GaussMarkov, VarianceIsStationary) {
   }
 }
 
-// tau -> infinity at constant density 2 s^2 / tau: a random walk.
+// For tau -> infinity at constant density 2 s^2 / tau, the process is a random walk.
 TEST(GaussMarkov, LongCorrelationIsARandomWalk) {
   const double density = 3e-4, tau_s = 1e12, dt_s = 10.0;
   const GaussMarkovStep step = DiscretiseGaussMarkov(std::sqrt(density * tau_s / 2.0), tau_s, dt_s);
   EXPECT_NEAR(step.phi, 1.0, 1e-10);
-  EXPECT_NEAR(step.q, density * dt_s, 1e-9 * density * dt_s);  // dt / tau, without cancellation
+  EXPECT_NEAR(step.q, density * dt_s,
+              1e-9 * density * dt_s);  // relative error dt / tau, without cancellation
 }
 
-// 2e5 steps of a tenth of tau are about 1e4 independent samples: 1 %, three sigma.
+// 2e5 steps of a tenth of tau correspond to about 1e4 independent samples: 1 % accuracy, three
+// sigmas.
 TEST(GaussMarkov, SimulatedAutocorrelation) {
   const double sigma = 2.0, tau_s = 10.0;
   const GaussMarkovStep step = DiscretiseGaussMarkov(sigma, tau_s, 1.0);
@@ -103,7 +106,7 @@ TEST(GaussMarkov, SimulatedAutocorrelation) {
   EXPECT_NEAR(lagged / variance, std::exp(-1.0), 0.04);
 }
 
-TEST(ImuModel, ValidateNamesWhatIsWrong) {
+TEST(ImuModel, ValidateNamesTheError) {
   const auto message = [](const ImuModel& model) -> std::string {
     try {
       Validate(model);
@@ -123,7 +126,7 @@ TEST(ImuModel, ValidateNamesWhatIsWrong) {
   model.gyro.processes[0].sigma = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(message(model), ::testing::HasSubstr("imu.gyro: bias process 1: sigma"));
   model.gyro.processes.clear();
-  EXPECT_EQ(message(model), "valid");  // white noise alone is a model
+  EXPECT_EQ(message(model), "valid");  // white noise alone is a valid model
   model.vibration = {{1.0, 2.0, 0.1, 0.0}, {1.0, 1.0, 0.1, 0.1}};
   EXPECT_THAT(message(model), ::testing::HasSubstr("imu.vibration 2: the window"));
   model.vibration[1] = {1.0, 2.0, 0.1, -0.1};

@@ -24,7 +24,7 @@ constexpr double kClear = 5.0;  ///< nats
 
 NoiseCheck Check(const ImuData& imu) { return CheckNoise(MeasureHighBand(imu, WhiteModel())); }
 
-/// Adds white noise of these sigmas to the samples in (t0, t1], seconds after the begin.
+/// Adds white noise of these sigmas to the samples in (t0, t1], in seconds after the beginning.
 ImuData Vibrating(ImuData imu, double t0_s, double t1_s, double gyro, double accel,
                   unsigned seed = 99) {
   std::mt19937_64 random(seed);
@@ -38,7 +38,7 @@ ImuData Vibrating(ImuData imu, double t0_s, double t1_s, double gyro, double acc
   return imu;
 }
 
-TEST(NoiseCheck, SaysNothingOfTheAssumedNoise) {
+TEST(NoiseCheck, AcceptsTheAssumedNoise) {
   constexpr int kFlights = 60;
   double sum2 = 0.0, tilt2 = 0.0;
   for (unsigned seed = 1; seed <= kFlights; ++seed) {
@@ -77,8 +77,8 @@ TEST(NoiseCheck, FindsTheRatioOfEachTriad) {
   EXPECT_LT(std::max(causes.not_white[0], causes.not_white[1]), -1.0);
 }
 
-// Both are larger, as in a window that lasts the whole flight.
-TEST(NoiseCheck, ALargerNoiseIsNoWindow) {
+// Both triads have more noise, like in a window that lasts the whole flight.
+TEST(NoiseCheck, LargerNoiseIsNotAWindow) {
   const NoiseCauses causes = CausesOf(Check(WhiteImu(7, 300.0, 1.2, 1.2)).evidence);
   EXPECT_GT(causes.scale[kGyroTriad], kClear);
   EXPECT_GT(causes.scale[kAccelTriad], kClear);
@@ -115,7 +115,7 @@ TEST(NoiseCheck, FindsAWindow) {
   EXPECT_LT(std::max(causes.not_white[0], causes.not_white[1]), -1.0);
 }
 
-TEST(NoiseCheck, FindsAWindowBesideAScale) {
+TEST(NoiseCheck, FindsAWindowAndAScale) {
   const NoiseCheck check = Check(Vibrating(WhiteImu(3, 300.0, 1.3, 1.0), 40.0, 80.0, 1e-3, 8e-3));
   EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kWindowAndScale);
   const NoiseCauses causes = CausesOf(check.evidence);
@@ -129,7 +129,8 @@ TEST(NoiseCheck, FindsAWindowBesideAScale) {
   EXPECT_NEAR(window.sigma[kAccelTriad], 8e-3, kSigmas * window.sigma_of_sigma[kAccelTriad]);
 }
 
-// Wherever it begins and ends: cells that it covers in part say nothing of its size.
+// The windows begin and end anywhere: cells that a window covers only in part are not used for its
+// size.
 TEST(NoiseCheck, SizesOfShortWindowsAreWithinTheirSigmas) {
   constexpr int kFlights = 24;
   double mean = 0.0, square = 0.0;
@@ -150,7 +151,7 @@ TEST(NoiseCheck, SizesOfShortWindowsAreWithinTheirSigmas) {
   EXPECT_NEAR(square, 1.0, kSigmas * std::sqrt(2.0 / (2.0 * kFlights)));
 }
 
-// What a flight is known to have is no cause any more: nothing is left, within it or at its ends.
+// Noise that the model contains is no cause any more: none is found in the window or at its ends.
 TEST(NoiseCheck, KnownNoiseIsNotFoundAgain) {
   const ImuData imu = Vibrating(WhiteImu(8, 200.0), 71.05, 93.02, 0.3, 2.0);  // 300 and 200 sigmas
   const NoiseWindow found = *Check(imu).window;
@@ -163,7 +164,7 @@ TEST(NoiseCheck, KnownNoiseIsNotFoundAgain) {
   ExpectInvalid([&] { MeasureHighBand(imu, model); }, "sigma", 0);
 }
 
-TEST(NoiseCheck, FindsAWindowBesideOneThatIsKnown) {
+TEST(NoiseCheck, FindsASecondWindow) {
   const ImuData imu =
       Vibrating(Vibrating(WhiteImu(8, 300.0), 71.05, 93.02, 3e-3, 2e-2), 180.0, 220.0, 1e-3, 8e-3);
   ImuModel model = WhiteModel();
@@ -177,7 +178,7 @@ TEST(NoiseCheck, FindsAWindowBesideOneThatIsKnown) {
               kSigmas * check.window->sigma_of_sigma[kGyroTriad]);
 }
 
-// A running propeller: a line at 38 Hz in one axis.
+// A running propeller causes a spectral line at 38 Hz in one axis.
 TEST(NoiseCheck, ALineIsNotWhite) {
   ImuData imu = WhiteImu(4, 200.0);
   for (ImuSample& sample : imu.samples) {
@@ -206,7 +207,7 @@ TEST(NoiseCheck, OneTriadMayBeWhiteWhereTheOtherIsNot) {
   EXPECT_GT(causes.scale[kAccelTriad], kClear);
 }
 
-TEST(NoiseCheck, NoiseThatComesAndGoesIsUnsteady) {
+TEST(NoiseCheck, IntermittentNoiseIsUnsteady) {
   ImuData imu = WhiteImu(5, 200.0);
   for (int k = 0; k < 10; ++k) imu = Vibrating(imu, 20.0 * k, 20.0 * k + 4.0 + k, 8e-4, 6e-3);
   const NoiseCheck check = Check(imu);
@@ -216,7 +217,8 @@ TEST(NoiseCheck, NoiseThatComesAndGoesIsUnsteady) {
   }
 }
 
-/// One window of these energies per axis and octave of the gyro, the accelerometer being unusable.
+/// Returns a window with these energies per axis and octave of the gyro; the accelerometer is
+/// unusable.
 HighBandWindow GyroWindow(double t0_s, double sum, double dof) {
   HighBandWindow window;
   window.t0_s = t0_s;
@@ -270,7 +272,7 @@ TEST(NoiseCheck, EvidenceOfAScaleIsItsIntegral) {
   }
 }
 
-// Two windows: the first, the second or both may have more noise.
+// There are two windows: the first, the second or both may have additional noise.
 TEST(NoiseCheck, EvidenceOfAWindowIsTheAverageOverAll) {
   NoiseCheckOptions options;
   options.typical_sigma[kGyroTriad] = 4e-4;
@@ -291,7 +293,7 @@ TEST(NoiseCheck, EvidenceOfAWindowIsTheAverageOverAll) {
   }
 }
 
-TEST(NoiseCheck, WhereNothingIsUsableNothingIsSaid) {
+TEST(NoiseCheck, UnusableTriadsGiveNoResult) {
   HighBand band = GyroBand({GyroWindow(0.0, 0.0, 0.0)});
   band.triads[kGyroTriad].unusable = "absent";
   const NoiseCheck check = CheckNoise(band);

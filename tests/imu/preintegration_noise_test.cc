@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
-// Rough sensors, so that every term of the covariance counts.
+// The sensors are poor, so that every term of the covariance matters.
 const PreintegrationNoise kNoise{2e-3, 5e-3, 0.0};
 
 Vector9 Difference(const Preintegrated& noisy, const Preintegrated& clean) {
@@ -25,15 +25,16 @@ Vector9 Difference(const Preintegrated& noisy, const Preintegrated& clean) {
   return d;
 }
 
-/// Relative to the standard deviations, so that every entry counts alike.
+/// Divides by the standard deviations, so that every entry has the same weight.
 Matrix9 Normalised(const Matrix9& covariance, const Vector9& sigma) {
   return sigma.cwiseInverse().asDiagonal() * covariance * sigma.cwiseInverse().asDiagonal();
 }
 
-// 4000 runs estimate a correlation to 1.6 %; 45 different entries, hence four sigma.
+// A correlation from 4000 runs has an error of 1.6 %; since there are 45 different entries, the
+// tolerance is four sigmas.
 TEST(PreintegrationNoise, CovarianceIsThatOfMonteCarlo) {
   constexpr int kRuns = 4000;
-  constexpr double kTolerance = 4.0 / 63.0;  // 4 / sqrt(4000), diagonal sqrt(2) larger
+  constexpr double kTolerance = 4.0 / 63.0;  // 4 / sqrt(4000); the diagonal has sqrt(2) times more
   const ImuData clean = testing::VibratingMotion().Measure(0.0, 1.2, 100.0);
   const Preintegrated reference = Preintegrate(clean, 0.1, 1.1, {}, kNoise);
   std::mt19937 rng(7);
@@ -57,12 +58,14 @@ TEST(PreintegrationNoise, CovarianceIsThatOfMonteCarlo) {
   EXPECT_LE(difference.cwiseAbs().maxCoeff(), std::sqrt(2.0) * kTolerance) << difference;
 }
 
-/// Of an angle or velocity over `all` samples of 0.01 s, `inside` of them vibrating.
+/// Returns the variance of an angle or velocity over `all` samples of 0.01 s, `inside` of which
+/// vibrate.
 double Variance(double white, double sigma, int inside, int all) {
   return 0.01 * all * white * white + 1e-4 * inside * sigma * sigma;
 }
 
-// Samples 31 to 50 of 10 to 110; angle and velocity by hand, a motion without turns.
+// The window contains samples 31 to 50 of 10 to 110. The motion has no rotation, so that angle and
+// velocity can be computed by hand.
 TEST(PreintegrationNoise, VibrationAddsToTheSamplesOfItsWindow) {
   ImuData imu = testing::VibratingMotion().Measure(0.0, 1.2, 100.0);
   for (ImuSample& sample : imu.samples) {
@@ -81,7 +84,7 @@ TEST(PreintegrationNoise, VibrationAddsToTheSamplesOfItsWindow) {
   const Matrix9 P = covariance(0.1, 1.1);
   expect(P(0, 0), Variance(2e-3, 0.05, 20, 100));
   expect(P(3, 3), Variance(5e-3, 0.2, 10, 100));
-  // A quarter of sample 31 and half of sample 51, which has none.
+  // The interval contains a quarter of sample 31 and half of sample 51, which does not vibrate.
   expect(covariance(0.3075, 0.505)(0, 0), 0.1975 * 4e-6 + 19.25 * 1e-4 * 0.05 * 0.05);
   expect(covariance(0.6, 0.8)(0, 0), Variance(2e-3, 0.0, 0, 20));
 }
@@ -93,10 +96,10 @@ TEST(PreintegrationNoise, RefusesVibrationThatIsNegative) {
   EXPECT_THROW(Preintegrate(imu, 0.1, 1.1, {}, noise), InvalidInput);
 }
 
-// The increments of a motion that turns, with a window that begins and ends within them.
+// The increments are those of a motion with rotation; the window begins and ends within them.
 TEST(PreintegrationNoise, CovarianceOfVibrationIsThatOfMonteCarlo) {
   constexpr int kRuns = 4000;
-  constexpr double kTolerance = 4.0 / 63.0;  // as above
+  constexpr double kTolerance = 4.0 / 63.0;  // as in CovarianceIsThatOfMonteCarlo
   const ImuData clean = testing::VibratingMotion().Measure(0.0, 1.2, 100.0);
   const ImuVibration vibration{0.405, 0.755, 0.05, 0.15};
   const PreintegrationNoise noise{1e-6, 1e-6, 0.0, {vibration}};
@@ -131,7 +134,7 @@ TEST(PreintegrationNoise, CovarianceDoesNotDependOnTheSampling) {
   EXPECT_LE(Normalised(slow - fast, sigma).cwiseAbs().maxCoeff(), 1e-4);
 }
 
-// Also of a single sample, of a part of one, and without accelerometer noise.
+// The test includes a single sample, a part of a sample, and no accelerometer noise.
 TEST(PreintegrationNoise, CovarianceIsSymmetricAndPositive) {
   const ImuData imu = testing::VibratingMotion().Measure(0.0, 1.0, 200.0);
   for (const double end_s : {0.5005, 0.505, 0.55, 1.0}) {

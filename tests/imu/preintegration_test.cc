@@ -18,7 +18,7 @@ namespace dn::preintegration_test {
 using Eigen::Vector3d;
 using testing::EarthMotion;
 
-/// Navigation grade, the noise in whose units errors of integration are judged.
+/// Noise of a navigation-grade sensor; integration errors are compared with it.
 constexpr double kArw = 0.002 * kRadPerDeg / 60.0;  // rad/sqrt(s)
 constexpr double kVrw = 10e-6 * kStandardGravityMps2;
 const PreintegrationNoise kNoise{kArw, kVrw, 0.0};
@@ -40,7 +40,7 @@ Increments Derivative(const EarthMotion& motion, double t_s, const Increments& x
   return {x.q * Eigen::Quaterniond(0.0, w.x(), w.y(), w.z()), x.q * motion.SpecificForce(t_s), x.v};
 }
 
-/// The classical Runge-Kutta method on the continuous measurements.
+/// Integrates the continuous measurements with the classical Runge-Kutta method.
 Increments RungeKutta(const EarthMotion& motion, double t0_s, double t1_s, int steps) {
   Increments x;
   const double h = (t1_s - t0_s) / steps;
@@ -60,7 +60,8 @@ struct Sigmas {
   double rotation, velocity, position;
 };
 
-/// Largest component of the difference of increments, in the standard deviations of `noise`.
+/// Returns the largest component of the difference of increments, in standard deviations of
+/// `noise`.
 Sigmas InSigmas(const Preintegrated& noise, const Eigen::Quaterniond& q, const Vector3d& v,
                 const Vector3d& p) {
   const Eigen::Matrix<double, 9, 1> sigma = noise.covariance.diagonal().cwiseSqrt();
@@ -70,7 +71,7 @@ Sigmas InSigmas(const Preintegrated& noise, const Eigen::Quaterniond& q, const V
           (p - noise.delta_p).cwiseQuotient(sigma.tail<3>()).lpNorm<Eigen::Infinity>()};
 }
 
-/// Worst of 20 intervals of the given length, against Runge-Kutta.
+/// Returns the largest error of 20 intervals of the given length, relative to Runge-Kutta.
 Sigmas WorstError(const EarthMotion& motion, double rate_hz, double length_s) {
   const ImuData imu = motion.Measure(0.0, 4.0 + length_s, rate_hz);
   Sigmas worst{0.0, 0.0, 0.0};
@@ -93,15 +94,15 @@ void ExpectBelow(const Sigmas& worst, const Sigmas& bound) {
   EXPECT_LE(worst.position, bound.position);
 }
 
-// In sigmas of a navigation-grade sensor; an algorithm whose coning and sculling terms use the
-// previous sample alone reaches 0.001, 0.003, 0.015 in a second.
+// The limits are in sigmas of a navigation-grade sensor. An algorithm whose coning and sculling
+// terms use only the previous sample reaches 0.001, 0.003, 0.015 in a second.
 TEST(Preintegrate, QuietFlightAgreesWithRungeKutta) {
   ExpectBelow(WorstError(testing::PlaneMotion(), 200.0, 0.1), {0.001, 0.001, 0.005});
   ExpectBelow(WorstError(testing::PlaneMotion(), 200.0, 1.0), {0.001, 0.002, 0.014});
 }
 
-// The same algorithm reaches 0.06, 0.06, 0.07 at 200 Hz. The position of 0.1 s is 2e-7 m off, half
-// a period of the vibration; it does not accumulate.
+// The algorithm with only the previous sample reaches 0.06, 0.06, 0.07 at 200 Hz. After 0.1 s, half
+// a period of the vibration, the position is wrong by 2e-7 m; this error does not accumulate.
 TEST(Preintegrate, VibrationAgreesWithRungeKutta) {
   ExpectBelow(WorstError(testing::VibratingMotion(), 200.0, 0.1), {0.01, 0.01, 0.15});
   ExpectBelow(WorstError(testing::VibratingMotion(), 200.0, 1.0), {0.02, 0.02, 0.02});
@@ -131,8 +132,9 @@ void ExpectSameJacobians(const Preintegrated& a, const Preintegrated& b, double 
   ExpectNear(a.J_p_ba, b.J_p_ba, relative, "J_p_ba");
 }
 
-// Wherever an interval is split, its parts compose to the whole: at a sample, inside one, within
-// the first and the last. Inside a sample what is left is the third order of the Magnus expansion.
+// The parts of an interval compose to the whole wherever it is split: at a sample, inside one,
+// within the first and the last. Inside a sample the third order of the Magnus expansion remains as
+// error.
 TEST(Preintegrate, PartsComposeToTheWhole) {
   const ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
   const double begin_s = 0.5012, end_s = 1.4037;
@@ -151,7 +153,7 @@ TEST(Preintegrate, PartsComposeToTheWhole) {
   }
 }
 
-// At sample epochs nothing is approximated by splitting.
+// A split at a sample epoch involves no approximation.
 TEST(Preintegrate, SplitAtASampleIsExact) {
   const ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
   const double split_s = imu.samples[199].t_s, end_s = imu.samples[299].t_s;
@@ -161,7 +163,7 @@ TEST(Preintegrate, SplitAtASampleIsExact) {
              whole, 1e-13);
 }
 
-// Hand-computed: constant specific force without rotation.
+// Hand-computed values for a constant specific force without rotation.
 TEST(Preintegrate, ConstantForce) {
   ImuData imu;
   imu.nominal_dt_s = 0.01;
@@ -171,7 +173,8 @@ TEST(Preintegrate, ConstantForce) {
   EXPECT_LE((pre.delta_v - Vector3d(0.5, 1.0, -1.5)).norm(), 1e-12);
   EXPECT_LE((pre.delta_p - Vector3d(0.125, 0.25, -0.375)).norm(), 1e-12);
   EXPECT_NEAR(pre.covariance(0, 0), 4e-6 * 0.5, 1e-15);
-  // Velocity x: own noise, and the rotation noise across the force, q |f_perp|^2 dt^3 / 3.
+  // The variance of velocity x has its own noise and the rotation noise perpendicular to the force,
+  // q |f_perp|^2 dt^3 / 3.
   EXPECT_NEAR(pre.covariance(3, 3), 9e-6 * 0.5 + 4e-6 * 13.0 * 0.125 / 3.0, 1e-12);
   EXPECT_NEAR(pre.covariance(6, 6),
               9e-6 * 0.125 / 3.0 + 4e-6 * 13.0 * std::pow(0.5, 5) / 20.0 + 1e-12, 1e-13);
@@ -182,8 +185,8 @@ TEST(Preintegrate, ConstantForce) {
   EXPECT_LE((pre.J_p_bg - 0.125 / 6.0 * Skew(Vector3d(1, 2, -3))).norm(), 1e-12);
 }
 
-// A turn by more than 2 pi with the force turning along: no small angle anywhere. A sample turns
-// by 0.7 rad.
+// The rotation exceeds 2 pi and the force rotates with the body: small-angle formulas would fail.
+// One sample rotates by 0.7 rad.
 TEST(Preintegrate, FastConstantRotation) {
   const Vector3d w(5.0, -3.0, 4.0), f(1.0, 2.0, 9.0);
   ImuData imu;
@@ -202,7 +205,7 @@ TEST(Preintegrate, FastConstantRotation) {
   EXPECT_LE((pre.delta_p - p).norm(), 1e-12);
 }
 
-/// measured = (1 + s) true, per gyro axis.
+/// Scale factor of the gyro: measured = (1 + s) true, per axis.
 class GyroScale final : public ImuEffect {
  public:
   int components() const override { return 3; }
@@ -215,7 +218,8 @@ class GyroScale final : public ImuEffect {
   }
 };
 
-/// The gyro gains value (per axis) times specific force, the accelerometers a bias in a window.
+/// The gyro measures value (per axis) times specific force in addition; the accelerometers have a
+/// bias in a window.
 class Mixed final : public ImuEffect {
  public:
   int components() const override { return 6; }
@@ -239,9 +243,11 @@ ImuCorrection WithEffects(const Vector3d& gyro_bias, const Vector3d& accel_bias,
   return {gyro_bias, accel_bias, {{mixed_effect, mixed}, {scale_effect, scale}}};
 }
 
-constexpr double kOfBias = 3e-5;   // second order in the change, and the slope within a sample
-constexpr double kOfScale = 1e-3;  // the coning of 1e-5 rad/s is not differentiated
-constexpr double kOfForce = 1e-2;  // coning by the vibration that g-sensitivity takes over
+constexpr double kBiasTolerance =
+    3e-5;  // second order in the change, and the slope within a sample
+constexpr double kScaleTolerance = 1e-3;  // the coning of 1e-5 rad/s is not differentiated
+// Coning by the vibration that g-sensitivity transfers to the gyro.
+constexpr double kForceTolerance = 1e-2;
 
 void ExpectPredicted(const Preintegrated& pre, const Preintegrated& moved,
                      const Eigen::Matrix<double, 9, 1>& change, double relative) {
@@ -274,8 +280,8 @@ TEST(Preintegrate, JacobiansPredictIntegrationWithOtherBiases) {
       Eigen::Matrix<double, 9, 1> by_gyro, by_accel;
       by_gyro << pre.J_q_bg * d_bg, pre.J_v_bg * d_bg, pre.J_p_bg * d_bg;
       by_accel << Vector3d::Zero(), pre.J_v_ba * d_ba, pre.J_p_ba * d_ba;
-      ExpectPredicted(pre, integrate(bg + d_bg, ba), by_gyro, kOfBias);
-      ExpectPredicted(pre, integrate(bg, ba + d_ba), by_accel, kOfBias);
+      ExpectPredicted(pre, integrate(bg + d_bg, ba), by_gyro, kBiasTolerance);
+      ExpectPredicted(pre, integrate(bg, ba + d_ba), by_accel, kBiasTolerance);
     }
   }
 }
@@ -298,7 +304,8 @@ TEST(Preintegrate, JacobiansPredictIntegrationWithOtherEffects) {
     const Preintegrated pre = integrate(values);
     ASSERT_EQ(pre.J_effects.cols(), 9);
     for (const auto& [first, relative] :
-         {std::pair{0, kOfForce}, std::pair{3, kOfScale}, std::pair{6, kOfScale}}) {
+         {std::pair{0, kForceTolerance}, std::pair{3, kScaleTolerance},
+          std::pair{6, kScaleTolerance}}) {
       Eigen::VectorXd d = Eigen::VectorXd::Zero(9);
       d.segment<3>(first) = step.segment<3>(first);
       ExpectPredicted(pre, integrate(values + d), pre.J_effects * d, relative);
@@ -319,7 +326,7 @@ TEST(Preintegrate, JacobiansOfEffectsCompose) {
   EXPECT_LE((composed.J_q_bg - whole.J_q_bg).norm(), 1e-12);
 }
 
-// The corrections are undone exactly, in the order opposite to that of the sensor.
+// The corrections are removed exactly, in the reverse order of the sensor.
 TEST(Preintegrate, CorrectionsAreSubtracted) {
   Eigen::VectorXd mixed(6);
   mixed << 1e-3, -2e-3, 5e-4, 0.0, 0.0, 0.0;
@@ -378,7 +385,7 @@ void ExpectSameBits(const Preintegrated& a, const Preintegrated& b) {
   EXPECT_EQ(a.J_effects, b.J_effects);
 }
 
-TEST(GrowingIncrements, AreThoseOfEachInterval) {
+TEST(GrowingIncrements, AgreeWithPreintegrate) {
   ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
   imu.bridges.push_back({imu.samples[160].t_s - 0.01, imu.samples[160], 1e-4, 1e-3});
   const PreintegrationNoise noise{kArw, kVrw, 1e-6, {{0.7, 0.9, 1e-3, 1e-2}}};
@@ -397,7 +404,7 @@ TEST(GrowingIncrements, AreThoseOfEachInterval) {
   }
 }
 
-TEST(GrowingMotion, IsThatOfTheIncrements) {
+TEST(GrowingMotion, AgreesWithPreintegrate) {
   ImuData imu = testing::VibratingMotion().Measure(0.0, 2.0, 200.0);
   const ImuCorrection plain{{1e-3, 0.0, 0.0}, {0.0, 0.1, 0.0}, {}};
   const ImuCorrection with_effects =
@@ -436,7 +443,7 @@ TEST(IdentityIncrement, IsTheLimitOfAShortInterval) {
   EXPECT_THROW(IdentityIncrement(imu, 1.01, bias), InvalidInput);
 }
 
-// The rate at the end of a sample extrapolates the sample's linear model.
+// The rate at the end of a sample extrapolates the linear model of the sample.
 TEST(Preintegrate, EndRatesAreThoseOfTheMotion) {
   const EarthMotion motion = testing::PlaneMotion();
   const ImuData imu = motion.Measure(0.0, 1.0, 200.0);
@@ -445,7 +452,7 @@ TEST(Preintegrate, EndRatesAreThoseOfTheMotion) {
   EXPECT_LE((pre.f_end_b_mps2 - motion.SpecificForce(0.6037)).norm(), 1e-4);
 }
 
-TEST(Preintegrate, ABiasThatIsNoNumberIsNamedWithItsTime) {
+TEST(Preintegrate, RejectsABiasThatIsNotFinite) {
   const ImuData imu = testing::PlaneMotion().Measure(0.0, 1.0, 100.0);
   const Vector3d zero = Vector3d::Zero();
   const Vector3d inf(0, std::numeric_limits<double>::infinity(), 0);
@@ -461,7 +468,7 @@ TEST(Preintegrate, ABiasThatIsNoNumberIsNamedWithItsTime) {
   EXPECT_NE(message({zero, inf}).find("bias of the accelerometers at t = 0.5"), std::string::npos);
 }
 
-TEST(Preintegrate, RejectsWhatTheDataDoNotCover) {
+TEST(Preintegrate, RejectsIntervalsWithoutData) {
   ImuData imu = testing::PlaneMotion().Measure(0.0, 1.0, 100.0);
   EXPECT_THROW(Preintegrate(imu, 0.5, 0.5, {}, kNoise), InvalidInput);
   EXPECT_THROW(Preintegrate(imu, 0.5, 0.4, {}, kNoise), InvalidInput);

@@ -19,28 +19,28 @@ TEST(RestCheck, ARecordMayHaveAnyMean) {
   EXPECT_TRUE(AtRest(Constant(600), kDtS, 1e-9));
 }
 
-TEST(RestCheck, ASecondOfMotionIsNoRest) {
+TEST(RestCheck, ASecondOfMotionIsNotRest) {
   std::vector<double> rates = Constant(600);
   for (std::size_t k = 20 * kSecond; k < 21 * kSecond; ++k) rates[k] += 1.0;
   EXPECT_FALSE(AtRest(rates, kDtS, 0.9));
   EXPECT_TRUE(AtRest(rates, kDtS, 1.1));
 }
 
-// Noise within the second is no motion, however large.
+// Noise within one second does not count as motion, however large it is.
 TEST(RestCheck, VibrationThatAveragesOutIsRest) {
   std::vector<double> rates = Constant(600);
   for (std::size_t k = 0; k < rates.size(); ++k) rates[k] += k % 2 == 0 ? 10.0 : -10.0;
   EXPECT_TRUE(AtRest(rates, kDtS, 0.1));
 }
 
-TEST(RestCheck, SlowerThanOneHertzEveryValueIsLookedAt) {
+TEST(RestCheck, ChecksEveryValueBelowOneHertz) {
   std::vector<double> rates = Constant(60);
   rates[30] += 1.0;
   EXPECT_FALSE(AtRest(rates, 2.0, 0.5));
 }
 
-// White noise N: a mean over T has the variance N^2 / T.
-TEST(RestCheck, DriftIsMeasuredInWhatTheTermsExplain) {
+// For white noise N, a mean over T has variance N^2 / T.
+TEST(RestCheck, DriftIsRelativeToTheFittedTerms) {
   std::vector<double> rates = Constant(900);
   for (std::size_t k = 600; k < 900; ++k) rates[k] += 0.3;
   NoiseFit fit;
@@ -48,7 +48,8 @@ TEST(RestCheck, DriftIsMeasuredInWhatTheTermsExplain) {
   const double third_s = 300 * kDtS;
   const double sigmas = 0.3 / (std::sqrt(2.0) * 0.5 / std::sqrt(third_s));
   EXPECT_NEAR(DriftInSigmas(rates, kDtS, fit), sigmas, 1e-9 * sigmas);
-  fit.random_walk = NoiseTerm{1.0, 0.1};  // may be that drift, so it excuses nothing
+  // The random walk may be this drift, so it explains nothing.
+  fit.random_walk = NoiseTerm{1.0, 0.1};
   EXPECT_NEAR(DriftInSigmas(rates, kDtS, fit), sigmas, 1e-9 * sigmas);
   for (double& rate : rates) rate = -rate;
   EXPECT_NEAR(DriftInSigmas(rates, kDtS, fit), -sigmas, 1e-9 * sigmas);
@@ -67,7 +68,7 @@ TEST(RestCheck, WhiteNoiseDoesNotDrift) {
     const double drift = DriftInSigmas(rates, kDtS, fit);
     sum2 += drift * drift;
   }
-  EXPECT_NEAR(sum2 / kRecords, 1.0, 0.3);  // three sigmas of a chi-square mean
+  EXPECT_NEAR(sum2 / kRecords, 1.0, 0.3);  // three sigmas of the mean of a chi-square
 }
 
 }  // namespace dn::rest_check_test

@@ -19,7 +19,7 @@ const PreintegrationNoise kNoise{1e-6, 1e-4, 1e-6};
 
 LocalFrame Alps() { return LocalFrame({46.5 * kRadPerDeg, 6.5 * kRadPerDeg, 500.0}); }
 
-// The brackets against long double arithmetic on the whole position vector.
+// The terms in brackets are compared with long double arithmetic on the whole position vector.
 TEST(EarthStep, BracketsAreFreeOfCancellation) {
   const LocalFrame frame = Alps();
   using Vector = Eigen::Matrix<long double, 3, 1>;
@@ -29,14 +29,14 @@ TEST(EarthStep, BracketsAreFreeOfCancellation) {
     const Vector w = frame.w_ie_m().cast<long double>(), r0 = frame.r0_m().cast<long double>();
     const long double rate = w.norm(), angle = rate * dt;
     const Vector axis = w / rate;
-    const auto turn = [&](const Vector& x) {  // (C - I) x, 1 - cos by the half angle
+    const auto turn = [&](const Vector& x) {  // (C - I) x, with 1 - cos by the half angle
       const long double s = std::sin(0.5L * angle);
       return Vector(std::sin(angle) * axis.cross(x) +
                     2.0L * s * s * axis.cross(Vector(axis.cross(x))));
     };
     const Vector position = turn(r0) - w.cross(r0) * static_cast<long double>(dt);
     const Vector velocity = turn(w.cross(r0));
-    // Long double leaves 1e-19 of w x r0 dt.
+    // The long double result has an error of 1e-19 of w x r0 dt.
     const double floor_m = 1e-18 * 500.0 * dt;
     EXPECT_LE((step.origin_position_m - position.cast<double>()).norm(),
               1e-14 * step.origin_position_m.norm() + floor_m);
@@ -51,7 +51,8 @@ TEST(EarthStep, ForthAndBackIsTheIdentity) {
   EXPECT_LE((forth.C * back.C - Matrix3d::Identity()).norm(), 1e-15);
 }
 
-// Point mass: GM/r^3 (3 e e^T - I) up to the flattening (J2: 3 J2 = 0.3 %, times 4).
+// A point mass has the gradient GM/r^3 (3 e e^T - I). The flattening changes it (J2: 3 J2 = 0.3 %,
+// times 4).
 TEST(AttractionGradient, IsNearlyThatOfAPointMass) {
   const LocalFrame frame = Alps();
   const Vector3d p(1000.0, -2000.0, 1500.0);
@@ -66,9 +67,10 @@ Preintegrated Increments(const EarthMotion& motion, double t0_s, double t1_s) {
   return Preintegrate(motion.Measure(t0_s - 0.05, t1_s + 0.05, 200.0), t0_s, t1_s, {}, kNoise);
 }
 
-// Coriolis, centrifugal and gravity enter the simulation in another form than the propagation. What
-// is left: parts of samples at the ends (1e-7 m/s), and the attraction taken linear in time under
-// an acceleration a, gradient a dt^3 / 12 (3e-6 x 3 m/s^2).
+// Coriolis force, centrifugal force and gravity enter the simulation in another form than the
+// propagation. Two errors remain. One is from the parts of samples at the ends (1e-7 m/s). The
+// other is from gravitation taken linear in time at an acceleration a: gradient a dt^3 / 12
+// (3e-6 x 3 m/s^2).
 TEST(Propagate, FollowsAnAnalyticFlight) {
   const EarthMotion motion = testing::PlaneMotion();
   for (const double length_s : {0.013, 0.1, 1.0, 2.0}) {
@@ -84,7 +86,7 @@ TEST(Propagate, FollowsAnAnalyticFlight) {
   }
 }
 
-/// A body at rest on the Earth, measured over one second.
+/// Returns the data of a body at rest on the Earth, over one second.
 ImuData Still(const LocalFrame& frame, const Eigen::Quaterniond& q_mb, const Vector3d& p) {
   ImuData imu;
   imu.nominal_dt_s = 0.02;
@@ -95,8 +97,8 @@ ImuData Still(const LocalFrame& frame, const Eigen::Quaterniond& q_mb, const Vec
   return imu;
 }
 
-// In steps of 0.02 s: taking the turning attraction linear in time costs g (w dt)^2 / 12, and the
-// vertical channel makes 270 times more of an error within the hour.
+// The steps are 0.02 s. Gravitation taken linear in time has an error of g (w dt)^2 / 12, because
+// its direction rotates. The vertical channel amplifies an error 270 times within the hour.
 TEST(Propagate, StillBodyStaysForAnHour) {
   const LocalFrame frame = Alps();
   const Eigen::Quaterniond q_mb = QuaternionFromRollPitchHeading({0.3, -0.2, 2.0});
@@ -109,7 +111,7 @@ TEST(Propagate, StillBodyStaysForAnHour) {
   EXPECT_LE(pose.q_mb.angularDistance(q_mb), 1e-10);
 }
 
-// The counterpart: the same data without the rotation of the Earth leave the place by kilometres.
+// This is the counterpart: without the Earth's rotation the same data lead kilometres away.
 TEST(Propagate, StillBodyLeavesWithoutTheEarthRate) {
   const LocalFrame frame = Alps();
   const Vector3d p(5000.0, 3000.0, 200.0);
@@ -125,8 +127,8 @@ TEST(Propagate, StillBodyLeavesWithoutTheEarthRate) {
   EXPECT_GE(moved.norm(), 1e3);
 }
 
-// One second without Earth terms against the noise of a navigation-grade sensor: 130, 88 and 76
-// sigma in a prototype; the exact form stays below a hundredth.
+// Without Earth terms, the error after one second is 130, 88 and 76 sigmas of a navigation-grade
+// sensor (from a prototype). The exact form stays below a hundredth of a sigma.
 TEST(Propagate, EarthTermsAreNeverOptional) {
   const EarthMotion motion = testing::PlaneMotion();
   const PreintegrationNoise nav{0.002 * kRadPerDeg / 60.0, 10e-6 * kStandardGravityMps2, 0.0};
@@ -159,7 +161,7 @@ TEST(Propagate, ComposesOverASplit) {
   const MapPose half = Propagate(motion.frame, start, Preintegrate(imu, 0.5, 0.9983, {}, kNoise));
   const MapPose parts = Propagate(motion.frame, half, Preintegrate(imu, 0.9983, 1.5, {}, kNoise));
   EXPECT_LE(parts.q_mb.angularDistance(whole.q_mb), 1e-9);
-  EXPECT_LE((parts.v_m - whole.v_m).norm(), 1e-6);  // attraction linear in time over 1 s or 0.5 s
+  EXPECT_LE((parts.v_m - whole.v_m).norm(), 1e-6);  // gravitation linear in time over 1 s or 0.5 s
   EXPECT_LE((parts.p_mb - whole.p_mb).norm(), 1e-6);
 }
 
@@ -186,7 +188,7 @@ TEST(AffineStep, AgreesWithPropagate) {
   }
 }
 
-TEST(AffineStep, OfZeroLengthIsTheIdentity) {
+TEST(AffineStep, ZeroLengthIsTheIdentity) {
   const AffineStep step = AffineStep::Make(Alps(), 0.0, {1000.0, 2000.0, 3000.0});
   EXPECT_LE((step.p_p - Matrix3d::Identity()).norm(), 1e-15);
   EXPECT_LE((step.v_v - Matrix3d::Identity()).norm(), 1e-15);

@@ -11,7 +11,8 @@ namespace dn::testing {
 
 constexpr double kWhiteRateHz = 100.0;
 
-/// White noise of 1e-4 rad/sqrt(s) and 1e-3 m/s/sqrt(s): 1e-3 rad/s and 1e-2 m/s^2 a sample.
+/// Returns a model with white noise of 1e-4 rad/sqrt(s) and 1e-3 m/s/sqrt(s); a sample has 1e-3
+/// rad/s and 1e-2 m/s^2.
 inline ImuModel WhiteModel() {
   ImuModel model;
   model.gyro.white = 1e-4;
@@ -19,7 +20,7 @@ inline ImuModel WhiteModel() {
   return model;
 }
 
-/// Samples of a sensor that has this noise, about a constant rate and force.
+/// Returns samples of a sensor with this noise at a constant rate and specific force.
 inline ImuData WhiteImu(std::uint64_t seed, double span_s, double gyro_ratio = 1.0,
                         double accel_ratio = 1.0) {
   std::mt19937_64 random(seed);

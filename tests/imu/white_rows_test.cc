@@ -16,15 +16,15 @@ void ExpectDensity(const ImuData& imu) {
   EXPECT_NEAR(found.accel_mps_per_sqrt_s / 1e-3, 1.0, kRelative);
 }
 
-TEST(WhiteRows, FindsTheDensityBesideMotion) {
+TEST(WhiteRows, FindsTheDensityDuringMotion) {
   ImuData imu = testing::WhiteImu(100, 60.0);
   ExpectDensity(imu);
   for (ImuSample& sample : imu.samples) sample.w_ib_b_radps.x() += 0.1 * std::sin(sample.t_s);
   ExpectDensity(imu);
 }
 
-// A logger that writes each row of its sensor three times.
-TEST(WhiteRows, RepeatedRowsSayNothingNew) {
+// The logger writes each row of its sensor three times.
+TEST(WhiteRows, IgnoresRepeatedRows) {
   ImuData imu = testing::WhiteImu(100, 60.0), log = imu;
   log.samples.clear();
   for (const ImuSample& sample : imu.samples) {
@@ -36,7 +36,7 @@ TEST(WhiteRows, RepeatedRowsSayNothingNew) {
   ExpectDensity(log);
 }
 
-TEST(WhiteRows, NoneOfFewRows) {
+TEST(WhiteRows, ZeroForFewRows) {
   ImuData imu = testing::WhiteImu(100, 0.03);
   EXPECT_EQ(WhiteNoiseOfRows(imu).gyro_rad_per_sqrt_s, 0.0);
 }

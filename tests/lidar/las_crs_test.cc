@@ -14,7 +14,7 @@ using testing::TempFile;
 
 constexpr std::uint16_t kWkt = 2112, kGeoKeys = 34735, kGeoAscii = 34737;
 
-StripCrs CrsOf(const std::vector<LasRecord>& vlrs, const std::vector<LasRecord>& evlrs = {}) {
+StripCrs ReadCrs(const std::vector<LasRecord>& vlrs, const std::vector<LasRecord>& evlrs = {}) {
   LasBytes las;
   las.minor = 4;
   las.points.resize(1);
@@ -35,42 +35,42 @@ LasRecord GeoKeys(const std::vector<std::array<std::uint16_t, 4>>& keys) {
   return record;
 }
 
-TEST(LasCrs, NothingIsSaid) {
-  const StripCrs crs = CrsOf({});
+TEST(LasCrs, FileWithoutSystem) {
+  const StripCrs crs = ReadCrs({});
   EXPECT_FALSE(crs.epsg);
   EXPECT_EQ(crs.text, "");
   EXPECT_EQ(crs.name, "");
 }
 
 TEST(LasCrs, GeoTiffKeys) {
-  const StripCrs utm = CrsOf(
+  const StripCrs utm = ReadCrs(
       {GeoKeys({{1024, 0, 1, 1}, {1026, kGeoAscii, 5, 0}, {3072, 0, 1, 32632}, {4096, 0, 1, 5703}}),
        {"LASF_Projection", kGeoAscii, "WGS84|"}});
   EXPECT_EQ(utm.epsg, 32632);
   EXPECT_EQ(utm.name, "utm:32n");
   EXPECT_EQ(utm.text, "WGS84");
   EXPECT_TRUE(utm.heights_from_geoid);
-  EXPECT_EQ(CrsOf({GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 32767}, {3074, 0, 1, 16134}})}).name,
+  EXPECT_EQ(ReadCrs({GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 32767}, {3074, 0, 1, 16134}})}).name,
             "utm:34s");
-  const StripCrs ecef = CrsOf({GeoKeys({{1024, 0, 1, 3}, {2048, 0, 1, 4326}})});
+  const StripCrs ecef = ReadCrs({GeoKeys({{1024, 0, 1, 3}, {2048, 0, 1, 4326}})});
   EXPECT_EQ(ecef.name, "ecef");
   EXPECT_EQ(ecef.epsg, 4978);
-  const StripCrs degrees = CrsOf({GeoKeys({{1024, 0, 1, 2}, {2048, 0, 1, 4326}})});
+  const StripCrs degrees = ReadCrs({GeoKeys({{1024, 0, 1, 2}, {2048, 0, 1, 4326}})});
   EXPECT_EQ(degrees.name, "");
   EXPECT_EQ(degrees.epsg, 4326);
-  EXPECT_EQ(CrsOf({GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 3005}})}).name, "");
+  EXPECT_EQ(ReadCrs({GeoKeys({{1024, 0, 1, 1}, {3072, 0, 1, 3005}})}).name, "");
 }
 
 TEST(LasCrs, BrokenGeoTiffKeys) {
   LasRecord keys = GeoKeys({{1024, 0, 1, 1}});
   LasBytes::Put(std::uint16_t{9}, 6, &keys.content);
-  ExpectInvalidIn([&] { CrsOf({keys}); }, "promises 9 keys", "strip.las");
+  ExpectInvalidIn([&] { ReadCrs({keys}); }, "announces 9 keys", "strip.las");
   ExpectInvalidIn(
       [&] {
-        CrsOf({{"LASF_Projection", kGeoKeys, "x"}});
+        ReadCrs({{"LASF_Projection", kGeoKeys, "x"}});
       },
-      "promises 0 keys", "strip.las");
-  EXPECT_EQ(CrsOf({GeoKeys({{1026, kGeoAscii, 60000, 60000}})}).text, "");
+      "announces 0 keys", "strip.las");
+  EXPECT_EQ(ReadCrs({GeoKeys({{1026, kGeoAscii, 60000, 60000}})}).text, "");
 }
 
 TEST(LasCrs, WellKnownTextOf2001) {
@@ -78,42 +78,43 @@ TEST(LasCrs, WellKnownTextOf2001) {
       R"(PROJCS["ETRS89 / UTM zone 33N",GEOGCS["ETRS89",DATUM["x",SPHEROID["y",6378137,298.25,)"
       R"(AUTHORITY["EPSG","7019"]]],UNIT["degree",0.0174532925],AUTHORITY["EPSG","4258"]],)"
       R"(UNIT["metre",1,AUTHORITY["EPSG","9001"]],AUTHORITY["EPSG","25833"]])";
-  const StripCrs crs = CrsOf({Wkt(projected + '\0')});
+  const StripCrs crs = ReadCrs({Wkt(projected + '\0')});
   EXPECT_EQ(crs.epsg, 25833);
   EXPECT_EQ(crs.name, "utm:33n");
   EXPECT_FALSE(crs.heights_from_geoid);
   const StripCrs compound =
-      CrsOf({}, {Wkt("COMPD_CS[\"both\"," + projected +
-                     R"(,VERT_CS["h",UNIT["metre",1]],AUTHORITY["EPSG","5972"]])")});
+      ReadCrs({}, {Wkt("COMPD_CS[\"both\"," + projected +
+                       R"(,VERT_CS["h",UNIT["metre",1]],AUTHORITY["EPSG","5972"]])")});
   EXPECT_EQ(compound.epsg, 25833);
   EXPECT_TRUE(compound.heights_from_geoid);
 }
 
 TEST(LasCrs, WellKnownTextOf2019) {
   const StripCrs crs =
-      CrsOf({Wkt(R"(PROJCRS["WGS 84 / UTM zone 56S", BASEGEOGCRS["WGS 84", ID["EPSG",4326]], )"
-                 R"(CONVERSION["x", ID["EPSG",16156]], CS[Cartesian,2], LENGTHUNIT["metre",1], )"
-                 R"(ID["EPSG",32756]])")});
+      ReadCrs({Wkt(R"(PROJCRS["WGS 84 / UTM zone 56S", BASEGEOGCRS["WGS 84", ID["EPSG",4326]], )"
+                   R"(CONVERSION["x", ID["EPSG",16156]], CS[Cartesian,2], LENGTHUNIT["metre",1], )"
+                   R"(ID["EPSG",32756]])")});
   EXPECT_EQ(crs.epsg, 32756);
   EXPECT_EQ(crs.name, "utm:56s");
 }
 
-TEST(LasCrs, ATitleSaysTheZone) {
-  EXPECT_EQ(CrsOf({Wkt(R"(PROJCS["WGS 84 / UTM zone 11N",UNIT["metre",1]])")}).name, "utm:11n");
-  EXPECT_EQ(CrsOf({Wkt(R"(PROJCS["WGS 84 / UTM zone ",UNIT["metre",1]])")}).name, "");
+TEST(LasCrs, FindsTheZoneInTheTitle) {
+  EXPECT_EQ(ReadCrs({Wkt(R"(PROJCS["WGS 84 / UTM zone 11N",UNIT["metre",1]])")}).name, "utm:11n");
+  EXPECT_EQ(ReadCrs({Wkt(R"(PROJCS["WGS 84 / UTM zone ",UNIT["metre",1]])")}).name, "");
 }
 
 TEST(LasCrs, FeetAreRefused) {
-  ExpectInvalidIn([] { CrsOf({Wkt(R"(PROJCS["x",UNIT["US survey foot",0.3048006096012192]])")}); },
-                  "the coordinates of the points are not in metres", "strip.las");
+  ExpectInvalidIn(
+      [] { ReadCrs({Wkt(R"(PROJCS["x",UNIT["US survey foot",0.3048006096012192]])")}); },
+      "the coordinates of the points are not in metres", "strip.las");
   ExpectInvalidIn(
       [] {
-        CrsOf({Wkt(R"(COMPD_CS["x",PROJCS["x",UNIT["m",1]],VERT_CS["h",UNIT["foot",0.3048]]])")});
+        ReadCrs({Wkt(R"(COMPD_CS["x",PROJCS["x",UNIT["m",1]],VERT_CS["h",UNIT["foot",0.3048]]])")});
       },
       "the heights of the points are not in metres", "strip.las");
   ExpectInvalidIn(
       [] {
-        CrsOf({GeoKeys({{1024, 0, 1, 1}, {3076, 0, 1, 9003}})});
+        ReadCrs({GeoKeys({{1024, 0, 1, 1}, {3076, 0, 1, 9003}})});
       },
       "the coordinates of the points are not in metres", "strip.las");
 }
@@ -121,17 +122,18 @@ TEST(LasCrs, FeetAreRefused) {
 TEST(LasCrs, BrokenTextIsKept) {
   for (const char* text :
        {"[[[[", "]]]]", "PROJCS[\"", "PROJCS[\"x\",UNIT[\"m\",abc]", ",,,\"\""}) {
-    EXPECT_FALSE(CrsOf({Wkt(text)}).epsg) << text;
-    EXPECT_EQ(CrsOf({Wkt(text)}).text, text);
+    EXPECT_FALSE(ReadCrs({Wkt(text)}).epsg) << text;
+    EXPECT_EQ(ReadCrs({Wkt(text)}).text, text);
   }
 }
 
-// Within the time limit of a test: every bracket counts the systems around it once.
+// The run time stays within the limit of a test because each bracket counts the enclosing systems
+// only once.
 TEST(LasCrs, DeeplyNestedTextTakesNoTime) {
   std::string text;
   constexpr int kDepth = 80000;
   for (int i = 0; i < kDepth; ++i) text += "PROJCS[1,2,";
-  EXPECT_FALSE(CrsOf({}, {Wkt(text + std::string(kDepth, ']'))}).epsg);
+  EXPECT_FALSE(ReadCrs({}, {Wkt(text + std::string(kDepth, ']'))}).epsg);
 }
 
 }  // namespace dn::las_crs_test

@@ -41,7 +41,7 @@ StripCloud ReadAll(const fs::path& file) {
   return points;
 }
 
-/// Writes what a file holds to another; returns the bytes.
+/// Copies the points of a file to another file; returns the bytes of the copy.
 std::string WrittenAgain(const TempFile& file, bool with_covariance = false,
                          const std::vector<bool>& drop = {}) {
   const fs::path copy = file.path().parent_path() / "copy.las";
@@ -84,23 +84,24 @@ TEST_P(EveryLasFormat, IsReadAndWrittenAgainByteByByte) {
   EXPECT_EQ(WrittenAgain(file), las.Build());
 }
 
-TEST_P(EveryLasFormat, HoldsHowManyReturnsFollow) {
+TEST_P(EveryLasFormat, CountsTheReturnsThatFollow) {
   LasBytes las = ThreePoints();
   las.minor = GetParam().minor;
   las.format = GetParam().format;
-  las.points[0].returns = 5;  // the first of five, the second of three, the last of five
+  las.points[0].returns = 5;  // these are return 1 of 5, return 2 of 3 and return 5 of 5
   las.points[1].returns = 3;
   las.points[2].returns = 5;
   const TempFile file("strip.las", las.Build());
   EXPECT_EQ(ReadAll(file.path()).returns_after, (std::vector<std::uint8_t>{4, 1, 0}));
 }
 
-TEST_P(EveryLasFormat, HoldsTheClassesWithoutTheirFlags) {
+TEST_P(EveryLasFormat, ReadsClassesWithoutTheirFlags) {
   LasBytes las = ThreePoints();
   las.minor = GetParam().minor;
   las.format = GetParam().format;
   las.points[0].classification = 2;
-  las.points[1].classification = las.format >= 6 ? 64 : 6 | 0x80;  // withheld, in the old formats
+  // With the flag "withheld" in the old formats.
+  las.points[1].classification = las.format >= 6 ? 64 : 6 | 0x80;
   const TempFile file("strip.las", las.Build());
   EXPECT_EQ(ReadAll(file.path()).classification,
             (std::vector<std::uint8_t>{2, static_cast<std::uint8_t>(las.format >= 6 ? 64 : 6), 0}));
@@ -119,7 +120,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Las, AdjustedTimeBecomesSecondsOfWeekWithoutLosingABit) {
   LasBytes las = ThreePoints();
   las.encoding = 1;
-  // Week 2234: 2234 x 604800 s less 1e9 s. The second point lies in the next week.
+  // The first point is in week 2234, which begins at 2234 x 604800 s minus 1e9 s. The second point
+  // is in the next week.
   const double week_s = 2234.0 * 604800.0 - 1e9;
   las.points[0].time_s = week_s + 604799.123456;
   las.points[1].time_s = week_s + 604800.5;
@@ -174,19 +176,19 @@ TEST(Las, LaserVectorsAreExtraBytes) {
   EXPECT_EQ(ReadAll(file.path()).u_s[2], Vector3d(1.5, -2.5, 700.25));
   las.points[1].extra = std::string(24, '\0');
   const TempFile zero("strip.las", las.Build());
-  ExpectInvalidIn([&] { ReadAll(zero.path()); }, "point 2: laser vector of zero length",
+  ExpectInvalidIn([&] { ReadAll(zero.path()); }, "point 2: laser vector has zero length",
                   "strip.las");
   const double nan = std::nan("");
   std::memcpy(las.points[1].extra.data() + 8, &nan, sizeof nan);
   const TempFile not_finite("strip.las", las.Build());
-  ExpectInvalidIn([&] { ReadAll(not_finite.path()); },
-                  "point 2: laser vector that is no finite number", "strip.las");
+  ExpectInvalidIn([&] { ReadAll(not_finite.path()); }, "point 2: laser vector is not finite",
+                  "strip.las");
 }
 
-TEST(Las, CovarianceIsAddedBehindWhatIsThere) {
+TEST(Las, CovarianceIsAddedAfterExistingBytes) {
   LasBytes las = ThreePoints();
   las.vlrs = {{"somebody", 7, "what nobody knows"}, ExtraBytesRecord({"Reflectance"}, 9)};
-  las.extra_bytes = 6;  // two of them without a description
+  las.extra_bytes = 6;  // two of these bytes have no description
   for (LasPoint& point : las.points) point.extra = "abcdef";
   const TempFile file("strip.las", las.Build());
   LasBytes expected = las;
@@ -217,10 +219,10 @@ TEST(Las, CovarianceMakesTheRecordOfExtraBytes) {
   other.vlrs = {ExtraBytesRecord({"VarianceY"}, 10)};
   other.extra_bytes = 8;
   const TempFile taken("strip.las", other.Build());
-  ExpectInvalidIn([&] { WrittenAgain(taken, true); }, "VarianceY are there already", "strip.las");
+  ExpectInvalidIn([&] { WrittenAgain(taken, true); }, "VarianceY already exist", "strip.las");
 }
 
-TEST(Las, WhatFollowsThePointsMovesWithTheirEnd) {
+TEST(Las, DataAfterThePointsMoveWithTheirEnd) {
   LasBytes las = ThreePoints();
   las.minor = 4;
   las.format = 6;
@@ -276,7 +278,7 @@ void ExpectRefusedWith(const LasBytes& las, std::size_t at, T value, const std::
   ExpectRefused(bytes, what);
 }
 
-TEST(LasHeader, LiesAreNamed) {
+TEST(LasHeader, ReportsFalseStatements) {
   LasBytes las = ThreePoints();
   las.vlrs = {{"somebody", 7, "what nobody knows"}, ExtraBytesRecord({"Reflectance"}, 9)};
   las.extra_bytes = 4;
@@ -284,27 +286,28 @@ TEST(LasHeader, LiesAreNamed) {
     SCOPED_TRACE("byte " + std::to_string(at));
     ExpectRefusedWith(las, at, value, what);
   };
-  ExpectRefused("", "0 bytes, a LAS header at least 227");
+  ExpectRefused("", "0 bytes, but a LAS header has at least 227");
   ExpectRefused(std::string(300, 'x'), "does not begin with LASF");
-  with(25, std::uint8_t{1}, "version 1.1 (byte 24) is not read");
-  with(24, std::uint8_t{2}, "version 2.2 (byte 24) is not read");
-  with(94, std::uint16_t{100}, "its size (byte 94) is 100");
+  with(25, std::uint8_t{1}, "version 1.1 (byte 24) is not supported");
+  with(24, std::uint8_t{2}, "version 2.2 (byte 24) is not supported");
+  with(94, std::uint16_t{100}, "the header size (byte 94) is 100");
   with(94, std::uint16_t{60000}, "the points begin (byte 96)");
   with(96, std::uint32_t{0}, "the points begin (byte 96) at byte 0");
   with(96, std::uint32_t{4000000000u}, "the points begin (byte 96) at byte 4000000000");
   with(100, std::uint32_t{3}, "variable length record 3 of 3 (byte 100)");
   with(227 + 20, std::uint16_t{65535}, "variable length record 1 of 2");
-  with(104, std::uint8_t{6}, "point format 6 (byte 104) is none of 0 to 3");
+  with(104, std::uint8_t{6},
+       "point format 6 (byte 104) is not supported: version 1.2 allows 0 to 3");
   with(104, std::uint8_t{129}, "compressed (LAZ)");
   with(105, std::uint16_t{27}, "a record has 27 bytes (byte 105)");
-  with(105, std::uint16_t{30}, "the extra bytes that are described 32");
-  with(107, std::uint32_t{4}, "4 points of 32 bytes are promised");
+  with(105, std::uint16_t{30}, "the described extra bytes need 32");
+  with(107, std::uint32_t{4}, "it announces 4 points of 32 bytes");
   with(107, std::uint32_t{4000000000u}, "4000000000 points");
   with(107, std::uint32_t{1}, "64 bytes follow the 1 points");
   with(131, 0.0, "scale factor 0 (byte 131)");
-  with(139, std::nan(""), "scale factor (byte 139) is no finite number");
+  with(139, std::nan(""), "scale factor (byte 139) is not a finite number");
   with(147, -0.001, "scale factor -0.001 (byte 147)");
-  with(155, std::nan(""), "offset (byte 155) is no finite number");
+  with(155, std::nan(""), "offset (byte 155) is not a finite number");
   with(163, 1e300, "offset 1e+300 (byte 163)");
   const std::size_t descriptor = 227 + 54 + 17 + 54;
   with(descriptor + 2, std::uint8_t{31}, "unknown type 31");
@@ -313,7 +316,7 @@ TEST(LasHeader, LiesAreNamed) {
   with(first + 20, 3.5e8, "if it is adjusted standard time, set the bit");
 }
 
-TEST(LasHeader, LiesOfVersionFourAreNamed) {
+TEST(LasHeader, ReportsFalseStatementsOfVersionFour) {
   LasBytes las = ThreePoints();
   las.minor = 4;
   las.format = 6;
@@ -325,12 +328,12 @@ TEST(LasHeader, LiesOfVersionFourAreNamed) {
     SCOPED_TRACE("byte " + std::to_string(at));
     ExpectRefusedWith(las, at, value, what);
   };
-  with(107, std::uint32_t{2}, "two numbers of points");
+  with(107, std::uint32_t{2}, "two different numbers of points");
   with(235, std::uint64_t{375}, "the extended records begin (byte 235) at byte 375");
   with(235, ~std::uint64_t{0}, "extended record 1 of 1");
   with(243, std::uint32_t{2}, "extended record 2 of 2");
   with(end + 20, ~std::uint64_t{0}, "extended record 1 of 1");
-  with(247, ~std::uint64_t{0}, "points of 30 bytes are promised");
+  with(247, ~std::uint64_t{0}, "points of 30 bytes from byte");
   with(375 + 22, 1e10, "GPS time 1e+10 of point 1");
   with(375 + 30 + 22, 1e9, "more than a week from that of the first point");
   LasBytes waveforms = ThreePoints();
@@ -348,8 +351,8 @@ TEST(LasHeader, LazIsRecognisedByItsRecord) {
   ExpectRefused(laz, "compressed (LAZ)", "strip.laz");
 }
 
-TEST(LasHeader, OtherFilesAreNoStrips) {
-  ExpectRefused("x", "strips are .las or .txt files, this ends in '.ply'", "strip.ply");
+TEST(LasHeader, RejectsOtherFiles) {
+  ExpectRefused("x", "strips must be .las or .txt files, but the extension is '.ply'", "strip.ply");
 }
 
 }  // namespace dn::las_test

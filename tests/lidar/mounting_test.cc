@@ -10,7 +10,7 @@ namespace dn::mounting_test {
 
 using testing::ExpectInvalid;
 
-constexpr double kRoundOff = 1e-13;  // a few products of numbers of order 100
+constexpr double kRoundOff = 1e-13;  // error of a few products of numbers of order 100
 
 TEST(CheckedRotation, ReturnsAnExactRotationUnchanged) {
   Eigen::Matrix3d R;
@@ -23,18 +23,20 @@ TEST(CheckedRotation, ReturnsTheNearestRotationOfATypedOneAndKeepsIt) {
   const Eigen::Matrix3d typed = (exact * 1e7).array().round() / 1e7;
   const Eigen::Matrix3d R = CheckedRotation(typed);
   EXPECT_LE((R.transpose() * R - Eigen::Matrix3d::Identity()).norm(), kRoundOff);
-  EXPECT_LE((R - typed).cwiseAbs().maxCoeff(), 1e-7);  // half a unit of the last digit, twice
+  EXPECT_LE((R - typed).cwiseAbs().maxCoeff(),
+            1e-7);  // rounding error of both matrices, half a unit of the last digit each
   EXPECT_EQ(CheckedRotation(R), R);
 }
 
-TEST(CheckedRotation, RejectsWhatIsNoRotation) {
+TEST(CheckedRotation, RejectsOtherMatrices) {
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-  ExpectInvalid([&] { CheckedRotation(1.00001 * I); }, "no rotation", 0);
+  ExpectInvalid([&] { CheckedRotation(1.00001 * I); }, "not a rotation", 0);
   ExpectInvalid([&] { CheckedRotation(-I); }, "reflection", 0);
   ExpectInvalid([&] { CheckedRotation(std::nan("") * I); }, "not finite", 0);
 }
 
-// Hand-computed: the mounting takes s-x to b-y; a boresight of +90 deg in yaw takes b-y to -b-x.
+// Hand-computed values: the mounting takes s-x to b-y; a boresight of +90 deg in yaw takes b-y to
+// -b-x.
 TEST(LaserVectorInBody, ComposesMountingAndBoresight) {
   Mounting mounting;
   mounting.R_bs_nominal << 0, -1, 0, 1, 0, 0, 0, 0, 1;
@@ -43,7 +45,8 @@ TEST(LaserVectorInBody, ComposesMountingAndBoresight) {
   EXPECT_LE((u_b - Eigen::Vector3d(-100, 0, 7)).norm(), kRoundOff);
 }
 
-// Hand-computed: heading east (body x to map x, body z down); a point 100 m below the scanner.
+// Hand-computed values: the heading is east (body x is map x, body z is down) and the point lies
+// 100 m below the scanner.
 TEST(Georeference, PutsTheLaserVectorAtTheScannerNotAtTheBodyOrigin) {
   MapPose pose;
   pose.p_mb = Eigen::Vector3d(10, 20, 500);

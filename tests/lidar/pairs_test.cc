@@ -78,7 +78,7 @@ TEST(ReadPairs, CountsEqualPairsOnceWhereverTheyStand) {
   std::filesystem::create_hard_link(folder.path() / "p.txt", folder.path() / "hard.txt");
   const PairData one = ReadPairs(folder.path(), {"p.txt"});
   ASSERT_EQ(one.pairs.size(), 2u);
-  EXPECT_EQ(one.pairs[0].u_j_s.z(), 7.0);  // the first of equals, in the order of the file
+  EXPECT_EQ(one.pairs[0].u_j_s.z(), 7.0);  // the first of the equal pairs stays, in file order
   EXPECT_EQ(one.pairs[1].line, 2);
   EXPECT_EQ(one.repeated_pairs_dropped, 2);
   const PairData all = ReadPairs(folder.path(), {"*.txt", "./p.txt"});
@@ -88,7 +88,7 @@ TEST(ReadPairs, CountsEqualPairsOnceWhereverTheyStand) {
   EXPECT_EQ(listed.pairs.size(), 2u);
 }
 
-TEST(ReadPairs, NamesWhatIsNoRegularFile) {
+TEST(ReadPairs, RejectsFilesThatAreNotRegular) {
   const TempFolder folder;
   folder.Write("lidar/a.txt", kPlain);
   ASSERT_EQ(mkfifo((folder.path() / "lidar/pipe.txt").c_str(), 0600), 0);
@@ -100,7 +100,7 @@ TEST(ReadPairs, NamesThePatternThatMatchesNothing) {
   const TempFolder folder;
   folder.Write("a.txt", kPlain);
   ExpectInvalid([&] { ReadPairs(folder.path(), {"a.txt", "lidar/*.txt"}); }, "'lidar/*.txt'", 0);
-  ExpectInvalid([&] { ReadPairs(folder.path(), {}); }, "no pattern", 0);
+  ExpectInvalid([&] { ReadPairs(folder.path(), {}); }, "no file pattern", 0);
 }
 
 TEST(ReadPairs, NamesTheLineOfBadData) {
@@ -112,10 +112,10 @@ TEST(ReadPairs, NamesTheLineOfBadData) {
   };
   expect("1, 2, 0, 0, 0, 1, 2, 3\n", "zero length");
   expect("1, 2, 1, 2, 3, 0, 0, 0\n", "zero length");
-  expect("1, 2, 300000, 400000, 0, 1, 2, 3\n", "5e+05 in the unit that should be metres");
+  expect("1, 2, 300000, 400000, 0, 1, 2, 3\n", "length 5e+05, must lie between 0.001 and 50000 m");
   expect("1, 2, 300000, 400000, 0, 1, 2, 3\n", "in millimetres? Divide it by 1000");
   expect("1, 2, 1e-5, 0, 0, 1, 2, 3\n", "in kilometres? Multiply it by 1000");
-  expect("1, 2, 1e200, 1e200, 0, 1, 2, 3\n", "e+200 in the unit");
+  expect("1, 2, 1e200, 1e200, 0, 1, 2, 3\n", "e+200, must lie between");
   expect("381000250, 2, 1, 2, 3, 1, 2, 3\n", "milliseconds? Divide it by 1000");
   expect("1, 381000250, 1, 2, 3, 1, 2, 3\n", "milliseconds? Divide it by 1000");
   expect("1, 2, 1, 2, 3, 4, 5, 6, 1e-200, 0, 0, 1e-200, 0, 1e-200\n", "is it in m^2?");

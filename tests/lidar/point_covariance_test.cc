@@ -50,11 +50,12 @@ TEST(LaserVectorTo, IsTheInverseOfGeoreference) {
   }
 }
 
-// A beam straight down from a level body: hand-computed.
-TEST(PointCovariance, OfANadirBeam) {
+// Hand-computed values for a beam straight down from a level body.
+TEST(PointCovariance, MatchesHandComputedNadirBeam) {
   Case c;
   c.u_s = Vector3d(0.0, 0.0, 1000.0);
-  c.errors.attitude_rad2 = Vector3d(4e-10, 1e-10, 9e-10).asDiagonal();  // 0.02, 0.01 m; yaw: none
+  // 0.02 m and 0.01 m; yaw has no influence.
+  c.errors.attitude_rad2 = Vector3d(4e-10, 1e-10, 9e-10).asDiagonal();
   c.errors.sigma_range_m = 0.03;
   c.errors.sigma_beam_rad = 2e-5;
   const Matrix3d C = PointCovariance(c.pose, c.mounting, c.u_s, c.errors);
@@ -62,9 +63,10 @@ TEST(PointCovariance, OfANadirBeam) {
   EXPECT_LT((C - expected).cwiseAbs().maxCoeff(), 1e-15);
 }
 
-TEST(PointCovariance, IsThatOfManyDisturbedPoints) {
+TEST(PointCovariance, AgreesWithManyDisturbedPoints) {
   constexpr int kDraws = 20000;
-  // Relative standard deviation of a variance from so many draws is 1 %; five of them.
+  // A variance from this many draws has a relative standard deviation of 1 %; the tolerance is five
+  // times that.
   constexpr double kTolerance = 0.05;
   std::mt19937 rng(11);
   std::normal_distribution<double> normal;

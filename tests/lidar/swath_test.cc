@@ -21,7 +21,7 @@ double Area(const std::vector<Vector2d>& corners) {
   return std::abs(twice_m2) / 2.0;
 }
 
-/// Points across a straight strip of a course, scanned at 20 lines a second.
+/// Returns the outline of points across a straight strip, scanned at 20 lines a second.
 SwathOutline StraightStrip(double course_rad, double duration_s) {
   SwathOutline outline;
   const Vector2d ahead(std::sin(course_rad), std::cos(course_rad));
@@ -36,24 +36,25 @@ SwathOutline StraightStrip(double course_rad, double duration_s) {
   return outline;
 }
 
-class CourseOfSwath : public ::testing::TestWithParam<double> {};
+class SwathCourse : public ::testing::TestWithParam<double> {};
 
-TEST_P(CourseOfSwath, ItsOutlineIsAsWideAsTheStrip) {
+TEST_P(SwathCourse, ItsOutlineIsAsWideAsTheStrip) {
   constexpr double kDuration_s = 200.0;
   const std::vector<Vector2d> corners = StraightStrip(GetParam(), kDuration_s).Corners();
   EXPECT_LE(corners.size(), 120u);
   const double area_m2 = 2.0 * kHalfWidth_m * kSpeed_mps * kDuration_s;
-  EXPECT_NEAR(Area(corners) / area_m2, 1.0, 0.03);  // half a stretch is cut off at each end
+  EXPECT_NEAR(Area(corners) / area_m2, 1.0,
+              0.03);  // each end of the strip loses half a stretch of time
 }
 
-INSTANTIATE_TEST_SUITE_P(Courses, CourseOfSwath, ::testing::Values(0.0, 0.3, 1.0, 2.0, 3.14, 5.0));
+INSTANTIATE_TEST_SUITE_P(Courses, SwathCourse, ::testing::Values(0.0, 0.3, 1.0, 2.0, 3.14, 5.0));
 
-TEST(SwathOutline, OfASecondIsAroundItsPoints) {
+TEST(SwathOutline, SurroundsThePointsOfOneSecond) {
   const std::vector<Vector2d> corners = StraightStrip(0.0, 0.9).Corners();
   EXPECT_NEAR(Area(corners), 2.0 * kHalfWidth_m * kSpeed_mps * 0.85, 1.0);
 }
 
-TEST(SwathOutline, OfNothingIsNothing) {
+TEST(SwathOutline, IsEmptyForFewerThanThreePoints) {
   EXPECT_TRUE(SwathOutline().Corners().empty());
   SwathOutline one;
   one.Add(1.0, Vector3d(1.0, 2.0, 3.0));

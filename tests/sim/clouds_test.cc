@@ -32,8 +32,8 @@ SimulatedFlight Fly(const Scenario& scenario, bool noise = false) {
   return Simulate(scenario, {.seed = 5, .noise = noise});
 }
 
-/// All points of a strip.
-StripCloud PointsOf(const SimulatedFlight& flight, std::size_t strip, int threads = 2) {
+/// Returns all points of a strip.
+StripCloud AllPoints(const SimulatedFlight& flight, std::size_t strip, int threads = 2) {
   StripCloud all;
   flight.clouds->Run(
       strip, threads,
@@ -53,7 +53,8 @@ Mounting TrueMounting(const SimulatedFlight& flight) {
   return mounting;
 }
 
-/// How many points lie on the surface, seen along their rays: also where these meet a wall.
+/// Returns the number of points on the surface. They are compared along their rays, so that points
+/// on walls count too.
 std::size_t CountOnSurface(const SimulatedFlight& flight, const StripCloud& points,
                            const std::function<Mounting(double t_s)>& mounting, double late_s = 0) {
   const Terrain terrain(flight.scenario.terrain);
@@ -79,7 +80,7 @@ TEST(Clouds, ExactPointsLieOnTheSurface) {
         CloudScenario("effects: [{effect: lidar_lever_arm, value: [0.3, -0.2, 0.1]}]\n");
     scenario.lidar.pattern = pattern;
     const SimulatedFlight flight = Fly(scenario);
-    const StripCloud points = PointsOf(flight, 2);
+    const StripCloud points = AllPoints(flight, 2);
     EXPECT_GT(points.size(), 30000u);
     EXPECT_EQ(CountOnSurface(flight, points, [&](double) { return TrueMounting(flight); }),
               points.size());
@@ -88,7 +89,7 @@ TEST(Clouds, ExactPointsLieOnTheSurface) {
 
 TEST(Clouds, PointsAreMadeWithTheAssumedMounting) {
   const SimulatedFlight flight = Fly(CloudScenario());
-  const StripCloud points = PointsOf(flight, 0);
+  const StripCloud points = AllPoints(flight, 0);
   const Mounting assumed = flight.flight.config.lidar->mounting;
   EXPECT_EQ(assumed.boresight_rad, Vector3d::Zero());
   for (std::size_t i = 0; i < points.size(); i += 100) {
@@ -97,7 +98,7 @@ TEST(Clouds, PointsAreMadeWithTheAssumedMounting) {
   }
 }
 
-/// A flat world under a calm, level flight, with pulses that lie gsd_m apart.
+/// Returns a scenario with flat terrain and a calm, level flight; the pulses are gsd_m apart.
 Scenario FlatScenario(ScanPattern pattern, double gsd_m) {
   constexpr double kFov_rad = 1.0, kSpeed_mps = 40.0, kHeight_m = 200.0;
   Scenario scenario = CloudScenario();
@@ -125,7 +126,7 @@ double DensityNearTrack(const StripCloud& points) {
   return static_cast<double>(count) / (4.0 * kHalf_m * kHalf_m);
 }
 
-/// Mean distance of neighbours in a scan, near the track.
+/// Returns the mean distance of neighbouring points in a scan, near the track.
 double SpacingAcross(const StripCloud& points) {
   double sum_m = 0.0;
   int count = 0;
@@ -138,26 +139,26 @@ double SpacingAcross(const StripCloud& points) {
   return sum_m / count;
 }
 
-TEST(Clouds, ALinesPulsesLieAGsdApartAlongAndAcross) {
+TEST(Clouds, LinePulsesAreOneGsdApartAlongAndAcross) {
   constexpr double kGsd_m = 0.5;
-  const StripCloud points = PointsOf(Fly(FlatScenario(ScanPattern::kLine, kGsd_m)), 0);
+  const StripCloud points = AllPoints(Fly(FlatScenario(ScanPattern::kLine, kGsd_m)), 0);
   EXPECT_NEAR(DensityNearTrack(points) * kGsd_m * kGsd_m, 1.0, 0.05);
   EXPECT_NEAR(SpacingAcross(points), kGsd_m, 0.05 * kGsd_m);
 }
 
 TEST(Clouds, AConeSeesTheGroundTwice) {
   constexpr double kGsd_m = 0.5;
-  const StripCloud points = PointsOf(Fly(FlatScenario(ScanPattern::kCone, kGsd_m)), 0);
+  const StripCloud points = AllPoints(Fly(FlatScenario(ScanPattern::kCone, kGsd_m)), 0);
   EXPECT_NEAR(DensityNearTrack(points) * kGsd_m * kGsd_m, 2.0, 0.1);
   EXPECT_NEAR(SpacingAcross(points), kGsd_m, 0.1 * kGsd_m);
 }
 
-TEST(Clouds, NoiseIsThatOfTheScenario) {
+TEST(Clouds, NoiseMatchesTheScenario) {
   Scenario scenario = FlatScenario(ScanPattern::kLine, 1.0);
   scenario.lidar.sigma_range_m = 0.05;
   scenario.lidar.beam_divergence_rad = 4e-3;
   const SimulatedFlight flight = Fly(scenario, true);
-  const StripCloud points = PointsOf(flight, 0);
+  const StripCloud points = AllPoints(flight, 0);
   double squares = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector3d u_s = points.u_s[i];
@@ -169,20 +170,20 @@ TEST(Clouds, NoiseIsThatOfTheScenario) {
   EXPECT_NEAR(squares / expected, 1.0, 0.05);
 }
 
-TEST(Clouds, NoiseOfAStripHangsOnNothingButItsName) {
+TEST(Clouds, NoiseOfAStripDependsOnlyOnItsName) {
   Scenario scenario = FlatScenario(ScanPattern::kLine, 1.0);
-  const StripCloud before = PointsOf(Fly(scenario, true), 0);
+  const StripCloud before = AllPoints(Fly(scenario, true), 0);
   scenario.pairs.count = 0;
   scenario.gnss.rate_hz = 5.0;
   scenario.plan.lines.push_back({{150.0, 50.0}, {-150.0, 50.0}, 200.0, 40.0});
-  const StripCloud after = PointsOf(Fly(scenario, true), 0);
+  const StripCloud after = AllPoints(Fly(scenario, true), 0);
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < before.size(); i += 50) {
     EXPECT_LT((after.u_s[i] - before.u_s[i]).norm(), kOnSurface_m);
   }
 }
 
-TEST(Clouds, AreInTheOrderOfTimeAndTheSameForAnyNumberOfThreads) {
+TEST(Clouds, AreSortedByTimeAndIndependentOfThreads) {
   const SimulatedFlight flight = Fly(CloudScenario(), true);
   const testing::TempFolder folder;
   const auto written = [&](const std::string& name, int threads) {
@@ -193,7 +194,7 @@ TEST(Clouds, AreInTheOrderOfTimeAndTheSameForAnyNumberOfThreads) {
   const std::string one = written("one.las", 1);
   EXPECT_EQ(one, written("two.las", 2));
 
-  const StripCloud points = PointsOf(flight, 1);
+  const StripCloud points = AllPoints(flight, 1);
   EXPECT_TRUE(std::is_sorted(points.t_s.begin(), points.t_s.end()));
   const auto reader = OpenStrip(folder.path() / "one.las");
   ASSERT_EQ(reader->points(), points.size());
@@ -208,14 +209,14 @@ TEST(Clouds, AreInTheOrderOfTimeAndTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(Clouds, TheLidarEffectsAreInTheVectors) {
+TEST(Clouds, VectorsContainTheLidarEffects) {
   const Scenario scenario = CloudScenario();
-  const StripCloud plain = PointsOf(Fly(scenario), 0);
+  const StripCloud plain = AllPoints(Fly(scenario), 0);
   const StripCloud longer =
-      PointsOf(Fly(CloudScenario("effects: [{effect: lidar_range_offset, value: 0.25}]\n")), 0);
+      AllPoints(Fly(CloudScenario("effects: [{effect: lidar_range_offset, value: 0.25}]\n")), 0);
   const SimulatedFlight late_flight =
       Fly(CloudScenario("effects: [{effect: lidar_time_offset, value: 0.01}]\n"));
-  const StripCloud late = PointsOf(late_flight, 0);
+  const StripCloud late = AllPoints(late_flight, 0);
   ASSERT_EQ(longer.size(), plain.size());
   ASSERT_EQ(late.size(), plain.size());
   for (std::size_t i = 0; i < plain.size(); i += 100) {
@@ -238,7 +239,7 @@ TEST(Clouds, ABoresightStepTurnsTheBeams) {
                                    std::to_string(step_at_s) + "}]\n")
                          .effects;
   const SimulatedFlight flight = Fly(scenario);
-  const StripCloud points = PointsOf(flight, 0);
+  const StripCloud points = AllPoints(flight, 0);
   const Mounting before = TrueMounting(flight);
   Mounting after = before;
   after.boresight_rad.x() += 0.5 * kRadPerDeg;
@@ -270,7 +271,7 @@ TEST(Clouds, WaterIsAGap) {
   EXPECT_EQ(counts.points + counts.on_water, counts.pulses);
 }
 
-TEST(Clouds, AreMadeOnlyWhereTheScenarioAsks) {
+TEST(Clouds, ExistOnlyIfTheScenarioAsks) {
   Scenario scenario = testing::SmallScenario();
   scenario.pairs.count = 0;
   EXPECT_EQ(Fly(scenario).clouds, nullptr);

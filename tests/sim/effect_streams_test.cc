@@ -84,7 +84,8 @@ TEST(EffectStreams, EntriesOfOneNameAreIndependent) {
   EXPECT_GT(twice, 1e-6);
 }
 
-/// An entry with every component at ten times its typical size, where that is allowed.
+/// Returns an entry with every component at ten times its typical size, limited to the allowed
+/// range.
 std::string LargeEntry(const EffectSpec& effect) {
   std::string value;
   for (const EffectComponent& part : effect.components) {

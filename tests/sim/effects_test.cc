@@ -19,10 +19,11 @@ using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
 constexpr double kRounding = 1e-11;
-constexpr double kPositionRounding_m = 1e-7;  // through geodetic coordinates and back
+// Error of the conversion to geodetic coordinates and back.
+constexpr double kPositionRounding_m = 1e-7;
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
-/// One flight without effects for all tests, and others of the same seed with them.
+/// Provides one flight without effects for all tests, and flights with the same seed and effects.
 class Effects : public ::testing::Test {
  protected:
   static const SimulatedFlight& Clean() {
@@ -55,7 +56,7 @@ class Effects : public ::testing::Test {
     }
   }
 
-  // Without bias and noise, which are the same in both flights.
+  // Subtracts bias and noise, which are the same in both flights.
   static Vector3d TrueRate(const ImuSample& measured, const ImuSample& clean,
                            const ImuSample& exact) {
     return measured.w_ib_b_radps - (clean.w_ib_b_radps - exact.w_ib_b_radps);
@@ -67,7 +68,7 @@ class Effects : public ::testing::Test {
   }
 };
 
-TEST_F(Effects, OfZeroSizeChangeNothing) {
+TEST_F(Effects, ZeroSizeChangesNothing) {
   const SimulatedFlight zero = With(
       "{effect: gnss_time_offset, value: 0}, {effect: gnss_correlated_noise, value: [0, 0, 0, 9]},"
       "{effect: gnss_noise_scale, value: 1}, {effect: accel_scale_factor, value: [0, 0, 0]},"
@@ -100,7 +101,7 @@ TEST_F(Effects, GnssPositionStepLastsForItsWindow) {
   }
 }
 
-// The sample deviation of a process with n tau in the record scatters by about sqrt(1/n).
+// The sample standard deviation of a process scatters by about sqrt(1/n) if the record lasts n tau.
 TEST_F(Effects, GnssCorrelatedNoiseIsGaussMarkov) {
   constexpr double kTau_s = 4.0;
   const SimulatedFlight with = With("{effect: gnss_correlated_noise, value: [0.1, 0.2, 0.4, 4]}");
@@ -133,7 +134,7 @@ TEST_F(Effects, GnssNoiseScaleMultipliesTheErrors) {
       << "the stated sigmas stay";
 }
 
-TEST_F(Effects, GnssOutliersAreThisManyAndNoLarger) {
+TEST_F(Effects, GnssOutliersHaveTheGivenShareAndSize) {
   constexpr double kShare = 0.1, kSize_m = 20.0;
   const SimulatedFlight with = With("{effect: gnss_outliers, value: [0.1, 20]}");
   double wrong = 0.0, sum_m = 0.0;
@@ -159,7 +160,7 @@ TEST_F(Effects, GnssOutageLeavesOutEpochs) {
   EXPECT_THROW(With("{effect: gnss_outage, window_s: [0, 600000]}"), InvalidConfig);
 }
 
-TEST_F(Effects, ADriftGrowsFromTheFirstEpochOnBesideAnOffset) {
+TEST_F(Effects, DriftGrowsFromTheFirstEpochAndAddsToOffset) {
   const SimulatedFlight with = With(
       "{effect: gnss_time_offset, value: 0.25}, {effect: gnss_time_drift, value: 200},"
       "{effect: gnss_outage, window_s: [381000, 381020]}");
@@ -190,7 +191,7 @@ TEST_F(Effects, ClocksShiftTheTagsAndNothingElse) {
   EXPECT_THROW(With("{effect: imu_clock_step, value: -2, t0_s: 381100}"), InvalidConfig);
 }
 
-TEST_F(Effects, ImuGapLooksAsAReaderFindsIt) {
+TEST_F(Effects, ImuGapIsThatOfAReader) {
   const SimulatedFlight with = With("{effect: imu_gap, window_s: [381100, 381101]}");
   const ImuData& imu = *with.flight.imu;
   ASSERT_EQ(imu.gaps.size(), 1U);
@@ -219,7 +220,7 @@ TEST_F(Effects, MisalignmentScaleAndSensitivityInTheirOrder) {
   });
 }
 
-TEST_F(Effects, NoiseAndBiasBeyondTheAssumedOnes) {
+TEST_F(Effects, NoiseAndBiasAddToTheAssumedOnes) {
   const SimulatedFlight with = With(
       "{effect: gyro_noise_scale, value: 2}, {effect: accel_noise_scale, value: 3},"
       "{effect: gyro_bias_process, value: [50, 20]}, {effect: accel_bias_process, value: [5, 20]}");
@@ -237,7 +238,8 @@ TEST_F(Effects, NoiseAndBiasBeyondTheAssumedOnes) {
     accel2 += (with.accel_bias_mps2[k] - Clean().accel_bias_mps2[k]).cwiseAbs2();
   });
   const auto n = static_cast<double>(with.gyro_bias_radps.size());
-  // Some ten independent values in the flight, three axes: the rms scatters by a tenth.
+  // The flight has about ten independent values on each of three axes, so that the rms scatters by
+  // a tenth.
   EXPECT_NEAR(std::sqrt(gyro2.sum() / 3.0 / n) / (50.0 * kRadPerDegree / 3600.0), 1.0, 0.4);
   EXPECT_NEAR(std::sqrt(accel2.sum() / 3.0 / n) / (5e-3 * 9.80665), 1.0, 0.4);
 }
@@ -263,8 +265,8 @@ TEST_F(Effects, VibrationIsWhiteInItsWindow) {
   EXPECT_NEAR(std::sqrt(f2.sum() / 3.0 / n) / 0.3, 1.0, bound);
 }
 
-// A plumb line that hangs to the north: gravity gains a northern component, specific force loses
-// it.
+// The plumb line is tilted to the north: gravity gains a northern component, and specific force
+// loses it.
 TEST_F(Effects, GravityTurnsAndGrows) {
   const SimulatedFlight tilted = With("{effect: gravity_tilt, value: [20, -10]}", false);
   const SimulatedFlight heavier = With("{effect: gravity_disturbance, value: 50}", false);

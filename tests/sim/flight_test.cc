@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegPerRad = 180.0 / std::numbers::pi;
 
-std::string TextOf(const std::filesystem::path& file) {
+std::string ReadFileText(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
@@ -37,7 +37,7 @@ effects:
   - {effect: lidar_time_offset, value: 0.001}
 )";
 
-TEST(Simulate, SameSeedSameFlightOtherSeedOther) {
+TEST(Simulate, SeedDeterminesTheFlight) {
   const Scenario scenario = testing::SmallScenario();
   const SimulatedFlight a = Simulate(scenario, {.seed = 3});
   const SimulatedFlight b = Simulate(scenario, {.seed = 3});
@@ -102,7 +102,7 @@ TEST(Simulate, GyroScaleFactorMultipliesTheTrueRate) {
     EXPECT_LT((b.flight.imu->samples[i].w_ib_b_radps - expected).norm(), 1e-15);
     EXPECT_EQ(b.flight.imu->samples[i].f_b_mps2, a.flight.imu->samples[i].f_b_mps2);
   }
-  // Before bias and noise: these are the same with and without the effect.
+  // Bias and noise cancel in the difference, because they are the same with and without the effect.
   const SimulatedFlight c = Simulate(plain, {});
   const SimulatedFlight d = Simulate(scaled, {});
   const Vector3d noise_c =
@@ -134,7 +134,8 @@ TEST(WriteFlight, ReadsBackAsTheFlightInMemory) {
   EXPECT_LT((read.frame.r0_m() - simulated.frame.r0_m()).norm(), 1e-8);
 
   ASSERT_EQ(read.imu->samples.size(), memory.imu->samples.size());
-  constexpr double kInterval_s = 1e-12;  // the reader's nominal interval is a mean of differences
+  // The nominal interval of the reader is a mean of differences.
+  constexpr double kInterval_s = 1e-12;
   EXPECT_NEAR(read.imu->nominal_dt_s, memory.imu->nominal_dt_s, kInterval_s);
   EXPECT_NEAR(read.imu->samples[0].dt_s, memory.imu->samples[0].dt_s, kInterval_s);
   for (std::size_t i = 0; i < read.imu->samples.size(); ++i) {
@@ -145,7 +146,8 @@ TEST(WriteFlight, ReadsBackAsTheFlightInMemory) {
         << i;
   }
   ASSERT_EQ(read.gnss->epochs.size(), memory.gnss->epochs.size());
-  constexpr double kRounding_m = 2e-8;  // to degrees and back: a rounding of 6 nm each
+  // Conversion to degrees and back: a rounding error of 6 nm each.
+  constexpr double kRounding_m = 2e-8;
   for (std::size_t i = 0; i < read.gnss->epochs.size(); ++i) {
     const MapGnssEpoch& a = read.gnss->epochs[i];
     const MapGnssEpoch& b = memory.gnss->epochs[i];
@@ -174,7 +176,7 @@ TEST(WriteFlight, ReadsBackAsTheFlightInMemory) {
   }
 }
 
-TEST(WriteFlight, HolesAreBridgedOrGapsAsTheReaderFindsThem) {
+TEST(WriteFlight, HolesAreBridgesOrGapsAsInAReader) {
   const SimulatedFlight simulated = Simulate(
       testing::SmallScenario("effects: [{effect: imu_gap, window_s: [381100.04, 381100.06]}, "
                              "{effect: imu_gap, window_s: [381120.04, 381120.21]}, "
@@ -204,7 +206,7 @@ TEST(WriteFlight, HolesAreBridgedOrGapsAsTheReaderFindsThem) {
   }
 }
 
-TEST(WriteFlight, TruthStandsInTruthYamlOnly) {
+TEST(WriteFlight, TruthIsInTruthYamlOnly) {
   const Scenario scenario = testing::SmallScenario(kEffects);
   const SimulatedFlight simulated = Simulate(scenario, {.seed = 12});
   const testing::TempFolder folder;
@@ -220,7 +222,7 @@ TEST(WriteFlight, TruthStandsInTruthYamlOnly) {
   EXPECT_EQ(truth["effects"][1]["effect"].as<std::string>(), "gyro_scale_factor");
   EXPECT_EQ(truth["effects"][1]["value"][1].as<double>(), -200.0);
   EXPECT_EQ(truth["effects"][2]["value"].as<double>(), 0.001);
-  const std::string assumed = TextOf(path / "flight.yaml");
+  const std::string assumed = ReadFileText(path / "flight.yaml");
   EXPECT_THAT(assumed, ::testing::Not(::testing::HasSubstr("effect")));
   EXPECT_THAT(assumed, ::testing::Not(::testing::HasSubstr("1.2")));
 }
@@ -237,14 +239,14 @@ TEST(Simulate, ReplayFliesAGivenTrajectory) {
   EXPECT_GE(again.strips.size(), 3u);
   for (double t_s = again.truth->t_begin_s(); t_s < again.truth->t_end_s(); t_s += 3.1) {
     const MapPose a = first.truth->Pose(t_s), b = again.truth->Pose(t_s);
-    EXPECT_LT((a.p_mb - b.p_mb).norm(), 0.3);  // smoothed over a quarter of a second
+    EXPECT_LT((a.p_mb - b.p_mb).norm(), 0.3);  // the path is smoothed over a quarter of a second
     EXPECT_LT(Log<double>(a.q_mb.conjugate() * b.q_mb).norm() * kDegPerRad, 1.5);
   }
   scenario.plan.replay = folder.path() / "missing.out";
   EXPECT_THROW(Simulate(scenario, {}), InvalidInput);
 }
 
-TEST(Simulate, RefusesWhatCannotBeFlown) {
+TEST(Simulate, RejectsScenariosThatCannotBeFlown) {
   Scenario low = testing::SmallScenario();
   low.terrain.base_m = 195.0;
   EXPECT_THROW(Simulate(low, {}), InvalidConfig);

@@ -16,7 +16,7 @@ using testing::TempFolder;
 
 SimulatedFlight Fly(const Scenario& scenario) { return Simulate(scenario, {}); }
 
-/// Every number that is measured is the same.
+/// Expects identical measurements in both flights.
 void ExpectSameFlight(const Flight& a, const Flight& b) {
   ASSERT_EQ(a.imu->samples.size(), b.imu->samples.size());
   for (std::size_t i = 0; i < a.imu->samples.size(); ++i) {
@@ -37,7 +37,7 @@ void ExpectSameFlight(const Flight& a, const Flight& b) {
   EXPECT_EQ(FormatFlightConfig(a.config), FormatFlightConfig(b.config));
 }
 
-/// As SmallScenario, with every key away from its default.
+/// Returns a scenario like SmallScenario, with every key different from its default.
 Scenario OddScenario() {
   return ParseScenario(R"(
 name: "odd \"name\""
@@ -101,7 +101,7 @@ TEST(FormatScenario, KeepsEveryShippedScenario) {
   }
 }
 
-/// The replay of a flight that lies in the folder.
+/// Returns a scenario that replays the flight in the folder.
 Scenario Replay(const SimulatedFlight& flown, const TempFolder& folder) {
   folder.Write("flown.out", FormatSbet(flown.flight.reference->points()));
   Scenario scenario = SmallScenario();
@@ -109,7 +109,7 @@ Scenario Replay(const SimulatedFlight& flown, const TempFolder& folder) {
   return scenario;
 }
 
-TEST(Replay, SeesTheGroundOnTheStripsThatItNames) {
+TEST(Replay, MeasuresOnTheNamedStrips) {
   const TempFolder folder;
   const SimulatedFlight flown = Fly(SmallScenario());
   Scenario scenario = Replay(flown, folder);
@@ -155,7 +155,8 @@ TEST(Replay, StripsBelongToItAndHavePlainNames) {
   };
   const std::string strip = "strips: [{name: 1, t0: 1, t1: 20}]";
   EXPECT_EQ(fault("replay: a.out, " + strip), "");
-  EXPECT_THAT(fault("lines: [[0, 0, 1000, 0, 200, 40]], " + strip), HasSubstr("belongs to replay"));
+  EXPECT_THAT(fault("lines: [[0, 0, 1000, 0, 200, 40]], " + strip),
+              HasSubstr("only allowed with replay"));
   EXPECT_THAT(fault("replay: a.out, strips: [{name: ../1, t0: 1, t1: 20}]"), HasSubstr("'../1'"));
   EXPECT_THAT(fault("replay: a.out, strips: [{name: 1, t0: 1, t1: 1}]"), HasSubstr("later"));
 }

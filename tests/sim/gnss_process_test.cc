@@ -20,7 +20,7 @@ SimulatedFlight Fly(const std::vector<GnssProcess>& processes, bool noise) {
   return Simulate(scenario, options);
 }
 
-/// Of the antenna positions, east, north, up of the map.
+/// Returns the differences of the antenna positions, east, north, up of the map.
 std::vector<Eigen::Vector3d> Differences(const SimulatedFlight& a, const SimulatedFlight& b) {
   std::vector<Eigen::Vector3d> differences;
   for (std::size_t k = 0; k < a.flight.gnss->epochs.size(); ++k) {
@@ -29,8 +29,9 @@ std::vector<Eigen::Vector3d> Differences(const SimulatedFlight& a, const Simulat
   return differences;
 }
 
-// Beside the same white noise: a sum of processes, of which the second has no error of height.
-TEST(GnssProcesses, OfAScenarioAreSimulatedAndStated) {
+// The white noise is the same in both flights. The processes add up; the second one has no height
+// error.
+TEST(GnssProcesses, AreSimulatedAndStated) {
   const std::vector<GnssProcess> processes{{{0.3, 0.0, 0.0}, 2.0}, {{0.4, 0.2, 0.0}, 2.0}};
   const SimulatedFlight with = Fly(processes, true), without = Fly({}, true);
   EXPECT_EQ(with.flight.config.gnss->processes, processes);
@@ -41,7 +42,7 @@ TEST(GnssProcesses, OfAScenarioAreSimulatedAndStated) {
     variance += x[k].cwiseAbs2() / static_cast<double>(x.size());
     lagged += x[k].cwiseProduct(x[k - 1]) / static_cast<double>(x.size());
   }
-  // Two epochs a second: of the record, every eighth epoch is independent.
+  // With two epochs a second, every eighth epoch of the record is independent.
   const double tolerance = 4.0 * std::sqrt(2.0 / (static_cast<double>(x.size()) / 8.0));
   EXPECT_NEAR(variance.x() / (0.3 * 0.3 + 0.4 * 0.4), 1.0, tolerance);
   EXPECT_NEAR(variance.y() / (0.2 * 0.2), 1.0, tolerance);
@@ -56,7 +57,7 @@ TEST(GnssProcesses, AreLeftOutOfAFlightWithoutNoise) {
   }
 }
 
-TEST(GnssProcesses, OfAScenarioAreReadAsThoseOfAFlight) {
+TEST(GnssProcesses, AreReadAsInAFlight) {
   const Scenario scenario = ParseScenario(
       "name: s\norigin_deg_m: [46.57, 6.52, 400]\nstart_s: 381000\n"
       "plan: {lines: [[-500, 0, 500, 0, 200, 45]]}\nimu: {preset: ln200}\n"

@@ -1,4 +1,5 @@
-// The noise of simulated inertial data as their high band shows it: the motion of a flight must not.
+// These tests check the noise of simulated inertial data in their high band. The motion of the
+// flight must not affect it.
 #include <dn/imu/noise_check.h>
 #include <dn/sim/simulate.h>
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@ namespace dn::inertial_noise_test {
 constexpr double kSigmas = 4.0;
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
-/// Survey aircraft (navigation grade) or drone (small sensor), at 100 Hz.
+/// Simulates a survey aircraft (navigation grade) or a drone (small sensor), at 100 Hz.
 SimulatedFlight Fly(const std::string& preset, const std::string& effects, bool noise = true) {
   Scenario scenario = testing::SmallScenario("effects: [" + effects + "]\n");
   scenario.imu.rate_hz = 100.0;
@@ -25,14 +26,14 @@ SimulatedFlight Fly(const std::string& preset, const std::string& effects, bool 
   return Simulate(scenario, options);
 }
 
-HighBand BandOf(const SimulatedFlight& flight) {
+HighBand MeasureBand(const SimulatedFlight& flight) {
   return MeasureHighBand(*flight.flight.imu, flight.scenario.imu.model);
 }
 
 class InertialNoise : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(InertialNoise, MotionDoesNotShow) {
-  const HighBand band = BandOf(Fly(GetParam(), "", false));
+  const HighBand band = MeasureBand(Fly(GetParam(), "", false));
   for (const ImuTriad triad : {kGyroTriad, kAccelTriad}) {
     BandEnergy sum;
     for (const HighBandWindow& window : band.windows) sum += window.Of(triad);
@@ -41,7 +42,7 @@ TEST_P(InertialNoise, MotionDoesNotShow) {
 }
 
 TEST_P(InertialNoise, IsAsAssumed) {
-  const NoiseCheck check = CheckNoise(BandOf(Fly(GetParam(), "")));
+  const NoiseCheck check = CheckNoise(MeasureBand(Fly(GetParam(), "")));
   for (const auto& level : check.level) {
     ASSERT_TRUE(level);
     EXPECT_NEAR(level->ratio, 1.0, kSigmas * level->sigma);
@@ -50,8 +51,8 @@ TEST_P(InertialNoise, IsAsAssumed) {
   EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kAssumed);
 }
 
-TEST_P(InertialNoise, OfAnotherSizeIsMeasured) {
-  const NoiseCheck check = CheckNoise(BandOf(
+TEST_P(InertialNoise, MeasuresAnotherLevel) {
+  const NoiseCheck check = CheckNoise(MeasureBand(
       Fly(GetParam(),
           "{effect: gyro_noise_scale, value: 1.1}, {effect: accel_noise_scale, value: 1.5}")));
   EXPECT_NEAR(check.level[kGyroTriad]->ratio, 1.1, kSigmas * check.level[kGyroTriad]->sigma);
@@ -59,8 +60,8 @@ TEST_P(InertialNoise, OfAnotherSizeIsMeasured) {
   EXPECT_EQ(BestAccount(check.evidence), NoiseAccount::kScale);
 }
 
-TEST_P(InertialNoise, OfAWindowIsFound) {
-  const NoiseCheck check = CheckNoise(BandOf(
+TEST_P(InertialNoise, FindsAWindow) {
+  const NoiseCheck check = CheckNoise(MeasureBand(
       Fly(GetParam(), "{effect: imu_vibration, value: [0.1, 0.3], window_s: [381150, 381180]}")));
   ASSERT_TRUE(check.window);
   const NoiseWindow& window = *check.window;

@@ -18,7 +18,8 @@ BiasProcess GaussMarkov(double sigma, double tau_s) {
 }
 
 TEST(IntervalCovariance, AgreesWithFineStepsOfTheProcess) {
-  // The exact discrete process at a step a thousand times finer, averaged over the interval.
+  // The reference is the exact discrete process with a step a thousand times shorter, averaged over
+  // the interval.
   constexpr double kSigma = 2.0, kTau_s = 3.0, kDt_s = 1.5;
   constexpr int kSub = 1000;
   const double phi = std::exp(-kDt_s / kSub / kTau_s);
@@ -35,7 +36,7 @@ TEST(IntervalCovariance, AgreesWithFineStepsOfTheProcess) {
 }
 
 TEST(IntervalCovariance, LongCorrelationIsARandomWalk) {
-  // sigma^2 = q tau / 2 with tau to infinity has the random walk's covariance.
+  // For sigma^2 = q tau / 2 and tau to infinity, the covariance is that of the random walk.
   constexpr double kTau_s = 1e9, kDensity = 0.3, kDt_s = 0.005;
   const double sigma = kDensity * std::sqrt(kTau_s / 2.0);
   const Eigen::Matrix2d markov = IntervalCovariance(GaussMarkov(sigma, kTau_s), kDt_s);
@@ -47,7 +48,7 @@ TEST(IntervalCovariance, LongCorrelationIsARandomWalk) {
 
 TEST(ErrorProcess, GaussMarkovIsStationaryWithItsCorrelation) {
   constexpr double kSigma = 3.0, kTau_s = 0.8, kDt_s = 0.1;
-  constexpr int kSteps = 400000;  // 50000 correlation times: variance known to 1 %
+  constexpr int kSteps = 400000;  // 50000 correlation times: the variance is known to 1 %
   constexpr int kLag = 5;
   Random random(11, "test");
   ErrorProcess process(GaussMarkov(kSigma, kTau_s), kDt_s, random);
@@ -65,10 +66,11 @@ TEST(ErrorProcess, GaussMarkovIsStationaryWithItsCorrelation) {
   const double variance = kSigma * kSigma;
   EXPECT_NEAR(covariance(end, 0), variance, 0.03 * variance);
   EXPECT_NEAR(covariance(end, kLag), variance * std::exp(-kLag * a), 0.03 * variance);
-  // Mean over an interval: var = 2 sigma^2 (a - 1 + exp(-a)) / a^2.
+  // The mean over an interval has variance 2 sigma^2 (a - 1 + exp(-a)) / a^2.
   const double of_mean = 2.0 * variance * (a - 1.0 + std::exp(-a)) / (a * a);
   EXPECT_NEAR(covariance(mean, 0), of_mean, 0.03 * variance);
-  // Means lag intervals apart: sigma^2 exp(-(lag - 1) a) ((1 - exp(-a)) / a)^2.
+  // Means that are lag intervals apart have covariance sigma^2 exp(-(lag - 1) a) ((1 - exp(-a)) /
+  // a)^2.
   const double loss = (1.0 - std::exp(-a)) / a;
   EXPECT_NEAR(covariance(mean, kLag), variance * std::exp(-(kLag - 1) * a) * loss * loss,
               0.03 * variance);
@@ -84,7 +86,7 @@ TEST(ErrorProcess, StartsStationary) {
     const double mean = process.NextMean(random);
     squared += mean * mean;
   }
-  EXPECT_NEAR(squared / kDraws, kSigma * kSigma, 0.05 * kSigma * kSigma);  // 5 sigma: 5 %
+  EXPECT_NEAR(squared / kDraws, kSigma * kSigma, 0.05 * kSigma * kSigma);  // 5 sigma are 5 %
 }
 
 TEST(ErrorProcess, RandomWalkGrowsWithTimeAndConstantStays) {
@@ -148,7 +150,7 @@ TEST(SimulatedImu, SamplesAreMeansOverTheirIntervals) {
       w += clean.truth->AngularRate(t_s) / kSub;
       f += clean.truth->SpecificForce(t_s) / kSub;
     }
-    EXPECT_LT((w - sample.w_ib_b_radps).norm(), 1e-7);  // the midpoint rule's own error
+    EXPECT_LT((w - sample.w_ib_b_radps).norm(), 1e-7);  // error of the midpoint rule
     EXPECT_LT((f - sample.f_b_mps2).norm(), 1e-6);
   }
 }

@@ -56,7 +56,7 @@ Difference Between(const SimulatedFlight& a, const SimulatedFlight& b) {
           LargestDifference(*a.flight.pairs, *b.flight.pairs)};
 }
 
-TEST(OwnErrors, OfTheGyrosReachTheRatesAlone) {
+TEST(OwnErrors, GyroErrorsChangeOnlyTheRates) {
   OwnErrors own;
   own.gyro_radps = [](double t_s) { return Vector3d(0.0, 1e-3 * std::sin(t_s), 0.0); };
   const SimulatedFlight plain = Fly({}), spoilt = Fly(own);
@@ -71,7 +71,7 @@ TEST(OwnErrors, OfTheGyrosReachTheRatesAlone) {
   }
 }
 
-TEST(OwnErrors, OfTheAntennaReachThePositionsAlone) {
+TEST(OwnErrors, AntennaErrorsChangeOnlyThePositions) {
   OwnErrors own;
   own.antenna_enu_m = [](double) { return Vector3d(0.0, 0.0, 0.25); };
   const Difference d = Between(Fly({}), Fly(own));
@@ -80,7 +80,7 @@ TEST(OwnErrors, OfTheAntennaReachThePositionsAlone) {
   EXPECT_EQ(d.pairs, 0.0);
 }
 
-TEST(OwnErrors, OfTheBoresightAreThoseOfTheEffectWithTheSameValue) {
+TEST(OwnErrors, BoresightErrorEqualsTheEffect) {
   OwnErrors own;
   constexpr double kStart_s = 381200.0;
   const double to_rad = FindEffect("boresight_step")->components[0].to_si;
@@ -99,7 +99,7 @@ TEST(OwnErrors, OfTheBoresightAreThoseOfTheEffectWithTheSameValue) {
   EXPECT_GT(Between(Fly({}), spoilt).pairs, 0.1);
 }
 
-TEST(OwnErrors, OfTheScannerKnowTheTrueTime) {
+TEST(OwnErrors, ScannerErrorsGetTheTrueTime) {
   const SimulatedFlight plain = Fly({});
   OwnErrors own;
   own.laser_vector = [](const Vector3d& u_s, double t_s) {
@@ -116,7 +116,7 @@ TEST(OwnErrors, OfTheScannerKnowTheTrueTime) {
   }
 }
 
-TEST(OwnErrors, OfThePairsSeeAllOfThem) {
+TEST(OwnErrors, PairErrorsGetAllPairs) {
   OwnErrors own;
   own.pairs = [](PairData* data) {
     for (LidarPair& pair : data->pairs) {
@@ -141,7 +141,7 @@ TEST(OwnErrors, LeaveTheNoiseAsItIs) {
   EXPECT_EQ(d.pairs, 0.0);
 }
 
-TEST(PlannedTimes, AreThoseOfTheFlight) {
+TEST(PlannedTimes, AgreeWithTheFlight) {
   const FlightTimes times = PlannedTimes(testing::SmallScenario(), 1);
   const SimulatedFlight flown = Fly({});
   EXPECT_EQ(times.begin_s, flown.truth->t_begin_s());

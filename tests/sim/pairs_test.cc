@@ -18,7 +18,8 @@ using Eigen::Vector3d;
 
 constexpr double kExact_m = 1e-6;  // 45 m/s times the resolution of time (6e-11 s), with margin
 
-/// Rodrigues' formula, and the georeferencing of docs/conventions.md, written out.
+/// Returns the rotation by Rodrigues' formula. This and the georeferencing of docs/conventions.md
+/// are written out here.
 Matrix3d Rotation(const Vector3d& phi) {
   const double angle = phi.norm();
   if (angle == 0.0) return Matrix3d::Identity();
@@ -52,8 +53,8 @@ TEST(SimulatedPairs, BothEndsAreOneGroundPointInTheScanPlane) {
     EXPECT_LT((p_i - p_j).norm(), kExact_m);
     EXPECT_NEAR(p_i.z(), terrain.Surface(p_i.head<2>()), 1e-4);
     for (const Vector3d& u : {pair.u_i_s, pair.u_j_s}) {
-      EXPECT_LT(std::abs(u.y()), kExact_m);  // scan axis (0, 1, 0)
-      // scan x nadir = (0,1,0) x (1,0,0) = (0,0,-1)
+      EXPECT_LT(std::abs(u.y()), kExact_m);  // the scan axis is (0, 1, 0)
+      // The direction scan x nadir is (0,1,0) x (1,0,0) = (0,0,-1).
       const double angle = std::atan2(-u.z(), u.x());
       EXPECT_LE(std::abs(angle), half_fov);
       widest = std::max(widest, std::abs(angle));
@@ -92,7 +93,7 @@ TEST(SimulatedPairs, BothEndsAreOneGroundPointOnTheConeSeenAheadOrBehind) {
     EXPECT_LT((p_i - p_j).norm(), kExact_m);
     EXPECT_NEAR(p_i.z(), terrain.Surface(p_i.head<2>()), 1e-4);
     for (const Vector3d& u : {pair.u_i_s, pair.u_j_s}) {
-      // nadir (1, 0, 0), scan axis (0, 1, 0)
+      // The nadir axis is (1, 0, 0) and the scan axis is (0, 1, 0).
       EXPECT_NEAR(u.x(), u.norm() * std::cos(0.5 * scenario.lidar.fov_rad), kExact_m);
       ahead += u.y() > 0.0 ? 1 : 0;
       left += u.z() < 0.0 ? 1 : 0;
@@ -157,7 +158,7 @@ TEST(SimulatedPairs, LeverArmEffectMovesTheTrueScanner) {
                                            Ground(flight, pair.t_j_s, pair.u_j_s, assumed))
                                               .norm());
   }
-  EXPECT_GT(misclosure_m, 0.3);  // opposite headings
+  EXPECT_GT(misclosure_m, 0.3);  // the headings are opposite
 }
 
 TEST(SimulatedPairs, TimeOffsetEffectMovesTheTagOnly) {
@@ -228,7 +229,7 @@ class ShippedScenario : public ::testing::TestWithParam<Band> {};
 
 TEST_P(ShippedScenario, FliesAtItsHeightWithPairsInEveryOverlap) {
   Scenario scenario = ReadScenario(GetParam().name);
-  scenario.imu.rate_hz = 10.0;  // the path and the pairs do not depend on it
+  scenario.imu.rate_hz = 10.0;  // path and pairs do not depend on this rate
   const SimulatedFlight flight = Simulate(scenario, {});
   const Terrain terrain(scenario.terrain);
   for (const StripInterval& strip : flight.strips) {

@@ -15,7 +15,7 @@ namespace dn::scanner_effects_test {
 using Eigen::Vector3d;
 
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
-constexpr double kSamePoint_m = 1e-6;  // sweep times are found to 1e-10 s, spans to 1e-7 s
+constexpr double kSamePoint_m = 1e-6;  // sweep times are accurate to 1e-10 s, spans to 1e-7 s
 
 SimulatedFlight Exact(const std::string& effects) {
   SimulateOptions options;
@@ -23,7 +23,7 @@ SimulatedFlight Exact(const std::string& effects) {
   return Simulate(testing::SmallScenario("effects: [" + effects + "]\n"), options);
 }
 
-/// The scanner as a test believes it to be.
+/// Model of the scanner that a test assumes.
 struct Belief {
   std::function<Vector3d(double t_s)> boresight_rad;
   std::function<Vector3d(const Vector3d& u_s)> true_vector = [](const Vector3d& u_s) {
@@ -31,7 +31,7 @@ struct Belief {
   };
 };
 
-/// p = n + R_b^m (Exp(theta) T u + a).
+/// Returns the ground point p = n + R_b^m (Exp(theta) T u + a).
 Vector3d Ground(const SimulatedFlight& flight, const Belief& belief, double t_s,
                 const Vector3d& u_s) {
   const MapPose pose = flight.truth->Pose(t_s);
@@ -40,7 +40,7 @@ Vector3d Ground(const SimulatedFlight& flight, const Belief& belief, double t_s,
   return pose.p_mb + pose.q_mb * (u_b + flight.lidar_lever_arm_b_m);
 }
 
-/// Largest distance between the two ends of a pair.
+/// Returns the largest distance between the two ends of a pair.
 double LargestMisfit(const SimulatedFlight& flight, const Belief& belief) {
   double largest_m = 0.0;
   for (const LidarPair& pair : flight.flight.pairs->pairs) {
@@ -55,7 +55,7 @@ Belief Assumed(const SimulatedFlight& flight) {
   return {[boresight_rad = flight.boresight_rad](double) { return boresight_rad; }};
 }
 
-double MiddleOfPairs(const SimulatedFlight& flight) {
+double PairsMiddle(const SimulatedFlight& flight) {
   double first_s = 1e300, last_s = 0.0;
   for (const LidarPair& pair : flight.flight.pairs->pairs) {
     first_s = std::min({first_s, pair.t_i_s, pair.t_j_s});
@@ -72,7 +72,7 @@ TEST(ScannerEffects, WithoutAnyThePairsMeet) {
 TEST(ScannerEffects, BoresightDriftsAboutTheMiddleOfThePairs) {
   const SimulatedFlight flight = Exact("{effect: boresight_drift, value: [3, -2, 1]}");
   const Vector3d rate_radps = kRadPerDegree / 3600.0 * Vector3d(3.0, -2.0, 1.0);
-  const double middle_s = MiddleOfPairs(flight);
+  const double middle_s = PairsMiddle(flight);
   Belief belief;
   belief.boresight_rad = [&](double t_s) {
     return Vector3d(flight.boresight_rad + rate_radps * (t_s - middle_s));
@@ -85,7 +85,7 @@ TEST(ScannerEffects, BoresightDriftsAboutTheMiddleOfThePairs) {
   EXPECT_GT(LargestMisfit(flight, belief), 100.0 * kSamePoint_m) << "the middle matters";
 }
 
-// The step falls into the second strip.
+// The step is within the second strip.
 TEST(ScannerEffects, BoresightStepsAtItsTime) {
   const SimulatedFlight clean = Exact("");
   const double t0_s = 0.5 * (clean.strips[1].t0_s + clean.strips[1].t1_s);
@@ -107,7 +107,7 @@ TEST(ScannerEffects, BoresightStepsAtItsTime) {
   EXPECT_GT(inside, 10) << "pairs of the strip before the step";
 }
 
-TEST(ScannerEffects, TheBeamLeavesTheScanPlaneAndTheFileSaysThatItDoesNot) {
+TEST(ScannerEffects, BeamLeavesTheScanPlaneButNotInTheFile) {
   const SimulatedFlight flight = Exact("{effect: lidar_scan_cone, value: 0.5}");
   const double cone = 0.5 * kRadPerDegree;
   const Vector3d& axis = flight.scenario.lidar.scan_axis_s;
@@ -123,7 +123,7 @@ TEST(ScannerEffects, TheBeamLeavesTheScanPlaneAndTheFileSaysThatItDoesNot) {
   EXPECT_GT(LargestMisfit(flight, Assumed(flight)), 1.0);
 }
 
-// The true beam stands nearer to the scan axis than the file says, whose beams lie on the cone.
+// The file assumes beams on the cone; the true beam is closer to the scan axis.
 TEST(ScannerEffects, ABeamOfAConeIsTurnedTowardTheScanAxis) {
   Scenario scenario = testing::SmallScenario("effects: [{effect: lidar_scan_cone, value: 0.5}]\n");
   scenario.lidar.pattern = ScanPattern::kCone;
@@ -144,7 +144,8 @@ TEST(ScannerEffects, ABeamOfAConeIsTurnedTowardTheScanAxis) {
   EXPECT_GT(LargestMisfit(flight, Assumed(flight)), 1.0);
 }
 
-// Measured scan angle by projection, then range, of a beam that has left the plane.
+// The beam has left the scan plane. The effects apply to its measured scan angle (by projection),
+// then to the range.
 TEST(ScannerEffects, ConeAngleAndRangeApplyInThisOrder) {
   const SimulatedFlight flight = Exact(
       "{effect: lidar_range_offset, value: 0.3}, {effect: lidar_range_scale, value: 2000},"

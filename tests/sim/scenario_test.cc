@@ -29,7 +29,7 @@ imu: {preset: airins}
 lidar: {fov_deg: 60, gsd_m: 0.3}
 )";
 
-/// The message of the InvalidConfig that the text gives; empty when there is none.
+/// Returns the message of the InvalidConfig that the text causes; empty if it is valid.
 std::string Fault(const std::string& yaml, long* line = nullptr) {
   try {
     ParseScenario(yaml, "file.yaml");
@@ -89,7 +89,7 @@ TEST(ParseScenario, ExplicitNoiseOverridesThePreset) {
   EXPECT_EQ(s.imu.model.accel.white, ImuPreset("airins").accel.white);
 }
 
-TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
+TEST(ParseScenario, ReportsErrorAndLocation) {
   using ::testing::AllOf;
   using ::testing::HasSubstr;
   EXPECT_EQ(Fault(kGood), "");
@@ -119,7 +119,7 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
               HasSubstr("perpendicular"));
   EXPECT_THAT(Fault(Replace(kGood, "imu: {preset: airins}", "imu: {rate_hz: 200}")),
               HasSubstr("imu.preset"));
-  EXPECT_THAT(Fault(kGood + "pairs: {count: 2.5}\n"), HasSubstr("whole number"));
+  EXPECT_THAT(Fault(kGood + "pairs: {count: 2.5}\n"), HasSubstr("an integer"));
   EXPECT_THAT(Fault(kGood + "strips: 3\n"), HasSubstr("strips"));
   EXPECT_THAT(Fault(kGood + "terrain: {relief_m: 10, water_share: 0.95}\n"),
               HasSubstr("terrain.water_share: must be at most 0.9"));
@@ -137,7 +137,7 @@ TEST(ParseScenario, NamesWhatIsWrongAndWhere) {
   EXPECT_THAT(Fault(Replace(kGood, "name: x\n", "")), HasSubstr("name: expected a word"));
 }
 
-TEST(ParseScenario, WhatNoMemoryHoldsIsRefusedWithItsPlace) {
+TEST(ParseScenario, RejectsScenariosTooLargeForMemory) {
   using ::testing::HasSubstr;
   const auto expect = [](const std::string& yaml, const std::string& what, long expected_line) {
     long line = 0;
@@ -204,7 +204,7 @@ effects: [{effect: imu_vibration, value: [1, 1], window_s: [110, 120]},
           {effect: gnss_clock_step, value: 1, t0_s: 110}]
 )";
 
-TEST(ParseScenario, HostileValuesOfEveryKeyAreReadOrRefusedWithTheirPlace) {
+TEST(ParseScenario, HostileValuesAreReadOrRejectedWithLocation) {
   const auto parse = [](const std::string& document) { ParseScenario(document, "file.yaml"); };
   ASSERT_NO_THROW(parse(kEveryKey));
   EXPECT_GT(testing::CountRefused(kEveryKey, parse), 1500);
@@ -216,7 +216,7 @@ TEST(ParseScenario, AMissingSectionHasThePlaceOfItsMap) {
   EXPECT_EQ(line, 1);
 }
 
-TEST(ReadScenario, NamesWhatIsNoRegularFile) {
+TEST(ReadScenario, RejectsFilesThatAreNotRegular) {
   const testing::TempFolder folder;
   const std::string pipe = (folder.path() / "pipe.yaml").string();
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -245,14 +245,14 @@ bool SameModel(const SensorNoise& a, const SensorNoise& b) {
                                           b.processes.begin(), b.processes.end(), same);
 }
 
-/// A strip set and the preset of its sensor.
+/// Strip set and the preset of its sensor.
 struct StripSet {
   std::string name, preset;
 };
 
 class StripSetVariants : public ::testing::TestWithParam<StripSet> {};
 
-TEST_P(StripSetVariants, AreTheSameFlightWithTheSensorAtRestAndWithCausesAsEffects) {
+TEST_P(StripSetVariants, DifferFromTheFlightOnlyInNoiseAndEffects) {
   const auto& [name, preset] = GetParam();
   const Scenario flown = ReadScenario(name);
   const ImuModel at_rest = ImuPreset(preset);
@@ -295,7 +295,7 @@ INSTANTIATE_TEST_SUITE_P(All, StripSetVariants,
                                            StripSet{"hal4", "isa100c"}),
                          [](const auto& set) { return set.param.name; });
 
-TEST(ReadScenario, TheDocumentedOneHasEveryKey) {
+TEST(ReadScenario, DocumentedScenarioHasEveryKey) {
   const Scenario shown = ReadScenario(std::string(DN_DOCS_DIR) + "/scenario.yaml");
   const Scenario lar3 = ReadScenario("lar3_rest");
   EXPECT_EQ(shown.imu.preset, lar3.imu.preset);
@@ -311,7 +311,7 @@ TEST(ReadScenario, TheDocumentedOneHasEveryKey) {
   }
 }
 
-TEST(ReadScenario, FindsShippedOnesFilesAndSaysWhatIsThere) {
+TEST(ReadScenario, FindsShippedScenariosAndFiles) {
   EXPECT_THAT(ScenarioNames(),
               ::testing::ElementsAre(
                   "leg2", "leg4", "lar2", "lar3", "uav2", "uav3", "har2", "har4", "hal2", "hal4",

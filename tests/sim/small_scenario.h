@@ -6,8 +6,8 @@
 
 namespace dn::testing {
 
-/// A flight of a few minutes at a low inertial rate: two opposite strips and a cross strip over
-/// rolling ground with houses, with turbulence and crab.
+/// Returns a flight of a few minutes at a low inertial rate: two strips of opposite heading and a
+/// cross strip. The ground is undulating and has houses; the flight has turbulence and crab.
 inline Scenario SmallScenario(const std::string& extra = "") {
   return ParseScenario(R"(
 name: small

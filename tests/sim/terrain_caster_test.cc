@@ -48,7 +48,7 @@ std::vector<Landscape> Landscapes() {
   return all;
 }
 
-/// A ray from 300 m above the highest point, up to 65 deg from nadir.
+/// Ray from 300 m above the highest point, up to 65 deg from nadir.
 struct RandomRay {
   RandomRay(const Terrain& terrain, Random& random)
       : origin_m(random.Uniform(-2e3, 2e3), random.Uniform(-2e3, 2e3),
@@ -68,7 +68,7 @@ double Above(const Terrain& terrain, const Vector3d& point_m) {
 
 class EveryLandscape : public ::testing::TestWithParam<Landscape> {};
 
-TEST_P(EveryLandscape, TheCasterFindsWhatSmallStepsFind) {
+TEST_P(EveryLandscape, CasterAgreesWithSmallSteps) {
   const Terrain terrain(GetParam().scenario);
   TerrainCaster caster(terrain);
   Random random(1, "rays");
@@ -84,12 +84,13 @@ TEST_P(EveryLandscape, TheCasterFindsWhatSmallStepsFind) {
     for (double back_m = kSame_m; back_m < 5.0; back_m += 0.05) {
       ASSERT_GT(Above(terrain, ray.At(hit->range_m - back_m)), -1e-9);
     }
-    if (hit->range_m < *stepped_m - kSame_m) ++nearer;  // what is narrower than a step
+    if (hit->range_m < *stepped_m - kSame_m) ++nearer;  // objects narrower than a step
   }
   EXPECT_LE(nearer, kRays / 40);
 }
 
-/// The first of steps of 0.25 m that is not above the surface, halved down; none is left out.
+/// Returns the first of all steps of 0.25 m that is not above the surface, refined by bisection. It
+/// skips no steps.
 double StepByStep(const Terrain& terrain, const RandomRay& ray) {
   double above_m = (terrain.highest_m() - ray.origin_m.z()) / ray.direction.z();
   while (Above(terrain, ray.At(above_m + 0.25)) > 0.0) above_m += 0.25;
@@ -101,7 +102,7 @@ double StepByStep(const Terrain& terrain, const RandomRay& ray) {
   return below_m;
 }
 
-TEST_P(EveryLandscape, StepsThatAreLeftOutMeetNothing) {
+TEST_P(EveryLandscape, SkippedStepsMeetNothing) {
   const Terrain terrain(GetParam().scenario);
   Random random(3, "rays");
   constexpr int kRays = 100;

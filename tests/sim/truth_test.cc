@@ -24,7 +24,7 @@ SimulatedFlight FlyWithoutPairs(Scenario scenario) {
 TEST(TruthTrajectory, RatesAreDerivativesOfThePose) {
   const SimulatedFlight flight = FlyWithoutPairs(testing::SmallScenario());
   constexpr double kStep_s = 1.0 / 64.0;  // a power of two: times are exact
-  // Fourth-order differences of motion up to 1 Hz at this step, with margin.
+  // Errors of fourth-order differences for motion up to 1 Hz at this step, with margin.
   constexpr double kVelocity_mps = 1e-5;
   constexpr double kAcceleration_mps2 = 1e-4;
   constexpr double kRate_radps = 1e-6;
@@ -49,10 +49,10 @@ TEST(TruthTrajectory, RatesAreDerivativesOfThePose) {
 }
 
 /// Strapdown navigation in the inertial frame that coincides with m at t0, by the classical
-/// Runge-Kutta method: written from Newton's law, without any term of a rotating frame.
+/// Runge-Kutta method. It is written from Newton's law, without any term of a rotating frame.
 struct InertialState {
   Vector3d r, v;
-  Eigen::Vector4d q;  // x, y, z, w of body -> inertial
+  Eigen::Vector4d q;  // x, y, z, w of body to inertial
 
   InertialState Plus(const InertialState& rate, double h) const {
     return {r + h * rate.r, v + h * rate.v, q + h * rate.q};
@@ -78,11 +78,11 @@ TEST(TruthTrajectory, SensorsIntegrateToTheTrajectoryInInertialSpace) {
   const TruthTrajectory& truth = *flight.truth;
   const LocalFrame& frame = truth.frame();
   const double t0_s = flight.strips[0].t0_s;
-  constexpr double kSpan_s = 60.0;  // the strip, and the turn after it
+  constexpr double kSpan_s = 60.0;  // the strip and the turn after it
   constexpr int kSteps = 6000;
   constexpr double kStep_s = kSpan_s / kSteps;
-  constexpr double kPosition_m =
-      1e-5;  // rounding of 6.4e6 m, 6000 times; a wrong term gives metres
+  // Rounding of 6.4e6 m over 6000 steps; a wrong term would give metres.
+  constexpr double kPosition_m = 1e-5;
   constexpr double kAttitude_rad = 1e-9;
 
   const TruthState begin = truth.State(t0_s);
@@ -101,7 +101,7 @@ TEST(TruthTrajectory, SensorsIntegrateToTheTrajectoryInInertialSpace) {
     x = x.Plus(k4, kStep_s / 6.0);
     turned_rad += kStep_s * truth.State(t_s).w_mb_b.norm();
   }
-  ASSERT_GT(turned_rad, 90.0 * kRadPerDeg);  // there is a turn in it
+  ASSERT_GT(turned_rad, 90.0 * kRadPerDeg);  // the span contains a turn
 
   const MapPose end = truth.Pose(t0_s + kSpan_s);
   const Quaterniond q_im(Eigen::AngleAxisd(w.norm() * kSpan_s, w.normalized()));
@@ -111,7 +111,7 @@ TEST(TruthTrajectory, SensorsIntegrateToTheTrajectoryInInertialSpace) {
   EXPECT_LT(Log<double>(q_mb.conjugate() * end.q_mb).norm(), kAttitude_rad);
 }
 
-TEST(TruthTrajectory, TheAirMovesItAsItsWavesDo) {
+TEST(TruthTrajectory, DisturbanceAgreesWithItsWaves) {
   constexpr double kStart_s = 1000.0, kDuration_s = 60.0;
   const TurbulenceScenario turbulence{.roll_rad = 1.0 * kRadPerDeg,
                                       .pitch_rad = 0.0,
@@ -144,13 +144,13 @@ TEST(TruthTrajectory, StillPlatformSensesGravityAndEarthRate) {
   const Eigen::Matrix3d R_bn =
       QuaternionFromRollPitchHeading({0.2, -0.1, 2.5}).toRotationMatrix().transpose();
 
-  // Body axes by the definition of the angles; Earth rate by latitude.
+  // The body axes follow from the definition of the angles, the Earth rate from the latitude.
   const Geodetic point = frame.ToGeodetic(at.head<3>());
   const Vector3d w_n =
       kEarthRateRadps * Vector3d(std::cos(point.lat_rad), 0.0, -std::sin(point.lat_rad));
   EXPECT_LT((state.w_ib_b - R_bn * w_n).norm(), 1e-15);
   const Vector3d g_n = frame.R_mn(at.head<3>()).transpose() * frame.Gravity(at.head<3>());
-  EXPECT_LT((state.f_b + R_bn * g_n).norm(), 1e-9);  // m/s^2: rounding of w x (w x r)
+  EXPECT_LT((state.f_b + R_bn * g_n).norm(), 1e-9);  // m/s^2: rounding error of w x (w x r)
   EXPECT_NEAR(state.f_b.norm(), 9.807, 2e-3);        // normal gravity at 46.6 deg and 550 m
   EXPECT_LT(state.pose.v_m.norm(), 1e-12);
 }
@@ -170,9 +170,9 @@ TEST(TruthTrajectory, TurnsAreCoordinatedAndWithinTheBank) {
     steepest_rad = std::max(steepest_rad, std::abs(bank_rad));
     ++count;
   }
-  // The ball is in the middle but for the roll-in, Coriolis force and crab.
+  // The turn is coordinated except for the roll-in, the Coriolis force and the crab.
   EXPECT_LT(std::sqrt(squared / count), 1.5 * kRadPerDeg);
-  EXPECT_LT(steepest_rad, 25.0 * kRadPerDeg + 1e-9);  // rounding
+  EXPECT_LT(steepest_rad, 25.0 * kRadPerDeg + 1e-9);  // allows for rounding
   EXPECT_GT(steepest_rad, 20.0 * kRadPerDeg);
 }
 
@@ -190,7 +190,7 @@ TEST(TruthTrajectory, FollowsTheLinesAtTheirSpeedAndHeight) {
     EXPECT_LT((begin_m.head<2>() - line.start_en_m).norm(), 0.01);
     EXPECT_LT((end_m.head<2>() - line.end_en_m).norm(), 0.01);
     const double speed_mps = (end_m - begin_m).norm() / (strip.t1_s - strip.t0_s);
-    EXPECT_NEAR(speed_mps, line.speed_mps, 2.0);  // turbulence of 1 m/s rms
+    EXPECT_NEAR(speed_mps, line.speed_mps, 2.0);  // the turbulence is 1 m/s rms
     for (double t_s = strip.t0_s; t_s < strip.t1_s; t_s += 0.5) {
       const Vector3d p_m = flight.truth->Pose(t_s).p_mb;
       const Eigen::Vector2d d = p_m.head<2>() - line.start_en_m;
@@ -212,7 +212,7 @@ TEST(TruthTrajectory, StabilisedMountStaysLevel) {
   }
 }
 
-TEST(TruthTrajectory, TheEarthBetweenTwoPlacesIsThatOfTheirEnds) {
+TEST(TruthTrajectory, InterpolatesTheEarthBetweenTwoPlaces) {
   const SimulatedFlight flight = FlyWithoutPairs(testing::SmallScenario());
   const TruthTrajectory& truth = *flight.truth;
   for (double t_s = truth.t_begin_s(); t_s < truth.t_end_s() - 0.02; t_s += 0.7) {
@@ -232,7 +232,7 @@ TEST(TruthTrajectory, TheEarthBetweenTwoPlacesIsThatOfTheirEnds) {
   }
 }
 
-TEST(TruthTrajectory, AStateIsNavigationOutputByTheEarthAtItsPlace) {
+TEST(TruthTrajectory, ConvertsStatesToNavigationOutput) {
   const SimulatedFlight flight = FlyWithoutPairs(testing::SmallScenario());
   NormalEarth earth;
   const TruthState state = flight.truth->State(flight.truth->t_begin_s() + 3.0, &earth);

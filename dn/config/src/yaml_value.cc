@@ -9,8 +9,8 @@
 namespace dn {
 namespace {
 
-/// No quantity of a file, in the units of its keys, is beyond these; squares and inverses of what
-/// lies within stay numbers.
+/// Magnitude limits of all numbers in files, in the units of their keys. Squares and inverses of
+/// numbers within the limits stay finite.
 constexpr double kLargest = 1e12;
 constexpr double kSmallestPositive = 1e-12;
 
@@ -23,8 +23,8 @@ bool ParseAll(std::string_view text, T& value) {
   return result.ec == std::errc() && result.ptr == end;
 }
 
-long LineOf(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.line + 1; }
-long ColumnOf(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.column + 1; }
+long LineNumber(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.line + 1; }
+long ColumnNumber(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.column + 1; }
 
 std::string OnOneLine(const YAML::Node& node) {
   YAML::Emitter out;
@@ -34,14 +34,15 @@ std::string OnOneLine(const YAML::Node& node) {
   return out.c_str();
 }
 
-/// Throws where what is under `parent`, on the way to `path`, is no map.
+/// Throws InvalidConfig unless `node`, which is found under `parent` on the way to `path`, is a
+/// map.
 void ExpectRoomForKeys(const YAML::Node& node, const std::string& path, const std::string& parent) {
   if (node.IsMap()) return;
   throw InvalidConfig(path + ": " + (parent.empty() ? "the file" : "'" + parent + "'") +
-                      " holds no keys");
+                      " is not a map of keys");
 }
 
-/// The text as a message shows it: its beginning, without control characters.
+/// Returns the beginning of the text without control characters, for messages.
 std::string Shown(const std::string& text) {
   constexpr std::size_t kMostShown = 40;
   std::string shown = text.substr(0, kMostShown);
@@ -53,7 +54,7 @@ std::string Shown(const std::string& text) {
 
 }  // namespace
 
-/// yaml-cpp's node; by default one that is not there.
+/// Holds the yaml-cpp node; the default is an undefined node, which stands for an absent value.
 struct YamlValue::Node {
   YAML::Node yaml{YAML::NodeType::Undefined};
 };
@@ -72,7 +73,7 @@ const std::string& YamlValue::Scalar() const { return node_->yaml.Scalar(); }
 FileLocation YamlValue::where() const {
   const YAML::Mark mark = node_->yaml.IsDefined() ? node_->yaml.Mark() : YAML::Mark::null_mark();
   if (mark.is_null()) return {file_, parent_.line, parent_.column};
-  return {file_, LineOf(mark), ColumnOf(mark)};
+  return {file_, LineNumber(mark), ColumnNumber(mark)};
 }
 
 void YamlValue::Fail(const std::string& message) const {
@@ -91,7 +92,7 @@ void YamlValue::FailType(const std::string& wanted) const {
 }
 
 void YamlValue::FailChoice(const std::string& word, const std::vector<std::string>& names) const {
-  Fail("'" + Shown(word) + "' is none of " + JoinNames(names) + "; did you mean '" +
+  Fail("'" + Shown(word) + "' is not one of " + JoinNames(names) + "; did you mean '" +
        NearestName(word, names) + "'?");
 }
 
@@ -147,7 +148,7 @@ std::string YamlValue::Name() const { return Line(100); }
 
 std::string YamlValue::Line(std::size_t longest) const {
   std::string line = Text();
-  if (HasControls(line)) Fail("holds a line break or another control character");
+  if (HasControls(line)) Fail("contains a line break or another control character");
   if (line.size() > longest) {
     Fail("must be one line of up to " + std::to_string(longest) + " characters");
   }
@@ -186,7 +187,7 @@ double YamlValue::NotNegative() const {
 long long YamlValue::Integer(long long lowest) const {
   long long value = 0;
   if (absent() || !IsScalar() || !ParseAll(Scalar(), value)) {
-    FailType("a whole number");
+    FailType("an integer");
   }
   if (value < lowest) {
     Fail("must be at least " + std::to_string(lowest) + ", is " + Shown(Scalar()));
@@ -246,7 +247,7 @@ YamlValue ParseYaml(const std::string& text, const std::string& file) {
     return YamlValue({root}, "", file, {file, 1, 1});
   } catch (const YAML::Exception& e) {
     throw InvalidConfig("not valid YAML: " + e.msg,
-                        FileLocation{file, LineOf(e.mark), e.mark.column + 1});
+                        FileLocation{file, LineNumber(e.mark), e.mark.column + 1});
   }
 }
 
@@ -280,7 +281,7 @@ std::string WithYamlChanges(std::string text, const std::vector<std::string>& ch
     const std::size_t equals = change.find('=');
     if (equals == 0 || equals == std::string::npos) {
       throw InvalidConfig("'" + WithoutControls(change) +
-                          "' is no change of a key; write key=value, as " + example);
+                          "' is not of the form key=value; write for example " + example);
     }
     text = WithYamlValue(text, change.substr(0, equals), change.substr(equals + 1));
   }

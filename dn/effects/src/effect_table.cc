@@ -135,7 +135,7 @@ std::string Short(double value) {
 
 std::string CountFault(const EffectSpec& effect) {
   const std::size_t count = effect.components.size();
-  if (count == 0) return "'" + effect.name + "' has no value";
+  if (count == 0) return "'" + effect.name + "' takes no value";
   std::string text = "'" + effect.name + "' takes " + std::to_string(count) +
                      (count == 1 ? " number (" : " numbers (");
   for (std::size_t i = 0; i < count; ++i) {

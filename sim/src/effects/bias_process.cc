@@ -5,7 +5,7 @@
 namespace dn::effects {
 namespace {
 
-/// A Gauss-Markov process on each of three axes.
+/// Simulates a Gauss-Markov process on each of three axes.
 class Process {
  public:
   explicit Process(const EffectInput& input) : random_(input.MakeRandom()) {

@@ -3,7 +3,7 @@
 namespace dn::effects {
 namespace {
 
-/// The tags are later by the value while the entry lasts.
+/// Returns the shift of an entry: during its time span the tags are later by its value.
 TagShift Later(const EffectInput& input) {
   const double offset_s = input.value[0];
   const EffectTimes times = input.entry.times;

@@ -4,7 +4,8 @@ namespace dn::effects {
 
 void LidarScanCone(const EffectInput& input, ActiveEffects* active) {
   const double angle_rad = input.value[0];
-  if (angle_rad == 0.0) return;  // else the last digits would go, too
+  // An effect of size zero must not even change the rounding of the vectors.
+  if (angle_rad == 0.0) return;
   active->scan_cone_rad += angle_rad;
   const LidarScenario& lidar = input.scenario.lidar;
   const Eigen::Vector3d axis_s = lidar.scan_axis_s.normalized();

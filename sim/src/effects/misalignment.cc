@@ -7,7 +7,7 @@ namespace {
 
 using Triad = Eigen::Vector3d ImuSample::*;
 
-/// Axes turned by the value see the true vector turned back.
+/// If the axes are rotated by the value, they measure the true vector rotated by its opposite.
 auto Turned(const EffectInput& input, Triad triad) {
   const Eigen::Matrix3d turn = Exp(Eigen::Vector3d(-input.value)).toRotationMatrix();
   return [turn, triad](const ImuSample&, ImuSample* sample) {

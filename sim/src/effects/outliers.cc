@@ -3,8 +3,8 @@
 namespace dn::effects {
 namespace {
 
-/// A gross error at random: zero for most, else of random direction and of a length uniform up to
-/// the size.
+/// Draws outliers: zero in most cases, else a vector with random direction and with a length
+/// uniform between 0 and the size.
 class GrossError {
  public:
   explicit GrossError(const EffectInput& input)

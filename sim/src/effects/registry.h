@@ -12,27 +12,28 @@
 
 namespace dn {
 
-/// One entry of `effects:` as its physics gets it.
+/// Input of the physics of one entry of `effects:`.
 struct EffectInput {
   const Scenario& scenario;
   const Effect& entry;
   Eigen::VectorXd value;  ///< SI, in the order of the table
   std::uint64_t seed;
-  std::string stream;  ///< of random numbers, the entry's own
+  std::string stream;  ///< name of the random number stream, unique for the entry
 
   Random MakeRandom() const { return {seed, stream}; }
 };
 
-/// Puts the physics of one entry into the lists.
+/// Adds the physics of one entry to the lists of `active`.
 using ActivateEffect = void (*)(const EffectInput& input, ActiveEffects* active);
 
+/// Name of an effect and the function with its physics.
 struct SimulatedEffect {
   const char* name;
   ActivateEffect activate;
 };
 
-/// The physics of every effect of EffectTable, in the order in which they apply: sensor errors as
-/// misalignment, scale, g-sensitivity; laser vectors as cone, angle, range.
+/// Returns the physics of every effect of EffectTable, in the order in which they apply. Sensor
+/// errors: misalignment, scale factor, g-sensitivity. Laser vectors: cone, angle, range.
 const std::vector<SimulatedEffect>& SimulatedEffects();
 
 }  // namespace dn

@@ -4,11 +4,12 @@
 
 namespace dn {
 
-/// An error of the GNSS positions that lasts: a first-order Gauss-Markov process on each axis of the
-/// local east-north-up of the point, the axes independent of one another.
+/// Time-correlated error of the GNSS positions: one first-order Gauss-Markov process on each local
+/// east, north and up axis of the point. The axes are independent.
 struct GnssProcess {
-  Eigen::Vector3d sigma_enu_m = Eigen::Vector3d::Zero();  ///< stationary; 0: no error on that axis
-  double tau_s = 0.0;                                     ///< correlation time
+  /// Stationary standard deviation; 0: no error on that axis.
+  Eigen::Vector3d sigma_enu_m = Eigen::Vector3d::Zero();
+  double tau_s = 0.0;  ///< correlation time
 
   friend bool operator==(const GnssProcess&, const GnssProcess&) = default;
 };

@@ -20,7 +20,7 @@ struct ImuSample {
 /// Two time tags closer than this are the same epoch (seconds of week resolve 1e-10 s).
 inline constexpr double kImuTimeTolerance_s = 1e-7;
 
-/// Whether the interval of a sample begins where that of the sample before it ends.
+/// Returns true if the interval of a sample begins where that of the sample before it ends.
 inline bool Adjoin(const ImuSample& before, const ImuSample& after) {
   return after.t_s - after.dt_s - before.t_s < kImuTimeTolerance_s;
 }
@@ -28,92 +28,97 @@ inline bool Adjoin(const ImuSample& before, const ImuSample& after) {
 /// Formats of inertial files; see ReadImu.
 enum class ImuFormat { kOdyn, kIncrements };
 
-/// What a row of rates stands for.
+/// Meaning of the rates in a row of the file.
 enum class ImuSampling {
-  kMean,           ///< the file's rates are means over the interval that ends at the time tag
-  kInstantaneous,  ///< point samples: the mean of an interval is taken from its two ends
-                   ///< (trapezoid)
+  kMean,  ///< the rates are means over the interval that ends at the time tag
+  /// Rates are point samples; the mean of an interval is that of its two ends (trapezoid).
+  kInstantaneous,
 };
 
-/// How a file of inertial data is read.
+/// Options for reading a file of inertial data.
 struct ImuReadOptions {
   ImuFormat format = ImuFormat::kOdyn;
   ImuSampling sampling = ImuSampling::kMean;
-  double rate_unit_radps =
-      1.0;  ///< one unit of the file's rates (or angle increments), rad/s (rad)
-  double force_unit_mps2 = 1.0;  ///< one unit of its forces (or velocity increments), m/s^2 (m/s)
-  /// Axes of the file's data -> body (forward-right-down).
+  /// One unit of the rates of the file (rad/s), or of the angle increments (rad).
+  double rate_unit_radps = 1.0;
+  /// One unit of the forces of the file (m/s^2), or of the velocity increments (m/s).
+  double force_unit_mps2 = 1.0;
+  /// Rotation from the axes of the file to body (forward-right-down).
   Eigen::Matrix3d R_imu_to_body = Eigen::Matrix3d::Identity();
-  double time_offset_s = 0.0;  ///< of the file's tags, tag = t + value; removed on reading
-  double t_begin_s = -1e300;   ///< rows outside [t_begin, t_end] are left out
+  double time_offset_s =
+      0.0;                    ///< error of the time tags, tag = t + time_offset_s; subtracted first
+  double t_begin_s = -1e300;  ///< rows outside [t_begin_s, t_end_s] are ignored
   double t_end_s = 1e300;
-  /// A longer step between samples is a gap, a shorter hole is bridged; absent: LongestImuBridge's.
+  /// A longer step between samples is a gap; a shorter hole is bridged. Absent: the limit of
+  /// LongestImuBridge applies.
   std::optional<double> max_gap_s = std::nullopt;
 };
 
-/// A hole in the data: no sample covers (t_begin_s, t_end_s].
+/// Gap in the data: no sample covers (t_begin_s, t_end_s].
 struct ImuGap {
   double t_begin_s = 0.0;
   double t_end_s = 0.0;
 };
 
-/// A hole too short to be a gap. The sample after it stands for the hole, too: over (t_begin_s,
-/// row.t_s - row.dt_s] the rates are assumed to be the mean of those of the neighbouring samples,
-/// with the errors that the same interpolation makes of known samples nearby (up to 64 on either
-/// side; the axis with the largest errors counts for all three).
+/// Hole that is too short to count as a gap. The sample after the hole also covers the hole,
+/// (t_begin_s, row.t_s - row.dt_s]. The rates in the hole are assumed to be the mean of both
+/// neighbouring samples. The errors are those of the same interpolation of known samples nearby, up
+/// to 64 on either side. The axis with the largest errors determines the sigma of all three.
 struct ImuBridge {
   double t_begin_s = 0.0;
-  ImuSample row;                 ///< the sample after the hole, over its own interval alone
-  double gyro_sigma_rad = 0.0;   ///< of the angle over the hole, per axis
-  double accel_sigma_mps = 0.0;  ///< of the velocity over the hole, per axis
+  ImuSample row;                 ///< the sample after the hole, over its own interval only
+  double gyro_sigma_rad = 0.0;   ///< sigma of the angle over the hole, per axis
+  double accel_sigma_mps = 0.0;  ///< sigma of the velocity over the hole, per axis
 };
 
 /// Inertial data of one sensor, sorted by time.
 struct ImuData {
   std::vector<ImuSample> samples;
-  /// Mean interval, without those above 1.75 medians; of uneven data without gaps.
+  /// Mean interval without those above 1.75 medians; for uneven data without gaps.
   double nominal_dt_s = 0.0;
-  /// Fewer than four steps of five lie within a quarter of the median one: none is a sign of a lost
-  /// row, and every one up to max_gap_s is the interval of its row.
+  /// True if fewer than four of five steps lie within 25 % of the median step. In that case a long
+  /// step is not a sign of a lost row. Every step up to max_gap_s is then the interval of its row.
   bool uneven = false;
-  double max_jitter_s = 0.0;       ///< largest |dt - nominal| outside gaps and bridges
-  std::vector<ImuGap> gaps;        ///< steps longer than max_gap_s; the sample after a gap keeps
-                                   ///< dt_s = nominal_dt_s, so the hole stays visible
-  std::vector<ImuBridge> bridges;  ///< shorter holes, sorted
+  double max_jitter_s = 0.0;  ///< largest |dt - nominal_dt_s| outside gaps and bridges
+  /// Steps longer than max_gap_s. The sample after a gap keeps dt_s = nominal_dt_s, so that the
+  /// hole remains visible.
+  std::vector<ImuGap> gaps;
+  std::vector<ImuBridge> bridges;  ///< holes shorter than a gap, sorted
   long repeated_rows_dropped = 0;
-  long repeated_values = 0;  ///< rows with all six values of the row before: a logger faster than
-                             ///< its sensor
+  /// Rows whose six values equal those of the row before: the logger is faster than the sensor.
+  long repeated_values = 0;
   long rows_outside_span = 0;
 
   double t_begin_s() const { return samples.front().t_s - samples.front().dt_s; }
   double t_end_s() const { return samples.back().t_s; }
 };
 
-/// Reads IMU.txt: t, w xyz [rad/s], f xyz [m/s^2]; or increments t, dtheta [rad], dv [m/s]. Throws
-/// InvalidInput naming file:line for bad rows, and for values that cannot be in these units (mean
-/// |f| near 1: specific force in g; rates whose rms cannot be rad/s: deg/s; a usual interval above 1
-/// s: milliseconds).
+/// Reads IMU.txt: t, w xyz [rad/s], f xyz [m/s^2], or increments t, dtheta [rad], dv [m/s]. Throws
+/// InvalidInput with file:line for bad rows. Throws InvalidInput also for values in wrong units: a
+/// mean |f| near 1 (g), an rms rate too large for rad/s (deg/s), and a usual interval above 1 s
+/// (milliseconds).
 ImuData ReadImu(const std::filesystem::path& file, const ImuReadOptions& options);
 
-/// Finds the steps between samples that are longer than 1.5 nominal_dt_s: one of up to
-/// LongestImuBridge becomes a bridge (of uneven data it stays an interval), a longer one a gap. On entry every sample covers its
-/// own interval alone, that after a hole nominal_dt_s. Fills gaps, bridges and max_jitter_s. Throws
-/// InvalidConfig when max_gap_s is shorter than nominal_dt_s.
+/// Classifies the steps between samples that are longer than 1.5 nominal_dt_s. A step up to
+/// LongestImuBridge becomes a bridge (in uneven data it remains an interval); a longer step becomes
+/// a gap. On entry every sample must cover its own interval only; a sample after a hole covers
+/// nominal_dt_s. Fills gaps, bridges and max_jitter_s. Throws InvalidConfig if max_gap_s is shorter
+/// than nominal_dt_s.
 void CloseShortHoles(std::optional<double> max_gap_s, ImuData* imu);
 
-/// Longest step between samples that is neither bridged nor a gap; time tags of week seconds are
-/// rounded by 1e-10 s and more.
+/// Returns the longest step between samples that is neither a bridge nor a gap. It allows for the
+/// rounding of time tags in seconds of week, 1e-10 s and more.
 double LongestImuInterval(double nominal_dt_s);
 
-/// Longest step between samples that is no gap: max_gap_s; absent: 5 nominal_dt_s, and at least
-/// 50 ms. In less no surveying platform does what its neighbouring rows do not show, and how much it
-/// does is measured (ImuBridge).
+/// Returns the longest step between samples that is not a gap: max_gap_s if given, else 5
+/// nominal_dt_s and at least 50 ms. During so short a time the neighbouring rows represent the
+/// motion of a surveying platform; the remaining error is measured (ImuBridge).
 double LongestImuBridge(std::optional<double> max_gap_s, double nominal_dt_s);
 
-/// Indices [first, last) of the samples whose intervals overlap (t0_s, t1_s].
+/// Returns the index range [first, last) of the samples whose intervals overlap (t0_s, t1_s].
 std::pair<std::size_t, std::size_t> SampleRange(const ImuData& imu, double t0_s, double t1_s);
 
-/// Whether a gap of the data overlaps (t0_s, t1_s) by more than a microsecond.
+/// Returns true if a gap of the data overlaps (t0_s, t1_s) by more than a microsecond.
 bool HasGap(const ImuData& imu, double t0_s, double t1_s);
 
 }  // namespace dn

@@ -7,104 +7,115 @@
 
 namespace dn {
 
-/// What the high band of a flight says of one triad.
+/// Noise level of one triad according to the high band of a flight.
 struct NoiseLevel {
-  double ratio = 0.0;  ///< actual white sigma over the assumed one
-  double sigma = 0.0;  ///< of the ratio, were the noise white
+  double ratio = 0.0;  ///< actual white sigma divided by the assumed one
+  double sigma = 0.0;  ///< standard deviation of the ratio if the noise is white
   std::array<double, 3> axis_ratio{};
-  /// log(variance of the top octave / variance of the octave below), 0 for white noise, and its
-  /// standard deviation.
+  /// log(variance of the top octave / variance of the octave below) and its standard deviation;
+  /// white noise has tilt 0.
   double tilt = 0.0;
   double tilt_sigma = 0.0;
 };
 
-/// White noise of every sample of both triads that is there in one window only.
+/// Additional white noise of the samples of both triads during one window.
 struct NoiseWindow {
   double t0_s = 0.0;
   double t1_s = 0.0;
-  std::array<double, kImuTriads> sigma{};           ///< of a sample: rad/s, m/s^2; 0: none
-  std::array<double, kImuTriads> sigma_of_sigma{};  ///< standard deviation of that; of sigma^2, its
-                                                    ///< root, where sigma is not above it
-  double log_likelihood = 0.0;                      ///< against the assumed noise alone, nats
-  double log_likelihood_over_flight = 0.0;  ///< against a noise of another size over the flight
+  /// Sigma of one sample: rad/s, m/s^2; 0: no additional noise.
+  std::array<double, kImuTriads> sigma{};
+  /// Standard deviation of sigma. If sigma does not exceed it: root of the standard deviation of
+  /// sigma^2.
+  std::array<double, kImuTriads> sigma_of_sigma{};
+  /// Log-likelihood relative to the assumed noise alone, nats.
+  double log_likelihood = 0.0;
+  /// Log-likelihood relative to noise of another level during the whole flight, nats.
+  double log_likelihood_over_flight = 0.0;
 };
 
-/// How well each account of the high band does against the assumed noise: log Bayes factors, nats.
+/// Log Bayes factors of the hypotheses about the high band, relative to the assumed noise, nats.
 struct NoiseEvidence {
-  /// White noise of another size over the whole flight.
+  /// White noise of another level during the whole flight.
   std::array<double, kImuTriads> scale{};
-  /// Additional white noise of both triads in one window, whichever.
+  /// Additional white noise of both triads in one window at any time.
   double window = 0.0;
-  /// Both at once: the noise has its own size outside the window.
+  /// Both together: the noise outside the window has its own level.
   double window_and_scale = 0.0;
-  /// The levels of the axes and octaves differ: not white, or not the same in all axes.
+  /// The levels of axes and octaves differ: the noise is not white, or not the same in all axes.
   std::array<double, kImuTriads> coloured{};
-  /// The level differs from window to window: vibration that comes and goes, motion.
+  /// The level differs between windows, because of intermittent vibration or motion.
   std::array<double, kImuTriads> unsteady{};
 };
 
-/// Accounts of the high band.
+/// Hypotheses about the noise in the high band.
 enum class NoiseAccount {
-  kAssumed,         ///< the stated noise
-  kScale,           ///< white noise of another size in one triad or both
-  kWindow,          ///< more white noise in a window
-  kWindowAndScale,  ///< both
-  kNotWhite         ///< coloured or unsteady, in one triad or both: vibration, or motion as fast
+  kAssumed,         ///< the assumed noise
+  kScale,           ///< white noise of another level in one triad or both
+  kWindow,          ///< additional white noise in a window
+  kWindowAndScale,  ///< additional white noise in a window, and another level in general
+  /// Coloured or unsteady noise in one triad or both, from vibration or motion in this band.
+  kNotWhite
 };
 
-/// The account with the largest evidence, each triad having the best for itself where it can.
+/// Returns the hypothesis with the largest evidence. Each triad uses its own best hypothesis where
+/// the joint one allows it.
 NoiseAccount BestAccount(const NoiseEvidence& evidence);
 
-/// How far the best account with a cause is ahead of the best one without it, nats: what is to be
-/// compared with other causes of a misfit, since a noise of another size also looks like a window
-/// as long as the flight, and a window like another size and like noise that comes and goes.
+/// Log Bayes factors of the best hypothesis with a cause relative to the best one without it, nats.
+/// They can be compared with other causes of a misfit. The comparison is needed because the
+/// hypotheses resemble each other. Noise of another level looks like a window as long as the
+/// flight; a window looks like another level and like unsteady noise.
 struct NoiseCauses {
-  /// Another size in this triad; the other one may have any account, not white ones as well.
+  /// Noise of another level in this triad. The other triad may follow any hypothesis, including
+  /// coloured or unsteady noise.
   std::array<double, kImuTriads> scale{};
-  double window = 0.0;  ///< among accounts by white noise
-  /// This triad coloured or unsteady, before the best account by which it is white. Where it is
-  /// positive, `scale` and `window` are less by so much.
+  double window = 0.0;  ///< a window, among the hypotheses with white noise
+  /// This triad is coloured or unsteady, relative to the best hypothesis in which it is white. A
+  /// positive value lowers `scale` and `window` by the same amount.
   std::array<double, kImuTriads> not_white{};
 };
 
+/// Computes the log Bayes factors of the causes from those of the hypotheses.
 NoiseCauses CausesOf(const NoiseEvidence& evidence);
 
-/// What is expected of sizes before any data are seen.
+/// Prior assumptions about the size of the noise.
 struct NoiseCheckOptions {
-  /// log(ratio) is normal about 0, its standard deviation log(typical_ratio) times 0.1, 0.32, 1,
-  /// 3.2 or 10 with the probabilities .1, .2, .4, .2, .1.
+  /// log(ratio) is normal about 0. Its standard deviation is log(typical_ratio) times 0.1, 0.32, 1,
+  /// 3.2 or 10, with probabilities 0.1, 0.2, 0.4, 0.2, 0.1.
   double typical_ratio = 1.5;
-  /// log10 of the sigma that a window adds is normal about that of these, with spread_decades.
+  /// log10 of the sigma added in a window is normal about log10 of these values, with standard
+  /// deviation spread_decades.
   std::array<double, kImuTriads> typical_sigma{1.745e-3, 0.3};
   double spread_decades = 0.7;
 
-  /// Throws InvalidConfig for a ratio that is not above 1, or another value that is not positive.
+  /// Throws InvalidConfig if typical_ratio is not above 1 or another value is not positive.
   void Validate() const;
 };
 
-/// The noise of the inertial sensors, judged by their high band.
+/// Results of the noise check of the inertial sensors by their high band.
 struct NoiseCheck {
-  /// Nothing where the triad is unusable.
+  /// Level of each triad; absent if the triad is unusable.
   std::array<std::optional<NoiseLevel>, kImuTriads> level;
-  /// The likeliest window; nothing where no window has more noise than assumed.
+  /// Most likely window; absent if no window has more noise than assumed.
   std::optional<NoiseWindow> window;
-  /// The same when the noise outside it has its own size.
+  /// Most likely window if the noise outside it has its own level.
   std::optional<NoiseWindow> window_beside_scale;
   NoiseEvidence evidence;
 };
 
-/// Levels, windows and evidences. With E the energy and n its degrees of freedom where the variance
-/// is v times the assumed one,
+/// Computes levels, windows and evidences. Let E be the energy and n its degrees of freedom, where
+/// the variance is v times the assumed one. Then
 ///
 ///   log L(v) = -1/2 (n log v + E / v),
 ///
-/// and every evidence is the integral of L(v) / L(1) over the prior of its parameters: with L
-/// normal in log(v) for levels, numerically for a window's sigmas, and over all windows of
-/// the grid (any start, any end) as their average. Levels that differ are normal about a common
-/// one with a spread of 0.003 to 1 (of the logarithm of sigma, six values alike).
+/// and every evidence is the integral of L(v) / L(1) over the prior of its parameters. For levels,
+/// L is approximated as normal in log(v); for the sigmas of a window the integral is numerical. The
+/// evidence of a window is the average over all windows of the grid (any start, any end). The
+/// levels of axes and octaves are normal about a common level. Their spread is one of six values
+/// between 0.003 and 1 (logarithm of sigma) with equal probabilities.
 ///
-/// Windows begin and end on multiples of two seconds, or of a five-hundredth of the flight where
-/// that is longer; near the likeliest of these on any window of the band. Throws as
+/// Windows begin and end at multiples of two seconds, or of 1/500 of the flight if that is longer.
+/// Near the most likely window of this grid, any window of the band is possible. Throws as
 /// NoiseCheckOptions::Validate.
 NoiseCheck CheckNoise(const HighBand& band, const NoiseCheckOptions& options = {});
 

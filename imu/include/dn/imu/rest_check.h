@@ -6,24 +6,25 @@
 
 namespace dn {
 
-// What an Allan variance takes for granted of its record. Values are those of one axis, evenly
-// spaced at dt_s, not empty.
+// Checks of the assumptions that an Allan variance makes about its record. Each function takes the
+// values of one axis, evenly spaced at dt_s and not empty.
 
-/// A second's mean that departs from the record's by more was no sensor at rest.
+/// Limits for a sensor at rest: deviation of the mean over one second from the mean of the record.
 inline constexpr double kRestGyroRadps = 0.02;
 inline constexpr double kRestAccelMps2 = 0.2;
-/// DriftInSigmas beyond which a record is not stationary.
+/// Limit of DriftInSigmas above which a record is not stationary.
 inline constexpr double kDriftSigmas = 4.0;
 
-/// Mean of all values.
+/// Returns the mean of all values.
 double MeanRate(const std::vector<double>& rates);
 
-/// True where the mean over every full second stays within `limit` (unit of the data) of that of
-/// the record: a sensor that turned or was moved does not.
+/// Returns true if the mean over every full second differs from the mean of the record by at most
+/// `limit` (unit of the data). A sensor that was turned or moved exceeds the limit.
 bool AtRest(const std::vector<double>& rates, double dt_s, double limit);
 
-/// The mean of the last third less that of the first, in sigmas of what the terms of `fit` let it
-/// be, its random walk left out: that may itself be the drift.
+/// Returns the mean of the last third minus that of the first third, in units of the standard
+/// deviation that the terms of `fit` predict. The random walk is excluded, because it can itself
+/// represent the drift.
 double DriftInSigmas(const std::vector<double>& rates, double dt_s, const NoiseFit& fit);
 
 }  // namespace dn

@@ -4,16 +4,17 @@
 
 namespace dn {
 
-/// White noise densities that rows of inertial data show.
+/// White noise densities estimated from the rows of inertial data.
 struct WhiteRows {
   double gyro_rad_per_sqrt_s = 0.0;
   double accel_mps_per_sqrt_s = 0.0;
 };
 
-/// From the second differences d of the rows over a second, of which white noise leaves
-/// var(d) = 6 sigma^2: N = sigma sqrt(dt), the median of all seconds, of the axis with the most.
-/// Slow motion cancels; vibration that the platform has most of the time is in it. Rows that repeat
-/// the row before are left out. Zero where no second has five rows of its own.
+/// Estimates the white noise from second differences d of the rows: white noise has
+/// var(d) = 6 sigma^2, and N = sigma sqrt(dt). The result is the median over all seconds, for the
+/// axis with the largest noise. Slow motion cancels; vibration that is present most of the time is
+/// included. Rows that repeat the row before are ignored. The result is zero if no second has five
+/// distinct rows.
 WhiteRows WhiteNoiseOfRows(const ImuData& imu);
 
 }  // namespace dn

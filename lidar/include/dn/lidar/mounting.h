@@ -7,29 +7,32 @@
 
 namespace dn {
 
-/// How the scanner s sits on the body b: u_b = Exp([theta]x) T_s^b* u_s, seen from the lever arm.
+/// Mounting of the scanner s on the body b: u_b = Exp([theta]x) T_s^b* u_s, a vector from the
+/// scanner origin.
 struct Mounting {
-  Eigen::Matrix3d R_bs_nominal = Eigen::Matrix3d::Identity();  ///< T_s^b*, sensor -> nominal body
+  Eigen::Matrix3d R_bs_nominal = Eigen::Matrix3d::Identity();  ///< T_s^b*, sensor to nominal body
   Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();     ///< scanner origin in body
-  Eigen::Vector3d boresight_rad =
-      Eigen::Vector3d::Zero();  ///< theta, rotation vector about the body axes
+  /// theta, rotation vector about the body axes.
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
 };
 
-/// Throws InvalidInput unless R is a rotation to 1e-6 (orthonormal, determinant +1); returns the
-/// nearest one.
+/// Returns the rotation nearest to R. Throws InvalidInput unless R is a rotation to within 1e-6
+/// (orthonormal, determinant +1).
 Eigen::Matrix3d CheckedRotation(const Eigen::Matrix3d& R);
 
-/// Laser vector in body: Exp([theta]x) T_s^b* u_s, m.
+/// Returns the laser vector in body: Exp([theta]x) T_s^b* u_s, m.
 Eigen::Vector3d LaserVectorInBody(const Mounting& mounting, const Eigen::Vector3d& u_s);
 
-/// Its inverse: the laser vector in the sensor frame, T_s^b*^T Exp(-[boresight]x) u_b, m.
+/// Returns the laser vector in the sensor frame, T_s^b*^T Exp(-[theta]x) u_b, m: the inverse of
+/// LaserVectorInBody.
 Eigen::Vector3d LaserVectorInSensor(const Mounting& mounting, const Eigen::Vector3d& u_b);
 
-/// Direct georeferencing: p_m = p_mb + R_mb (u_b + a_b), m. (Paper eq. 1.)
+/// Georeferences a laser vector directly: p_m = p_mb + R_mb (u_b + a_b), m (paper eq. 1).
 Eigen::Vector3d Georeference(const MapPose& pose, const Mounting& mounting,
                              const Eigen::Vector3d& u_s);
 
-/// Its inverse: the laser vector in the sensor frame that led to the point p_m, m.
+/// Returns the laser vector in the sensor frame that leads to the point p_m, m: the inverse of
+/// Georeference.
 Eigen::Vector3d LaserVectorTo(const MapPose& pose, const Mounting& mounting,
                               const Eigen::Vector3d& p_m);
 

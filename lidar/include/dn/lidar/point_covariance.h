@@ -6,23 +6,27 @@
 
 namespace dn {
 
-/// Errors of what a georeferenced point is computed from, independent of each other.
+/// Errors of the quantities from which a georeferenced point is computed. They are independent of
+/// each other.
 struct PointErrors {
-  Eigen::Matrix3d position_m2 = Eigen::Matrix3d::Zero();    ///< of p_mb, in m axes
-  Eigen::Matrix3d attitude_rad2 = Eigen::Matrix3d::Zero();  ///< rotation vector d about b, q Exp(d)
-  Eigen::Matrix3d boresight_rad2 = Eigen::Matrix3d::Zero();  ///< left perturbation, about b
+  Eigen::Matrix3d position_m2 = Eigen::Matrix3d::Zero();  ///< covariance of p_mb, in m axes
+  /// Covariance of the rotation vector d about b, q Exp(d).
+  Eigen::Matrix3d attitude_rad2 = Eigen::Matrix3d::Zero();
+  /// Covariance of the left perturbation, about b.
+  Eigen::Matrix3d boresight_rad2 = Eigen::Matrix3d::Zero();
   double sigma_range_m = 0.0;
-  double sigma_beam_rad = 0.0;  ///< direction of the beam, about each of two axes across it
+  /// Direction of the beam, about each of two axes perpendicular to it.
+  double sigma_beam_rad = 0.0;
 };
 
-/// Covariance of Georeference(pose, mounting, u_s) in m axes, m^2, to first order:
+/// Returns the covariance of Georeference(pose, mounting, u_s) in m axes, m^2, to first order:
 ///
 ///   C = P + R_mb ([u_b + a_b]x A [u_b + a_b]x^T + [u_b]x B [u_b]x^T
 ///                 + s_r^2 e e^T + s_d^2 |u|^2 (I - e e^T)) R_mb^T,     e = u_b / |u_b|
 ///
-/// with P, A, B of position, attitude, boresight, and s_r, s_d of range and direction. What it does
-/// not hold: lever arm, time tags, interpolation of the pose, angle of incidence.
-/// u_s is not zero.
+/// with P, A, B of position, attitude, boresight, and s_r, s_d of range and direction. Errors of
+/// lever arm, time tags, pose interpolation and angle of incidence are not included. u_s must not
+/// be zero.
 Eigen::Matrix3d PointCovariance(const MapPose& pose, const Mounting& mounting,
                                 const Eigen::Vector3d& u_s, const PointErrors& errors);
 

@@ -8,16 +8,16 @@
 
 namespace dn {
 
-/// Which points of a strip are used.
+/// Selects the points of a strip that are used.
 struct PointFilter {
-  /// Only the last return of each pulse: what lies under trees is the same ground from every side,
-  /// crowns and edges of roofs are not.
+  /// Uses only the last return of each pulse. Last returns under trees come from the same ground
+  /// from every side; returns from tree crowns and roof edges do not.
   bool last_returns = false;
-  std::set<std::uint8_t> classes;  ///< LAS classes, as 2 for ground; empty: all
+  std::set<std::uint8_t> classes;  ///< LAS classes, such as 2 for ground; empty: all classes
 };
 
-/// Why a point of the cloud is not used; nullptr: it is. A file without returns has last ones only,
-/// one without classes no class.
+/// Returns the reason why point `i` is not used; nullptr if it is used. In a file without return
+/// numbers every return is a last one. In a file without classes no point belongs to a class.
 const char* WhyDropped(const PointFilter& filter, const StripCloud& points, std::size_t i);
 
 }  // namespace dn

@@ -8,20 +8,22 @@
 
 namespace dn {
 
-/// Points of a strip, all or a part of them, as a structure of arrays. An array that the file has
-/// nothing for is empty, every other one has an element per point.
+/// All points or some points of a strip, as a structure of arrays. Each array has one element per
+/// point, or is empty if the file lacks that quantity.
 struct StripCloud {
-  std::vector<Eigen::Vector3d> p_c;   ///< in the coordinate system c of the file, m
-  std::vector<double> t_s;            ///< GPS seconds of week
-  std::vector<Eigen::Vector3d> u_s;   ///< laser vector in the sensor frame, m
-  std::vector<std::uint16_t> source;  ///< LAS point source id: the flight line, where it is used so
+  std::vector<Eigen::Vector3d> p_c;  ///< in the coordinate system c of the file, m
+  std::vector<double> t_s;           ///< GPS seconds of week
+  std::vector<Eigen::Vector3d> u_s;  ///< laser vector in the sensor frame, m
+  /// LAS point source id; in many files the number of the flight line.
+  std::vector<std::uint16_t> source;
   std::vector<std::uint16_t> intensity;
-  std::vector<std::uint8_t> returns_after;   ///< of the same pulse; 0: it is the last
-  std::vector<std::uint8_t> classification;  ///< LAS class, as 2 for ground
-  /// Of p_c, m^2.
+  /// Number of later returns of the same pulse; 0: this is the last return.
+  std::vector<std::uint8_t> returns_after;
+  std::vector<std::uint8_t> classification;  ///< LAS class, such as 2 for ground
+  /// Covariance of p_c, m^2.
   std::vector<Eigen::Matrix3d> covariance_c_m2;
-  /// The LAS records as they stood in the file, `record_bytes` per point: what LAS holds of a point
-  /// beside the arrays is kept there.
+  /// The LAS records as read from the file, `record_bytes` per point. They preserve the LAS
+  /// attributes that have no array here.
   std::string records;
   std::size_t record_bytes = 0;
 
@@ -30,7 +32,7 @@ struct StripCloud {
   /// Empties every array.
   void Clear();
 
-  /// Removes the points that are marked; `drop` has an element per point.
+  /// Removes the marked points. `drop` must have one element per point.
   void Drop(const std::vector<bool>& drop);
 };
 

@@ -10,74 +10,82 @@
 
 namespace dn {
 
-/// What a file says of the coordinate system of its points.
+/// Coordinate system of the points of a strip according to its file.
 struct StripCrs {
-  std::optional<int> epsg;  ///< of the horizontal, or three-dimensional, system
-  std::string text;         ///< its name or well-known text; empty: nothing is said
-  std::string name;         ///< as strips_crs of flight.yaml calls it: utm:32n, ecef; else empty
-  bool heights_from_geoid = false;  ///< a vertical system is named: heights are not ellipsoidal
+  std::optional<int> epsg;  ///< EPSG code of the horizontal or three-dimensional system
+  std::string
+      text;  ///< name or well-known text of the system; empty: the file does not state a system
+  std::string name;  ///< name in strips_crs of flight.yaml: utm:32n, ecef; else empty
+  /// The file names a vertical system: heights are not ellipsoidal.
+  bool heights_from_geoid = false;
 };
 
-/// Writes points to a file that appears complete or not at all.
+/// Writes points to a file. The file appears under its name only when it is complete.
 class StripWriter {
  public:
   virtual ~StripWriter() = default;
 
-  /// Points of the reader that this writer was made by, changed or fewer; of a new file, any.
-  /// Throws InvalidInput, naming the point, when one cannot be represented; std::filesystem::filesystem_error when the
+  /// Appends points. A writer that a reader has made accepts only points of that reader, possibly
+  /// changed or reduced; a writer of a new file accepts any points. Throws InvalidInput with the
+  /// point if a coordinate cannot be represented. Throws std::filesystem::filesystem_error if the
   /// file cannot be written.
   virtual void Append(const StripCloud& points) = 0;
 
-  /// Completes the file and gives it its name. Last call.
+  /// Completes the file and renames it to its final name. This must be the last call.
   virtual void Finish() = 0;
 };
 
-/// Reads the points of a strip in chunks of at most 65536: memory does not grow with the file.
+/// Reads the points of a strip in chunks of at most 65536, so that memory does not grow with the
+/// file.
 class StripReader {
  public:
   virtual ~StripReader() = default;
 
-  /// The next points in place of what `chunk` holds; false after the last. Throws InvalidInput
-  /// naming the file and the record or line.
+  /// Replaces the contents of `chunk` by the next points; returns false after the last point.
+  /// Throws InvalidInput with the file and the record or line.
   virtual bool Next(StripCloud* chunk) = 0;
 
   virtual bool has_time() const = 0;
-  virtual bool has_vectors() const = 0;  ///< laser vectors
+  virtual bool has_vectors() const = 0;  ///< true if the points have laser vectors
   virtual const StripCrs& crs() const = 0;
-  /// Points of the file, where its header says so.
+  /// Number of points according to the header of the file; nullopt if the header does not contain
+  /// it.
   virtual std::optional<std::uint64_t> points() const = 0;
 
-  /// A writer of a file of the same format, version, coordinate system and further content.
-  /// with_covariance: every point gets columns (text) or extra bytes (LAS) for its covariance_c_m2.
+  /// Returns a writer for a file with the same format, version, coordinate system and other
+  /// contents. with_covariance: adds the covariance_c_m2 of every point as columns (text) or extra
+  /// bytes (LAS).
   virtual std::unique_ptr<StripWriter> MakeWriter(const std::filesystem::path& file,
                                                   bool with_covariance) const = 0;
 };
 
-/// Opens a strip by the end of its name:
+/// Opens a strip. The file name extension selects the format:
 ///
-///   .las    ASPRS LAS 1.2 to 1.4, point formats 0 to 10, with extra bytes. GPS time of both kinds
-///           ("adjusted standard" is converted to seconds of week, counted from the begin of the
-///           week of the first point). Laser vectors are extra bytes named ux, uy, uz [m]. The
-///           coordinate system is read from GeoTIFF keys and well-known text.
+///   .las    ASPRS LAS 1.2 to 1.4, point formats 0 to 10, with extra bytes. Both kinds of GPS time
+///           are read; "adjusted standard" time is converted to seconds of week, counted from the
+///           beginning of the week of the first point. Laser vectors are extra bytes named ux, uy,
+///           uz [m]. The coordinate system is read from GeoTIFF keys and well-known text.
 ///   .txt    LiMatch text: t, x, y, z, ux, uy, uz, optionally the covariance of x, y, z in m^2
 ///           (upper triangle xx, xy, xz, yy, yz, zz)
 ///
-/// Throws InvalidInput, naming the file and what to do, for LAZ, another ending, a header that
-/// contradicts itself, its records or the size of the file, coordinates that are not in metres, a
-/// time that is no second of week, a laser vector that is shorter than 1 mm or longer than 50 km.
+/// Throws InvalidInput, with the file and the remedy, for LAZ and for any other extension. The
+/// reader throws it for a header that contradicts itself, its records or the file size, and for
+/// coordinates that are not in metres. It also throws it for a time that is not a second of week
+/// and for a laser vector shorter than 1 mm or longer than 50 km.
 std::unique_ptr<StripReader> OpenStrip(const std::filesystem::path& file);
 
-/// The grid of a new LAS file: coordinates are offset_m plus a multiple of scale_m, within 2^31 of
-/// them.
+/// Coordinate grid of a new LAS file. Each coordinate is offset_m plus an integer multiple of
+/// scale_m, where the integer has a magnitude below 2^31.
 struct LasGrid {
   Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
   double scale_m = 1e-4;
 };
 
-/// Writes a LAS file that has no predecessor: version 1.4, point format 6 (64-bit counts, and extra
-/// bytes belong to the specification), GPS time in seconds of week, the laser vector as extra bytes
-/// ux, uy, uz [m] of doubles, each point the only return of its pulse. The coordinate system is not
-/// named. Append needs p_c, t_s and u_s; source and intensity are 0 where they are empty.
+/// Creates a new LAS file: version 1.4, point format 6, GPS time in seconds of week. This format
+/// has 64-bit counts, and its specification includes extra bytes. The laser vector is stored as
+/// extra bytes ux, uy, uz [m] of type double. Each point is the only return of its pulse. The file
+/// does not name a coordinate system. Append needs p_c, t_s and u_s; empty arrays of source and
+/// intensity are written as 0.
 std::unique_ptr<StripWriter> NewLasStrip(const std::filesystem::path& file, const LasGrid& grid);
 
 }  // namespace dn

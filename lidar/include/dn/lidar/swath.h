@@ -8,27 +8,30 @@
 
 namespace dn {
 
-/// What a strip covers, seen from above; east and north in the mapping frame m, m.
+/// Area that a strip covers in plan view; east and north in the mapping frame m, in metres.
 struct Swath {
   std::string strip;
-  std::vector<Eigen::Vector2d> line_en_m;     ///< path of the body
-  std::vector<Eigen::Vector2d> outline_en_m;  ///< polygon, its first corner not repeated
+  std::vector<Eigen::Vector2d> line_en_m;  ///< path of the body
+  /// Polygon; the first corner is not repeated at the end.
+  std::vector<Eigen::Vector2d> outline_en_m;
 };
 
-/// The outline of the points of a strip. Of each stretch of time it keeps the outermost points in 16
-/// directions; of these the outline has those to the left and to the right of the course. Memory
-/// grows with the duration, not with the points, whose order does not matter.
+/// Computes the outline of the points of a strip. For each second of time it keeps the outermost
+/// points in 16 directions. The outline connects those to the left and to the right of the course.
+/// Memory grows with the duration, not with the number of points; the order of the points does not
+/// matter.
 class SwathOutline {
  public:
-  /// p_m: a point in the mapping frame, m.
+  /// Adds a point p_m in the mapping frame, m.
   void Add(double t_s, const Eigen::Vector3d& p_m);
 
-  /// At most 120 corners; none of fewer than three points.
+  /// Returns at most 120 corners; empty for fewer than three points.
   std::vector<Eigen::Vector2d> Corners() const;
 
  private:
   static constexpr std::size_t kDirections = 16;
 
+  /// Points of one second, or of several joined seconds.
   struct Stretch {
     double points = 0.0;
     Eigen::Vector2d sum_en_m = Eigen::Vector2d::Zero();
@@ -37,17 +40,19 @@ class SwathOutline {
     void Add(const Eigen::Vector2d& p_en_m);
     void Join(const Stretch& other);
     Eigen::Vector2d Mean() const { return sum_en_m / points; }
-    /// The outermost point in about the direction of a vector.
+    /// Returns the outermost point in the direction closest to `direction_en`.
     const Eigen::Vector2d& Towards(const Eigen::Vector2d& direction_en) const;
   };
 
+  /// Returns unit vectors in 16 equally spaced directions.
   static const std::array<Eigen::Vector2d, kDirections>& Directions();
+  /// Joins neighbouring stretches so that at most 60 remain.
   std::vector<Stretch> FewStretches() const;
 
   std::map<long, Stretch> by_second_;
 };
 
-/// `count` times from t0_s to t1_s, both included; count > 1.
+/// Returns `count` equally spaced times from t0_s to t1_s, both included; `count` must exceed 1.
 std::vector<double> EvenTimes(double t0_s, double t1_s, std::size_t count);
 
 }  // namespace dn

@@ -8,7 +8,7 @@ namespace dn {
 class Random;
 struct TurbulenceScenario;
 
-/// A sum of sinusoids of incommensurate frequencies: irregular, and differentiable at will.
+/// Sum of sinusoids with incommensurate frequencies: irregular, with derivatives of any order.
 class SumOfSines {
  public:
   struct Sample {
@@ -17,21 +17,22 @@ class SumOfSines {
     double second = 0.0;  ///< d^2/dt^2
   };
 
-  SumOfSines() = default;  ///< identically zero
+  SumOfSines() = default;  ///< zero at all times
 
-  /// `count` waves, log-spaced with jitter between the two frequencies, with amplitudes falling as
-  /// 1/sqrt(f) and the given root mean square over a long time.
+  /// Creates `count` waves between the two frequencies, log-spaced with jitter. The amplitudes are
+  /// proportional to 1/sqrt(f); the root mean square over a long time is `rms`.
   SumOfSines(double rms, double f_low_hz, double f_high_hz, int count, Random& random);
 
+  /// Returns the sum and its first two derivatives at a time.
   Sample At(double t_s) const;
 
-  /// Sum of the amplitudes: |value| never exceeds it.
+  /// Returns the sum of the amplitudes: |value| never exceeds it.
   double Bound() const;
 
-  /// Scales so that Bound() <= limit.
+  /// Reduces the amplitudes if necessary so that Bound() <= limit.
   void LimitTo(double limit);
 
-  /// Turns the sum into its integral over time (without a constant).
+  /// Replaces the sum by its integral over time (without a constant).
   void Integrate();
 
  private:
@@ -43,17 +44,18 @@ class SumOfSines {
   std::vector<Wave> waves_;
 };
 
-/// The motion that the air adds to a planned path, seconds since the start of the flight.
+/// Motion that turbulence adds to a planned path, as functions of the time in seconds since the
+/// start of the flight.
 struct Disturbance {
   SumOfSines roll_rad;
   SumOfSines pitch_rad;
   SumOfSines heading_rad;
   SumOfSines height_m;
-  SumOfSines lead_s;  ///< how far ahead of the plan, in seconds along the path
+  SumOfSines lead_s;  ///< time ahead of the plan, in seconds along the path
 };
 
-/// mean_speed_mps turns the speed rms into a lead in time. stabilised: roll and pitch are bounded
-/// so that the body stays level within 0.3 deg.
+/// Draws a disturbance. mean_speed_mps converts the rms of the speed to a lead in time. stabilised:
+/// limits roll and pitch so that the body stays level within 0.3 deg.
 Disturbance MakeDisturbance(const TurbulenceScenario& turbulence, double mean_speed_mps,
                             bool stabilised, std::uint64_t seed);
 

@@ -6,17 +6,17 @@
 
 namespace dn {
 
-/// A line across the others, through their middle, as long, high and fast as the first. `lines` must
-/// not be empty.
+/// Returns a line across the others, through their centre, with the length, height and speed of the
+/// first line. `lines` must not be empty.
 PlannedLine CrossLine(const std::vector<PlannedLine>& lines);
 
-/// The other way.
+/// Returns the line flown in the opposite direction.
 PlannedLine Reversed(PlannedLine line);
 
-/// Higher by 40 % of the height above ground.
+/// Returns the line raised by 40 % of the height above ground.
 PlannedLine Higher(PlannedLine line, double height_above_ground_m);
 
-/// Faster by 30 %.
+/// Returns the line with a speed 30 % higher.
 PlannedLine Faster(PlannedLine line);
 
 }  // namespace dn

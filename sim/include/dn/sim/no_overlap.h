@@ -4,7 +4,7 @@
 
 namespace dn {
 
-/// No two strips of a scenario that wants pairs see the same ground. Thrown by Simulate.
+/// Error of a scenario that needs pairs although no two of its strips overlap. Thrown by Simulate.
 class NoOverlap : public InvalidConfig {
  public:
   using InvalidConfig::InvalidConfig;

@@ -8,20 +8,21 @@
 
 namespace dn {
 
-/// Errors of a flight that no entry of `effects:` describes: functions of the caller, each called
-/// where the simulation makes the quantity, also without noise. An empty one changes nothing.
+/// Errors of a flight that no entry of `effects:` describes. They are functions of the caller,
+/// which the simulation calls when it computes the quantity, also without noise. An empty function
+/// changes nothing.
 struct OwnErrors {
-  /// Added to the angular rate of the inertial sample with this time, body axes, rad/s.
+  /// Error added to the angular rate of the inertial sample at this time, body axes, rad/s.
   std::function<Eigen::Vector3d(double t_s)> gyro_radps = {};
-  /// Added to the antenna position, east, north, up, m.
+  /// Error added to the antenna position, east, north, up, m.
   std::function<Eigen::Vector3d(double t_s)> antenna_enu_m = {};
-  /// Added to the boresight's rotation vector at a pose of the flight, rad.
+  /// Error added to the rotation vector of the boresight at a pose of the flight, rad.
   std::function<Eigen::Vector3d(const MapPose& pose)> boresight_rad = {};
-  /// What the scanner makes, at the true time t_s, of the vector to a point in its frame.
+  /// Measured laser vector for a true one in the sensor frame, at the true time t_s.
   std::function<Eigen::Vector3d(const Eigen::Vector3d& u_s, double t_s)> laser_vector = {};
-  /// Added to the time tags of the pairs, s; t_s is the true time.
+  /// Error added to the time tags of the pairs, s; t_s is the true time.
   std::function<double(double t_s)> lidar_tag_shift_s = {};
-  /// What becomes of the finished pairs.
+  /// Function that changes the finished pairs.
   std::function<void(PairData* pairs)> pairs = {};
 };
 

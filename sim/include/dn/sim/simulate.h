@@ -16,68 +16,71 @@
 
 namespace dn {
 
-/// How a scenario is simulated.
+/// Options of Simulate.
 struct SimulateOptions {
-  std::uint64_t seed =
-      1;  ///< of noise, turbulence and the choice of pairs; the terrain has its own
-  /// false: noise and biases of every sensor are zero, stochastic effects are left out; fixed
-  /// effects and faults stay, and flight.yaml still holds the assumed model.
+  /// Seed of noise, turbulence and the selection of pairs; the terrain has its own seed.
+  std::uint64_t seed = 1;
+  /// False: noise and biases of every sensor are zero, and stochastic effects are omitted. Fixed
+  /// effects and faults remain, and flight.yaml still contains the assumed model.
   bool noise = true;
-  OwnErrors own = {};  ///< beside the scenario's effects; they have no place in truth.yaml
-  /// Replayed in place of the file that the scenario's plan names; must outlive the call.
+  /// Errors in addition to the effects of the scenario; truth.yaml does not contain them.
+  OwnErrors own = {};
+  /// Trajectory to replay instead of the file that the plan names. It must outlive the call.
   const Trajectory* replay = nullptr;
-  /// Called with the stage ("trajectory", "imu", "gnss", "pairs") and its fraction done.
+  /// Called with the stage ("trajectory", "imu", "gnss", "pairs") and the fraction done, 0 to 1.
   std::function<void(const std::string& stage, double fraction)> progress = nullptr;
 };
 
-/// A flight and the truth behind it.
+/// Simulated flight with its true values.
 struct SimulatedFlight {
   Scenario scenario;
   std::uint64_t seed = 1;
   LocalFrame frame{Geodetic{}};
   std::shared_ptr<const TruthTrajectory> truth;
-  /// What ReadFlight gives of the written folder: the assumed model and the measurements.
+  /// Result of ReadFlight for the written folder: the assumed model and the measurements.
   Flight flight;
-  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();        ///< true
-  Eigen::Vector3d gnss_lever_arm_b_m = Eigen::Vector3d::Zero();   ///< true
-  Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();  ///< true
-  /// True bias (sum of all processes, mean over the interval) of every inertial sample.
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();        ///< true value
+  Eigen::Vector3d gnss_lever_arm_b_m = Eigen::Vector3d::Zero();   ///< true value
+  Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();  ///< true value
+  /// True bias of every inertial sample: sum of all processes, mean over the interval.
   std::vector<Eigen::Vector3d> gyro_bias_radps;
   std::vector<Eigen::Vector3d> accel_bias_mps2;
   std::vector<StripInterval> strips;
-  /// Of the strips; null where the scenario asks for none.
+  /// Point clouds of the strips; null if the scenario does not ask for them.
   std::shared_ptr<const SimulatedClouds> clouds;
 };
 
-/// When a flight begins and ends, and its strips, in GPS seconds of week.
+/// Begin and end of a flight and its strips, in GPS seconds of week.
 struct FlightTimes {
   double begin_s = 0.0;
   double end_s = 0.0;
   std::vector<StripInterval> strips;
 };
 
-/// The times that Simulate would have, without flying. Throws as Simulate for the plan.
+/// Returns the times of the flight that Simulate would create, without simulating it. Throws as
+/// Simulate does for the plan.
 FlightTimes PlannedTimes(const Scenario& scenario, std::uint64_t seed);
 
-/// Flies the scenario. Throws InvalidConfig when it cannot be flown (no two strips overlap, a line
-/// below the ground), InvalidInput for a bad trajectory to replay.
+/// Simulates the scenario. Throws InvalidConfig if it cannot be flown (a line below the ground, or
+/// no two strips that overlap). Throws InvalidInput for an invalid trajectory to replay.
 SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& options);
 
-/// Adds flight.yaml, IMU.txt, GPS.txt, lidar/<a>_<b>.txt, reference.out (SBET at the inertial
-/// rate), truth.yaml and, with the effect trajectory_attitude_offset, trajectory.out to
-/// `directory`; the caller commits. Not the point clouds: WriteClouds.
+/// Adds the files of the flight to `directory`; the caller commits them. They are flight.yaml,
+/// IMU.txt, GPS.txt, lidar/<a>_<b>.txt, reference.out (SBET at the inertial rate) and truth.yaml.
+/// The effect trajectory_attitude_offset adds trajectory.out. Point clouds are not included; see
+/// WriteClouds.
 void WriteFlight(const SimulatedFlight& simulated, OutputDirectory& directory);
 
-/// The same without what tells the truth, reference.out and truth.yaml.
+/// Adds the same files without those that contain the truth, reference.out and truth.yaml.
 void WriteMeasurements(const SimulatedFlight& simulated, OutputDirectory& directory);
 
-/// Adds the point clouds, strips/<name>.las; of a flight without any, nothing. Returns their counts.
-/// `progress` is told of each strip the fraction done and may throw to end the work.
+/// Adds the point clouds, strips/<name>.las, and returns their counts; a flight without clouds adds
+/// nothing. `progress` receives the fraction done of each strip and may throw to stop the work.
 std::vector<CloudCounts> WriteClouds(
     const SimulatedFlight& simulated, int threads, OutputDirectory& directory,
     const std::function<void(const StripInterval& strip, double fraction)>& progress);
 
-/// The text of truth.yaml.
+/// Formats the text of truth.yaml.
 std::string FormatTruth(const SimulatedFlight& simulated);
 
 }  // namespace dn

@@ -17,27 +17,33 @@ namespace dn {
 struct ActiveEffects;
 struct LidarSpan;
 
-/// What became of the pulses of a strip.
+/// Numbers of pulses and points of a strip.
 struct CloudCounts {
   std::uint64_t pulses = 0;
   std::uint64_t points = 0;
-  std::uint64_t on_water = 0;  ///< lost there; the others met nothing, or all but grazed it
+  /// Pulses lost on water. All other lost pulses missed the surface or nearly grazed it.
+  std::uint64_t on_water = 0;
 };
 
-/// The point clouds of a simulated flight, made when they are written: a flight's pulses do not fit
-/// into memory. Per pulse at the true epoch t, with the true trajectory, boresight theta, lever arm
-/// a and the beam's direction d in the sensor frame (ScanTiming):
+/// Point clouds of a simulated flight. They are computed when they are written, because the pulses
+/// of a flight do not fit into memory. For each pulse at the true epoch t, with the true
+/// trajectory, boresight theta, lever arm a and beam direction d in the sensor frame (ScanTiming):
 ///
 ///   range r:  p_mb + R_mb (a + r Exp([theta]x) T d')  is the first point of the surface
 ///   u = measured(r d) + noise along the beam
 ///   p = p_mb + R_mb (T u + a'), at the epoch t + tag shift
 ///
-/// with d' = d turned by a random angle of divergence / 4 about each of two axes (where in the
-/// footprint the return comes from), measured() the lidar effects, T the assumed mounting with no
-/// boresight and a' its assumed lever arm, by which a processing before calibration makes points.
+/// where
+///
+///   d'          d rotated by a random angle of divergence / 4 about each of two axes: the place in
+///               the footprint from which the return comes
+///   measured()  the lidar effects
+///   T, a'       assumed mounting without boresight, and assumed lever arm
+///
+/// Software computes the points p in this way before a calibration.
 class SimulatedClouds {
  public:
-  /// span: the lidar epochs that effects refer to.
+  /// span: true lidar epochs to which the effects refer.
   SimulatedClouds(const Scenario& scenario, std::vector<StripInterval> strips,
                   std::shared_ptr<const TruthTrajectory> truth, const ActiveEffects& effects,
                   const LidarSpan& span, std::uint64_t seed, bool noise);
@@ -45,14 +51,15 @@ class SimulatedClouds {
 
   const std::vector<StripInterval>& strips() const { return strips_; }
 
-  /// Pulses of a strip, and its points in the order of time in groups of some 10,000: `take` gets
-  /// each group. The same for any number of threads. `progress` is told the fraction done and may
-  /// throw to end the work.
+  /// Simulates the pulses of a strip. `take` receives its points in time order, in groups of about
+  /// 10,000. The result does not depend on the number of threads. `progress` receives the fraction
+  /// done and may throw to stop the work.
   CloudCounts Run(std::size_t strip, int threads,
                   const std::function<void(const StripCloud&)>& take,
                   const std::function<void(double fraction)>& progress) const;
 
-  /// The same into a LAS file (NewLasStrip) in m, the number of the strip as point source.
+  /// Writes the points to a LAS file (NewLasStrip) in m. The point source is the number of the
+  /// strip.
   CloudCounts Write(std::size_t strip, const std::filesystem::path& file, int threads,
                     const std::function<void(double fraction)>& progress) const;
 

@@ -12,25 +12,26 @@ namespace dn {
 struct Building;
 struct Tree;
 
-/// The surface of the Earth in m: rolling ground, rough and with water where the scenario says so,
-/// with buildings and trees on it, as a height over east and north. The same seed gives the same surface everywhere.
+/// Surface of the Earth in m, as a height over east and north: undulating ground with roughness,
+/// water, buildings and trees according to the scenario. The same seed always gives the same
+/// surface.
 class Terrain {
  public:
   explicit Terrain(const TerrainScenario& scenario);
 
-  /// Height (m, up) of the bare ground and of the surface: ground, roof or crown.
+  /// Height (m, up) of the bare ground, and of the surface (ground, roof or crown).
   double Ground(const Eigen::Vector2d& en_m) const;
   double Surface(const Eigen::Vector2d& en_m) const;
 
-  /// Whether the ground is water: flat, and no laser returns from it.
+  /// Returns true if the ground is water: it is flat and reflects no laser pulses.
   bool Water(const Eigen::Vector2d& en_m) const;
 
-  /// No surface lies higher, no ground lower.
+  /// Bounds: no surface is higher than the first, no ground lower than the second.
   double highest_m() const { return highest_m_; }
   double lowest_m() const { return scenario_.base_m - relief_bound_m_ - roughness_.bound_m(); }
 
-  /// Distance along a downward ray (unit direction) to the first point where it meets the surface,
-  /// if that is nearer than max_range_m. Objects narrower than 0.25 m along the ray may be missed.
+  /// Returns the distance along a downward ray (unit direction) to the first point on the surface,
+  /// if it is less than max_range_m. Objects narrower than 0.25 m along the ray may be missed.
   std::optional<double> Intersect(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                                   double max_range_m) const;
 
@@ -44,16 +45,19 @@ class Terrain {
     double phase_rad;
     double amplitude_m;
   };
-  /// Objects of one sort: at most one in each cell of a square grid.
+  /// Objects of one kind, at most one in each cell of a square grid.
   struct Grid {
-    double cell_m = 0.0;  // 0: none
+    double cell_m = 0.0;  // 0: no such objects
     std::uint64_t seed = 0;
   };
-  double Relief(const Eigen::Vector2d& en_m) const;  // without roughness and water
+  double Relief(const Eigen::Vector2d& en_m) const;  // relief without roughness and water
   double DryGround(const Eigen::Vector2d& en_m) const { return Relief(en_m) + roughness_.At(en_m); }
+  // Returns the height below which the share of water of the scenario lies.
   double WaterLevel() const;
+  // Returns the object in a cell; nullopt if the cell is empty.
   std::optional<Building> BuildingIn(const Eigen::Vector2i& cell) const;
   std::optional<Tree> TreeIn(const Eigen::Vector2i& cell) const;
+  // Returns true if a point lies in a built-up area.
   bool BuiltUp(const Eigen::Vector2d& en_m) const;
 
   TerrainScenario scenario_;
@@ -61,10 +65,10 @@ class Terrain {
   Grid buildings_;
   Grid trees_;
   Roughness roughness_;
-  std::optional<double> water_m_;  // height of every water
+  std::optional<double> water_m_;  // height of all water
   double relief_bound_m_ = 0.0;
   double relief_slope_bound_ = 0.0;
-  double above_relief_m_ = 0.0;  // nothing rises higher above the relief at its place
+  double above_relief_m_ = 0.0;  // upper bound of all heights above the local relief
   double highest_m_ = 0.0;
 };
 

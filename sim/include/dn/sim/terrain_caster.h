@@ -8,25 +8,25 @@
 
 namespace dn {
 
-/// Where a laser ray ends.
+/// End point of a laser ray.
 struct RayHit {
   double range_m = 0.0;
   bool water = false;
 };
 
-/// Intersects rays with the surface of a terrain, many of them near each other: it keeps what it
-/// finds of the ground (square tiles: bounds of height and slope, the objects on them), in memory
-/// that does not grow. Exact to 1e-9 m of range, also where an object is narrow; where the ground
-/// rises through a ray that it all but touches (to less than 1 mm), a hit within some mm of it. Of
-/// one thread at a time; the terrain must outlive it.
+/// Intersects many neighbouring rays with the surface of a terrain. It caches ground data in square
+/// tiles (bounds of height and slope, and the objects on a tile) with limited memory. The range is
+/// exact to 1e-9 m, also for narrow objects. Where the ground barely touches a ray (by less than 1
+/// mm), the hit is within some mm of that point. An object must not be used by several threads at a
+/// time. The terrain must outlive it.
 class TerrainCaster {
  public:
   explicit TerrainCaster(const Terrain& terrain);
   ~TerrainCaster();
 
-  /// The first point of a downward ray (unit direction) on the surface, if that is nearer than
-  /// max_range_m. The origin lies above the surface. Throws InvalidInput for a ray that points not
-  /// downwards.
+  /// Returns the first point of a downward ray (unit direction) on the surface, if it is nearer
+  /// than max_range_m. The origin must lie above the surface. Throws InvalidInput for a ray that
+  /// does not point downwards.
   std::optional<RayHit> Cast(const Eigen::Vector3d& origin_m, const Eigen::Vector3d& direction,
                              double max_range_m);
 
@@ -36,18 +36,22 @@ class TerrainCaster {
   struct Crown;
   struct Ray;
 
+  // Returns the tile of a cell from the cache; surveys it if necessary.
   const Tile& TileAt(const Eigen::Vector2i& cell);
+  // Fills a tile: bounds of the ground and objects.
   void Survey(const Eigen::Vector2i& cell, Tile* tile) const;
   void BoundGround(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
   void AddHouses(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
   void AddCrowns(const Eigen::Vector2d& centre_en_m, Tile* tile) const;
+  // Returns the range of the first hit in a tile, between two ranges.
   std::optional<double> CastInTile(const Tile& tile, const Ray& ray, double from_m,
                                    double to_m) const;
   std::optional<double> GroundHit(const Tile& tile, const Ray& ray, double from_m,
                                   double to_m) const;
 
   const Terrain& terrain_;
-  double curvature_bound_ = 0.0;  // 1/m, of the relief: of its second derivative in any direction
+  // Bound of the second derivative of the relief in any direction, 1/m.
+  double curvature_bound_ = 0.0;
   std::vector<Tile> tiles_;
 };
 

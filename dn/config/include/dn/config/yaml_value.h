@@ -10,59 +10,65 @@
 
 namespace dn {
 
-/// A value of a YAML file that knows its path of keys ("imu.gyro.white_deg_sqrt_h") and its file,
-/// so that every complaint, an InvalidConfig, names both, line and column. A key that is missing
-/// and one that is `~` are both absent; whatever stands below something absent is absent, too, and
-/// has the place of the nearest map or list that is there.
+/// Value of a YAML file that knows its file, its line and its path of keys
+/// ("imu.gyro.white_deg_sqrt_h"). Every error is an InvalidConfig that names file, line, column and
+/// path. A missing key and a key with the value `~` are both absent. Everything below an absent
+/// value is absent too; its location is that of the nearest existing map or list above it.
 class YamlValue {
  public:
   bool absent() const;
   explicit operator bool() const { return !absent(); }
   const std::string& path() const { return path_; }
 
-  /// Throws InvalidConfig "<path>: <message>" at this value's place.
+  /// Throws InvalidConfig "<path>: <message>" with the location of this value.
   [[noreturn]] void Fail(const std::string& message) const;
+  /// Location in the file; that of the nearest existing parent if this value is absent.
   FileLocation where() const;
 
-  /// Throws unless this is a map with keys of `known`, none twice.
+  /// Throws InvalidConfig unless this is a map whose keys all belong to `known` and occur once.
   void ExpectMap(const std::vector<std::string>& known) const;
-  /// The same for a section that may be left out.
+  /// The same as ExpectMap, but the section may be absent.
   void ExpectMapOrNothing(const std::vector<std::string>& known) const;
   bool IsMap() const;
   bool IsScalar() const;
 
-  /// The keys of this map, in the order of the file; none where this is no map.
+  /// Returns the keys of this map in file order; empty if this is not a map.
   std::vector<std::string> Keys() const;
 
-  /// This value as YAML on one line.
+  /// Returns this value as YAML on one line.
   std::string Yaml() const;
 
-  /// Value under a key of this map; absent when there is none.
+  /// Returns the value of a key of this map; an absent value if the key is missing.
   YamlValue operator[](const std::string& key) const;
 
-  /// Elements of a list; a single value that is no list counts as a list of one.
+  /// Returns the elements of a list; a single value counts as a list of one.
   std::vector<YamlValue> Items() const;
-  /// Elements of a list; anything else is an error.
+  /// Returns the elements of a list; throws InvalidConfig for any other value.
   std::vector<YamlValue> List() const;
 
-  /// Conversions; each throws naming the wanted type or range and what was found.
+  /// The conversions below throw InvalidConfig if the value has another type or is out of range.
+  /// The message gives the expected type or range and the actual value.
   std::string Text() const;
-  std::string Name() const;  ///< a text that messages can show
-  /// One line of at most so many characters.
+  /// Returns a text of one line, at most 100 characters, that is safe to show in messages.
+  std::string Name() const;
+  /// Returns a text of one line with at most `longest` characters.
   std::string Line(std::size_t longest) const;
   bool Bool() const;
-  double Number() const;    ///< within -1e12 and 1e12
-  double Positive() const;  ///< from 1e-12 on
+  double Number() const;    ///< from -1e12 to 1e12
+  double Positive() const;  ///< from 1e-12 to 1e12
   double NotNegative() const;
+  /// Returns an integer of at least `lowest`.
   long long Integer(long long lowest) const;
+  /// Returns a list of exactly `size` numbers.
   Eigen::VectorXd Numbers(Eigen::Index size) const;
   Eigen::Vector3d Vector3() const { return Numbers(3); }
   Eigen::Vector3d PositiveVector3() const;
+  /// Returns a 3 x 3 matrix, given as a list of three rows.
   Eigen::Matrix3d Matrix3() const;
-  /// A list of numbers of any length, or one number.
+  /// Returns a list of numbers of any length; a single number counts as a list of one.
   std::vector<double> NumberList() const;
 
-  /// The same, or `otherwise` where this is absent.
+  /// The functions below convert in the same way, but return `otherwise` if this value is absent.
   bool BoolOr(bool otherwise) const { return absent() ? otherwise : Bool(); }
   double NumberOr(double otherwise) const { return absent() ? otherwise : Number(); }
   double PositiveOr(double otherwise) const { return absent() ? otherwise : Positive(); }
@@ -71,7 +77,8 @@ class YamlValue {
     return absent() ? otherwise : Vector3();
   }
 
-  /// One of several words; throws listing them.
+  /// Returns the value that belongs to one of several words; throws InvalidConfig with the list of
+  /// words otherwise.
   template <class T>
   T Choice(const std::vector<std::pair<std::string, T>>& choices) const {
     const std::string word = Text();
@@ -92,26 +99,27 @@ class YamlValue {
   [[noreturn]] void FailChoice(const std::string& word,
                                const std::vector<std::string>& names) const;
   std::string Found() const;
-  const std::string& Scalar() const;  ///< its text; empty for what is no scalar
+  const std::string& Scalar() const;  ///< its text; empty if this is not a scalar
 
   std::shared_ptr<const Node> node_;
   std::string path_;
   std::string file_;
-  FileLocation parent_;  ///< where the map or list that should hold this stands
+  FileLocation parent_;  ///< location of the map or list above this value
 };
 
-/// The top level of a YAML text; `file` is what messages name. Throws InvalidConfig at the line of
-/// a syntax error, or when it is empty.
+/// Parses a YAML text and returns its top level; messages name it `file`. Throws InvalidConfig with
+/// the line for a syntax error, and for an empty text.
 YamlValue ParseYaml(const std::string& text, const std::string& file);
 
-/// The YAML text with another value (YAML, too) under a path of keys such as "plan.lines"; maps that
-/// are not there on the way are added, comments are lost. Throws InvalidConfig for what is not YAML,
-/// and where a key on the way holds something else than a map.
+/// Returns the YAML text with `value` (also YAML) set at a path of keys such as "plan.lines".
+/// Missing maps along the path are added; comments are lost. Throws InvalidConfig if either text is
+/// not YAML, or if a key along the path holds something other than a map.
 std::string WithYamlValue(const std::string& text, const std::string& path,
                           const std::string& value);
 
-/// The same for changes "key.of.keys=value", one after the other. Throws InvalidConfig also for what
-/// is none; `example` is what its message shows.
+/// Applies changes "key.of.keys=value" one after the other, as WithYamlValue does. Throws
+/// InvalidConfig also for a change without '=' or key; the message shows `example` as a correct
+/// one.
 std::string WithYamlChanges(std::string text, const std::vector<std::string>& changes,
                             const std::string& example);
 

@@ -8,68 +8,68 @@
 
 namespace dn {
 
-/// What an effect touches first.
+/// Sensor, measurements or trajectory that an effect acts on first.
 enum class EffectSensor { kGnss, kImu, kGyro, kAccel, kLidar, kPairs, kTrajectory };
 
-/// What the values of an effect are.
+/// Nature of the value of an effect.
 enum class EffectKind {
-  kFixed,       ///< a few constants: may be an unknown of the adjustment (`estimate:`)
+  kFixed,       ///< a few constants: can be an unknown of the adjustment (`estimate:`)
   kStochastic,  ///< random numbers: noise, processes, gross errors
-  kFault        ///< a fault of the data that no unknown models
+  kFault        ///< a fault of the data without a parametric model
 };
 
-/// When an effect is there, and the key that says so beside it.
+/// Time span of an effect, and the key of the file that gives it.
 enum class EffectTiming {
-  kFlight,  ///< the whole flight; no key
-  kWindow,  ///< `window_s: [begin, end]`, both included
-  kStart    ///< `t0_s`: from then on
+  kFlight,  ///< during the whole flight; needs no key
+  kWindow,  ///< inside `window_s: [begin, end]`, both ends included
+  kStart    ///< from `t0_s` on
 };
 
-/// One number of an effect's value.
+/// One component of the value of an effect.
 struct EffectComponent {
-  std::string name;  ///< "x", "east", "tau"
-  std::string unit;  ///< as in files: "ppm", "deg/h"; "1" for a ratio or a share
+  std::string name;  ///< such as "x", "east", "tau"
+  std::string unit;  ///< as in files: "ppm", "deg/h"; "1" for a ratio or a fraction
   double to_si;      ///< SI (radian) = to_si * value
-  double typical;    ///< size to expect, 1 sigma, in `unit`; of a ratio the ratio itself
-  double lowest;     ///< of the value in `unit`, this included
-  double highest;
+  double typical;    ///< typical magnitude (1 sigma) in `unit`; for a ratio the ratio itself
+  double lowest;     ///< smallest allowed value in `unit`, itself allowed
+  double highest;    ///< largest allowed value in `unit`, itself allowed
 
   double typical_si() const { return typical * to_si; }
 };
 
-/// What the simulator, the estimator and the documents know of an effect: everything but its
-/// physics. An effect is something that the data contain and the assumed model lacks; its value is
-/// what was added to the truth.
+/// Description of an effect that simulator, estimator and documents share; it contains no physics.
+/// An effect is an error that the data contain and the assumed model lacks. Its value is the error
+/// added to the truth.
 struct EffectSpec {
   std::string name;
   EffectSensor sensor;
   EffectKind kind;
   EffectTiming timing;
-  /// In the order of the value; empty for an effect without one. Those of a fixed effect share one
-  /// unit.
+  /// Components in the order of the value; empty for an effect without a value. All components of a
+  /// fixed effect have the same unit.
   std::vector<EffectComponent> components;
 };
 
-/// Every effect; docs/formats.md has the same table with the meaning of each.
+/// Returns every effect. docs/formats.md contains the same table with the meaning of each effect.
 const std::vector<EffectSpec>& EffectTable();
 
-/// The effect of this name; nullptr where there is none.
+/// Returns the effect of this name; nullptr if there is no such effect.
 const EffectSpec* FindEffect(std::string_view name);
 
-/// Names in the order of the table, of all effects or of one kind.
+/// Returns the names of all effects, or of those of one kind, in the order of the table.
 std::vector<std::string> EffectNames(std::optional<EffectKind> kind = std::nullopt);
 
-/// "window_s", "t0_s", or empty.
+/// Returns the key that gives the time span: "window_s", "t0_s", or an empty text for kFlight.
 std::string TimingKey(EffectTiming timing);
 
-/// What is wrong with a value in file units: the number of its components or a bound, by name;
-/// nothing when it is good.
+/// Checks a value in file units. Returns nullopt if it is valid, else a message about the wrong
+/// number of components or the component out of bounds.
 std::optional<std::string> ValueFault(const EffectSpec& effect, const std::vector<double>& value);
 
-/// A value in file units, as long as `components`, in SI.
+/// Converts a value from file units to SI. `value` must have as many elements as `components`.
 Eigen::VectorXd ValueInSi(const EffectSpec& effect, const std::vector<double>& value);
 
-/// The size to expect of every component, in SI.
+/// Returns the typical magnitude of every component, in SI.
 Eigen::VectorXd TypicalInSi(const EffectSpec& effect);
 
 }  // namespace dn
