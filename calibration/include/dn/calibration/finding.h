@@ -10,7 +10,7 @@
 
 namespace dn {
 
-/// What a boresight is worth; gauss_helmert_flight.h and docs/model-check.md say when it is which.
+/// What a boresight is worth; gauss_helmert_flight.h and docs/method/model-check.md say when it is which.
 enum class Verdict {
   kCalibrated,     ///< the angles are the mounting's, within their covariance
   kAbsorbed,       ///< they hold an error of the trajectory: consistent, but not the mounting's

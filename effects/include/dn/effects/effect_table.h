@@ -50,7 +50,7 @@ struct EffectSpec {
   std::vector<EffectComponent> components;
 };
 
-/// Every effect; docs/formats.md has the same table with the meaning of each.
+/// Every effect; docs/reference/effects.md has the same table with the meaning of each.
 const std::vector<EffectSpec>& EffectTable();
 
 /// The effect of this name; nullptr where there is none.
