@@ -3,8 +3,8 @@
 #include "effects/registry.h"
 
 /// The physics of the effects, a file each or one for those that share a formula;
-/// docs/reference/effects.md says what each does. One more effect is a row of EffectTable, a file here, and its name below
-/// and in SimulatedEffects.
+/// docs/reference/effects.md says what each does. One more effect is a row of EffectTable, a file
+/// here, and its name below and in SimulatedEffects.
 namespace dn::effects {
 
 void GyroMisalignment(const EffectInput& input, ActiveEffects* active);

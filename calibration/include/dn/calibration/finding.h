@@ -10,8 +10,8 @@
 
 namespace dn {
 
-/// The trust a boresight deserves. gauss_helmert_flight.h and docs/method/model-check.md define each
-/// verdict.
+/// The trust a boresight deserves. gauss_helmert_flight.h and docs/method/model-check.md define
+/// each verdict.
 enum class Verdict {
   kCalibrated,     ///< the angles are the mounting's, within their covariance
   kAbsorbed,       ///< they hold an error of the trajectory: consistent, but not the mounting's
