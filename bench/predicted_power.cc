@@ -1,5 +1,5 @@
 /// predicted_power FLIGHTS SCENARIO...: whether effects are found as often as it was said before the
-/// flight; the figures of docs/blind-check.md.
+/// flight; the figures of docs/validation/blind-check.md.
 ///
 /// Of each scenario it is predicted, from eight plans with other turbulence, how often a test of
 /// .001 finds a scalar effect of a given size. Flights with turbulence and noise of their own are

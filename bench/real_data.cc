@@ -1,5 +1,5 @@
 /// real_data DATA_DIR: what `dn smooth` says about measured flights; the figures of
-/// docs/real-data.md.
+/// docs/validation/real-data.md.
 #include <dn/calibration/solution.h>
 #include <dn/solvers/prediction.h>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 /// real_injections DATA_DIR: known errors put into measured flights, and what `dn gap` makes of
-/// them; the figures of docs/real-data.md.
+/// them; the figures of docs/validation/real-data.md.
 ///
 /// A measured flight departs from its model before anything is put in. So it is diagnosed first, and
 /// what the diagnosis names joins the model. Then, one after the other, an error of some times the

@@ -2,7 +2,7 @@
 //
 // It rests where neither specific force nor angular rate scatters. What that brings is seen where
 // GNSS is withheld, in the last minute: prints the errors of the positions there, without and with
-// the factors. The flight is thor75 of docs/real-data.md; the example needs its folder.
+// the factors. The flight is thor75 of docs/validation/real-data.md; the example needs its folder.
 #include <dn/imu/imu_data.h>
 
 #include <algorithm>

@@ -326,7 +326,8 @@ std::string FlightDraft::ColumnsText() const {
 
 std::string FlightDraft::SensorsText() const {
   std::string text =
-      "# Written by dn init from what the files of this folder hold; every key: docs/flight.yaml.\n"
+      "# Written by dn init from what the files of this folder hold; every key: "
+      "docs/reference/flight.yaml.\n"
       "# What the data do not tell is marked MISSING, assumed or GUESS.\n"
       "body: FRD                       # of lever arms and mounting: forward, right, down\n";
   return text + ImuText() + GnssText() + LidarText();

@@ -142,8 +142,9 @@ void AddGapOptions(CLI::App* app, GapArguments* options) {
                   "Share of flights without a gap that are said to have one")
       ->check(PositiveNumber())
       ->capture_default_str();
-  app->add_option("--effects", options->effects,
-                  "Only these effects are considered: names of docs/formats.md, joined by commas");
+  app->add_option(
+      "--effects", options->effects,
+      "Only these effects are considered: names of docs/reference/effects.md, joined by commas");
   app->add_option("--without", options->without, "Effects that are not considered, likewise");
   AddCommonOptions(app, &options->common, true);
 }
@@ -158,7 +159,8 @@ void AddGap(CLI::App* program, Action* action) {
       "adding it closes the gap");
   AddGapOptions(app, options.get());
   app->footer(
-      "A gap that is found is no failure: the exit code is 0. docs/gap.md says how to read it.\n"
+      "A gap that is found is no failure: the exit code is 0. docs/guides/gap.md says how to read "
+      "it.\n"
       "Example: dn gap flight --out gap && dn calibrate gap/flight.adapted.yaml --out result");
   app->callback([options, action] {
     *action = [options] {

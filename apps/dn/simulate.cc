@@ -87,7 +87,7 @@ std::string ShippedLines(std::string_view ending) {
 }
 
 std::string Footer() {
-  return "Shipped scenarios, with the noise of flight (docs/flight-noise.md):\n" +
+  return "Shipped scenarios, with the noise of flight (docs/guides/flight-noise.md):\n" +
          ShippedLines("") + "with the sensor at rest, the noise of its data sheet alone:\n" +
          ShippedLines("_rest") +
          "at rest, and the causes of in-flight noise as effects that the model lacks:\n" +

@@ -210,7 +210,8 @@ void AddStudy(CLI::App* program, Action* action) {
       "values");
   AddStudyOptions(app, options.get());
   app->footer(
-      "A design that leaves an unknown undetermined ends with exit code 1. docs/study.md says how "
+      "A design that leaves an unknown undetermined ends with exit code 1. docs/guides/study.md "
+      "says how "
       "to read it.\n"
       "Example: dn study lar2 --out study\n"
       "         dn study --sweep lines_and_grades.yaml --out sweep\n"

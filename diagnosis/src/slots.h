@@ -21,7 +21,7 @@ struct Slot {
 /// A cause among its rivals, itself among them.
 Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& rivals);
 
-/// Probabilities of effects, of nothing at last; see docs/gap.md.
+/// Probabilities of effects, of nothing at last; see docs/guides/gap.md.
 std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects);
 
 /// The effect of a name; null where it is not among them.

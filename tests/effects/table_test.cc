@@ -97,7 +97,7 @@ TEST(EffectTable, ReportsTheErrorInAValue) {
   EXPECT_THAT(Fault("lidar_range_scale", {std::nan("")}), HasSubstr("must lie between"));
 }
 
-// --- The tests below compare the table with docs/formats.md row by row.
+// --- The tests below compare the table with docs/reference/formats.md row by row.
 
 std::vector<std::string> Cells(const std::string& row) {
   std::vector<std::string> cells;
@@ -112,7 +112,7 @@ std::vector<std::string> Cells(const std::string& row) {
 
 /// Returns the rows of the first table below a heading, without the two head rows.
 std::vector<std::vector<std::string>> TableBelow(const std::string& heading) {
-  std::ifstream page(std::string(DN_DOCS_DIR) + "/formats.md");
+  std::ifstream page(std::string(DN_REFERENCE_DIR) + "/effects.md");
   std::string line;
   while (std::getline(page, line) && line != heading) {
   }
@@ -159,7 +159,7 @@ TEST(EffectTable, AgreesWithTheDocuments) {
   const std::map<EffectKind, std::string> kinds{{EffectKind::kFixed, "fixed"},
                                                 {EffectKind::kStochastic, "stochastic"},
                                                 {EffectKind::kFault, "fault"}};
-  const auto rows = TableBelow("### Effects");
+  const auto rows = TableBelow("## The table");
   ASSERT_EQ(rows.size(), EffectTable().size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const EffectSpec& effect = EffectTable()[i];

@@ -236,7 +236,7 @@ TEST(FlightConfigErrors, DamagedTextIsReadOrRefusedButNothingElse) {
 
 TEST(FlightConfigErrors, HostileValuesOfEveryKeyAreReadOrRefusedWithTheirPlace) {
   const TempFolder folder;
-  std::ifstream model(std::filesystem::path(DN_DOCS_DIR) / "flight.yaml");
+  std::ifstream model(std::filesystem::path(DN_REFERENCE_DIR) / "flight.yaml");
   const std::string text{std::istreambuf_iterator<char>(model), {}};
   ASSERT_FALSE(text.empty());
   const auto parse = [](const std::string& document) { ParseFlightConfig(document, "/f"); };

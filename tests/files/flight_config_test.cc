@@ -385,7 +385,7 @@ TEST(FlightConfig, AFileForElsewhereNamesTheDataAndKeepsTheirAxes) {
 }
 
 TEST(FlightConfig, AcceptsTheAnnotatedExample) {
-  const FlightConfig config = ReadFlightConfig(DN_DOCS_DIR);
+  const FlightConfig config = ReadFlightConfig(DN_REFERENCE_DIR);
   EXPECT_EQ(config.name, "lar3");
   ASSERT_TRUE(config.imu && config.gnss && config.lidar && config.trajectory);
   EXPECT_EQ(config.imu->model.gyro.processes.size(), 3u);
@@ -393,7 +393,7 @@ TEST(FlightConfig, AcceptsTheAnnotatedExample) {
 }
 
 TEST(FlightConfig, TheAnnotatedExampleShowsTheDefaults) {
-  const FlightConfig shown = ReadFlightConfig(DN_DOCS_DIR);
+  const FlightConfig shown = ReadFlightConfig(DN_REFERENCE_DIR);
   FlightConfig plain =
       ParseFlightConfig("{name: lar3, gnss: {}, lidar: {gsd_m: 0.2}, trajectory: {}}", "/f");
   plain.imu = shown.imu;  // has no defaults for its noise

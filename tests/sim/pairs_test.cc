@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double kExact_m = 1e-6;  // 45 m/s times the resolution of time (6e-11 s), with margin
 
-/// Returns the rotation by Rodrigues' formula. This and the georeferencing of docs/conventions.md
+/// Returns the rotation by Rodrigues' formula. This and the georeferencing of docs/reference/conventions.md
 /// are written out here.
 Matrix3d Rotation(const Vector3d& phi) {
   const double angle = phi.norm();

@@ -301,7 +301,7 @@ TEST(ReadScenario, DocumentedScenarioHasEveryKey) {
   EXPECT_EQ(shown.imu.preset, lar3.imu.preset);
   EXPECT_EQ(shown.plan.lines.size(), lar3.plan.lines.size());
   EXPECT_EQ(shown.effects.size(), 2u);
-  const std::string text = ScenarioText(std::string(DN_DOCS_DIR) + "/scenario.yaml");
+  const std::string text = ScenarioText(std::string(DN_REFERENCE_DIR) + "/scenario.yaml");
   const std::set<std::string> elsewhere{
       "white_deg_sqrt_h", "white_m_s_sqrt_h", "processes", "type", "sigma_deg_h", "tau_s", "t0_s"};
   const std::regex key("([A-Za-z0-9_]+):");

@@ -14,7 +14,7 @@ constexpr std::size_t kMostCauses = 15;
 constexpr std::size_t kMostStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
 
-// As docs/gap.md says.
+// As docs/guides/gap.md says.
 const std::map<std::string, Meaning>& MeaningsOfGap() {
   static const std::map<std::string, Meaning> meanings{
       {"identified",

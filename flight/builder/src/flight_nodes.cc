@@ -74,8 +74,9 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
 }
 
 double AutoNodeRateHz(const Flight& flight) {
-  // A share s lowers no sigma by more than s/2 of itself; measured (docs/benchmarks.md), at 5 Hz and
-  // more by a twentieth of it, as there the trajectory decides.
+  // A share s lowers no sigma by more than s/2 of itself; measured
+  // (docs/validation/benchmarks.md), at 5 Hz and more by a
+  // twentieth of it, as there the trajectory decides.
   struct Rung {
     double rate_hz, shared;
   };

@@ -22,8 +22,9 @@ fs::path ConfigFile(const fs::path& folder_or_file) {
   if (fs::is_directory(folder_or_file)) {
     fs::path file = folder_or_file / "flight.yaml";
     if (internal::IsThere(file)) return file;
-    throw InvalidConfig("the flight folder has no flight.yaml; docs/flight.yaml is a model",
-                        FileLocation{file.string(), 0, 0});
+    throw InvalidConfig(
+        "the flight folder has no flight.yaml; docs/reference/flight.yaml is a model",
+        FileLocation{file.string(), 0, 0});
   }
   if (internal::IsThere(folder_or_file)) return folder_or_file;
   throw InvalidConfig("there is no flight folder '" + folder_or_file.string() + "'");

@@ -46,7 +46,7 @@ struct GapResult {
 
 /// Diagnoses a flight that was read with its IMU and GNSS data, and pairs where it has any: whether
 /// the data depart from what the assumed model would produce, where, by which effect, how far the
-/// gap closes once that is added, and what could still hide. docs/gap.md has the method. The same
+/// gap closes once that is added, and what could still hide (docs/method/gap-method.md). The same
 /// for the same seed and number of threads. Throws as Adjust, and InvalidConfig for bad options.
 GapResult Diagnose(const Flight& flight, const GapOptions& options = {});
 

@@ -50,7 +50,7 @@ struct EffectSpec {
   std::vector<EffectComponent> components;
 };
 
-/// Returns every effect. docs/formats.md contains the same table with the meaning of each effect.
+/// Returns every effect. docs/reference/effects.md contains the same table with the meaning of each effect.
 const std::vector<EffectSpec>& EffectTable();
 
 /// Returns the effect of this name; nullptr if there is no such effect.

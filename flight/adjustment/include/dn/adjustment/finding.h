@@ -10,7 +10,8 @@
 
 namespace dn {
 
-/// What a boresight is worth; gauss_helmert_flight.h and docs/model-check.md say when it is which.
+/// The trust a boresight deserves. gauss_helmert_flight.h and docs/method/model-check.md define
+/// each verdict.
 enum class Verdict {
   kCalibrated,     ///< the angles are the mounting's, within their covariance
   kAbsorbed,       ///< they hold an error of the trajectory: consistent, but not the mounting's

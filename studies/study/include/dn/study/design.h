@@ -31,7 +31,7 @@ struct DesignOptions {
   /// empty: the boresight, and what the flight's own `estimate` names.
   std::string estimate;
   /// Of the trajectory nodes within the strips of a scenario; lower than network.node_rate_hz asks
-  /// for, sigmas come out some percent off (docs/benchmarks.md).
+  /// for, sigmas come out some percent off (docs/validation/benchmarks.md).
   double most_node_rate_hz = std::numeric_limits<double>::infinity();
   std::function<bool()> interrupted = {};  ///< polled; true ends the work with Interrupted
 };
