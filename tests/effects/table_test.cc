@@ -97,7 +97,7 @@ TEST(EffectTable, ReportsTheErrorInAValue) {
   EXPECT_THAT(Fault("lidar_range_scale", {std::nan("")}), HasSubstr("must lie between"));
 }
 
-// --- The tests below compare the table with docs/reference/formats.md row by row.
+// --- The tests below compare the table with docs/reference/effects.md row by row.
 
 std::vector<std::string> Cells(const std::string& row) {
   std::vector<std::string> cells;

@@ -296,7 +296,7 @@ INSTANTIATE_TEST_SUITE_P(All, StripSetVariants,
                          [](const auto& set) { return set.param.name; });
 
 TEST(ReadScenario, DocumentedScenarioHasEveryKey) {
-  const Scenario shown = ReadScenario(std::string(DN_DOCS_DIR) + "/scenario.yaml");
+  const Scenario shown = ReadScenario(std::string(DN_REFERENCE_DIR) + "/scenario.yaml");
   const Scenario lar3 = ReadScenario("lar3_rest");
   EXPECT_EQ(shown.imu.preset, lar3.imu.preset);
   EXPECT_EQ(shown.plan.lines.size(), lar3.plan.lines.size());

@@ -50,7 +50,8 @@ struct EffectSpec {
   std::vector<EffectComponent> components;
 };
 
-/// Returns every effect. docs/reference/effects.md contains the same table with the meaning of each effect.
+/// Returns every effect. docs/reference/effects.md contains the same table with the meaning of each
+/// effect.
 const std::vector<EffectSpec>& EffectTable();
 
 /// Returns the effect of this name; nullptr if there is no such effect.
