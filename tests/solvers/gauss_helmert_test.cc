@@ -373,7 +373,7 @@ TEST(GaussHelmert, RejectsBadInputByName) {
   bad.pairs = {good.pairs[0]};
   ExpectInvalid(bad, "there is one");
   bad.pairs.assign(10, good.pairs[0]);
-  ExpectInvalid(bad, "all 10 point pairs are one and the same");
+  ExpectInvalid(bad, "all 10 point pairs are identical");
   bad = good;
   bad.pairs[17].i.p_mb.x() = kNan;
   ExpectInvalid(bad, "pair 17, end i: the pose");
