@@ -125,7 +125,7 @@ TEST(Sbet, DifferentiatesWhereTheVelocitiesContradictThePositions) {
   }
   const Trajectory trajectory = Read(sbet);
   EXPECT_FALSE(trajectory.notes().velocity_from_file);
-  EXPECT_THAT(trajectory.notes().text, ::testing::HasSubstr("differentiation"));
+  EXPECT_THAT(trajectory.notes().text, ::testing::HasSubstr("differentiated positions"));
   // Parabola through three points: jerk of 0.125 m/s^3 over 0.01 s; and nanometres over 0.01 s.
   constexpr double kDifferentiationMps = 2e-5;
   for (std::size_t i = 0; i < points.size(); ++i) {

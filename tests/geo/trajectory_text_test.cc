@@ -169,7 +169,7 @@ TEST(TrajectoryText, ErrorsOfOtherColumnsSayWhatIsWrong) {
   ExpectInvalid([&] { Read("1 46 6 500 0 91 0\n2 46 6 500 0 9 0\n", angles); },
                 "must be within 180, 90", 1);
   ExpectInvalid([&] { Read("1 46 6 500 1 0 0 0\n2 46 6 5 1 0 0 0\n", {.crs = "utm:32n"}); },
-                "degrees have trajectory.crs: geographic", 1);
+                "if these are degrees, set trajectory.crs: geographic", 1);
   EXPECT_THROW(Read("1 0 0 500 1 0 0 0\n2 1 0 500 1 0 0 0\n", {.crs = "map"}), InvalidConfig);
 }
 
