@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kLargeBytes = std::size_t{4} << 20;
 constexpr std::size_t kPageBytes = 4096;
 
-/// Only gives advice to the system; the array works without huge pages, too.
+/// Asks the system for huge pages; the array also works without them.
 void AskForHugePages([[maybe_unused]] double* array, [[maybe_unused]] std::size_t size) {
 #ifdef MADV_HUGEPAGE
   void* page = array;

@@ -55,7 +55,7 @@ class SelectedInverse::Step {
     });
   }
 
-  /// Returns Y.
+  /// Returns Y = L_RJ L_JJ^-1.
   PooledArray Multipliers(int threads) const {
     PooledArray Y = pool_.New(AsSize(below_) * AsSize(columns_));
     ForPanels(below_, threads, [&](int first, int n) {

@@ -45,7 +45,7 @@ void ReserveWorkSpaces(std::size_t callers) {
   g_work_spaces = callers;
 }
 
-// Return and set the number of nested parallel levels in the OpenMP library of CHOLMOD, if there is
+// Returns and sets the number of nested parallel levels in the OpenMP library of CHOLMOD, if there is
 // one.
 int OpenMpLevels() {
   static const auto get =

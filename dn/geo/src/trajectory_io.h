@@ -8,7 +8,7 @@
 
 namespace dn::internal {
 
-/// Read one format each; see ReadTrajectory.
+/// Reads a trajectory in one of the two formats; see ReadTrajectory.
 Trajectory ReadSbet(const std::filesystem::path& file);
 Trajectory ReadTrajectoryText(const std::filesystem::path& file, const TrajectoryColumns& columns);
 

@@ -72,7 +72,7 @@ class StateAfterNode {
   StateAfterNode Moved(const Eigen::Matrix<double, 9, 1>& increments,
                        const Eigen::Vector3d& attraction_mps2) const;
 
-  /// Return the Jacobians of position and velocity with respect to gravitation in addition to the
+  /// Returns the Jacobian of position and velocity with respect to gravitation in addition to the
   /// normal one, map axes.
   Eigen::Matrix3d PositionByAttraction() const;
   Eigen::Matrix3d VelocityByAttraction() const;

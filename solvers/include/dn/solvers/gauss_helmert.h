@@ -21,7 +21,7 @@ struct GaussHelmertEnd {
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
   /// Standard deviation of roll, pitch, heading.
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
-  /// Laser vector turned by the nominal mounting T into the body frame, T u_s, m.
+  /// Laser vector rotated by the nominal mounting T into the body frame, T u_s, m.
   Eigen::Vector3d u_b = Eigen::Vector3d::Zero();
 };
 

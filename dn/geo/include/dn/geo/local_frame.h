@@ -29,7 +29,7 @@ struct Geodetic {
 /// not matter.
 Eigen::Matrix3d R_en(const Geodetic& point);
 
-/// Convert a geodetic point to its ECEF position in m, and back (longitude in [-pi, pi]). Accuracy
+/// Converts a geodetic point to its ECEF position in m, and back (longitude in [-pi, pi]). Accuracy
 /// about 1 nm.
 Eigen::Vector3d ToEcef(const Geodetic& point);
 Geodetic GeodeticFromEcef(const Eigen::Vector3d& p_e);
@@ -49,7 +49,7 @@ class LocalFrame {
 
   const Geodetic& origin() const;
 
-  /// Convert a geodetic point to its position in m, and back. Accuracy about 1 nm (GeographicLib).
+  /// Converts a geodetic point to its position in m, and back. Accuracy about 1 nm (GeographicLib).
   Eigen::Vector3d ToMap(const Geodetic& point) const;
   Geodetic ToGeodetic(const Eigen::Vector3d& p_m) const;
 

@@ -26,7 +26,7 @@ class PointCrs {
 
   const std::string& name() const { return name_; }
 
-  /// Convert a position in c to m, and back, in m. Accuracy about 5 nm. ToMap throws InvalidInput,
+  /// Converts a position in c to m, and back, in m. Accuracy about 5 nm. ToMap throws InvalidInput,
   /// naming the point and the bounds, for coordinates outside of the system.
   Eigen::Vector3d ToMap(const Eigen::Vector3d& p_c) const;
   Eigen::Vector3d FromMap(const Eigen::Vector3d& p_m) const;

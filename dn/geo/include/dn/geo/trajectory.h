@@ -76,7 +76,7 @@ class Trajectory {
 /// of their times.
 MapPose InterpolatePose(const std::vector<MapPose>& poses, double t_s);
 
-/// Convert a MapPose to a NavPoint (with zero specific force and rate), and back.
+/// Converts a MapPose to a NavPoint (with zero specific force and rate), and back.
 NavPoint ToNavPoint(const MapPose& pose, const LocalFrame& frame);
 MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 
