@@ -59,7 +59,7 @@ void PrintVerdict(const std::string& what, const GapDiagnosis& diagnosis) {
   std::fflush(stdout);
 }
 
-// ---- Errors in data ------------------------------------------------------------------------------
+// ---- Errors in data -----------------------------------------------------------------------------
 
 void ShiftTags(double offset_s, Flight* flight) {
   std::vector<MapGnssEpoch>& epochs = flight->gnss->epochs;
@@ -118,7 +118,7 @@ Flight WithError(const Flight& flight, const Solution& measured, const Error& er
   return out;
 }
 
-// ---- Estimates of the errors ---------------------------------------------------------------------
+// ---- Estimates of the errors --------------------------------------------------------------------
 
 struct Estimate {
   double value = 0.0, sigma = 0.0;

@@ -180,7 +180,7 @@ FormMoments MomentsOfSample(const std::vector<double>& energies) {
 std::vector<FormMoments> MomentsOf(const Marginals& marginals,
                                    const std::vector<ResidualForm>& forms) {
   return marginals.linearized().rows() <= kMaxRowsExactMoments ? ExactMoments(marginals, forms)
-                                                        : SampledMoments(marginals, forms);
+                                                               : SampledMoments(marginals, forms);
 }
 
 }  // namespace dn

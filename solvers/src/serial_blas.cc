@@ -45,8 +45,7 @@ void ReserveWorkSpaces(std::size_t callers) {
   g_work_spaces = callers;
 }
 
-// Returns and sets the number of nested parallel levels in the OpenMP library of CHOLMOD, if there is
-// one.
+// Returns and sets the number of nested parallel levels in the OpenMP library of CHOLMOD, if any.
 int OpenMpLevels() {
   static const auto get =
       reinterpret_cast<int (*)()>(::dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
