@@ -1,5 +1,6 @@
 // Time and memory of the Gauss-Helmert adjustment by number of pairs. "added_MiB" is the peak
-// memory of the process during the adjustment minus the memory before it, which includes the pairs.
+// memory during the adjustment minus the memory before it. The memory of the pairs is therefore not
+// included.
 
 #include <benchmark/benchmark.h>
 #include <dn/solvers/gauss_helmert.h>

@@ -3,9 +3,9 @@
 ///
 /// A measured flight differs from its model even without inserted errors. It is therefore diagnosed
 /// first, and the effects found are added to the model. Then one error after the other is inserted
-/// into the data, with a multiple of the size above which its effect should be named, and the
-/// flight is diagnosed again. The size of the error is estimated as the difference of the estimates
-/// with and without it.
+/// into the data, and the flight is diagnosed again. The size of an error is a multiple of that
+/// above which its effect should be named. The size of the error is estimated as the difference of
+/// the estimates with and without it.
 #include <dn/calibration/solution.h>
 #include <dn/effects/effect_table.h>
 #include <dn/gap/adapt.h>

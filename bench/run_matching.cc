@@ -1,5 +1,5 @@
-/// run_matching: simulates two strips of several sizes at one point density, runs `dn match` on
-/// them, and prints time and memory by number of points, with the exponents of their growth.
+/// run_matching: simulates two strips of several sizes at one point density and runs `dn match` on
+/// them. Prints time and memory by number of points, and the exponents of their growth.
 #include <dn/report/json.h>
 #include <fmt/format.h>
 

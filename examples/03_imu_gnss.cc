@@ -1,7 +1,7 @@
 // IMU and GNSS: the smoothed trajectory of a simulated survey flight, in memory.
 //
-// Prints the errors of position and attitude and their standard deviations at a few epochs, and the
-// root mean square of the normalised errors, which is 1 if the sigmas are correct.
+// Prints errors and standard deviations of position and attitude at a few epochs. The rms of the
+// normalised errors, also printed, is 1 if the sigmas are correct.
 #include <dn/calibration/solution.h>
 #include <dn/sim/simulate.h>
 

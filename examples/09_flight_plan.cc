@@ -1,7 +1,7 @@
 // A flight plan: how well its lines would determine the boresight.
 //
 // A plan is poses and laser vectors. The sensor readings follow from the poses; nothing is
-// simulated or solved. Prints the sigmas for a line flown in both directions, and with a cross line.
+// simulated or solved. Prints the sigmas for a line flown both ways, and with a cross line.
 #include <dn/builder/build.h>
 #include <dn/solvers/marginals.h>
 

@@ -35,8 +35,8 @@ constexpr double kLongestTau_s = 1000.0;  // longest correlation time that is re
 // Correlation times for errors of unknown origin.
 constexpr double kAnyTaus_s[] = {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
 // Error processes of a smoother. GNSS corrects positions within seconds to tens of seconds. Gyros
-// carry attitude errors over tens to hundreds of seconds, as a tilt that is fixed in the navigation
-// frame when the aircraft turns, unless the turn makes it observable.
+// carry attitude errors over tens to hundreds of seconds. The tilt error stays fixed in the
+// navigation frame when the aircraft turns, unless the turn makes it observable.
 constexpr double kPositionTaus_s[] = {5.0, 25.0};
 constexpr ErrorProcess kAttitudeErrors[] = {{ErrorProcess::Kind::kGaussMarkov, 30.0},
                                             {ErrorProcess::Kind::kGaussMarkov, 100.0},

@@ -83,8 +83,9 @@ TEST_F(Bridge, CovarianceIsThatOfABrownianBridge) {
   EXPECT_LE(at_the_end.topRows(3).leftCols(3).norm(), 1e-12 * white * white);
 }
 
-// With the truth at both nodes, over many draws of white noise, the errors of the corrected
-// increments agree with the conditional covariance and those of the plain increments with theirs.
+// With the truth at both nodes, the errors of the corrected increments must agree with the
+// conditional covariance, and those of the plain increments with theirs. The test uses many draws
+// of white noise.
 TEST_F(Bridge, CorrectionTakesTheNoiseThatTheNodesTell) {
   constexpr int kDraws = 400;
   const Preintegrated truth = Increments(1.0, 1.4, {});

@@ -167,8 +167,8 @@ class Network {
   }
 
   /// Adds a factor whose blocks are known at run time. Throws InvalidInput if the number or kinds
-  /// of the blocks do not match the factor, if a block is given twice, or if there is no block or
-  /// no residual.
+  /// of the blocks do not match the factor, or if a block is given twice. Also throws without any
+  /// block or residual.
   FactorId AddFactor(std::shared_ptr<const FactorBase> factor, const std::vector<BlockId>& blocks);
 
   /// Replaces a factor by one with the same block kinds and residual size, for instance after

@@ -25,10 +25,10 @@ struct LidarEnd {
 };
 
 /// Returns the covariance (m^2, map axes) that the white noise of the partial increments adds to
-/// the georeferenced point, by rotation, position and their correlation in R_mb (dR l_b + dp). With
-/// a bridge it is the covariance conditioned on the next node. R_mb is the attitude of the node;
-/// l_b is lever arm plus laser vector in body at the lidar epoch, m. Add the result of both ends to
-/// the covariance of the pair's difference.
+/// the georeferenced point. It follows from rotation, position and their correlation in R_mb (dR
+/// l_b + dp). With a bridge it is the covariance conditioned on the next node. R_mb is the attitude
+/// of the node; l_b is lever arm plus laser vector in body at the lidar epoch, m. Add the result of
+/// both ends to the covariance of the pair's difference.
 Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
                          const Eigen::Vector3d& l_b);
 

@@ -52,8 +52,8 @@ class PreintegratedInertial final : public DynamicFactor {
  public:
   /// Creates the factor. The blocks of the effects are those of increments.linearisation.effects
   /// and of `attraction`. Throws InvalidInput if the covariance of the increments is not positive
-  /// definite, their interval is not positive, a nominal position is not finite, or a number of
-  /// biases is negative.
+  /// definite or their interval is not positive. Also throws if a nominal position is not finite or
+  /// a number of biases is negative.
   PreintegratedInertial(const Preintegrated& increments, const LocalFrame& frame,
                         const Eigen::Vector3d& p_i_nominal_m, const Eigen::Vector3d& p_j_nominal_m,
                         int num_gyro_biases, int num_accel_biases,

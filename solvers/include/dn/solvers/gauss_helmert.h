@@ -54,10 +54,10 @@ enum class BoresightModel {
 /// Options of the Gauss-Helmert adjustment.
 struct GaussHelmertOptions {
   BoresightModel model = BoresightModel::kExponential;
-  /// Reproduces the public code libor, which differs in five ways: it uses the small-angle model,
-  /// does not correct the observations between iterations, and rotates the attitude noise by R_me
-  /// instead of R_mn (and takes the position noise along ECEF axes). It also stops after five
-  /// iterations, and iterates only once after the outlier step.
+  /// Reproduces the public code libor, which uses the small-angle model and does not correct the
+  /// observations between iterations. It rotates the attitude noise by R_me instead of R_mn, and
+  /// takes the position noise along ECEF axes. It also stops after five iterations, and iterates
+  /// only once after the outlier step.
   bool libor_compat = false;
   /// After convergence, pairs whose |w| exceeds this multiple of the median |w| are dropped once,
   /// and the remaining pairs are adjusted again. The step is skipped with a robust loss; 0 disables

@@ -64,9 +64,9 @@ class Marginals {
   /// blocks.
   class Columns {
    public:
-    /// Returns the rows of block b. For SolveColumns, they are the cross covariance of b with the
-    /// chosen blocks, side by side in the given order (tangent size of b x sum of their tangent
-    /// sizes).
+    /// Returns the rows of block b. For SolveColumns, they are the cross covariances of b with the
+    /// chosen blocks, side by side in the given order. Their size is tangent size of b x sum of the
+    /// tangent sizes.
     Eigen::MatrixXd Rows(BlockId b) const;
 
    private:

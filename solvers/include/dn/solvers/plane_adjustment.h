@@ -131,8 +131,8 @@ struct PlaneAdjustment {
 ///
 ///   minimise  sum_q sum_k f_qk^2 / s_qk^2,      f_qk = n_q . (p_qk(theta, rho) - c_q) - d_q
 ///
-/// by Gauss-Newton. Each plane has three unknowns (its normal on the unit sphere and its distance),
-/// which are eliminated plane by plane (3 x 3), so time and memory are linear in the number of
+/// by Gauss-Newton. Each plane has three unknowns: its normal on the unit sphere and its distance.
+/// They are eliminated plane by plane (3 x 3), so time and memory are linear in the number of
 /// points. The trajectory is fixed: its errors only enter the weights and are treated as
 /// independent between points. Real trajectory errors are correlated in time: see
 /// EstimateTrajectoryScatter.

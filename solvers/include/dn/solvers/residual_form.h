@@ -26,7 +26,7 @@ struct ResidualForm {
 };
 
 /// Returns the sum of squares of each channel ("inertial gyro") and of each of its axes ("inertial
-/// gyro x"), for the tagged factors of the network that are not priors.
+/// gyro x"). Only tagged factors that are not priors are used.
 std::vector<ResidualForm> ChannelForms(const LinearizedNetwork& linearized);
 
 /// Mean and variance of a form if the model of the network holds.

@@ -113,8 +113,8 @@ struct TrajectoryScatter {
 /// square at 1.
 ///
 /// All processes have equal prior probability. Positions correlate for 5 or 25 s. Attitudes
-/// correlate for 30, 100 or 300 s with the tilt error fixed in the navigation frame (roll and pitch
-/// errors change sign between opposite strips), or over a strip but not across turns. With
+/// correlate for 30, 100 or 300 s, or over a strip but not across turns. Their tilt error is fixed
+/// in the navigation frame: roll and pitch errors change sign between opposite strips. With
 /// data-sheet sigmas, attitude errors fixed in the body frame with correlation times from 3 s to
 /// 1000 s are also included. The disagreement between strips weights these processes, as far as it
 /// can.

@@ -86,14 +86,14 @@ MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 ///
 /// SBET headings are converted to true headings by subtracting the wander angle. The velocities of
 /// an SBET are used if they agree with the positions within 0.1 m/s under one of the usual sign
-/// conventions (y right or left, z down or up, of the wander frame). Otherwise, and for text,
-/// positions are differentiated; the notes say which. Identical repeated rows are dropped and
-/// counted, and time is continued over week rollovers.
+/// conventions. These are y right or left, and z down or up, of the wander frame. Otherwise, and
+/// for text, positions are differentiated; the notes say which. Identical repeated rows are dropped
+/// and counted, and time is continued over week rollovers.
 ///
-/// Throws InvalidInput naming file and line or record for an incomplete last record, values that
-/// are not finite or out of range, a quaternion whose norm differs from 1 by more than 1 %, and
-/// times that do not increase. Throws InvalidConfig for an unknown coordinate system, or a map
-/// without its origin.
+/// Throws InvalidInput, naming file and line or record, for an incomplete last record, and for
+/// values that are not finite or out of range. It is also thrown for a quaternion whose norm
+/// differs from 1 by more than 1 %, and for times that do not increase. Throws InvalidConfig for an
+/// unknown coordinate system, or a map without its origin.
 Trajectory ReadTrajectory(const std::filesystem::path& file, const TrajectoryColumns& columns = {});
 
 /// Reads times, positions and attitudes of an SBET file, for a picture, at epochs at least
