@@ -48,7 +48,7 @@ CeresCovariance ComputeHere(Network& network, const std::vector<BlockId>& blocks
   return result;
 }
 
-/// First the time, negative for a failure, then the covariances.
+/// Packs the time (negative for a failure), followed by the covariances.
 std::vector<double> Pack(const CeresCovariance& result) {
   std::vector<double> numbers{result.error.empty() ? result.time_s : -1.0};
   for (const Eigen::MatrixXd& C : result.covariance) {
@@ -68,7 +68,7 @@ void WriteAll(int file, const std::vector<double>& numbers) {
   }
 }
 
-/// Reads until there are `count` bytes or the other end closes.
+/// Reads until `count` bytes have arrived or the other end closes; returns the number of bytes.
 std::size_t ReadAll(int file, char* at, std::size_t count) {
   std::size_t done = 0;
   while (done < count) {

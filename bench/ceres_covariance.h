@@ -8,23 +8,23 @@
 
 namespace dn::bench {
 
-/// Covariances of some blocks, in tangent coordinates, as ceres::Covariance gives them.
+/// Covariances of some blocks in tangent coordinates, as computed by ceres::Covariance.
 struct CeresCovariance {
-  std::string error;                        ///< empty: it worked
+  std::string error;                        ///< empty on success
   double time_s = 0.0;                      ///< processor time of ceres::Covariance::Compute
-  std::vector<Eigen::MatrixXd> covariance;  ///< one per block asked for
+  std::vector<Eigen::MatrixXd> covariance;  ///< one per requested block
 };
 
-/// Runs ceres::Covariance (sparse QR by SuiteSparse, one thread) on the network in a process of its
-/// own, which ends after limit_s of processor time; error says so.
+/// Runs ceres::Covariance (SuiteSparse sparse QR, one thread) on the network in a separate process.
+/// The process is ended after limit_s of processor time, which `error` then reports.
 CeresCovariance ComputeByCeres(Network& network, const std::vector<BlockId>& blocks,
                                unsigned limit_s);
 
-/// Bound of LargestDifference: two double-precision factorisations (QR of J, Cholesky of J^T J) of
-/// the same Jacobian.
+/// Bound of LargestDifference for two double-precision factorisations of the same Jacobian (QR of
+/// J, Cholesky of J^T J).
 inline constexpr double kSameCovariance = 1e-5;
 
-/// Largest difference of two covariances of the same blocks, in units of the sigmas.
+/// Returns the largest difference of two covariances of the same blocks, in units of the sigmas.
 double LargestDifference(const std::vector<Eigen::MatrixXd>& a,
                          const std::vector<Eigen::MatrixXd>& b);
 

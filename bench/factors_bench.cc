@@ -25,8 +25,8 @@ constexpr double kRateHz = 200.0;
 constexpr double kNodeSpacing_s = 0.2;
 const PreintegrationNoise kNoise{6e-7, 1e-4, 1e-6};
 
-/// A banked, gently turning flight as the sensor may see it; not consistent with any trajectory,
-/// which no cost depends on.
+/// Returns the inertial data of a banked, gentle turn. They are not consistent with a trajectory,
+/// but no cost depends on that.
 ImuData MakeImu(std::size_t samples) {
   ImuData imu;
   imu.nominal_dt_s = 1.0 / kRateHz;
@@ -41,7 +41,7 @@ ImuData MakeImu(std::size_t samples) {
 
 LocalFrame Frame() { return LocalFrame({46.57 * kRadPerDeg, 6.52 * kRadPerDeg, 0.0}); }
 
-/// Automatic differentiation of a factor's own residual.
+/// Automatic differentiation of a factor's own residual, for comparison.
 template <class F>
 struct AutoTwin;
 
@@ -67,7 +67,7 @@ struct AutoTwin<PointToPoint> : AutoFactor<AutoTwin<PointToPoint>, 3, Rotation, 
   PointToPoint factor;
 };
 
-/// With two gyro and two accelerometer processes, as the presets have.
+/// Has two gyro and two accelerometer bias processes, like the presets.
 template <>
 struct AutoTwin<PreintegratedInertial>
     : AutoFactor<AutoTwin<PreintegratedInertial>, 9, Rotation, Vec<3>, Vec<3>, Rotation, Vec<3>,
@@ -112,7 +112,7 @@ PointToPoint Make<PointToPoint>() {
   return {Frame(), i, j, T_bs, 0.0, Noise<3>::Sigma(0.06)};
 }
 
-/// Values of a factor's blocks, and room for its residual and Jacobians.
+/// Values of a factor's blocks, and storage for its residual and Jacobians.
 class Workspace {
  public:
   explicit Workspace(const FactorBase& factor)
@@ -145,7 +145,7 @@ class Workspace {
   std::vector<double*> J_;
 };
 
-/// Largest difference of the tangent Jacobians, relative to the largest entry.
+/// Returns the largest difference of the tangent Jacobians, relative to the largest entry.
 double JacobianDifference(const FactorBase& a, const FactorBase& b,
                           const std::vector<const double*>& x) {
   Eigen::VectorXd r;
@@ -192,7 +192,7 @@ BENCHMARK(BM_Autodiff<PointToPoint>);
 BENCHMARK(BM_Analytic<GnssPosition>);
 BENCHMARK(BM_Autodiff<GnssPosition>);
 
-/// 20 minutes at 200 Hz, cut at `rate` nodes per second.
+/// Preintegrates 20 minutes at 200 Hz between `rate` nodes per second.
 void BM_Preintegrate(benchmark::State& state) {
   constexpr std::size_t kSamples = 240000;
   const ImuData imu = MakeImu(kSamples);
@@ -215,7 +215,7 @@ BENCHMARK(BM_Preintegrate)
     ->Arg(20)
     ->Unit(benchmark::kMillisecond);
 
-/// An IMU.txt of its own, removed with the object.
+/// A temporary IMU.txt that is deleted with the object.
 class TemporaryImuFile {
  public:
   explicit TemporaryImuFile(std::size_t rows)

@@ -15,10 +15,10 @@ constexpr double kHeight_m = 700.0;
 constexpr double kCrossHeight_m = 760.0;
 constexpr double kSpeed_mps = 45.0;
 
-/// From the middle of a block to that of the next one, east.
+/// Distance between the middles of consecutive blocks, east.
 constexpr double kBlockDistance_m = 6000.0;
 
-/// Position of line `index` of `count` about the middle of the block.
+/// Returns the position of line `index` of `count` relative to the middle of the block.
 double Offset(int index, int count, double spacing_m) {
   return spacing_m * (index - 0.5 * (count - 1));
 }

@@ -1,6 +1,6 @@
-// Time and memory of the Gauss-Helmert adjustment by the number of pairs. "added_MiB" is the peak
-// of the process during the adjustment beyond what it held before, that is, beyond the pairs
-// themselves.
+// Time and memory of the Gauss-Helmert adjustment by number of pairs. "added_MiB" is the peak
+// memory during the adjustment minus the memory before it. The memory of the pairs is therefore not
+// included.
 
 #include <benchmark/benchmark.h>
 #include <dn/solvers/gauss_helmert.h>
@@ -16,7 +16,7 @@
 namespace dn::bench {
 namespace {
 
-/// A line of /proc/self/status in MiB.
+/// Returns a value of /proc/self/status in MiB.
 double StatusMib(const std::string& key) {
   std::ifstream status("/proc/self/status");
   std::string line;

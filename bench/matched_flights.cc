@@ -1,6 +1,7 @@
-/// matched_flights: simulates point clouds of a scenario at several seeds, matches and adjusts each
-/// flight from its strips alone (`dn calibrate --method all`), and compares with the truth: the pairs
-/// with the true places of both their points, each method's boresight with its covariance.
+/// matched_flights: simulates point clouds of a scenario with several seeds. It matches and adjusts
+/// each flight from its strips alone (`dn calibrate --method all`). The results are compared with
+/// the truth: the pairs with the true positions of both points, and each method's boresight with
+/// its covariance.
 #include <dn/flight/flight.h>
 #include <dn/flight/truth.h>
 #include <dn/lidar/mounting.h>
@@ -28,7 +29,8 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-constexpr double kChiSquare3Of999 = 16.27;  // what one in a thousand exceeds, three dimensions
+// 99.9 % quantile of chi-square with three degrees of freedom.
+constexpr double kChiSquare3Of999 = 16.27;
 const std::vector<std::string> kMethods{"dn", "gh", "planes"};
 
 struct Options {
@@ -61,7 +63,7 @@ Vector3d VectorOf(const Json& json) {
   return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
 }
 
-/// The truth of a simulated flight.
+/// True values of a simulated flight.
 struct Truth {
   std::vector<MapPose> poses;
   Mounting mounting;
@@ -78,7 +80,7 @@ Truth ReadTruth(const fs::path& folder) {
   return truth;
 }
 
-/// Sums over the pairs of all flights, of two strips.
+/// Sums over the pairs of one pair of strips in all flights.
 struct PairErrors {
   double n = 0.0, normalised = 0.0, beyond_gsd = 0.0, beyond_999 = 0.0;
   Vector3d squares_m2 = Vector3d::Zero();  ///< along the track of i, across it, up
@@ -103,7 +105,7 @@ void AddPairs(const fs::path& folder, const std::string& file, const Truth& trut
   }
 }
 
-/// Of one method over the flights.
+/// Errors of one method over the flights.
 struct MethodErrors {
   int results = 0;
   std::vector<double> nees;
@@ -128,7 +130,7 @@ void AddResult(const fs::path& result_file, const Truth& truth, MethodErrors* er
 
 struct Totals {
   double gsd_m = 0.0, cpu_s = 0.0;
-  std::map<std::string, PairErrors> pairs;  ///< by strips
+  std::map<std::string, PairErrors> pairs;  ///< by pair of strips
   std::map<std::string, MethodErrors> methods;
 };
 

@@ -1,5 +1,5 @@
-/// Covariances of every pose of a pose graph on a sphere: Marginals, and ceres::Covariance beside
-/// it.
+/// Covariances of every pose of a pose graph on a sphere, computed by Marginals and, for
+/// comparison, by ceres::Covariance.
 #include <benchmark/benchmark.h>
 #include <dn/network.h>
 #include <dn/solvers/marginals.h>
@@ -20,8 +20,9 @@ struct PoseGraph {
   std::vector<BlockId> poses;
 };
 
-/// Poses on parallels of a sphere, each tied to the next on its parallel and to the one on the
-/// parallel below; the first is held. At the truth, so that nothing needs solving.
+/// Returns poses on parallels of a sphere, each connected to the next on its parallel and to the
+/// one on the parallel below. The first pose is constant. The values are the truth, so no solution
+/// is needed.
 PoseGraph MakeSphere(int parallels, int poses_of_each) {
   PoseGraph graph;
   std::vector<Block<Pose>> blocks;

@@ -1,9 +1,10 @@
-/// predicted_power FLIGHTS SCENARIO...: whether effects are found as often as it was said before the
-/// flight; the figures of docs/validation/blind-check.md.
+/// predicted_power FLIGHTS SCENARIO...: checks whether effects are found as often as predicted
+/// before the flight; its figures are in docs/blind-check.md.
 ///
-/// Of each scenario it is predicted, from eight plans with other turbulence, how often a test of
-/// .001 finds a scalar effect of a given size. Flights with turbulence and noise of their own are
-/// then flown with it, to either side, and diagnosed; counted is how often the test finds it.
+/// For each scenario, eight plans with different turbulence predict how often a test at level .001
+/// finds a scalar effect of a given size. Flights with their own turbulence and noise are then
+/// simulated with the effect, in both signs, and diagnosed. The program counts how often the test
+/// finds the effect.
 #include <dn/gap/diagnose.h>
 #include <dn/gap/limits.h>
 #include <dn/sim/simulate.h>
@@ -24,22 +25,23 @@ namespace dn::bench {
 namespace {
 
 constexpr double kAlpha = 1e-3;
-constexpr double kQuantile = 3.2905;       // of the normal distribution, two sides of kAlpha
-constexpr double kNonCentrality = 4.1321;  // at which that has a power of .8
+constexpr double kQuantile = 3.2905;  // two-sided quantile of the normal distribution at kAlpha
+constexpr double kNonCentrality = 4.1321;  // non-centrality for a power of .8
 constexpr std::uint64_t kPlans = 8;
 const std::vector<std::string> kEffects{
     "gnss_time_offset",   "gnss_time_drift",   "lidar_time_offset", "lidar_time_drift",
     "lidar_range_offset", "lidar_range_scale", "lidar_angle_scale", "lidar_scan_cone"};
 
-// Sizes in those that the first plan finds with a power of .8; that of .5 and it.
+// Sizes relative to the one that the first plan finds with a power of .8: the size for a power of
+// .5, and that size itself.
 constexpr double kTimes[] = {kQuantile / kNonCentrality, 1.0};
 
 struct Count {
-  double predicted = 0.0;  ///< sum over the flights
+  double predicted = 0.0;  ///< sum of the predicted powers over the flights
   int flights = 0, found = 0;
 };
 
-/// Minimal detectable sizes by effect, in a flight with the turbulence of a seed.
+/// Returns the minimal detectable size of each effect in a flight with the turbulence of a seed.
 std::map<std::string, double> Plan(const Scenario& scenario, std::uint64_t seed) {
   DesignOptions planning;
   planning.seed = seed;
@@ -53,7 +55,8 @@ std::map<std::string, double> Plan(const Scenario& scenario, std::uint64_t seed)
   return sizes;
 }
 
-/// Of an effect of that size, the mean over plans: the air of the flight is not known before.
+/// Returns the power for an effect of this size, averaged over the plans, because the turbulence of
+/// the flight is unknown in advance.
 double PowerOf(const std::string& effect, double size,
                const std::vector<std::map<std::string, double>>& plans) {
   double power = 0.0;
@@ -78,7 +81,8 @@ bool IsFound(const Scenario& scenario, std::uint64_t seed) {
   throw std::runtime_error("no test of " + options.effects.front() + ": " + diagnosis.verdict.text);
 }
 
-/// `first_seed`: of the flights, which no other count may share.
+/// Counts the flights in which the effect is found. `first_seed` starts the seeds of the flights,
+/// which no other count may use.
 int Found(Scenario scenario, const std::string& effect, double size, int flights,
           std::uint64_t first_seed) {
   int found = 0;

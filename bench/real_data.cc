@@ -1,5 +1,5 @@
-/// real_data DATA_DIR: what `dn smooth` says about measured flights; the figures of
-/// docs/validation/real-data.md.
+/// real_data DATA_DIR: computes the results of `dn smooth` for measured flights; its figures are in
+/// docs/real-data.md.
 #include <dn/calibration/solution.h>
 #include <dn/solvers/prediction.h>
 #include <fmt/format.h>
@@ -62,7 +62,7 @@ void Describe(const std::string& name, const Smoothed& smoothed) {
   PrintSeries("residuals", smoothed.solution.trajectory().residuals);
 }
 
-/// Root mean square of vectors, component by component.
+/// Accumulates the root mean square of vectors, component by component.
 class Rms {
  public:
   void Add(const Eigen::Vector3d& x) {
@@ -117,7 +117,8 @@ void CompareWithReference(const Smoothed& smoothed) {
       std::sqrt(sigma2_rp / n) * kDegPerRad, std::sqrt(sigma2_h / n) * kDegPerRad);
 }
 
-/// Ten windows spread evenly, the first and last an eleventh of the flight from its ends.
+/// Returns ten evenly spaced windows; the first and last are an eleventh of the flight from its
+/// ends.
 std::vector<TimeInterval> WithheldWindows(const FlightNetwork& network) {
   constexpr int kWindows = 10;
   constexpr double kLengthS = 5.0;

@@ -1,10 +1,11 @@
-/// real_injections DATA_DIR: known errors put into measured flights, and what `dn gap` makes of
-/// them; the figures of docs/validation/real-data.md.
+/// real_injections DATA_DIR: inserts known errors into measured flights and diagnoses them with `dn
+/// gap`; its figures are in docs/real-data.md.
 ///
-/// A measured flight departs from its model before anything is put in. So it is diagnosed first, and
-/// what the diagnosis names joins the model. Then, one after the other, an error of some times the
-/// size from which on its name would be found is put into the data, and the flight is diagnosed
-/// again. How large the error is shows in the estimate with it less that without it.
+/// A measured flight differs from its model even without inserted errors. It is therefore diagnosed
+/// first, and the effects found are added to the model. Then one error after the other is inserted
+/// into the data, and the flight is diagnosed again. The size of an error is a multiple of that
+/// above which its effect should be named. The size of the error is estimated as the difference of
+/// the estimates with and without it.
 #include <dn/calibration/solution.h>
 #include <dn/effects/effect_table.h>
 #include <dn/gap/adapt.h>
@@ -34,7 +35,7 @@ struct Error {
   std::string effect;
   int axis = 0;
   std::optional<std::pair<double, double>> window_s =
-      std::nullopt;  ///< after the first epoch, between epochs
+      std::nullopt;  ///< seconds after the first epoch; applies between epochs
 };
 
 AdjustOptions InsGnss() {
@@ -58,7 +59,7 @@ void PrintVerdict(const std::string& what, const GapDiagnosis& diagnosis) {
   std::fflush(stdout);
 }
 
-// ---- Errors in data ------------------------------------------------------------------------------
+// ---- Errors in data -----------------------------------------------------------------------------
 
 void ShiftTags(double offset_s, Flight* flight) {
   std::vector<MapGnssEpoch>& epochs = flight->gnss->epochs;
@@ -68,7 +69,7 @@ void ShiftTags(double offset_s, Flight* flight) {
   });
 }
 
-/// The attitude is that of the flight as it was measured.
+/// Moves the antenna; the attitude is that of the measured flight.
 void MoveAntenna(const Eigen::Vector3d& arm_b_m, const Solution& measured, Flight* flight) {
   std::vector<MapPose> poses;
   for (std::size_t k = 0; k < measured.network().nodes.size(); ++k) {
@@ -100,7 +101,7 @@ void ScaleRates(const Eigen::Vector3d& scale, Flight* flight) {
   }
 }
 
-/// `value` in SI.
+/// Returns the flight with an error; `value` is in SI.
 Flight WithError(const Flight& flight, const Solution& measured, const Error& error,
                  const EffectTimes& times, double value) {
   Flight out = flight;
@@ -117,13 +118,13 @@ Flight WithError(const Flight& flight, const Solution& measured, const Error& er
   return out;
 }
 
-// ---- What is made of them ------------------------------------------------------------------------
+// ---- Estimates of the errors --------------------------------------------------------------------
 
 struct Estimate {
   double value = 0.0, sigma = 0.0;
 };
 
-/// Of the effect among the unknowns, in its unit.
+/// Returns the estimate of the effect as an unknown, in its unit.
 Estimate EstimateOf(const Flight& flight, const Error& error, const EffectTimes& times) {
   GapCause cause;
   cause.effect = error.effect;

@@ -1,5 +1,5 @@
-/// run_matching: simulates two strips of several sizes at one density, runs `dn match` on them, and
-/// prints time and memory by number of points, and the exponents of their growth.
+/// run_matching: simulates two strips of several sizes at one point density and runs `dn match` on
+/// them. Prints time and memory by number of points, and the exponents of their growth.
 #include <dn/report/json.h>
 #include <fmt/format.h>
 
@@ -28,7 +28,8 @@ struct Options {
   double timeout_s = 1800.0;
 };
 
-/// Two opposite lines over mixed terrain, 30,000 points a second at 45 m/s: a million on 1,500 m.
+/// Returns a scenario with two opposite lines over mixed terrain, with 30,000 points per second at
+/// 45 m/s: a million points on 1,500 m.
 std::string ScenarioText(double line_length_m) {
   const double half_m = 0.5 * line_length_m;
   return fmt::format(

@@ -1,5 +1,5 @@
 /// run_sizes: simulates flights of several lengths, runs `dn calibrate` on each as a user would,
-/// and prints and writes what it took.
+/// and prints and writes the time and memory used.
 #include <dn/report/json.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -43,7 +43,7 @@ struct Options {
   bool rate_check = true;
 };
 
-/// The agreed bounds of one case, reading to written covariances.
+/// The agreed limits for one case, from reading to written covariances.
 struct Goal {
   std::string size;
   std::string grade;
@@ -72,7 +72,7 @@ void WriteText(const fs::path& file, const std::string& text) {
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
-/// The part after ": " of the first line of a /proc file that starts with the key.
+/// Returns the text after ": " in the first line of a /proc file that starts with the key.
 std::string ProcValue(const fs::path& file, const std::string& key) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);) {
@@ -94,7 +94,7 @@ Json Machine() {
           {"load_average_at_start", load[0]}};
 }
 
-/// Simulates the flight unless its folder is there.
+/// Simulates the flight unless its folder already exists; returns the folder.
 fs::path Simulated(const Options& options, const FlightSize& size, const std::string& grade) {
   fs::path flight = options.work / fmt::format("{}-{}-seed{}", grade, size.name, options.seed);
   if (fs::exists(flight / "flight.yaml")) return flight;
@@ -113,7 +113,7 @@ fs::path Simulated(const Options& options, const FlightSize& size, const std::st
   return flight;
 }
 
-/// A second folder on the same data (by links) with another node rate.
+/// Creates a second folder that links to the same data and has another node rate; returns it.
 fs::path WithNodeRate(const fs::path& flight, double rate_hz) {
   fs::path copy = flight;
   copy += fmt::format("-{}hz", rate_hz);
@@ -133,7 +133,7 @@ fs::path WithNodeRate(const fs::path& flight, double rate_hz) {
   return copy;
 }
 
-/// Calibrates a flight and collects its figures; {"failed": why} where it did not succeed.
+/// Calibrates a flight and collects its figures; returns {"failed": reason} if it fails.
 Json Calibrated(const Options& options, const fs::path& flight) {
   fs::path out = options.work / "results" / flight.filename();
   fs::remove_all(out);
@@ -165,7 +165,7 @@ Json Calibrated(const Options& options, const fs::path& flight) {
   return row;
 }
 
-/// Largest relative change of the sigmas, and largest shift of an angle in sigmas.
+/// Returns the largest relative change of the sigmas, and the largest shift of an angle in sigmas.
 Json Compared(const Json& automatic, const Json& reference) {
   double sigma_change = 0.0;
   double shift = 0.0;

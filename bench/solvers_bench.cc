@@ -1,5 +1,6 @@
-/// Covariances of the network of a simulated flight: assembly, factorisation and selected inverse;
-/// on the smallest flight ceres::Covariance beside it. Its solution, with and without Ceres.
+/// Covariances of the network of a simulated flight: assembly, factorisation and selected inverse,
+/// with ceres::Covariance for comparison on the smallest flight. Also the solution with and without
+/// Ceres.
 #include <benchmark/benchmark.h>
 #include <dn/builder/flight_network.h>
 #include <dn/builder/node_grid.h>
@@ -52,7 +53,7 @@ std::unique_ptr<FlightNetwork> NetworkAtTruth(const SimulatedFlight& simulated, 
   return network;
 }
 
-/// The network of a size, made once.
+/// Returns the network of a size, which is created once.
 FlightNetwork& NetworkOf(const std::string& size, double rate_hz = kNodeRate_hz) {
   struct Entry {
     std::unique_ptr<SimulatedFlight> flight;  // the network refers to it
@@ -105,7 +106,8 @@ BENCHMARK_CAPTURE(BM_Marginals, 60min_two_threads, "60min", 2)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// From the truth to the adjusted values: undamped steps with one analysis, or all steps by Ceres.
+/// Solves from the truth to the adjusted values, with undamped steps and one analysis, or with all
+/// steps by Ceres.
 void BM_Solve(benchmark::State& state, const std::string& size, bool undamped) {
   const Network& truth = NetworkOf(size, kSparseRate_hz).net;
   for (auto _ : state) {
@@ -128,13 +130,13 @@ BENCHMARK_CAPTURE(BM_Solve, 20min_by_ceres, "20min", false)->Unit(benchmark::kMi
 BENCHMARK_CAPTURE(BM_Solve, 60min, "60min", true)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_Solve, 60min_by_ceres, "60min", false)->Unit(benchmark::kMillisecond);
 
-/// Blocks whose covariances are wanted of the smallest flight.
+/// Returns the blocks of the smallest flight whose covariances are requested.
 std::vector<BlockId> Wanted(const FlightNetwork& network, bool all_nodes) {
   if (all_nodes) return NodeBlockIds(network);
   return {network.boresight.id};
 }
 
-/// The same by Marginals, with the selected inverse only where many blocks are wanted.
+/// Computes the same covariances with Marginals; uses the selected inverse only for many blocks.
 std::vector<Eigen::MatrixXd> ByMarginals(const Network& net, const std::vector<BlockId>& blocks) {
   Marginals marginals(net);
   if (blocks.size() > 1) marginals.ComputeSelectedInverse();

@@ -1,7 +1,8 @@
-// An own network: a levelling line adjusted by least squares.
+// A user's own network: a levelling line adjusted by least squares.
 //
-// Four benchmarks A, B, C, D; A is known. Five levelled height differences close two loops, so that
-// every height has a standard deviation. Prints them, and what is said without the known benchmark.
+// There are four benchmarks A, B, C, D, and A is known. Five levelled height differences close two
+// loops. Prints every height with its standard deviation, and the error message without the known
+// benchmark.
 #include <dn/network.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>

@@ -1,5 +1,5 @@
-// An own factor: a laser return that lies on a known plane, and the boresight from such returns.
-// A class, as of a factor that several programs use; a function given to Add does the same.
+// A user's own factor: a laser return on a known plane, and the boresight from such returns. A
+// class suits a factor that several programs use; a function given to Add does the same.
 //
 // Prints the error of the estimate and its three standard deviations.
 #include <dn/network.h>
@@ -28,7 +28,7 @@ int main() {
   dn::Network net;
   const auto q_bs = net.AddLeftRotation("boresight", Eigen::Quaterniond::Identity());
 
-  for (int i = 0; i < 6; ++i) {  // six known poses, each sees one return on each of three planes
+  for (int i = 0; i < 6; ++i) {  // six known poses, each with one return on each of three planes
     const Eigen::Quaterniond q(Eigen::AngleAxisd(i, Eigen::Vector3d::UnitZ()));
     const Eigen::Vector3d p(100.0 * i, 50.0, 800.0);
     const auto q_mb = net.AddRotation("q/" + std::to_string(i), q);

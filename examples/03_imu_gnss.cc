@@ -1,7 +1,7 @@
 // IMU and GNSS: the smoothed trajectory of a simulated survey flight, in memory.
 //
-// Prints the error of position and attitude against the truth with its standard deviation at a few
-// epochs, and the root mean square of the normalised errors, which is 1 when the sigmas are honest.
+// Prints errors and standard deviations of position and attitude at a few epochs. The rms of the
+// normalised errors, also printed, is 1 if the sigmas are correct.
 #include <dn/calibration/solution.h>
 #include <dn/sim/simulate.h>
 

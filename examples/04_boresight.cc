@@ -1,7 +1,7 @@
 // The boresight of a simulated flight, in memory: IMU, GNSS and lidar point pairs in one network.
 //
 // Prints the true angles, the estimates with their standard deviations, the correlation of the
-// boresight with the biases that were estimated with it, and whether the data follow the model.
+// boresight with the biases, and whether the data agree with the model.
 #include <dn/calibration/solution.h>
 #include <dn/calibration/words.h>
 #include <dn/sim/simulate.h>

@@ -1,8 +1,8 @@
-// A pose graph in the g2o format: read, solved, and the covariance of every pose.
+// A pose graph in the g2o format: reads and solves it, and computes the covariance of every pose.
 //
-// Usage: example_05_pose_graph [file.g2o], by default two laps on a ring, closed ten times. Prints
-// the figures of the adjustment and the standard deviations of the poses with the best and worst
-// position.
+// Usage: example_05_pose_graph [file.g2o]; the default is two laps on a ring with ten loop
+// closures. Prints the figures of the adjustment and the standard deviations of the poses with the
+// best and worst position.
 #include <dn/network.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
@@ -22,7 +22,7 @@ dn::Transform<double> ReadTransform(std::istream& in) {
   return T;
 }
 
-/// The information of (translation, vector part of the quaternion) as that of (rotation,
+/// Converts the information of (translation, vector part of the quaternion) to that of (rotation,
 /// translation).
 Matrix6 ReadInformation(std::istream& in) {
   Matrix6 g2o = Matrix6::Zero(), D = Matrix6::Zero();

@@ -1,9 +1,8 @@
-// Calibration values as unknowns of their own: offset and scale of a range finder, from the
-// distances between six pillars in line, whose places are unknown, too. One length is known from
-// elsewhere.
+// Calibration values as unknowns: offset and scale of a range finder, from the distances between
+// six pillars on a line. The positions of the pillars are also unknown, but one length is known.
 //
-// Prints both with sigmas and correlation, and what the distances leave open without the known
-// length.
+// Prints offset and scale with sigmas and correlation, and the directions that the distances leave
+// undetermined without the known length.
 #include <dn/network.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>

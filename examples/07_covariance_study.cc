@@ -1,8 +1,8 @@
-// A study before anything is measured: where to put the fourth station of a range network.
+// A study before any measurement: the best place for the fourth station of a range network.
 //
-// A covariance needs geometry and noise only. The network holds the planned position and the
-// planned distances, measured values are what the plan predicts; nothing is solved. Prints the
-// sigmas of the position for each candidate, and the best.
+// A covariance needs only geometry and noise. The network contains the planned position and the
+// planned distances; the measured values are those that the plan predicts, and nothing is solved.
+// Prints the sigmas of the position for each candidate, and the best one.
 #include <dn/network.h>
 #include <dn/solvers/marginals.h>
 

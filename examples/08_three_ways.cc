@@ -1,7 +1,7 @@
-// The same factor in three ways: a function, a class that states its residual, and a class with its
-// own Jacobians. A bearing to a landmark, seen from a pose in the plane.
+// The same factor in three ways: a function, a class that defines its residual, and a class with
+// its own Jacobians. The factor is a bearing to a landmark from a place in the plane.
 //
-// Prints the landmark and its sigmas by each; they are the same.
+// Prints the landmark and its sigmas for each way; they are the same.
 #include <dn/network.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
@@ -23,7 +23,7 @@ struct Bearing : dn::AutoFactor<Bearing, 1, dn::Vec<2>, dn::Vec<2>> {
   }
 };
 
-/// Third way: the same with its Jacobians, -u and u, u = (-dy, dx) / (dx^2 + dy^2) / sigma.
+/// Third way: the same with analytic Jacobians -u and u, u = (-dy, dx) / (dx^2 + dy^2) / sigma.
 class AnalyticBearing final : public dn::Factor<AnalyticBearing, 1, dn::Vec<2>, dn::Vec<2>> {
  public:
   AnalyticBearing(double measured_rad, double sigma_rad)
@@ -31,7 +31,7 @@ class AnalyticBearing final : public dn::Factor<AnalyticBearing, 1, dn::Vec<2>, 
 
   bool Evaluate(double const* const* x, double* r, double** J) const override {
     const Eigen::Vector2d d(x[1][0] - x[0][0], x[1][1] - x[0][1]);
-    if (d.isZero(0.0)) return false;  // undefined: the adjustment says so and names the factor
+    if (d.isZero(0.0)) return false;  // undefined: the adjustment reports it and names the factor
     const Eigen::RowVector2d u = Eigen::RowVector2d(-d.y(), d.x()) / (d.squaredNorm() * sigma_rad_);
     Put<0>(x, J, -u);
     Put<1>(x, J, u);

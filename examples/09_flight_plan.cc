@@ -1,7 +1,7 @@
-// A flight before it is flown: what its lines would determine of the boresight.
+// A flight plan: how well its lines would determine the boresight.
 //
-// A plan is poses and laser vectors. The readings of the sensors follow from the poses, nothing is
-// simulated or solved. Prints the sigmas for a line flown both ways, and with a line across.
+// A plan is poses and laser vectors. The sensor readings follow from the poses; nothing is
+// simulated or solved. Prints the sigmas for a line flown both ways, and with a cross line.
 #include <dn/builder/build.h>
 #include <dn/solvers/marginals.h>
 
@@ -17,7 +17,7 @@ lidar: {R_sensor_to_body: [[0, 1, 0], [0, 0, 1], [1, 0, 0]], scan_axis: [0, 1, 0
         nadir_axis: [1, 0, 0], sigma_p_m: 0.05}
 )";
 
-/// Legs of seconds and degrees per second, in coordinated turns.
+/// Returns poses along legs of seconds and degrees per second, with coordinated turns.
 std::vector<dn::MapPose> Fly(const std::vector<Eigen::Vector2d>& legs) {
   const Eigen::Quaterniond q_enu_ned(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
   std::vector<dn::MapPose> poses;
@@ -37,7 +37,7 @@ std::vector<dn::MapPose> Fly(const std::vector<Eigen::Vector2d>& legs) {
   return poses;
 }
 
-/// Points on the ground, each joined from one pass abeam of it to the next.
+/// Returns pairs of points on the ground: each point connects consecutive passes abeam of it.
 std::vector<dn::LidarPair> Pairs(const std::vector<dn::MapPose>& poses,
                                  const dn::Mounting& mounting) {
   std::vector<dn::LidarPair> pairs;

@@ -1,8 +1,8 @@
-// A factor of one's own for the pairs of a flight: the range of the laser with a scale to estimate.
+// A user's own factor for the pairs of a flight: laser ranges with a scale to estimate.
 //
-// The point of a lidar end is at hand as a template (LidarPoint); what is written here is how a
-// range is read. The flight is simulated with ranges 1000 ppm too long. Prints the scale and the
-// boresight, with and without the unknown, beside the truth.
+// LidarPoint provides the point of a lidar end as a template; this factor only defines how a range
+// is read. The flight is simulated with ranges that are 1000 ppm too long. Prints the scale, and
+// the boresight with and without the unknown, compared with the truth.
 #include <dn/calibration/solution.h>
 #include <dn/factors/point_to_point.h>
 #include <dn/sim/simulate.h>

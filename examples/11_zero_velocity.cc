@@ -1,8 +1,9 @@
-// Zero velocity in a measured flight: a small aircraft that stands still before and after it.
+// Zero velocity in a measured flight: a small aircraft that stands still before and after the
+// flight.
 //
-// It rests where neither specific force nor angular rate scatters. What that brings is seen where
-// GNSS is withheld, in the last minute: prints the errors of the positions there, without and with
-// the factors. The flight is thor75 of docs/validation/real-data.md; the example needs its folder.
+// It counts as at rest if specific force and angular rate hardly vary. The benefit shows in the
+// last minute, where GNSS is withheld: prints the position errors there, without and with the
+// factors. The flight is thor75 of docs/real-data.md; the example needs its folder.
 #include <dn/imu/imu_data.h>
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 
 #include "withheld_gnss.h"
 
-/// Scatter of a reading within a second of t_s, its three axes together.
+/// Returns the standard deviation of a reading within a second of t_s, its three axes combined.
 double Scatter(const dn::ImuData& imu, double t_s, Eigen::Vector3d dn::ImuSample::*reading) {
   const auto [first, last] = dn::SampleRange(imu, t_s - 1.0, t_s + 1.0);
   const auto n = static_cast<double>(last - first);
@@ -23,8 +24,8 @@ double Scatter(const dn::ImuData& imu, double t_s, Eigen::Vector3d dn::ImuSample
   return std::sqrt(variance);
 }
 
-/// Standing, this aircraft has 0.03 to 0.05 m/s^2 and 0.3 to 1 deg/s; moved by hand or in flight
-/// 0.5 m/s^2 and 3 deg/s or more. Between them is little.
+/// At rest, this aircraft has 0.03 to 0.05 m/s^2 and 0.3 to 1 deg/s; moved by hand or in flight, at
+/// least 0.5 m/s^2 and 3 deg/s. Few readings lie in between.
 bool IsAtRest(const dn::ImuData& imu, double t_s) {
   return Scatter(imu, t_s, &dn::ImuSample::f_b_mps2) < 0.1 &&
          Scatter(imu, t_s, &dn::ImuSample::w_ib_b_radps) < 1.5 * dn::kRadPerDeg;

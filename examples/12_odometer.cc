@@ -1,9 +1,9 @@
-// An odometer in a measured drive, its scale and its direction unknown.
+// An odometer in a measured drive, with unknown scale and direction.
 //
-// The inertial data are measured. A wheel was not: the readings are the speed of the reference, 2 %
-// too large, with noise of 5 cm/s. GNSS is withheld over the last 40 s: prints the errors of the
-// positions there, without and with the odometer, and its unknowns. The drive is psins-car of
-// docs/validation/real-data.md; the example needs its folder.
+// The inertial data are measured. The odometer readings are simulated: the speed of the reference,
+// 2 % too large, with noise of 5 cm/s. GNSS is withheld over the last 40 s. Prints the position
+// errors there, without and with the odometer, and its unknowns. The drive is psins-car of
+// docs/real-data.md; the example needs its folder.
 #include <cstdio>
 #include <random>
 
@@ -11,8 +11,8 @@
 
 constexpr double kScale = 0.02, kSigma_mps = 0.05;
 
-/// Measured against computed speed along the odometer's direction, to the right of the nose by an
-/// angle, and across it, where a wheel does not slip.
+/// Returns computed minus measured speed along the odometer's direction (`angle` right of the
+/// nose), and the computed speed across it, where a wheel does not slip.
 template <class T>
 Eigen::Matrix<T, 2, 1> AlongAndAcross(const dn::KinematicState<T>& state, const T& scale,
                                       const T& angle, double reading_mps) {

@@ -12,7 +12,8 @@
 #include <string>
 #include <vector>
 
-/// A measured flight by the name of its folder; absent, and said so, where the data are not there.
+/// Reads a measured flight by the name of its folder. Prints a note and returns nullopt if the data
+/// are absent.
 inline std::optional<dn::Flight> ReadMeasured(const std::string& name) {
   const std::filesystem::path folder = std::filesystem::path(DN_SHARED_DATA_DIR) / "data" / name;
   if (std::filesystem::exists(folder)) return dn::ReadFlight(folder, {.imu = true, .gnss = true});
@@ -20,9 +21,8 @@ inline std::optional<dn::Flight> ReadMeasured(const std::string& name) {
   return {};
 }
 
-/// Adjusts a flight whose GNSS of an interval is withheld, with factors of one's own. Prints what
-/// the other data make of the positions there: their errors, measured by the withheld GNSS, and
-/// their sigmas, m.
+/// Adjusts a flight with GNSS withheld in an interval and with a user's own factors. Prints the
+/// errors of the positions there, measured by the withheld GNSS, and their sigmas, m.
 inline dn::Solution AdjustWithheld(const char* name, const dn::Flight& flight,
                                    const dn::TimeInterval& interval,
                                    const std::function<void(dn::FlightNetwork&)>& add_factors) {

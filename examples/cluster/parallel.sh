@@ -1,11 +1,12 @@
 #!/bin/bash
-# The shards of a series by GNU parallel, on this machine or on others:
+# Runs the shards of a series with GNU parallel, on this machine or on others:
 #
 #   parallel.sh 20 OUT monte-carlo lar3 --flights 2000
 #   PARALLEL="--sshloginfile hosts --workdir ." parallel.sh 20 OUT monte-carlo lar3 --flights 2000
 #
-# 20 is the number of shards, OUT a folder that all machines see; what follows is the command without
-# --shard, --threads and --out. The same line again takes up what was cut off. When all are done:
+# 20 is the number of shards and OUT a folder that all machines can access. Then follows the command
+# without --shard, --threads and --out. Running the same line again continues interrupted shards.
+# When all are done:
 #
 #   dn merge OUT/shard_* --out RESULT
 set -euo pipefail

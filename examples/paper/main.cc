@@ -1,11 +1,11 @@
 // The experiments of Brun & Skaloud, "Scene-agnostic ALS boresight self-calibration", repeated on
-// simulated flights of the paper's geometries, each table beside the published figures.
+// simulated flights with the paper's geometries. Each table also shows the published figures.
 //
 //   example_paper [--seeds N] [--sets leg2,lar3] [--node-rate HZ] [--robustness 0]
-//                [--out DIR]
+//                 [--out DIR]
 //
-// Every flight is simulated, smoothed (raw inertial and GNSS data alone), and calibrated twice from
-// the same pairs: by the Gauss-Helmert adjustment on the smoothed trajectory (GH), and by the
+// Every flight is simulated, smoothed (from raw inertial and GNSS data alone), and calibrated twice
+// from the same pairs: by the Gauss-Helmert adjustment on the smoothed trajectory (GH), and by the
 // dynamic network from the raw data (DN).
 #include <fmt/format.h>
 

@@ -5,15 +5,16 @@
 
 namespace paper {
 
-/// What the paper publishes of one strip set: Table 1 (attitude of the trajectory) and the table of
-/// the Gauss-Helmert adjustment.
+/// Published figures of the paper for one strip set: Table 1 (attitude of the trajectory) and the
+/// table of the Gauss-Helmert adjustment.
 struct PublishedSet {
   const char* name;
   double sigma_rp_deg, sigma_y_deg;
   double condition_number, sigma0, residual_initial_m, residual_final_m;
 };
 
-/// The two-line sets of LAR and UAV stand beside both pairs of lines, parallel and crossing.
+/// The figures of the two-line sets of LAR and UAV are listed for both pairs of lines, parallel and
+/// crossing.
 inline constexpr std::array<PublishedSet, 12> kPublished{{
     {"leg2", .005, .010, 26, .9, .87, .15},
     {"leg4", .005, .010, 48, 1.1, 1.03, .14},
@@ -29,7 +30,7 @@ inline constexpr std::array<PublishedSet, 12> kPublished{{
     {"hal4", .005, .008, 15, .6, 5.99, .20},
 }};
 
-/// Throws std::invalid_argument for an unknown name.
+/// Returns the figures of a set. Throws std::invalid_argument for an unknown name.
 const PublishedSet& Published(const std::string& name);
 
 }  // namespace paper

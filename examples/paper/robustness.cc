@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr std::array<const char*, 3> kAngles{"roll", "pitch", "yaw"};
 
-/// The trajectory with R_b^m multiplied from the right by Exp(offset).
+/// Returns the trajectory with R_b^m multiplied from the right by Exp(offset).
 dn::Trajectory Turned(const dn::Trajectory& trajectory, const Vector3d& offset_deg) {
   const Eigen::Quaterniond offset = dn::Exp(Vector3d(dn::kRadPerDeg * offset_deg));
   std::vector<dn::NavPoint> points = trajectory.points();
@@ -23,7 +23,8 @@ dn::Trajectory Turned(const dn::Trajectory& trajectory, const Vector3d& offset_d
   return dn::Trajectory(std::move(points), trajectory.notes());
 }
 
-/// The rotation vector of the orthogonal factor of I + [theta]x, which turns by atan |theta|.
+/// Returns the rotation vector of the orthogonal factor of I + [theta]x, which rotates by atan
+/// |theta|.
 Vector3d RotationPart(const Vector3d& theta_rad) {
   return theta_rad.normalized() * std::atan(theta_rad.norm());
 }

@@ -73,7 +73,8 @@ bool GnssAntenna::Evaluate(double const* const* x, double* r, double** J) const 
   Eigen::Map<Vector3d>(r).noalias() = W_ * (at + R * (turn * arm) - z_m_);
   if (J == nullptr) return true;
 
-  // d w = -[R^T w_ie]x d phi_b turns the body's own rate against the Earth's.
+  // d w = -[R^T w_ie]x d phi_b: a change of attitude changes the body's rate with respect to the
+  // Earth.
   const Matrix3d w_q = -Skew(Vector3d(R.transpose() * motion_.w_ie_m_radps));
   const Matrix3d turned_by_w = turn * Skew(arm) * RightJacobian(phi) * d;
   Matrix3d J_q = -R * Skew(Vector3d(turn * arm)) + R * turned_by_w * w_q;

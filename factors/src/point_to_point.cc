@@ -20,11 +20,11 @@ void CheckEnd(const LidarEnd& end) {
 }
 
 void CheckMounting(const Eigen::Matrix3d& T_bs) {
-  constexpr double kTolerance = 1e-6;  // a matrix written with seven digits
+  constexpr double kTolerance = 1e-6;  // allows for a matrix written with seven digits
   const double defect = (T_bs * T_bs.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (!(defect < kTolerance) || T_bs.determinant() < 0.0) {
     throw InvalidInput(
-        "point pair: the mounting matrix is no rotation (T T^T differs from the identity by " +
+        "point pair: the mounting matrix is not a rotation (T T^T differs from the identity by " +
         std::to_string(defect) + ", determinant " + std::to_string(T_bs.determinant()) + ")");
   }
 }

@@ -56,7 +56,8 @@ PointToPointBetweenNodes::PointToPointBetweenNodes(const LocalFrame& frame, cons
       W_(noise_m.sqrt_information()) {
   internal::CheckPointPair(i, j, T_bs_nominal);
   if (i.partial.J_effects.cols() != j.partial.J_effects.cols()) {
-    throw InvalidInput("point pair: the increments of its two ends have other inertial effects");
+    throw InvalidInput(
+        "point pair: the increments of its two ends have different inertial effects");
   }
   i_ = MakeEnd(frame, i, tag_i_s, 0, kPairBlocks);
   j_ = MakeEnd(frame, j, tag_j_s, kNodeBlocks, kPairBlocks + (i.bridge ? 1 : 0));

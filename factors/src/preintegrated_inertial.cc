@@ -33,7 +33,7 @@ Eigen::Matrix<double, 9, 9> SqrtInformation(const Preintegrated& increments) {
   } catch (const InvalidInput&) {
     throw InvalidInput("inertial edge from t = " + std::to_string(increments.t_begin_s) + " to " +
                        std::to_string(increments.t_end_s) +
-                       " s: the covariance of its increments is no number or not positive "
+                       " s: the covariance of its increments is not finite or not positive "
                        "definite; check the white noise of gyros and accelerometers, and the "
                        "inertial data there");
   }
@@ -65,7 +65,7 @@ PreintegratedInertial::PreintegratedInertial(const Preintegrated& increments,
   }
   const EarthStep earth = EarthStep::Make(frame, dt);
   const Eigen::Matrix3d W = Skew(frame.w_ie_m());
-  // One gradient serves both ends: it changes by 3e-7 of itself per metre between them.
+  // One gradient is used for both ends: its relative change between them is 3e-7 per metre.
   const Eigen::Matrix3d Gamma = AttractionGradient(frame, 0.5 * (p_i_nominal_m + p_j_nominal_m));
   const Eigen::Vector3d G_i = frame.Attraction(p_i_nominal_m) - Gamma * p_i_nominal_m;
   const Eigen::Vector3d G_j = frame.Attraction(p_j_nominal_m) - Gamma * p_j_nominal_m;
@@ -113,7 +113,7 @@ void PreintegratedInertial::EvaluateJacobians(double const* const* x, double** J
   const Vec3 y_p =
       R_i_inverse * (p_p_i_ * p_i + p_p_j_ * p_j + p_0_ + p_attraction - increments_.dt_s() * v_i);
 
-  // W is lower triangular.
+  // Uses that W is lower triangular.
   const auto whiten = [&](const Mat3& J_R_x, const Mat3& J_v_x, const Mat3& J_p_x) {
     Block whitened;
     whitened.topRows<3>().noalias() = W_.block<3, 3>(0, 0) * J_R_x;

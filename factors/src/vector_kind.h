@@ -6,7 +6,7 @@
 
 namespace dn::internal {
 
-/// The kind of a vector whose size is known only at run time.
+/// Returns the kind of a vector whose size is known only at run time.
 inline BlockKind VectorKind(Eigen::Index size) {
   const int n = static_cast<int>(size);
   return {Parametrisation::kVector, n, n};

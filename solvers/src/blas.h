@@ -1,6 +1,6 @@
 #pragma once
 
-// What this layer calls of BLAS and LAPACK.
+// BLAS and LAPACK functions that this layer calls.
 extern "C" {
 void dgemm_(const char* transa, const char* transb, const int* m, const int* n, const int* k,
             const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
@@ -23,7 +23,7 @@ void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* inf
 
 namespace dn {
 
-// Factors, which it takes by address.
+// Scalar factors for BLAS, which takes them by address.
 inline constexpr double kOne = 1.0;
 inline constexpr double kMinusOne = -1.0;
 inline constexpr double kZero = 0.0;

@@ -8,10 +8,11 @@
 namespace dn {
 namespace {
 
-/// Pairs (column, row) of blocks with row >= column, each as often as factors have it.
+/// Pairs (column, row) of blocks with row >= column. A pair appears once per factor that contains
+/// it.
 class BlockPairs {
  public:
-  /// All pairs of the blocks of one factor, by their positions.
+  /// Adds all pairs of the blocks of one factor, given by their positions.
   void Add(const int* position, int num_blocks) {
     for (int a = 0; a < num_blocks; ++a) {
       for (int b = 0; b < num_blocks; ++b) {

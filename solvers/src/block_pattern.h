@@ -8,7 +8,7 @@
 
 namespace dn {
 
-/// A symmetric matrix, its lower triangle by compressed columns with ascending rows.
+/// A symmetric sparse matrix: the lower triangle in compressed columns, with ascending rows.
 struct SymmetricCsc {
   int n = 0;
   std::vector<int> column_start;
@@ -16,9 +16,9 @@ struct SymmetricCsc {
   std::vector<double> value;
 };
 
-/// Which blocks of the layout share a factor: a pattern without values.
+/// Returns the pattern of the blocks that share a factor, without values.
 SymmetricCsc BlockPattern(const UnknownLayout& layout, const Linearization& linearization);
-/// The same from the active factors of a network, which need not be linearised.
+/// Returns the same pattern from the active factors of a network, which need not be linearised.
 SymmetricCsc BlockPattern(const UnknownLayout& layout, const Network& network);
 
 }  // namespace dn

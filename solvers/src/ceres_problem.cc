@@ -10,7 +10,7 @@
 namespace dn::internal {
 namespace {
 
-/// Lets Ceres evaluate a factor of the network.
+/// Ceres cost function that evaluates a factor of the network.
 class FactorCost final : public ceres::CostFunction {
  public:
   FactorCost(const Network& network, FactorId id, FactorException* exception)

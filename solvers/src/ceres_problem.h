@@ -11,8 +11,8 @@
 
 namespace dn::internal {
 
-/// A block that is not a vector, with the tangent of dn::Plus (Ceres's own rotations have half the
-/// angle).
+/// Ceres manifold of a block that is not a vector, with the tangent of dn::Plus. Ceres's own
+/// rotation manifolds use half the angle.
 class BlockManifold final : public ceres::Manifold {
  public:
   explicit BlockManifold(const BlockKind& kind) : kind_(kind) {}
@@ -29,12 +29,13 @@ class BlockManifold final : public ceres::Manifold {
   BlockKind kind_;
 };
 
-/// The exception of a factor, kept while Ceres, whose threads cannot pass one on, is running.
+/// Stores the exception of a factor while Ceres is running, because exceptions cannot cross its
+/// threads.
 class FactorException {
  public:
   bool present() const { return present_; }
   void Store(std::exception_ptr exception);
-  /// Throws it, if there was one.
+  /// Throws the stored exception, if there is one.
   void Rethrow() const;
 
  private:
@@ -43,15 +44,15 @@ class FactorException {
   std::exception_ptr exception_;
 };
 
-/// The active factors of a network as a ceres::Problem on the network's own values. The network
-/// outlives it.
+/// The active factors of a network as a ceres::Problem that works on the values stored in the
+/// network. The network must outlive it.
 class CeresProblem {
  public:
   explicit CeresProblem(Network& network);
 
   ceres::Problem& problem() { return problem_; }
 
-  /// Throws what a factor threw during an evaluation.
+  /// Throws the exception that a factor threw during an evaluation.
   void RethrowFactorException() const { exception_.Rethrow(); }
 
  private:

@@ -6,7 +6,7 @@
 
 namespace dn {
 
-/// What CHOLMOD keeps between its calls, one for each thread. It prints nothing.
+/// CHOLMOD's workspace and settings, one object per thread. CHOLMOD prints nothing.
 class CholmodCommon {
  public:
   CholmodCommon();
@@ -17,15 +17,16 @@ class CholmodCommon {
   cholmod_common* get() { return &common_; }
   cholmod_common* operator->() { return &common_; }
 
-  /// Throws std::bad_alloc, InvalidInput for a factor that is too large, or std::runtime_error,
-  /// where the last call failed while doing `step`.
+  /// Throws if the last CHOLMOD call failed; `step` names the operation in the message. The
+  /// exception is std::bad_alloc, InvalidInput for a factor that is too large, or
+  /// std::runtime_error.
   void Check(const char* step) const;
 
  private:
   cholmod_common common_;
 };
 
-/// A as CHOLMOD sees it, without a copy; only its pattern where it has no values.
+/// Returns A as a CHOLMOD matrix without copying it, or only the pattern if A has no values.
 cholmod_sparse View(const SymmetricCsc& A);
 
 }  // namespace dn

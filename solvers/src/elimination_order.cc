@@ -9,23 +9,23 @@
 namespace dn {
 namespace {
 
-/// From here on a dissection takes less time than it can save: half a second of factorisation, and
-/// for each block ten times what it takes to dissect it.
+/// Thresholds of estimated operations above which nested dissection can save more time than it
+/// takes: half a second of factorisation, and ten times the cost of dissection per block.
 constexpr double kWorthDissecting = 1e10;
 constexpr double kWorthDissectingPerBlock = 2e5;
 
-// METIS draws from the one generator of the C library, which it seeds itself.
+// METIS uses and seeds the random generator of the C library, which is global.
 std::mutex g_metis_mutex;
 
-/// The graph of the blocks in the hands of CHOLMOD.
+/// The graph of the blocks as a CHOLMOD matrix.
 class Graph {
  public:
   explicit Graph(const SymmetricCsc& blocks) {
     common_->nmethods = 1;
     common_->method[0].ordering = CHOLMOD_GIVEN;
-    common_->supernodal = CHOLMOD_SIMPLICIAL;  // all that the count of operations needs
+    common_->supernodal = CHOLMOD_SIMPLICIAL;  // sufficient for counting operations
     cholmod_sparse lower = View(blocks);
-    // AMD takes an upper triangle, or what it makes one of.
+    // AMD needs the upper triangle.
     upper_ = cholmod_transpose(&lower, 0, common_.get());
     common_.Check("ordering");
   }

@@ -6,20 +6,21 @@
 
 namespace dn {
 
-/// In which order the blocks of a network are eliminated.
+/// Elimination order of the blocks of a network and its cost.
 struct EliminationOrder {
-  std::vector<int> position;  ///< of the block that goes first, second, ...
-  /// Of a factorisation by blocks, each a multiplication and an addition of two blocks.
+  std::vector<int> position;  ///< block that is eliminated first, second, ...
+  /// Cost of a block factorisation; one operation multiplies and adds two blocks.
   double block_operations = 0.0;
   bool dissected = false;
 
-  /// Of a factorisation of `unknowns` in blocks of about one size, multiplications and additions.
+  /// Returns the estimated number of scalar multiply-add operations to factor `unknowns` unknowns
+  /// in blocks of equal size.
   double operations(int unknowns) const;
 };
 
-/// An order that fills little: approximate minimum degree, which is hard to beat along time. Where
-/// it leaves much to do, as in hours of strips that overlap, the network is dissected as well, and
-/// the better order is taken. Throws std::bad_alloc.
+/// Returns an order with little fill-in. Approximate minimum degree is usually the best order for
+/// chains in time. If it leaves an expensive factorisation, as for hours of overlapping strips,
+/// nested dissection is also tried and the cheaper order is returned. Throws std::bad_alloc.
 EliminationOrder FindEliminationOrder(const SymmetricCsc& blocks, int unknowns);
 
 }  // namespace dn

@@ -9,8 +9,8 @@ bool HasUnwritten(const Eigen::Ref<const Eigen::MatrixXd>& values) {
   return values.unaryExpr([](double value) { return IsUnwritten(value); }).any();
 }
 
-/// "row 1 of its 3 residuals", where the factor says that it is defined and left it as it was; else
-/// empty.
+/// Returns, for example, "row 1 of its 3 residuals" if the factor reports success but does not
+/// write that part. Returns an empty string if everything is written.
 std::string UnwrittenPart(const Network& network, FactorId id) {
   const FactorRecord& record = network.factor(id);
   const auto rows = static_cast<Eigen::Index>(record.factor->residual_size());

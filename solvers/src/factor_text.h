@@ -6,10 +6,11 @@
 
 namespace dn {
 
-/// The first active factor that is undefined, or not finite, at the current values; -1 if none.
+/// Returns the first active factor that is undefined or not finite at the current values, or -1.
 FactorId FindUndefinedFactor(const Network& network);
 
-/// The message about such a factor; names what it does not write.
+/// Returns the message about such a factor. It names the residual row or Jacobian that the factor
+/// does not write, if any.
 std::string UndefinedFactorMessage(const Network& network, FactorId id);
 
 }  // namespace dn

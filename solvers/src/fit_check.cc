@@ -10,7 +10,7 @@
 namespace dn {
 namespace {
 
-// A row of less redundancy says nothing by itself.
+// Below this redundancy number a row is fully absorbed by the fit and cannot be tested.
 constexpr double kFittedAway = 1e-6;
 constexpr double kLeastRedundancy = 1e-12;
 
@@ -20,7 +20,7 @@ void RequireProbability(const char* option, double value) {
                       ", must be in (0, 1)");
 }
 
-/// The row of the largest |w| among those that `wanted` accepts.
+/// Returns the row with the largest |w| among the rows accepted by `wanted`.
 template <class Wanted>
 RowFit Worst(const LinearizedNetwork& linearized, const Eigen::VectorXd& redundancy,
              const Wanted& wanted) {
@@ -39,16 +39,16 @@ RowFit Worst(const LinearizedNetwork& linearized, const Eigen::VectorXd& redunda
 
 double MedianDetectable(const ResidualForm& form, const Eigen::VectorXd& redundancy,
                         const RowTest& test) {
-  std::vector<double> of_rows;
+  std::vector<double> numbers;
   for (std::size_t row = 0; row < form.label.size(); ++row) {
-    if (form.label[row] >= 0) of_rows.push_back(redundancy[static_cast<Eigen::Index>(row)]);
+    if (form.label[row] >= 0) numbers.push_back(redundancy[static_cast<Eigen::Index>(row)]);
   }
-  const auto middle = of_rows.begin() + static_cast<std::ptrdiff_t>(of_rows.size() / 2);
-  std::nth_element(of_rows.begin(), middle, of_rows.end());
+  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+  std::nth_element(numbers.begin(), middle, numbers.end());
   return test.MinimalDetectable(*middle);
 }
 
-double EitherWay(double above, double below) { return std::min(1.0, 2.0 * std::min(above, below)); }
+double TwoSided(double above, double below) { return std::min(1.0, 2.0 * std::min(above, below)); }
 
 }  // namespace
 
@@ -79,7 +79,7 @@ ChannelFit DescribeChannel(const LinearizedNetwork& linearized, const ResidualFo
   const double energy = form.Energy(linearized.residual());
   fit.variance_ratio = energy / std::max(fit.redundancy, kLeastRedundancy);
   const FormMoments exact_mean{fit.redundancy, moments.variance, moments.samples};
-  fit.p_value = EitherWay(exact_mean.UpperTail(energy), exact_mean.LowerTail(energy));
+  fit.p_value = TwoSided(exact_mean.UpperTail(energy), exact_mean.LowerTail(energy));
   fit.worst = Worst(linearized, redundancy, takes_part);
   fit.minimal_detectable = MedianDetectable(form, redundancy, test);
   return fit;
@@ -94,7 +94,7 @@ FitCheck CheckFit(const Marginals& marginals, const RowTest& test) {
   if (check.redundancy > 0) {
     const auto dof = static_cast<double>(check.redundancy);
     check.sigma0 = std::sqrt(check.chi2 / dof);
-    check.p_value = EitherWay(ChiSquareTail(check.chi2, dof), ChiSquareCdf(check.chi2, dof));
+    check.p_value = TwoSided(ChiSquareTail(check.chi2, dof), ChiSquareCdf(check.chi2, dof));
   }
   const std::vector<ResidualForm> forms = ChannelForms(linearized);
   const std::vector<FormMoments> moments = MomentsOf(marginals, forms);

@@ -6,17 +6,20 @@
 namespace dn {
 namespace {
 
-constexpr double kLost = 1e-8;      ///< of an influence, since the start
-constexpr double kNoReturn = 1e-8;  ///< of the residuals' length, by the way back
+/// Ratio of the influence to its initial value below which it counts as lost.
+constexpr double kLost = 1e-8;
+/// Largest change of the residuals, relative to their norm, when the unknown is moved back.
+constexpr double kNoReturn = 1e-8;
 
 struct Influences {
-  std::vector<Eigen::VectorXd> of_block;  ///< lengths of the columns of a block; empty if held
+  /// Norms of the Jacobian columns of each block; empty for a constant block.
+  std::vector<Eigen::VectorXd> block_influence;
   double residual2 = 0.0;
 };
 
 Influences FindInfluences(const Network& network) {
   Influences all;
-  all.of_block.resize(static_cast<std::size_t>(network.num_blocks()));
+  all.block_influence.resize(static_cast<std::size_t>(network.num_blocks()));
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
   for (FactorId id = 0; id < network.num_factors(); ++id) {
@@ -25,12 +28,12 @@ Influences FindInfluences(const Network& network) {
     all.residual2 += r.squaredNorm();
     for (std::size_t i = 0; i < J.size(); ++i) {
       if (network.block(record.blocks[i]).held) continue;
-      Eigen::VectorXd& sum = all.of_block[static_cast<std::size_t>(record.blocks[i])];
+      Eigen::VectorXd& sum = all.block_influence[static_cast<std::size_t>(record.blocks[i])];
       if (sum.size() == 0) sum = Eigen::VectorXd::Zero(J[i].cols());
       sum += J[i].colwise().squaredNorm().transpose();
     }
   }
-  for (Eigen::VectorXd& sum : all.of_block) sum = sum.cwiseSqrt().eval();
+  for (Eigen::VectorXd& sum : all.block_influence) sum = sum.cwiseSqrt().eval();
   return all;
 }
 
@@ -58,13 +61,13 @@ void NetworkValues::Restore(Network* network) const {
 }
 
 FlatCheck::FlatCheck(const Network& network)
-    : initial_(network), influence_(FindInfluences(network).of_block) {}
+    : initial_(network), influence_(FindInfluences(network).block_influence) {}
 
 std::string FlatCheck::FindFlat(const Network& network) const {
   const Influences now = FindInfluences(network);
   for (BlockId b = 0; b < network.num_blocks(); ++b) {
     const Eigen::VectorXd& before = influence_[static_cast<std::size_t>(b)];
-    const Eigen::VectorXd& after = now.of_block[static_cast<std::size_t>(b)];
+    const Eigen::VectorXd& after = now.block_influence[static_cast<std::size_t>(b)];
     if (before.size() != after.size()) continue;
     const BlockRecord& block = network.block(b);
     Eigen::VectorXd moved(block.kind.tangent_size);

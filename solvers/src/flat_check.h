@@ -8,7 +8,7 @@
 
 namespace dn {
 
-/// The values of all blocks of a network, to go back to.
+/// A copy of the values of all blocks of a network, for restoring them later.
 class NetworkValues {
  public:
   explicit NetworkValues(const Network& network);
@@ -22,16 +22,17 @@ class NetworkValues {
   std::vector<double> values_;
 };
 
-/// Finds unknowns that a solution has moved to where nothing depends on them any more, as the rate
-/// of an exponential that has died away: the cost is flat there, but it is no solution.
+/// Detects unknowns that the solution has moved to a plateau, where the residuals no longer depend
+/// on them. An example is the rate of an exponential that has decayed: the cost is flat there, but
+/// it is not a minimum.
 class FlatCheck {
  public:
-  /// Takes the values of the network as those that the solution starts from.
+  /// Stores the current values of the network as the initial values of the solution.
   explicit FlatCheck(const Network& network);
 
-  /// The name of an unknown whose influence (length of its column of the Jacobian) has shrunk to
-  /// nothing since the start, and too much to come back: moved to where it was, it would not change
-  /// the residuals to first order. Empty where there is none.
+  /// Returns the name of an unknown that has lost its influence since the start, or an empty
+  /// string. The influence is the length of its Jacobian column. An unknown counts only if moving
+  /// it back to its initial value would not change the residuals to first order.
   std::string FindFlat(const Network& network) const;
 
   const NetworkValues& initial() const { return initial_; }

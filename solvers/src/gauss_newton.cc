@@ -12,11 +12,11 @@
 namespace dn {
 namespace {
 
-/// Share of the decrease that the linear model promises which a step must bring.
+/// A step must achieve at least this fraction of the decrease that the linear model predicts.
 constexpr double kLeastShare = 0.25;
-/// Rounding of the cost, as a share of it.
+/// Rounding error of the cost, relative to the cost.
 constexpr double kCostRounding = 1e-12;
-/// Square of the smallest pivot of the Jacobi-scaled N below which steps are damped instead.
+/// Square of the smallest pivot of the Jacobi-scaled N below which damped steps are used instead.
 constexpr double kLeastPivot = 1e-14;
 
 void Move(const UnknownLayout& layout, const Eigen::VectorXd& step, Network* network) {
@@ -107,7 +107,7 @@ class Iteration {
            change < 0.5 * options_.sigma_tolerance * options_.sigma_tolerance;
   }
 
-  /// False where the solution is to stop.
+  /// Reports the iteration to on_iteration. Returns false if the solution must stop.
   bool Tell(double change, double step_norm) {
     if (!options_.on_iteration ||
         options_.on_iteration({report_.iterations, cost_, change, step_norm})) {

@@ -5,21 +5,23 @@
 
 namespace dn {
 
-/// How far Gauss-Newton steps came.
+/// Outcome of the Gauss-Newton steps.
 struct GaussNewtonReport {
-  /// Neither at the end nor stopped: the values are the best so far, and shorter steps are needed.
+  /// True if the steps neither converged nor were stopped: the values are the best so far, and
+  /// shorter (damped) steps are needed.
   bool unfinished = false;
-  bool interrupted = false;  ///< on_iteration returned false
-  bool begun = false;        ///< the initial cost is defined, and on_iteration was told
+  bool interrupted = false;  ///< true if on_iteration returned false
+  bool begun = false;  ///< true if the initial cost is defined and was reported to on_iteration
   int iterations = 0;
   double initial_cost = 0.0;
   double final_cost = 0.0;
 };
 
-/// Moves a network by undamped steps, N dx = -J^T r, as long as each lowers the cost about as the
-/// linear model says and N can be factored well. All steps share one ordering, one analysis and one
-/// store of Jacobians. Ends as the tolerances of `options` say. Throws what a factor throws, and
-/// leaves the network as it was then; std::bad_alloc.
+/// Moves a network by undamped steps, N dx = -J^T r. It continues as long as each step lowers the
+/// cost about as the linear model predicts and N can be factored accurately. All steps share one
+/// ordering, one analysis and one store of Jacobians. The steps end by the tolerances of `options`.
+/// If a factor throws, the exception is passed on and the network keeps the values from before that
+/// step. Also throws std::bad_alloc.
 GaussNewtonReport GaussNewton(Network& network, const SolveOptions& options);
 
 }  // namespace dn

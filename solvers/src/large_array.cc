@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kLargeBytes = std::size_t{4} << 20;
 constexpr std::size_t kPageBytes = 4096;
 
-/// Advice: where it is not taken, nothing is lost.
+/// Asks the system for huge pages; the array also works without them.
 void AskForHugePages([[maybe_unused]] double* array, [[maybe_unused]] std::size_t size) {
 #ifdef MADV_HUGEPAGE
   void* page = array;
@@ -26,7 +26,8 @@ void AskForHugePages([[maybe_unused]] double* array, [[maybe_unused]] std::size_
 #endif
 }
 
-/// The next of sizes that lie a quarter to a seventh apart: what is a little larger fits, too.
+/// Rounds up to the next of a set of sizes that are 1/7 to 1/4 apart, so that a slightly larger
+/// request also fits.
 std::size_t Rounded(std::size_t size) {
   const std::size_t step = std::bit_floor(size) / 4;
   return (size + step - 1) / step * step;
@@ -67,7 +68,8 @@ PooledArray ArrayPool::New(std::size_t size) {
   return {array.release(), BackToPool{this, size}};
 }
 
-/// The smallest that holds `size` numbers and at most twice as many, with its size.
+/// Takes the smallest kept array with at least `size` and at most twice as many numbers, and sets
+/// `size` to its size.
 std::unique_ptr<double[]> ArrayPool::Take(std::size_t* size) {
   const std::lock_guard lock(mutex_);
   Kept* best = nullptr;
@@ -83,7 +85,7 @@ std::unique_ptr<double[]> ArrayPool::Take(std::size_t* size) {
   return nullptr;
 }
 
-/// In the place of the smallest.
+/// Replaces the smallest kept array if the returned one is larger.
 void ArrayPool::Keep(Kept returned) noexcept {
   const std::lock_guard lock(mutex_);
   const auto smallest = std::min_element(

@@ -7,16 +7,16 @@
 
 namespace dn {
 
-/// An array without numbers yet. Where it is large, the system is asked for huge pages: it hands out
-/// and clears one of them where it would else do so with 512.
+/// Returns an uninitialised array. For a large array it asks the operating system for huge pages,
+/// so that one page fault replaces 512.
 std::unique_ptr<double[]> NewArray(std::size_t size);
 
 struct FreeZeros {
   void operator()(double* array) const noexcept;
 };
 
-/// An array of zeros, which are not written where what the system hands out is cleared. Throws
-/// std::bad_alloc.
+/// Returns an array of zeros. Pages that the operating system hands out already cleared are not
+/// written again. Throws std::bad_alloc.
 std::unique_ptr<double[], FreeZeros> NewZeros(std::size_t size);
 
 class ArrayPool;
@@ -28,18 +28,18 @@ struct BackToPool {
 };
 using PooledArray = std::unique_ptr<double[], BackToPool>;
 
-/// Arrays for work that needs large ones of slowly changing sizes, one after the other: one that is
-/// done with serves the next, and the system need not clear its pages again. Of many threads at a
-/// time. The arrays must not outlive it.
+/// A pool of large work arrays with slowly changing sizes. A released array is used for the next
+/// request, so the system need not clear its pages again. Several threads may use the pool at the
+/// same time. The arrays must not outlive it.
 class ArrayPool {
  public:
-  /// Keeps at most so many arrays that nobody uses.
+  /// Keeps at most `most_kept` released arrays.
   explicit ArrayPool(int most_kept);
   ~ArrayPool();
   ArrayPool(const ArrayPool&) = delete;
   ArrayPool& operator=(const ArrayPool&) = delete;
 
-  /// Without numbers yet. Where none that is kept fits, all of them are freed first. Throws
+  /// Returns an uninitialised array. If no kept array fits, all kept arrays are freed first. Throws
   /// std::bad_alloc.
   PooledArray New(std::size_t size);
 
@@ -53,7 +53,7 @@ class ArrayPool {
   std::unique_ptr<double[]> Take(std::size_t* size);
 
   std::mutex mutex_;
-  std::vector<Kept> kept_;  // empty ones hold nothing
+  std::vector<Kept> kept_;  // unused entries are empty
 };
 
 }  // namespace dn

@@ -15,7 +15,7 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Rows stacked before a QR step of TriangularFactorOfProduct.
+/// Number of rows stacked before each QR step of TriangularFactorOfProduct.
 constexpr int kStackedRows = 2048;
 
 }  // namespace

@@ -10,12 +10,14 @@ namespace dn {
 
 inline std::size_t AsSize(int i) { return static_cast<std::size_t>(i); }
 
-/// The unknowns of a network in one vector: the blocks that are free and have an active factor, in
-/// the order of the network.
+/// The unknowns of a network as one vector: the blocks that are not constant and have an active
+/// factor, in the order of the network.
 struct UnknownLayout {
-  std::vector<BlockId> blocks;   ///< by position
-  std::vector<int> position_of;  ///< by BlockId; -1 for a block that is not an unknown
-  std::vector<int> offset;       ///< of each position's tangent coordinates, and the total at last
+  std::vector<BlockId> blocks;  ///< block at each position
+  /// Position of each BlockId; -1 for a block that is not an unknown.
+  std::vector<int> position_of;
+  /// First tangent coordinate of each position, followed by the total number of coordinates.
+  std::vector<int> offset;
 
   explicit UnknownLayout(const Network& network);
   int num_blocks() const { return static_cast<int>(blocks.size()); }
@@ -26,56 +28,59 @@ struct UnknownLayout {
   }
 };
 
-/// The whitened Jacobian of every active factor in tangent coordinates, times the square root of
-/// rho': robust weights of first order, as Ceres applies them.
+/// Whitened Jacobians of all active factors in tangent coordinates, times the square root of rho'.
+/// These are first-order robust weights, as in Ceres.
 class Linearization {
  public:
-  /// The Jacobian of one factor: rows x (its unknown blocks side by side), column-major.
+  /// Jacobian of one factor: rows x (its unknown blocks side by side), column-major.
   struct Edge {
     int rows = 0;
     int cols = 0;
-    std::size_t data = 0;  ///< into the store of Jacobians
-    int first_row = 0;     ///< into the residual
+    std::size_t data = 0;  ///< offset in the store of Jacobians
+    int first_row = 0;     ///< offset in the residual vector
     FactorId factor = -1;
-    std::size_t first_block = 0;  ///< into the list of positions
+    std::size_t first_block = 0;  ///< offset in the list of positions
     int num_blocks = 0;
     double weight = 1.0;  ///< rho'
-    double rho = 0.0;     ///< rho(|r|^2); NaN where the factor is undefined
+    double rho = 0.0;     ///< rho(|r|^2); NaN if the factor is undefined
   };
 
-  /// Throws InvalidInput naming a factor that is undefined at the current values.
+  /// Evaluates all factors. Throws InvalidInput naming a factor that is undefined at the current
+  /// values.
   Linearization(const Network& network, const UnknownLayout& layout, int threads);
-  /// Room for the Jacobians of this layout, which Evaluate fills.
+  /// Allocates the Jacobians of this layout; Evaluate fills them.
   Linearization(const Network& network, const UnknownLayout& layout);
-  /// Another one with its rows times row_scale; layout is equal to the other's.
+  /// Copies another linearisation with its rows multiplied by row_scale; `layout` must equal that
+  /// of `other`.
   Linearization(const Linearization& other, const UnknownLayout& layout,
                 const Eigen::VectorXd& row_scale);
   Linearization(const Linearization&) = delete;
   Linearization& operator=(const Linearization&) = delete;
 
-  /// Anew, at the current values of the network of the constructor. False where a factor is
-  /// undefined.
+  /// Evaluates all factors at the current values of the network that was given to the constructor.
+  /// Returns false if a factor is undefined.
   [[nodiscard]] bool Evaluate(const Network& network, int threads);
 
-  /// 1/2 sum rho(|r|^2).
+  /// Returns 1/2 sum rho(|r|^2).
   double cost() const;
 
   const std::vector<Edge>& edges() const { return edges_; }
-  /// Whitened residuals, with the same weights.
+  /// Returns the whitened residuals, with the same robust weights as the Jacobians.
   const Eigen::VectorXd& residual() const { return residual_; }
   const int* positions(const Edge& edge) const { return positions_.data() + edge.first_block; }
   Eigen::Map<const Eigen::MatrixXd> jacobian(const Edge& edge) const {
     return {values_.data() + edge.data, edge.rows, edge.cols};
   }
 
-  /// Adds J X of one factor to `out`, edge.rows x k; X: unknowns x k.
+  /// Adds J X of one factor to `out` (edge.rows x k); X is unknowns x k.
   void AddProduct(const Edge& edge, const Eigen::MatrixXd& X,
                   Eigen::Ref<Eigen::MatrixXd> out) const;
 
-  /// J^T E; E: rows x k.
+  /// Returns J^T E; E is rows x k.
   Eigen::MatrixXd TransposeTimes(const Eigen::MatrixXd& E) const;
 
-  /// Triangular factor of J X, which has the singular values of J X; X: unknowns x k.
+  /// Returns the triangular factor R of J X, which has the singular values of J X; X is unknowns x
+  /// k.
   Eigen::MatrixXd TriangularFactorOfProduct(const Eigen::MatrixXd& X) const;
 
  private:

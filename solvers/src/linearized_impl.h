@@ -12,23 +12,23 @@
 namespace dn {
 
 struct LinearizedNetwork::Impl {
-  /// A block as it was.
+  /// Snapshot of a block.
   struct BlockInfo {
     std::string name;
     BlockKind kind;
     bool held;
     BlockLabel label;
-    std::size_t value;  ///< into values
+    std::size_t value;  ///< offset in `values`
   };
 
-  /// What is known of every factor.
+  /// Data of every factor, active or not.
   struct FactorInfo {
-    int edge;  ///< into the edges; -1: not active
+    int edge;  ///< index of its edge; -1 if it is not active
     int group;
     double t_s;
   };
 
-  /// A factor that takes no part, to be evaluated when it is asked for.
+  /// An inactive factor, which is evaluated only on request.
   struct IdleFactor {
     std::shared_ptr<const FactorBase> factor;
     std::vector<BlockId> blocks;
@@ -39,7 +39,7 @@ struct LinearizedNetwork::Impl {
 
   const BlockInfo& block(BlockId b) const;
   const FactorInfo& factor(FactorId id) const;
-  /// Of one that is not active.
+  /// Returns an inactive factor.
   const IdleFactor& idle_factor(FactorId id) const;
   int residual_size(FactorId id) const;
   Factor OfEdge(const Linearization::Edge& edge) const;

@@ -17,13 +17,13 @@
 namespace dn {
 namespace {
 
-/// Below this information the quick probe does not decide, and the directions are examined.
+/// If the probed information is below this value, the weak directions are examined.
 constexpr double kProbeThreshold = 1e-12;
 
-/// Numbers kept in solved columns before the cache starts afresh (256 MB).
+/// Number of values in cached columns above which the cache is cleared (256 MB).
 constexpr std::size_t kCacheLimit = std::size_t{1} << 25;
 
-/// Vectors of residuals that are projected together.
+/// Number of residual vectors that are projected together.
 constexpr std::size_t kProjectedTogether = 16;
 
 }  // namespace
@@ -86,7 +86,7 @@ int Marginals::Impl::Position(BlockId b) const {
   const int position = layout().position_of[static_cast<std::size_t>(b)];
   if (position < 0 && !info.held) {
     throw RankDeficient("marginals: no active factor depends on block '" + info.name +
-                        "', which has no covariance; give it a prior or hold it");
+                        "', so it has no covariance; give it a prior or set it constant");
   }
   return position;
 }
@@ -116,7 +116,7 @@ Eigen::MatrixXd Marginals::Impl::Solve(const BlockColumns& rhs) const {
     if (position < 0 || rows.rows() != block(b).kind.tangent_size || rows.cols() != columns) {
       throw InvalidInput("marginals: right-hand side of block '" + block(b).name + "' is " +
                          std::to_string(rows.rows()) + " x " + std::to_string(rows.cols()) +
-                         (position < 0 ? ", but the block is held" : ", which does not fit"));
+                         (position < 0 ? ", but the block is constant" : ", which does not fit"));
     }
     B.middleRows(Offset(position), rows.rows()) =
         scale.segment(Offset(position), rows.rows()).asDiagonal() * rows;
@@ -133,7 +133,8 @@ Eigen::MatrixXd Marginals::Impl::SolveScaled(Eigen::MatrixXd B) const {
 
 void Marginals::Impl::Project(Eigen::Ref<Eigen::MatrixXd> E) const {
   const Linearization& linearization = network().linearization;
-  // Calls use(column of an unknown of an edge in W, its column of the Jacobian, its scale).
+  // Calls use(column of the unknown in W, its Jacobian column, its scale) for each unknown of an
+  // edge.
   const auto for_unknowns = [&](const Linearization::Edge& edge, const auto& use) {
     const auto J = linearization.jacobian(edge);
     int column = 0;
@@ -199,7 +200,7 @@ std::optional<Eigen::MatrixXd> Marginals::Impl::Selected(BlockId a, BlockId b) c
 
 std::optional<Eigen::MatrixXd> Marginals::Impl::Selected(std::span<const BlockId> blocks) const {
   std::vector<int> indices;        // of the unknowns, in the order of L
-  std::vector<Eigen::Index> rows;  // of them, where the result has them
+  std::vector<Eigen::Index> rows;  // position of each of these unknowns in the result
   std::vector<double> scales;
   Eigen::Index size = 0;
   for (const BlockId b : blocks) {
@@ -220,9 +221,9 @@ std::optional<Eigen::MatrixXd> Marginals::Impl::Selected(std::span<const BlockId
                                             static_cast<Eigen::Index>(scales.size()));
   Z = (s.asDiagonal() * Z * s.asDiagonal()).eval();
   if (Z.rows() == size) return Z;
-  Eigen::MatrixXd with_held = Eigen::MatrixXd::Zero(size, size);
-  with_held(rows, rows) = Z;
-  return with_held;
+  Eigen::MatrixXd with_constant = Eigen::MatrixXd::Zero(size, size);
+  with_constant(rows, rows) = Z;
+  return with_constant;
 }
 
 void Marginals::Impl::RequireSelected() const {
@@ -319,7 +320,7 @@ std::optional<Eigen::MatrixXd> Marginals::PatternBlock(BlockId a, BlockId b) con
 Eigen::MatrixXd Marginals::ReducedNormal(BlockId a) const {
   if (impl_->Position(a) < 0) {
     throw InvalidInput("marginals: block '" + impl_->block(a).name +
-                       "' is held, it has no reduced normal matrix");
+                       "' is constant, so it has no reduced normal matrix");
   }
   const Eigen::MatrixXd C = Covariance(a);
   return C.llt().solve(Eigen::MatrixXd::Identity(C.rows(), C.cols()));

@@ -24,16 +24,17 @@ struct Marginals::Impl {
   const UnknownLayout& layout() const { return network().layout; }
   const BlockInfo& block(BlockId b) const { return network().block(b); }
 
-  /// Position in the layout; -1 for a held block. Throws for a block without a factor.
+  /// Returns the position of a block in the layout, or -1 for a constant block. Throws
+  /// RankDeficient for a block without an active factor.
   int Position(BlockId b) const;
   int Offset(int position) const { return layout().offset[static_cast<std::size_t>(position)]; }
 
   Eigen::MatrixXd Solve(const std::vector<BlockId>& ids) const;
   Eigen::MatrixXd Solve(const BlockColumns& rhs) const;
-  /// scale (scale N scale)^-1 B
+  /// Returns scale (scale N scale)^-1 B.
   Eigen::MatrixXd SolveScaled(Eigen::MatrixXd B) const;
 
-  /// Of vectors that are the rows of E.
+  /// Applies M = I - J N^-1 J^T to vectors that are the rows of E.
   void Project(Eigen::Ref<Eigen::MatrixXd> E) const;
 
   const Eigen::MatrixXd& CachedColumns(BlockId b);
@@ -44,7 +45,7 @@ struct Marginals::Impl {
 
   LinearizedNetwork linearized;
   int threads = 1;
-  Eigen::VectorXd scale;  ///< of the unknowns: N is factored as scale N scale
+  Eigen::VectorXd scale;  ///< scale of the unknowns: the factored matrix is scale N scale
   std::unique_ptr<SparseCholesky> cholesky;
   std::unique_ptr<SelectedInverse> selected;
   Timings timings;

@@ -11,14 +11,14 @@
 namespace dn {
 namespace {
 
-/// Entries side by side that go to entries side by side.
+/// A run of consecutive source entries whose targets are also consecutive.
 struct Run {
   int from = 0;
   int to = 0;
   int length = 0;
 };
 
-/// Where each of `rows` stands within `among`, which contains them; both ascending.
+/// Returns the index of each of `rows` within `among`, which contains them; both are ascending.
 std::vector<int> Places(const int* rows, int num_rows, const int* among) {
   std::vector<int> place(AsSize(num_rows));
   int k = 0;
@@ -42,7 +42,8 @@ std::vector<Run> Runs(const std::vector<int>& place) {
   return runs;
 }
 
-/// Finds rows among those of a supernode, of which most follow the one before.
+/// Finds the index of a row within a supernode. Most rows follow the previous one, so that case is
+/// tested first.
 class RowFinder {
  public:
   explicit RowFinder(const SupernodalPattern& L) : L_(L) {}
@@ -76,10 +77,10 @@ double* Column(double* matrix, int column, int rows) {
 /// The front of one supernode.
 class Multifrontal::Front {
  public:
-  Front(const Multifrontal& all, int s, double* values, ArrayPool* pool, Left* left)
+  Front(const Multifrontal& all, int s, double* values, ArrayPool* pool, UpdateMatrices* updates)
       : all_(all),
         pool_(*pool),
-        left_(*left),
+        updates_(*updates),
         s_(s),
         columns_(all.L_.columns(s)),
         rows_(all.L_.rows(s)),
@@ -95,17 +96,17 @@ class Multifrontal::Front {
     for (int c = 0; c < columns_; ++c) Column(F_, c, rows_)[c] += shift;
   }
 
-  /// The parts of what the children left that belong to the columns.
-  void TakeColumnsOfChildren() {
+  /// Adds the columns of the children's update matrices that belong to the columns of this front.
+  void ExtendAddColumns() {
     for (const int child : all_.tree_.children(s_)) {
-      const Child from(all_.L_, child, s_, left_);
+      const Child from(all_.L_, child, s_, updates_);
       for (int j = 0; j < from.size && from.place[AsSize(j)] < columns_; ++j) {
         from.Add(j, 0, Column(F_, from.place[AsSize(j)], rows_));
       }
     }
   }
 
-  /// False where the front is not positive definite.
+  /// Eliminates the columns. Returns false if the front is not positive definite.
   bool Eliminate(int threads) {
     for (int k = 0; k < columns_; k += kPanel) {
       const int n = std::min(kPanel, columns_ - k);
@@ -114,9 +115,9 @@ class Multifrontal::Front {
     return true;
   }
 
-  void LeaveToParent(int threads) {
+  void ComputeUpdateMatrix(int threads) {
     if (below_ == 0) return;
-    PooledArray& U = left_[AsSize(s_)];
+    PooledArray& U = updates_[AsSize(s_)];
     U = pool_.New(AsSize(below_) * AsSize(below_));
     ForPanels(below_, threads, [&](int first, int n) {
       Update(columns_ + first, n, 0, columns_, kZero, Column(U.get(), first, below_) + first,
@@ -124,29 +125,30 @@ class Multifrontal::Front {
     });
   }
 
-  /// The rest of what the children left, which is then forgotten.
-  void TakeRestOfChildren() {
+  /// Adds the remaining columns of the children's update matrices to this update matrix, and frees
+  /// them.
+  void ExtendAddRest() {
     for (const int child : all_.tree_.children(s_)) {
-      const Child from(all_.L_, child, s_, left_);
+      const Child from(all_.L_, child, s_, updates_);
       for (int j = 0; j < from.size; ++j) {
         const int column = from.place[AsSize(j)] - columns_;
         if (column < 0) continue;
-        from.Add(j, columns_, Column(left_[AsSize(s_)].get(), column, below_));
+        from.Add(j, columns_, Column(updates_[AsSize(s_)].get(), column, below_));
       }
-      left_[AsSize(child)].reset();
+      updates_[AsSize(child)].reset();
     }
   }
 
  private:
-  /// What a child left, and where it belongs in the front of its parent.
+  /// Update matrix of a child, with the positions of its rows in the front of the parent.
   struct Child {
-    Child(const SupernodalPattern& L, int child, int parent, const Left& left)
+    Child(const SupernodalPattern& L, int child, int parent, const UpdateMatrices& updates)
         : size(L.below(child)),
-          U(left[AsSize(child)].get()),
+          U(updates[AsSize(child)].get()),
           place(Places(L.row_indices_below(child), size, L.row_indices(parent))),
           runs(Runs(place)) {}
 
-    /// Adds column j, its diagonal and below, to a column whose first entry is row first_row.
+    /// Adds column j, from its diagonal downwards, to a column whose first entry is row first_row.
     void Add(int j, int first_row, double* column) const {
       const double* from = U + AsSize(j) * AsSize(size);
       for (const Run& run : runs) {
@@ -168,7 +170,7 @@ class Multifrontal::Front {
     int info = 0;
     dpotrf_("L", &n, diagonal, &rows_, &info);
     if (info != 0) return false;
-    for (int c = 0; c < n; ++c) {  // which LAPACK lets pass where they are not a number
+    for (int c = 0; c < n; ++c) {  // LAPACK does not detect NaN pivots
       if (!(Column(diagonal, c, rows_)[c] > 0.0)) return false;
     }
     const int first = k + n, rest = rows_ - first;
@@ -184,8 +186,8 @@ class Multifrontal::Front {
     return true;
   }
 
-  /// to = beta to - F_R F_C^T, lower part: C the `width` rows from `first` on, R those and all
-  /// below, of the n columns from k on.
+  /// Computes to = beta to - F_R F_C^T, lower part, over the n columns from k on. C are the `width`
+  /// rows from `first` on; R are those rows and all rows below.
   void Update(int first, int width, int k, int n, double beta, double* to, int stride) const {
     const double* at = F_ + AsSize(k) * AsSize(rows_) + first;
     dsyrk_("L", "N", &width, &n, &kMinusOne, at, &rows_, &beta, to, &stride);
@@ -197,7 +199,7 @@ class Multifrontal::Front {
 
   const Multifrontal& all_;
   ArrayPool& pool_;
-  Left& left_;
+  UpdateMatrices& updates_;
   int s_, columns_, rows_, below_;
   double* F_;
 };
@@ -229,19 +231,19 @@ Multifrontal::Multifrontal(const SymmetricCsc& A, const std::vector<int>& permut
 bool Multifrontal::Factorize(const SymmetricCsc& A, double shift, int threads,
                              double* values) const {
   ArrayPool pool(threads);
-  Left left(AsSize(L_.num_supernodes()));
+  UpdateMatrices updates(AsSize(L_.num_supernodes()));
   std::atomic<bool> definite{true};
   tree_.Up(threads, [&](int s, int threads_here) {
     if (!definite) return;
-    Front front(*this, s, values, &pool, &left);
+    Front front(*this, s, values, &pool, &updates);
     front.AddEntries(A, shift);
-    front.TakeColumnsOfChildren();
+    front.ExtendAddColumns();
     if (!front.Eliminate(threads_here)) {
       definite = false;
       return;
     }
-    front.LeaveToParent(threads_here);
-    front.TakeRestOfChildren();
+    front.ComputeUpdateMatrix(threads_here);
+    front.ExtendAddRest();
   });
   return definite;
 }

@@ -9,41 +9,44 @@
 
 namespace dn {
 
-/// The numbers of a Cholesky factor whose supernodes are known, front by front.
+/// Numeric Cholesky factorisation by the multifrontal method, for a known supernodal structure.
 ///
-/// A front is the dense lower triangle over the rows of a supernode: the entries of A in its
-/// columns, and what its children leave. Its columns are eliminated, and what that leaves below
-/// them, U = -L_RJ L_RJ^T and what the children left there, goes to the parent.
+/// A front is the dense lower triangle over the rows of a supernode. It is assembled from the
+/// entries of A in the supernode's columns and from the update matrices of its children
+/// (extend-add). Its columns are eliminated, and the remaining update matrix U = -L_RJ L_RJ^T plus
+/// the children's contributions is passed to the parent.
 ///
 /// Source: Liu (1992), The multifrontal method for sparse matrix solution, SIAM Review 34.
 class Multifrontal {
  public:
-  /// For matrices of the pattern of A; unknown i of it is row permuted_index[i] of L.
+  /// Prepares the factorisation of matrices with the pattern of A. Unknown i of A is row
+  /// permuted_index[i] of L.
   Multifrontal(const SymmetricCsc& A, const std::vector<int>& permuted_index, SupernodalPattern L);
 
   const SupernodalPattern& pattern() const { return L_; }
   const SupernodeTree& tree() const { return tree_; }
 
-  /// Factors A + shift I into `values`, as L lays them out. Returns false where that is not
-  /// numerically positive definite. The numbers do not depend on the number of threads. Throws
+  /// Factors A + shift I into `values`, in the layout of L. Returns false if the matrix is not
+  /// numerically positive definite. The result does not depend on the number of threads. Throws
   /// std::bad_alloc.
   [[nodiscard]] bool Factorize(const SymmetricCsc& A, double shift, int threads,
                                double* values) const;
 
  private:
-  /// Value `from` of A goes to entry `to` of its supernode.
+  /// Assembly entry: value `from` of A is added at index `to` of its supernode.
   struct Entry {
     int from = 0;
     int to = 0;
   };
 
   class Front;
-  /// Of every supernode what it leaves to its parent, U, until that has taken it.
-  using Left = std::vector<PooledArray>;
+  /// Update matrix U of every supernode, until the parent has assembled it.
+  using UpdateMatrices = std::vector<PooledArray>;
 
   SupernodalPattern L_;
   SupernodeTree tree_;
-  std::vector<int> first_entry_;  ///< of supernode s: entries_[first_entry_[s]] .. [s + 1]
+  /// Entries of supernode s: entries_[first_entry_[s]] .. entries_[first_entry_[s + 1]].
+  std::vector<int> first_entry_;
   std::vector<Entry> entries_;
 };
 

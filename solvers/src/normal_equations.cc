@@ -9,7 +9,8 @@
 namespace dn {
 namespace {
 
-/// Scalar rows above each entry within its block column; the diagonal block is first.
+/// Returns the number of scalar rows above each entry within its block column; the diagonal block
+/// is first.
 std::vector<int> Heights(const UnknownLayout& layout, const SymmetricCsc& blocks) {
   std::vector<int> heights(blocks.row.size());
   for (int c = 0; c < blocks.n; ++c) {

@@ -17,7 +17,7 @@ Eigen::MatrixXd Cross(const Marginals& marginals, BlockId a, BlockId b) {
   return inside ? *inside : marginals.Covariance(a, b);
 }
 
-/// Joint covariance of the blocks of a factor.
+/// Returns the joint covariance of the blocks of a factor.
 Eigen::MatrixXd Joint(const Marginals& marginals, const std::vector<BlockId>& blocks,
                       const std::vector<Eigen::Index>& first) {
   if (auto inside = marginals.PatternOf(blocks)) return *std::move(inside);
@@ -31,7 +31,7 @@ Eigen::MatrixXd Joint(const Marginals& marginals, const std::vector<BlockId>& bl
   return C;
 }
 
-/// J C J^T of a factor, without its robust weight.
+/// Returns J C J^T of a factor, without its robust weight.
 Eigen::MatrixXd ModelCovariance(const Marginals& marginals,
                                 const LinearizedNetwork::Factor& factor) {
   std::vector<BlockId> blocks;
@@ -47,7 +47,7 @@ Eigen::MatrixXd ModelCovariance(const Marginals& marginals,
   return J * Joint(marginals, blocks, first) * J.transpose();
 }
 
-/// Whether it is unknowns of the network alone that the factor depends on.
+/// Returns true if every block of the factor is constant or an unknown of the network.
 bool DependsOnUnknowns(const LinearizedNetwork& linearized,
                        const LinearizedNetwork::Factor& factor) {
   return std::all_of(factor.jacobian.begin(), factor.jacobian.end(), [&](const auto& of_block) {
@@ -58,7 +58,7 @@ bool DependsOnUnknowns(const LinearizedNetwork& linearized,
 }  // namespace
 
 Prediction PredictFactor(const Marginals& marginals, FactorId id) {
-  // Share of a residual that the fit leaves, below which the others say nothing about it.
+  // Redundancy below which the other factors do not determine the residual.
   constexpr double kUndetermined = 1e-9;
   const LinearizedNetwork::Factor factor = marginals.linearized().FactorAt(id);
   Prediction prediction;
@@ -73,7 +73,7 @@ Prediction PredictFactor(const Marginals& marginals, FactorId id) {
   const Eigen::MatrixXd inverse =
       left.vectors * left.values.cwiseInverse().asDiagonal() * left.vectors.transpose();
   prediction.residual = inverse * factor.residual;
-  const Eigen::MatrixXd product = H * inverse;  // symmetric but for rounding
+  const Eigen::MatrixXd product = H * inverse;  // symmetric up to rounding
   prediction.covariance = I + 0.5 * (product + product.transpose());
   prediction.statistic =
       prediction.residual.dot(prediction.covariance.llt().solve(prediction.residual));
@@ -93,7 +93,7 @@ Eigen::VectorXd RedundancyNumbers(const Marginals& marginals) {
   const LinearizedNetwork& linearized = marginals.linearized();
   const auto& factors = linearized.factors();
   Eigen::VectorXd redundancy(linearized.rows());
-  // Blocks that share an active factor are within the pattern: nothing is solved for.
+  // Blocks that share an active factor are within the pattern, so no triangular solves are needed.
   ParallelFor(static_cast<int>(factors.size()), marginals.threads(), [&](int k) {
     const LinearizedNetwork::FactorRows& rows = factors[static_cast<std::size_t>(k)];
     redundancy.segment(rows.first, rows.count) = RedundancyNumbers(marginals, rows.factor);

@@ -9,7 +9,7 @@ namespace {
 
 std::mutex g_log_mutex;
 int g_living = 0;
-int g_level = 0;  // before the first one
+int g_level = 0;  // log threshold before the first object
 
 }  // namespace
 

@@ -2,8 +2,8 @@
 
 namespace dn {
 
-/// No message of Ceres reaches stderr while one lives in any thread: the threshold of the log is
-/// the process's own. The last one gives back what the first one found.
+/// Suppresses Ceres's log messages on stderr while any object of this class exists in any thread.
+/// The log threshold is global to the process; the last object restores the original threshold.
 class QuietLog {
  public:
   QuietLog();

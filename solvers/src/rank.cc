@@ -12,18 +12,21 @@
 namespace dn {
 namespace {
 
-constexpr int kDirections = 8;          ///< dimension of the subspace
-constexpr int kSubspaceIterations = 5;  ///< each gains the ratio shift / next eigenvalue
+constexpr int kDirections = 8;  ///< dimension of the subspace
+/// Each reduces the error by the ratio shift / next eigenvalue.
+constexpr int kSubspaceIterations = 5;
 constexpr int kProbeIterations = 3;
-constexpr Eigen::Index kSpareDirections = 4;  ///< beyond those wanted: they settle the others
-constexpr int kKrylovSteps = 3;               ///< solves per vector between restarts
+/// Additional vectors that speed up convergence of the wanted ones.
+constexpr Eigen::Index kSpareDirections = 4;
+constexpr int kKrylovSteps = 3;  ///< solves per vector between restarts
 constexpr int kMostRestarts = 30;
-constexpr double kSettled = 1e-11;     ///< relative change of the eigenvalues
+constexpr double kSettled = 1e-11;     ///< relative change of the eigenvalues at convergence
 constexpr double kFirstShift = 1e-13;  ///< relative to the unit diagonal of the scaled matrix
 constexpr double kLastShift = 1e-7;
-constexpr int kSweeps = 30;           ///< of the rotation to a simple basis
-constexpr int kListed = 6;            ///< directions, and unknowns of one, in a message
-constexpr double kListedShare = 0.1;  ///< of the largest: below, an unknown is not mentioned
+constexpr int kSweeps = 30;  ///< sweeps of the rotation to a simple basis
+constexpr int kListed = 6;   ///< limit of directions, and of unknowns per direction, in a message
+/// Unknowns below this fraction of the largest are not mentioned.
+constexpr double kListedShare = 0.1;
 
 Eigen::MatrixXd RandomMatrix(Eigen::Index rows, Eigen::Index cols) {
   std::mt19937 generator(1);
@@ -38,7 +41,7 @@ Eigen::MatrixXd Orthonormalised(const Eigen::MatrixXd& X) {
          Eigen::MatrixXd::Identity(X.rows(), X.cols());
 }
 
-/// Orthonormal basis of X, A^-1 X, A^-2 X, ..
+/// Returns an orthonormal basis of X, A^-1 X, A^-2 X, ...
 Eigen::MatrixXd InverseKrylovBasis(const SparseCholesky& cholesky, const Eigen::MatrixXd& X) {
   const Eigen::Index n = X.rows(), width = X.cols();
   Eigen::MatrixXd basis = X;
@@ -69,7 +72,7 @@ Eigen::MatrixXd SimplestBasis(Eigen::MatrixXd v) {
   return v;
 }
 
-/// One unknown's components of a direction, over all its epochs.
+/// Components of one unknown in a direction, over all its epochs.
 struct Components {
   std::vector<double> values;
   std::vector<double> epochs_s;
@@ -117,7 +120,7 @@ std::string ShareText(const UnknownShare& share) {
   return text + number;
 }
 
-/// The best k vectors within the span of the columns of Q.
+/// Returns the k directions with the least information within the span of the columns of Q.
 ScaledDirections BestWithin(const Linearization& linearization, const Eigen::VectorXd& scale,
                             const Eigen::MatrixXd& Q, Eigen::Index k) {
   const Eigen::MatrixXd R = linearization.TriangularFactorOfProduct(scale.asDiagonal() * Q);
@@ -213,7 +216,8 @@ std::string DescribeFreeDirections(const LinearizedNetwork::Impl& network,
   const Eigen::Index n = simple.cols();
   std::string text = "the measurements leave ";
   text += n >= kDirections ? "at least " + std::to_string(n) : std::to_string(n);
-  text += n == 1 ? " direction of the unknowns free: " : " directions of the unknowns free: ";
+  text += n == 1 ? " direction of the unknowns undetermined: "
+                 : " directions of the unknowns undetermined: ";
   for (Eigen::Index i = 0; i < n && i < kListed; ++i) {
     if (i > 0) text += "; ";
     if (n > 1) text.append("(").append(std::to_string(i + 1)).append(") ");
@@ -221,8 +225,9 @@ std::string DescribeFreeDirections(const LinearizedNetwork::Impl& network,
   }
   if (n > kListed) text += "; ...";
   return text +
-         ". The numbers are weights within a direction. To fix it, give these unknowns a prior, "
-         "hold one of each direction, or add measurements that tell them apart";
+         ". The numbers are weights within a direction. To determine it, give these unknowns a "
+         "prior, "
+         "set one unknown of each direction constant, or add measurements that separate them";
 }
 
 }  // namespace dn

@@ -13,38 +13,41 @@
 namespace dn {
 
 /// Directions of the scaled unknowns y (x = scale * y, component by component) in ascending order
-/// of their information |J scale v|^2, which is computed through J: N = J^T J would hide what is
-/// below 1e-16 of it.
+/// of their information |J scale v|^2. The information is computed through J, because N = J^T J
+/// loses anything below 1e-16 of its largest eigenvalue.
 struct ScaledDirections {
   Eigen::MatrixXd v;  ///< orthonormal columns
   Eigen::VectorXd information;
 };
 
-/// Upper bound of the smallest information, quickly: inverse iteration with the factor of the
-/// scaled normal matrix. A free direction shows as a value near rounding.
+/// Returns an upper bound of the smallest information, by a few inverse iterations with the factor
+/// of the scaled normal matrix. An undetermined direction gives a value near rounding error.
 double ProbeInformation(const Linearization& linearization, const Eigen::VectorXd& scale,
                         const SparseCholesky& cholesky);
 
-/// The (at most eight) weakest directions of a matrix that may be singular, by inverse subspace
-/// iteration with a slightly shifted matrix. Leaves the shifted factor in `cholesky`.
+/// Returns the weakest directions (at most eight) of a matrix that may be singular, by inverse
+/// subspace iteration with a slightly shifted matrix. `cholesky` holds the shifted factor
+/// afterwards.
 ScaledDirections FindFreeDirections(const Linearization& linearization,
                                     const Eigen::VectorXd& scale, const SymmetricCsc& scaled_N,
                                     SparseCholesky& cholesky);
 
-/// The k weakest directions of a matrix whose factor is at hand, to about 1e-10 of their
-/// information, by inverse iteration over blocks of vectors.
+/// Returns the k weakest directions of a matrix whose factor is available, accurate to about 1e-10
+/// of their information, by inverse iteration over blocks of vectors.
 ScaledDirections FindWeakestDirections(const Linearization& linearization,
                                        const Eigen::VectorXd& scale, const SparseCholesky& cholesky,
                                        Eigen::Index k);
 
-/// The unknowns that take part in a direction, the largest first: by their names, over all epochs.
+/// Returns the unknowns that contribute to a direction, largest first, combined by name over all
+/// epochs.
 std::vector<UnknownShare> SharesOf(const LinearizedNetwork::Impl& network,
                                    const Eigen::VectorXd& v);
 
-/// "boresight pitch (0.71), gyro bias y, 100.0..200.0 s (0.70)"
+/// Formats shares, for example "boresight pitch (0.71), gyro bias y, 100.0..200.0 s (0.70)".
 std::string DescribeShares(const std::vector<UnknownShare>& shares);
 
-/// What a RankDeficient says of directions of the scaled unknowns (columns of v).
+/// Returns the text of a RankDeficient about undetermined directions of the scaled unknowns
+/// (columns of v).
 std::string DescribeFreeDirections(const LinearizedNetwork::Impl& network,
                                    const Eigen::MatrixXd& v);
 

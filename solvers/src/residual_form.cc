@@ -10,14 +10,15 @@
 namespace dn {
 namespace {
 
-constexpr Eigen::Index kRowsOfExactMoments = 400;
+constexpr Eigen::Index kMaxRowsExactMoments = 400;
 constexpr int kSamples = 32;
-// Enough for two threads, few enough for networks of millions of rows.
-constexpr int kSamplesAtOnce = 16, kSamplesAtOnceOfMany = 8;
+// Samples per batch: enough for two threads, but few enough for the memory of networks with
+// millions of rows.
+constexpr int kSamplesPerBatch = 16, kSamplesPerLargeBatch = 8;
 constexpr Eigen::Index kManyRows = 1 << 20;
 constexpr unsigned kSeed = 20240501;
 
-/// Forms in which every row has a label of its own.
+/// Builds forms in which every row has its own label.
 class SumsOfSquares {
  public:
   explicit SumsOfSquares(Eigen::Index rows) : rows_(rows) {}
@@ -53,7 +54,7 @@ std::vector<FormMoments> ExactMoments(const Marginals& marginals,
   return moments;
 }
 
-/// The rows of a form that take part.
+/// The rows of a form with a label.
 class FewRows {
  public:
   explicit FewRows(const ResidualForm& form) : labels_(form.labels) {
@@ -64,7 +65,7 @@ class FewRows {
     }
   }
 
-  /// Of vectors of residuals that are the rows of R.
+  /// Returns the energies of residual vectors that are the rows of R.
   Eigen::VectorXd Energies(const Eigen::Ref<const Eigen::MatrixXd>& R) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(R.rows(), labels_);
     for (std::size_t k = 0; k < row_.size(); ++k) sum.col(label_[k]) += R.col(row_[k]);
@@ -77,13 +78,13 @@ class FewRows {
   std::vector<int> label_;
 };
 
-/// Calls use(R) for the samples of ForSampledResiduals, some at a time, as the rows of R.
+/// Calls use(R) for the samples of ForSampledResiduals in batches; the rows of R are the samples.
 template <class Use>
 void ForRowsOfSamples(const Marginals& marginals, const Use& use) {
   std::mt19937_64 generator(kSeed);
   std::normal_distribution<double> normal;
   const Eigen::Index rows = marginals.linearized().rows();
-  const int at_once = rows < kManyRows ? kSamplesAtOnce : kSamplesAtOnceOfMany;
+  const int at_once = rows < kManyRows ? kSamplesPerBatch : kSamplesPerLargeBatch;
   for (int k = 0; k < kSamples; k += at_once) {
     Eigen::MatrixXd R(at_once, rows);
     {
@@ -178,8 +179,8 @@ FormMoments MomentsOfSample(const std::vector<double>& energies) {
 
 std::vector<FormMoments> MomentsOf(const Marginals& marginals,
                                    const std::vector<ResidualForm>& forms) {
-  return marginals.linearized().rows() <= kRowsOfExactMoments ? ExactMoments(marginals, forms)
-                                                              : SampledMoments(marginals, forms);
+  return marginals.linearized().rows() <= kMaxRowsExactMoments ? ExactMoments(marginals, forms)
+                                                               : SampledMoments(marginals, forms);
 }
 
 }  // namespace dn

@@ -17,8 +17,8 @@
 namespace dn {
 namespace {
 
-constexpr int kMostThreads = 2;
-constexpr Eigen::Index kRowsOfExactParts = 400;
+constexpr int kMaxThreads = 2;
+constexpr Eigen::Index kMaxRowsExactParts = 400;
 
 void ExpectRows(Eigen::Index shares, const LinearizedNetwork& linearized) {
   if (shares == linearized.rows()) return;
@@ -41,10 +41,10 @@ void CheckTheta(double theta, double largest_share) {
                      ", must be positive");
 }
 
-/// The likelihood of one variance after another, by one thread.
+/// Evaluates the likelihood for one variance vector after another, in one thread.
 class Likelihood {
  public:
-  /// `analysed`: of the pattern of `equations`; nothing where there are no unknowns.
+  /// `analysed` has the analysed pattern of `equations`; null if there are no unknowns.
   Likelihood(const LinearizedNetwork::Impl& network, const NormalEquations& equations,
              const SparseCholesky* analysed)
       : network_(network), equations_(equations) {
@@ -55,12 +55,12 @@ class Likelihood {
     const Eigen::VectorXd& r = network_.linearization.residual();
     const Eigen::VectorXd weighted = r.cwiseQuotient(variance);
     const double rows = r.dot(weighted) + variance.array().log().sum();
-    return -0.5 * (rows + (cholesky_ ? OfUnknowns(variance, weighted) : 0.0));
+    return -0.5 * (rows + (cholesky_ ? UnknownsTerm(variance, weighted) : 0.0));
   }
 
  private:
-  /// log |N| less what one step takes off the cost.
-  double OfUnknowns(const Eigen::VectorXd& variance, const Eigen::VectorXd& weighted) {
+  /// Returns log |N| minus the decrease of the cost by one step.
+  double UnknownsTerm(const Eigen::VectorXd& variance, const Eigen::VectorXd& weighted) {
     const Linearization& linearization = network_.linearization;
     equations_.Assemble(network_.layout, linearization, variance.cwiseInverse());
     const Eigen::VectorXd scale = JacobiScale(equations_.N);
@@ -78,11 +78,11 @@ class Likelihood {
   std::unique_ptr<SparseCholesky> cholesky_;
 };
 
-/// Calls use(R) for matrices with R R^T = M, on the average, and returns their number.
+/// Calls use(R) for matrices with R R^T = M on average, and returns the number of calls.
 template <class Use>
 double ForResidualParts(const Marginals& marginals, const Use& use) {
   const Eigen::Index rows = marginals.linearized().rows();
-  if (rows <= kRowsOfExactParts) {
+  if (rows <= kMaxRowsExactParts) {
     use(marginals.Project(Eigen::MatrixXd::Identity(rows, rows)));
     return 1.0;
   }
@@ -109,7 +109,7 @@ struct VarianceLikelihood::Impl {
       : network(linearized.impl()),
         share(share),
         equations(network.layout, network.linearization),
-        workers(static_cast<std::size_t>(std::clamp(threads, 1, kMostThreads))) {
+        workers(static_cast<std::size_t>(std::clamp(threads, 1, kMaxThreads))) {
     if (network.layout.size() == 0) return;
     analysed = std::make_unique<SparseCholesky>(equations.N, equations.blocks, network.layout);
   }
@@ -132,7 +132,7 @@ struct VarianceLikelihood::Impl {
   Eigen::VectorXd share;
   NormalEquations equations;
   std::unique_ptr<const SparseCholesky> analysed;
-  std::vector<std::unique_ptr<Likelihood>> workers;  // one a thread
+  std::vector<std::unique_ptr<Likelihood>> workers;  // one per thread
   std::map<double, double> known;
 };
 

@@ -21,14 +21,14 @@
 namespace dn {
 namespace {
 
-// Right-hand sides solved together: enough for dense kernels, little memory.
+// Number of right-hand sides solved together: enough for dense kernels with little memory.
 constexpr Eigen::Index kBatchColumns = 48;
-// Share of an effect's signature that the unknowns leave, below which nothing is left of it.
+// An effect is inestimable if the unknowns leave less than this fraction of its signature.
 constexpr double kAbsorbed = 1e-9;
-// The same where effects are conditioned on one another, which costs digits.
+// The same threshold if effects are conditioned on one another, which costs accuracy.
 constexpr double kAbsorbedJointly = 1e-7;
 
-/// Variance of an effect in squares of its usual size.
+/// Returns the variance of an effect in squares of its typical size.
 double PriorVariance(std::size_t g) {
   return SizePrior::kTimesUsual[g] * SizePrior::kTimesUsual[g];
 }
@@ -44,21 +44,21 @@ void CheckPart(const LinearizedNetwork& linearized, const EffectPart& part, Eige
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Columns side by side of all effects.
+/// A run of consecutive columns among those of all effects.
 struct ColumnRun {
-  Eigen::Index first = 0;  ///< of all columns
-  Eigen::Index at = 0;     ///< of those that touch
+  Eigen::Index first = 0;  ///< index among all columns
+  Eigen::Index at = 0;     ///< index among the columns that are not zero on the factor
   Eigen::Index count = 0;
 };
 
-/// Columns of several effects side by side that are not zero on one factor.
+/// The columns of several effects that are not zero on one factor.
 struct Touched {
   std::vector<Eigen::Index> columns;
   std::vector<ColumnRun> runs;
   RowMajor L;
 };
 
-/// Calls use(position of a block, its columns of the factor's Jacobian).
+/// Calls use(position of a block, its columns of the factor's Jacobian) for each block of a factor.
 template <class Use>
 void ForJacobians(const LinearizedNetwork& linearized, FactorId factor, const Use& use) {
   const LinearizedNetwork::Impl& network = linearized.impl();
@@ -79,7 +79,7 @@ ScoreTest Conclude(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
   ScoreTest test;
   const Eigen::Index q = s.size();
   const Eigen::VectorXd scale =
-      signature2.cwiseMax(1e-300).cwiseSqrt().cwiseInverse();  // to a unit signature
+      signature2.cwiseMax(1e-300).cwiseSqrt().cwiseInverse();  // scales to a unit signature
   const SymmetricEigen eigen(scale.asDiagonal() * A * scale.asDiagonal());
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(q);
   for (Eigen::Index i = 0; i < q; ++i) {
@@ -103,12 +103,12 @@ struct FactorParts {
   Parts parts;
 };
 
-/// What the effects do on each factor that takes part, in the order of the factors.
+/// Groups the parts of all effects by active factor, in the order of the factors.
 std::vector<FactorParts> ByFactor(const LinearizedNetwork& linearized,
                                   const std::vector<const EffectModel*>& effects,
                                   const std::vector<Eigen::Index>& first) {
   std::vector<FactorParts> by_factor;
-  std::vector<std::size_t> at;  // of each factor in by_factor, one more; 0: not there yet
+  std::vector<std::size_t> at;  // index in by_factor plus 1 for each factor; 0: not present yet
   for (std::size_t k = 0; k < effects.size(); ++k) {
     for (const EffectPart& part : *effects[k]) {
       CheckPart(linearized, part, first[k + 1] - first[k]);
@@ -139,7 +139,7 @@ std::vector<ColumnRun> Runs(const std::vector<Eigen::Index>& columns) {
   return runs;
 }
 
-/// The parts of runs that lie in the columns [begin, past).
+/// Returns the parts of the runs within the columns [begin, past).
 std::vector<ColumnRun> Within(const std::vector<ColumnRun>& runs, Eigen::Index begin,
                               Eigen::Index past) {
   std::vector<ColumnRun> within;
@@ -171,18 +171,18 @@ Touched ColumnsThatTouch(const LinearizedNetwork& linearized, const Parts& parts
   return touched;
 }
 
-/// V N^-1 V^T of all effects, V = (J^T L)^T, and of unit moves of what is watched: with N = R R^T
-/// that of W = V R^-T is W W^T.
+/// Computes V N^-1 V^T for all effects, V = (J^T L)^T, and for unit changes of the watched blocks.
+/// With N = R R^T and W = V R^-T it equals W W^T.
 class Projections {
  public:
-  /// For so many columns of effects and coordinates of what is watched.
+  /// Allocates W for `columns` columns of effects and `num_watched` coordinates of watched blocks.
   Projections(const Marginals::Impl& marginals, Eigen::Index columns, Eigen::Index num_watched)
       : marginals_(marginals),
         columns_(columns),
         zeros_(NewZeros(AsSize(columns + num_watched) * AsSize(layout().size()))),
         W_(zeros_.get(), columns + num_watched, layout().size()) {}
 
-  /// To the columns [begin, past) of effects: side by side with others.
+  /// Adds a factor to the effect columns [begin, past). Disjoint ranges may run in parallel.
   void Add(FactorId factor, const Touched& touched, Eigen::Index begin, Eigen::Index past) {
     const std::vector<ColumnRun> runs = Within(touched.runs, begin, past);
     if (runs.empty()) return;
@@ -216,7 +216,7 @@ class Projections {
 
   Eigen::Index columns() const { return columns_; }
 
-  /// The lower triangle of V N^-1 V^T: effects, then what is watched.
+  /// Returns the lower triangle of V N^-1 V^T: effects first, then the watched blocks.
   Eigen::MatrixXd Products() {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(W_.rows(), W_.rows());
     if (W_.size() == 0) return sum;
@@ -232,9 +232,10 @@ class Projections {
   }
 
  private:
-  static constexpr int kShares = 8;  // whatever the number of threads
+  // Fixed, so that the result does not depend on the number of threads.
+  static constexpr int kShares = 8;
 
-  /// Of the unknowns [first, past) in the order of the factorisation.
+  /// Returns the product over the unknowns [first, past) in the order of the factorisation.
   Eigen::MatrixXd OwnProduct(Eigen::Index first, Eigen::Index past) const {
     Eigen::MatrixXd product = Eigen::MatrixXd::Zero(W_.rows(), W_.rows());
     const auto n = static_cast<int>(W_.rows()), k = static_cast<int>(past - first);
@@ -252,11 +253,11 @@ class Projections {
   const Marginals::Impl& marginals_;
   Eigen::Index columns_;
   std::unique_ptr<double[], FreeZeros> zeros_;
-  // A column for each unknown, in the order of the factorisation.
+  // One column for each unknown, in the order of the factorisation.
   Eigen::Map<Eigen::MatrixXd> W_;
 };
 
-/// L^T r and L^T L, of many factors with the same columns at once.
+/// Accumulates L^T r and L^T L. Factors with the same columns are stacked and multiplied together.
 class ScoreSum {
  public:
   ScoreSum(const LinearizedNetwork& linearized, JointScore* score)
@@ -298,8 +299,8 @@ class ScoreSum {
   Eigen::Index filled_ = 0;
 };
 
-// Side by side are the sums of the scores and those of some columns of J^T L each, whatever the
-// number of threads.
+// One task sums the scores, and each of the others sums a fixed range of columns of J^T L. The
+// result does not depend on the number of threads.
 void SumScores(const LinearizedNetwork& linearized, const std::vector<FactorParts>& factors,
                int threads, Projections* G, JointScore* score) {
   constexpr std::size_t kAtOnce = 1024;

@@ -9,7 +9,7 @@
 #include "side_by_side.h"
 
 namespace dn {
-/// The step of one supernode.
+/// Computes the entries of one supernode.
 class SelectedInverse::Step {
  public:
   Step(SelectedInverse* inverse, ArrayPool* pool, int s)
@@ -37,7 +37,7 @@ class SelectedInverse::Step {
   }
   double* Z(int column) const { return self_.Z(s_) + AsSize(column) * AsSize(rows_); }
 
-  /// The lower triangle of L_JJ^-T L_JJ^-1.
+  /// Computes the lower triangle of L_JJ^-T L_JJ^-1.
   void InvertDiagonal(int threads) const {
     const PooledArray inverse = pool_.New(AsSize(columns_) * AsSize(columns_));
     const auto column = [&](int c) { return inverse.get() + AsSize(c) * AsSize(columns_); };
@@ -55,7 +55,7 @@ class SelectedInverse::Step {
     });
   }
 
-  /// Y.
+  /// Returns Y = L_RJ L_JJ^-1.
   PooledArray Multipliers(int threads) const {
     PooledArray Y = pool_.New(AsSize(below_) * AsSize(columns_));
     ForPanels(below_, threads, [&](int first, int n) {
@@ -67,7 +67,7 @@ class SelectedInverse::Step {
     return Y;
   }
 
-  /// Of n columns Z_RJ, and what it takes off the lower triangle of Z_JJ.
+  /// Computes n columns of Z_RJ, and subtracts Y^T Z_RJ from the lower triangle of Z_JJ.
   void InvertPanel(int first, int n, const double* Z_RR, const double* Y) const {
     const double* Y_of_panel = Y + AsSize(first) * AsSize(below_);
     double* Z_below = Z(first) + columns_;
@@ -84,7 +84,7 @@ class SelectedInverse::Step {
     }
   }
 
-  /// The lower triangle of Z_RR, from the supernodes that own the columns R.
+  /// Gathers the lower triangle of Z_RR from the supernodes that own the columns R.
   PooledArray Gather(int threads) const {
     PooledArray Z_RR = pool_.New(AsSize(below_) * AsSize(below_));
     const int* R = L_.row_indices_below(s_);
@@ -103,7 +103,7 @@ class SelectedInverse::Step {
 
   int Owner(int column) const { return self_.cholesky_.tree().owner_of_column(column); }
 
-  /// Columns first .. past of Z_RR, which one supernode owns.
+  /// Copies columns first .. past of Z_RR, which belong to one supernode.
   void GatherFrom(int owner, int first, int past, double* Z_RR) const {
     const int* R = L_.row_indices_below(s_);
     const int* rows = L_.row_indices(owner);
@@ -129,8 +129,8 @@ class SelectedInverse::Step {
 
 SelectedInverse::SelectedInverse(const SparseCholesky& cholesky, int threads)
     : cholesky_(cholesky), value_(NewArray(cholesky.pattern().num_values)) {
-  constexpr int kArraysOfStep = 3;
-  ArrayPool pool(kArraysOfStep * threads);
+  constexpr int kArraysPerStep = 3;
+  ArrayPool pool(kArraysPerStep * threads);
   cholesky.tree().Down(threads,
                        [&](int s, int threads_here) { Step(this, &pool, s).Run(threads_here); });
 }
@@ -163,7 +163,8 @@ bool SelectedInverse::Gather(const std::vector<int>& indices, Eigen::MatrixXd* Z
   std::iota(by_index.begin(), by_index.end(), std::size_t{0});
   std::sort(by_index.begin(), by_index.end(),
             [&](std::size_t a, std::size_t b) { return indices[a] < indices[b]; });
-  std::vector<std::ptrdiff_t> place(n);  // of an index among the rows of the supernode at hand
+  // Position of each index among the rows of the current supernode.
+  std::vector<std::ptrdiff_t> place(n);
   int owner = -1;
   Z->resize(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   for (std::size_t c = 0; c < n; ++c) {

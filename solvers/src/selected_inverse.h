@@ -9,23 +9,23 @@
 
 namespace dn {
 
-/// The entries of Z = (L L^T)^-1 within the pattern of the supernodal factor L.
+/// Entries of Z = (L L^T)^-1 within the pattern of the supernodal factor L:
 ///
 ///   Z_RJ = -Z_RR Y,   Z_JJ = L_JJ^-T L_JJ^-1 - Y^T Z_RJ,   Y = L_RJ L_JJ^-1
 ///
-/// from the last supernode J to the first; R: the rows of J below its columns.
-/// Source: Takahashi, Fagan and Chen (1973), taken by supernodes.
+/// evaluated from the last supernode J to the first; R are the rows of J below its columns. Source:
+/// Takahashi, Fagan and Chen (1973), in supernodal form.
 class SelectedInverse {
  public:
-  /// The factor must stay. The numbers do not depend on the number of threads. Throws
-  /// std::bad_alloc.
+  /// Computes the entries. The factor must outlive this object. The result does not depend on the
+  /// number of threads. Throws std::bad_alloc.
   SelectedInverse(const SparseCholesky& cholesky, int threads);
 
-  /// Entry (i, j) in the order of L; nothing outside its pattern.
+  /// Returns entry (i, j) in the order of L, or nullopt outside its pattern.
   std::optional<double> At(int i, int j) const;
 
-  /// The entries of all pairs of `indices` in the order of L; false where one lies outside the
-  /// pattern.
+  /// Gathers the entries of all pairs of `indices`, in the order of L. Returns false if one is
+  /// outside the pattern.
   bool Gather(const std::vector<int>& indices, Eigen::MatrixXd* Z) const;
 
  private:

@@ -17,13 +17,14 @@ void blas_memory_free(void* buffer);
 namespace dn {
 namespace {
 
-// What OpenBLAS maps for each thread that calls it, rounded up.
+// Upper bound of the memory that OpenBLAS maps for each calling thread.
 constexpr std::size_t kWorkSpaceBytes = std::size_t{136} << 20;
 
 std::mutex g_blas_mutex;
 std::size_t g_callers = 0;
-int g_threads = 1;              // before the first caller
-std::size_t g_work_spaces = 0;  // that OpenBLAS has, and gives from one caller to the next
+int g_threads = 1;  // before the first caller
+// Number of workspaces that OpenBLAS owns and reuses between callers.
+std::size_t g_work_spaces = 0;
 
 void ExpectRoom(std::size_t work_spaces) {
   const std::size_t bytes = work_spaces * kWorkSpaceBytes;
@@ -33,7 +34,7 @@ void ExpectRoom(std::size_t work_spaces) {
   ::munmap(room, bytes);
 }
 
-/// Makes OpenBLAS take a work space for each caller, while there is room.
+/// Makes OpenBLAS allocate a workspace for each caller in advance, while there is memory.
 void ReserveWorkSpaces(std::size_t callers) {
   if (callers <= g_work_spaces) return;
   ExpectRoom(callers);
@@ -44,8 +45,7 @@ void ReserveWorkSpaces(std::size_t callers) {
   g_work_spaces = callers;
 }
 
-// Of the OpenMP that CHOLMOD was built with, if it was. How many levels of nested parallel regions
-// have more than one thread.
+// Returns and sets the number of nested parallel levels in the OpenMP library of CHOLMOD, if any.
 int OpenMpLevels() {
   static const auto get =
       reinterpret_cast<int (*)()>(::dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));

@@ -2,11 +2,11 @@
 
 namespace dn {
 
-/// One thread in BLAS, and in what CHOLMOD does by OpenMP, for the calling thread while it lives:
-/// the fronts of these networks are too small to share.
+/// Limits BLAS and the OpenMP regions of CHOLMOD to one thread for the calling thread, for the
+/// lifetime of the object. The fronts of these networks are too small to parallelise.
 ///
-/// Throws std::bad_alloc where the work space of OpenBLAS, which asks for it again and again for
-/// ever, does not fit into memory.
+/// Throws std::bad_alloc if OpenBLAS's workspace does not fit into memory; OpenBLAS itself would
+/// retry forever.
 class SerialBlas {
  public:
   SerialBlas();

@@ -12,14 +12,14 @@ namespace dn {
 struct SharedAnalysis::Impl {
   std::unique_ptr<NormalEquations> equations;
   std::unique_ptr<SparseCholesky> cholesky;
-  double analyze_s = 0.0;  ///< of the last Assemble; 0 where the analysis served
+  double analyze_s = 0.0;  ///< time of the last Assemble; 0 if the analysis was reused
 
-  /// Assembles the normal equations, with the order and analysis of the last network where they
-  /// serve this one as well.
+  /// Assembles the normal equations. Reuses the order and analysis of the last network if they fit
+  /// this one.
   void Assemble(const UnknownLayout& layout, const Linearization& linearization);
 
  private:
-  std::vector<int> offset_;  ///< of the layout analysed
+  std::vector<int> offset_;  ///< offsets of the analysed layout
 };
 
 }  // namespace dn

@@ -11,9 +11,10 @@
 
 namespace dn {
 
-/// Calls work(i) for i in [0, n), each by the thread that is free first, the caller among them: for
-/// pieces of unlike size. BLAS keeps to the thread that calls it. Rethrows the exception of the
-/// first thread that threw, in their order; the others then start nothing more.
+/// Calls work(i) for i in [0, n) on several threads including the caller; each idle thread takes
+/// the next i. This suits items of unequal cost. BLAS uses one thread inside `work`. If threads
+/// throw, the exception of the first of them (in thread order) is rethrown, and no further items
+/// are started.
 template <class Work>
 void SideBySide(int n, int threads, const Work& work) {
   const int helpers = std::min(threads, n) - 1;
@@ -35,7 +36,7 @@ void SideBySide(int n, int threads, const Work& work) {
   std::vector<std::thread> pool;
   try {
     for (int k = 0; k < helpers; ++k) pool.emplace_back(take, &errors[static_cast<std::size_t>(k)]);
-  } catch (const std::system_error&) {  // the threads that there are do it
+  } catch (const std::system_error&) {  // the threads created so far do all the work
   }
   take(&errors.back());
   for (std::thread& thread : pool) thread.join();
@@ -44,10 +45,10 @@ void SideBySide(int n, int threads, const Work& work) {
   }
 }
 
-/// Columns, or rows, of a dense matrix that are worked on at once.
+/// Number of columns, or rows, of a dense matrix that are processed together.
 inline constexpr int kPanel = 192;
 
-/// Calls work(first, n) for the panels of [0, size), side by side.
+/// Calls work(first, n) in parallel for the panels of [0, size).
 template <class Work>
 void ForPanels(int size, int threads, const Work& work) {
   SideBySide((size + kPanel - 1) / kPanel, threads,

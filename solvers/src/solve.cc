@@ -23,18 +23,21 @@
 namespace dn {
 namespace {
 
-/// Steps in a row to where a factor is undefined, each a half of the one before or less.
+/// Limit of consecutive steps to values where a factor is undefined. Each such step is at most half
+/// of the previous one.
 constexpr int kInvalidSteps = 20;
 
-/// Passes the progress on, and the wish to stop back; ends where steps have become short.
+/// Reports each iteration to `on_iteration` and forwards its stop request. Also stops once the step
+/// is below `sigma_tolerance`.
 class IterationObserver final : public ceres::IterationCallback {
  public:
   explicit IterationObserver(const SolveOptions& options)
       : options_(options), least_change_(0.5 * options.sigma_tolerance * options.sigma_tolerance) {}
 
-  /// What Ceres begins with is the end of so many iterations, of which was told.
+  /// Continues the count of iterations that were already reported; Ceres's initial state is the end
+  /// of the last of them.
   void ContinueAfter(int iterations) { before_ = iterations; }
-  void BeginAnew() { before_ = -1; }
+  void Restart() { before_ = -1; }
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
     settled_ = s.iteration > 0 && s.step_is_successful && s.cost_change < least_change_;
@@ -46,7 +49,7 @@ class IterationObserver final : public ceres::IterationCallback {
     return go_on && !settled_ ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
 
-  /// The last step was shorter than the tolerance.
+  /// Returns true if the last step was shorter than the tolerance.
   bool settled() const { return settled_; }
 
  private:
@@ -71,7 +74,7 @@ ceres::Solver::Options CeresOptions(const SolveOptions& options) {
   return ceres_options;
 }
 
-/// Residuals and unknowns, without the cost.
+/// Returns the numbers of residuals and unknowns, without the cost.
 CostSummary CountNetwork(const Network& network) {
   CostSummary summary;
   for (FactorId id = 0; id < network.num_factors(); ++id) {
@@ -82,10 +85,10 @@ CostSummary CountNetwork(const Network& network) {
   return summary;
 }
 
-constexpr const char* kShortStep = "the last step was short in sigmas";
+constexpr const char* kShortStep = "the last step was shorter than sigma_tolerance";
 constexpr const char* kStopped = "stopped on request";
 
-SolveReport EndOf(const GaussNewtonReport& steps, double time_s) {
+SolveReport FinishedReport(const GaussNewtonReport& steps, double time_s) {
   SolveReport report;
   report.converged = !steps.interrupted;
   report.interrupted = steps.interrupted;
@@ -97,7 +100,8 @@ SolveReport EndOf(const GaussNewtonReport& steps, double time_s) {
   return report;
 }
 
-/// One run of Ceres from the values of the network, watched by the observer among its options.
+/// Runs Ceres once from the values of the network. `observer` must be among the callbacks of
+/// `options`.
 SolveReport DampedSteps(Network& network, const ceres::Solver::Options& options,
                         const IterationObserver& observer) {
   internal::CeresProblem problem(network);
@@ -125,18 +129,19 @@ SolveReport DampedSteps(Network& network, const ceres::Solver::Options& options,
   return report;
 }
 
-/// Networks of fewer blocks take damped steps from the start: they cost little, and come from
-/// farther.
+/// Networks with fewer blocks use damped steps from the start: these are cheap and converge from
+/// farther away.
 constexpr int kLargeNetwork = 100;
 
-/// Gauss-Newton steps where the network is large, and damped ones from where they do not go on.
+/// Takes Gauss-Newton steps if the network is large, and continues with damped steps if they do not
+/// finish.
 SolveReport Attempt(Network& network, const SolveOptions& options,
                     ceres::Solver::Options ceres_options, IterationObserver* observer) {
   const auto start = std::chrono::steady_clock::now();
   GaussNewtonReport undamped;
   if (options.begin_undamped && UnknownLayout(network).num_blocks() >= kLargeNetwork) {
     undamped = GaussNewton(network, options);
-    if (!undamped.unfinished) return EndOf(undamped, SecondsSince(start));
+    if (!undamped.unfinished) return FinishedReport(undamped, SecondsSince(start));
   }
   if (undamped.begun) observer->ContinueAfter(undamped.iterations);
   ceres_options.max_num_iterations -= undamped.iterations;
@@ -147,8 +152,8 @@ SolveReport Attempt(Network& network, const SolveOptions& options,
   return report;
 }
 
-/// Solves, and where that ends on a flat once more from the initial values with a step that an
-/// unknown does not lengthen by losing its influence.
+/// Solves the network. If the solution ends on a plateau, it is repeated from the initial values.
+/// In the second attempt an unknown cannot lengthen its step by losing its influence.
 SolveReport SolveTwice(Network& network, const SolveOptions& options,
                        ceres::Solver::Options ceres_options, IterationObserver* observer) {
   const FlatCheck check(network);
@@ -157,7 +162,7 @@ SolveReport SolveTwice(Network& network, const SolveOptions& options,
   const NetworkValues first_values(network);
   check.initial().Restore(&network);
   ceres_options.min_lm_diagonal = 1.0;
-  observer->BeginAnew();
+  observer->Restart();
   SolveReport second = DampedSteps(network, ceres_options, *observer);
   second.iterations += first.iterations;
   second.time_s += first.time_s;
@@ -168,9 +173,10 @@ SolveReport SolveTwice(Network& network, const SolveOptions& options,
     second.final_cost = first.final_cost;
   }
   second.converged = false;
-  second.message = "ended where '" + check.FindFlat(network) +
-                   "' no longer changes the residuals; start nearer to the solution, or give it a "
-                   "prior";
+  second.message =
+      "ended where '" + check.FindFlat(network) +
+      "' no longer changes the residuals; start nearer to the solution, or give this unknown a "
+      "prior";
   return second;
 }
 

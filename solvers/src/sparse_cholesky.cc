@@ -28,7 +28,7 @@ std::vector<int> ExpandOrder(const std::vector<int>& block_order, const UnknownL
   return order;
 }
 
-SupernodalPattern PatternOf(const cholmod_factor& factor) {
+SupernodalPattern CopyPattern(const cholmod_factor& factor) {
   const auto copy = [](const void* ints, std::size_t size) {
     const int* first = static_cast<const int*>(ints);
     return std::vector<int>(first, first + size);
@@ -48,16 +48,16 @@ std::vector<int> Inverse(const int* permutation, int n) {
   return inverse;
 }
 
-/// Fewer right-hand sides than this are not worth a thread.
+/// Minimum number of right-hand sides per thread.
 constexpr int kFewestColumns = 8;
-/// Right-hand sides that go together.
+/// Maximum number of right-hand sides solved together.
 constexpr int kMostColumns = 16;
 
 }  // namespace
 
 SparseCholesky::Analysis::Analysis(const SymmetricCsc& A, const cholmod_factor& analysed)
     : permuted_index(Inverse(static_cast<const int*>(analysed.Perm), A.n)),
-      numbers(A, permuted_index, PatternOf(analysed)) {}
+      numbers(A, permuted_index, CopyPattern(analysed)) {}
 
 SparseCholesky::SparseCholesky(const SymmetricCsc& A, const SymmetricCsc& blocks,
                                const UnknownLayout& layout) {

@@ -8,14 +8,14 @@
 namespace dn {
 namespace {
 
-/// Branches with a larger share of all operations are divided.
+/// Branches with more than this fraction of all operations are split.
 constexpr double kLargestShare = 1.0 / 16.0;
-/// Multiplications from which a tree is worth several threads, some milliseconds.
+/// Number of multiplications (some milliseconds) above which several threads are used.
 constexpr double kWorthThreads = 2e7;
 
 std::size_t At(int i) { return static_cast<std::size_t>(i); }
 
-/// Multiplications of a dense partial factorisation.
+/// Returns the number of multiplications of a dense partial factorisation.
 double Operations(const SupernodalPattern& L, int s) {
   const double c = L.columns(s), b = L.below(s);
   return c * (c * c / 6.0 + 0.5 * c * b + 0.5 * b * b);

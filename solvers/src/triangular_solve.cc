@@ -9,7 +9,7 @@
 namespace dn {
 namespace {
 
-/// One pass over the supernodes each way.
+/// Forward and backward substitution over the supernodes.
 class Substitution {
  public:
   Substitution(const SupernodalPattern& L, const double* values, int k, int stride, double* X)
@@ -19,32 +19,32 @@ class Substitution {
     below_.resize(AsSize(largest) * AsSize(k));
   }
 
-  /// X_J = X_J L_JJ^-T, X_R -= X_J L_RJ^T.
+  /// Computes X_J = X_J L_JJ^-T, X_R -= X_J L_RJ^T.
   void Forward(int s) {
     const int columns = L_.columns(s), rows = L_.rows(s), below = L_.below(s);
     const double* L_JJ = values_ + L_.value_start[AsSize(s)];
-    double* X_J = Of(L_.column[AsSize(s)]);
+    double* X_J = Column(L_.column[AsSize(s)]);
     dtrsm_("R", "L", "T", "N", &k_, &columns, &kOne, L_JJ, &rows, X_J, &stride_);
     if (below == 0) return;
     dgemm_("N", "T", &k_, &below, &columns, &kOne, X_J, &stride_, L_JJ + columns, &rows, &kZero,
            below_.data(), &k_);
     const int* R = L_.row_indices_below(s);
     for (int i = 0; i < below; ++i) {
-      double* to = Of(R[i]);
+      double* to = Column(R[i]);
       const double* from = below_.data() + AsSize(i) * AsSize(k_);
       for (int c = 0; c < k_; ++c) to[c] -= from[c];
     }
   }
 
-  /// X_J = (X_J - X_R L_RJ) L_JJ^-1.
+  /// Computes X_J = (X_J - X_R L_RJ) L_JJ^-1.
   void Backward(int s) {
     const int columns = L_.columns(s), rows = L_.rows(s), below = L_.below(s);
     const double* L_JJ = values_ + L_.value_start[AsSize(s)];
-    double* X_J = Of(L_.column[AsSize(s)]);
+    double* X_J = Column(L_.column[AsSize(s)]);
     if (below > 0) {
       const int* R = L_.row_indices_below(s);
       for (int i = 0; i < below; ++i) {
-        std::copy_n(Of(R[i]), k_, below_.begin() + static_cast<std::ptrdiff_t>(i) * k_);
+        std::copy_n(Column(R[i]), k_, below_.begin() + static_cast<std::ptrdiff_t>(i) * k_);
       }
       dgemm_("N", "N", &k_, &columns, &below, &kMinusOne, below_.data(), &k_, L_JJ + columns, &rows,
              &kOne, X_J, &stride_);
@@ -53,7 +53,7 @@ class Substitution {
   }
 
  private:
-  double* Of(int row) { return X_ + AsSize(row) * AsSize(stride_); }
+  double* Column(int row) { return X_ + AsSize(row) * AsSize(stride_); }
 
   const SupernodalPattern& L_;
   const double* values_;

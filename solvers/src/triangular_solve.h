@@ -4,12 +4,11 @@
 
 namespace dn {
 
-/// X (L L^T)^-1 in place. X: k x n, column-major: the k right-hand sides of an unknown stand
-/// together. L: the pattern of its supernodes, and their values.
+/// Computes X (L L^T)^-1 in place. X is k x n, column-major, so the k right-hand sides of an
+/// unknown are contiguous. L is given by the pattern of its supernodes and their values.
 void SolveInPlace(const SupernodalPattern& L, const double* values, int k, double* X);
 
-/// The first half of it, X L^-T in place. The right-hand sides of the next unknown stand `stride`
-/// numbers after those of an unknown.
+/// Computes the first half, X L^-T, in place. Consecutive unknowns are `stride` numbers apart in X.
 void SolveForwardInPlace(const SupernodalPattern& L, const double* values, int k, int stride,
                          double* X);
 

@@ -12,8 +12,8 @@ namespace dn {
 
 std::vector<WeakDirection> WeakDirections(const Marginals& marginals, int k) {
   if (k < 1) {
-    throw InvalidInput("weak directions: " + std::to_string(k) +
-                       " were asked for, it must be at least 1");
+    throw InvalidInput("weak directions: the number of directions is " + std::to_string(k) +
+                       ", must be at least 1");
   }
   const Marginals::Impl& impl = marginals.impl();
   if (impl.layout().size() == 0) return {};

@@ -284,9 +284,10 @@ TEST(TrajectoryCovarianceFile, BadFilesAreNamed) {
   expect("", "no rows of numbers");
   expect("1 2 3\n", "column");
   expect(good.substr(0, good.rfind('\n', good.size() - 2) + 1), "rows are missing");
-  expect(replaced("20 0 10 0", "20 0 11 0"), "not those that the order of the rows asks for");
+  expect(replaced("20 0 10 0", "20 0 11 0"),
+         "the epochs do not follow the required order of the rows");
   expect(replaced("10 0 10 0 0.0001", "10 0 10 0 0"), "not positive");
-  expect(replaced("10 0 10 0 0.0001", "10 -1 10 -1 0.0001"), "no whole number from 0");
+  expect(replaced("10 0 10 0 0.0001", "10 -1 10 -1 0.0001"), "not an integer of at least 0");
 }
 
 TEST(TrajectoryAccuracy, ComesWithTheCovarianceThatCoversThePairs) {

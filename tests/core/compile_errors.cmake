@@ -1,6 +1,6 @@
-# The test core.compile_errors: every file of compile_errors/ must be refused by the compiler with the
-# text of its first line, "// says: ...". The same file compiles once its line with "// wrong" is
-# taken away, so that it is that line which is refused.
+# The test core.compile_errors: the compiler must reject every file of compile_errors/ with the text of
+# its first line, "// says: ...". The same file must compile without its line marked "// wrong", which
+# shows that this line is the one rejected.
 file(GLOB cases ${CASES}/*.cc)
 set(scratch ${CMAKE_CURRENT_BINARY_DIR}/compile_errors)
 foreach(case IN LISTS cases)

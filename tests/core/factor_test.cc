@@ -7,12 +7,12 @@
 
 namespace dn::factor_test {
 
-// Central differences of step 1e-6 on residuals of size 10.
+// Central differences with step 1e-6 of residuals of size 10.
 constexpr double kStep = 1e-6;
 constexpr double kDifferenceTolerance = 1e-7;
 constexpr double kTolerance = 1e-12;  ///< rounding, relative to Jacobians of size 10
 
-/// r = q_l (q_r x + p), a user's own factor on every kind of block.
+/// r = q_l (q_r x + p): a user's own factor with every kind of block.
 struct TwoRotations : AutoFactor<TwoRotations, 3, LeftRotation, Rotation, Vec<3>> {
   Eigen::Vector3d x{1.0, -2.0, 3.0};
 
@@ -26,7 +26,7 @@ struct TwoRotations : AutoFactor<TwoRotations, 3, LeftRotation, Rotation, Vec<3>
   }
 };
 
-/// The same with Jacobians of its own.
+/// The same factor with analytic Jacobians.
 class TwoRotationsAnalytic final
     : public Factor<TwoRotationsAnalytic, 3, LeftRotation, Rotation, Vec<3>> {
  public:

@@ -13,15 +13,15 @@ namespace dn::function_factor_test {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// The residual and the tangent Jacobians of the last factor of a network.
+/// Residual and tangent Jacobians of the last factor of a network.
 struct Evaluated {
   bool defined = false;
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
 };
 
-/// The tangent Jacobians are those of numeric differentiation. (The residual may differ by rounding
-/// from that without Jacobians: numbers are added in another order.)
+/// Compares the tangent Jacobians with numeric differentiation. The residual may differ by rounding
+/// from that without Jacobians, because the order of summation differs.
 void ExpectDerivatives(const FactorBase& factor, const std::vector<Eigen::VectorXd>& x) {
   const testing::internal::Evaluation all =
       testing::internal::Evaluate([&](auto... args) { return factor.Evaluate(args...); }, factor, x,
@@ -36,7 +36,7 @@ Evaluated Evaluate(const Network& net, FactorId id) {
   return e;
 }
 
-// (3, 4, 12) is 13 long; along it the distance grows by 1 per unit.
+// (3, 4, 12) has length 13, which grows by 1 per unit along the vector.
 TEST(FunctionFactor, ANumberOfOneVector) {
   Network net;
   const auto p = net.AddVector<3>("p", {3.0, 4.0, 12.0});
@@ -68,7 +68,7 @@ TEST(FunctionFactor, WhitensByAFullCovariance) {
   }
 }
 
-// The pose j seen from i, six lines with everything; against numeric differences.
+// Pose j seen from pose i, as a function of six residuals, compared with numeric differences.
 TEST(FunctionFactor, ARelativePose) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -143,7 +143,7 @@ TEST(FunctionFactor, AListOfAnyNumberOfBlocks) {
   }
 }
 
-/// r = sum of the x of all blocks, the number of blocks known at run time.
+/// r = sum of the x of all blocks; the number of blocks is known at run time.
 struct Total : DynamicAutoFactor<Total> {
   explicit Total(int n)
       : DynamicAutoFactor(1, std::vector<BlockKind>(static_cast<std::size_t>(n), Vec<2>::kKind)) {}
@@ -164,7 +164,7 @@ TEST(DynamicAutoFactor, DifferentiatesEveryBlock) {
   }
 }
 
-/// r[0] only, of two.
+/// Has two residuals but writes only r[0].
 struct HalfWritten : AutoFactor<HalfWritten, 2, Vec<1>> {
   template <class T>
   bool Residual(const T* x, T* r) const {

@@ -14,7 +14,7 @@ using ::testing::ThrowsMessage;
 
 constexpr double kTolerance = 1e-12;  ///< rounding of a few products
 
-/// A unit vector in the plane, moved by an angle in rad.
+/// A unit vector in the plane, perturbed by an angle in rad.
 struct Direction {
   static constexpr int kSize = 2, kTangentSize = 1;
 
@@ -31,7 +31,8 @@ struct Direction {
   }
 };
 
-/// A positive number, moved by its logarithm; its own Jacobian, and a double wherever it is seen.
+/// A positive number perturbed in its logarithm, with an analytic Jacobian; its value and view are
+/// doubles.
 struct Positive {
   using Value = double;
   static constexpr int kSize = 1, kTangentSize = 1;
@@ -92,7 +93,7 @@ TEST(ManifoldKind, SeenByFunctionsAndByValue) {
   EXPECT_EQ(net.num_free_parameters(), 2);
 }
 
-/// r = angle from the direction of x, with a tangent Jacobian of its own.
+/// r = angle of the direction x, with an analytic tangent Jacobian.
 class Bearing final : public Factor<Bearing, 1, Direction> {
  public:
   bool Evaluate(double const* const* x, double* r, double** J) const override {

@@ -10,9 +10,9 @@ namespace dn::manifold_test {
 
 // Rounding of a few quaternion products.
 constexpr double kTolerance = 1e-14;
-// Near pi, Log loses nothing, but the sign of the vector is decided by rounding of w.
+// Near pi, Log is still accurate, but rounding of w decides the sign of the vector.
 constexpr double kStep = 1e-6;
-// Central differences of step 1e-6: truncation 1e-12, rounding 1e-10.
+// Central differences with step 1e-6: truncation 1e-12, rounding 1e-10.
 constexpr double kDifferenceTolerance = 1e-9;
 
 class Manifold : public ::testing::TestWithParam<BlockKind> {
@@ -41,7 +41,7 @@ class Manifold : public ::testing::TestWithParam<BlockKind> {
     return d;
   }
 
-  /// Stored values of the same element: a quaternion has two.
+  /// Returns the distance between two elements; a quaternion and its negative are the same element.
   double Distance(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
     return IsRotation() ? std::min((a - b).norm(), (a + b).norm()) : (a - b).norm();
   }
@@ -118,16 +118,17 @@ INSTANTIATE_TEST_SUITE_P(AllKinds, Manifold,
                          ::testing::Values(Rotation::kKind, LeftRotation::kKind, Vec<5>::kKind),
                          KindName);
 
-// The full angle: a step of 90 degrees about z turns x into y, whichever side it is applied from.
+// Steps are full angles: a step of 90 degrees about z rotates x into y, whichever side it is
+// applied from.
 TEST(ManifoldSides, StepsAreFullAnglesInTheirFrames) {
   const Eigen::Vector3d step(0.0, 0.0, M_PI / 2);
   const Eigen::Quaterniond q(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
   Eigen::Quaterniond right, left;
   Plus(Rotation::kKind, q.coeffs().data(), step.data(), right.coeffs().data());
   Plus(LeftRotation::kKind, q.coeffs().data(), step.data(), left.coeffs().data());
-  // Right: turned about the own z first, x -> y, then q takes y to z.
+  // Right: the step rotates x to y about its own z first, then q rotates y to z.
   EXPECT_LE((right * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitZ()).norm(), kTolerance);
-  // Left: q keeps x, then x -> y.
+  // Left: q keeps x, then the step rotates x to y.
   EXPECT_LE((left * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), kTolerance);
 }
 

@@ -11,7 +11,7 @@ using ::testing::ThrowsMessage;
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// r = a_x - b
+/// r = a_x - b.
 struct Gap : AutoFactor<Gap, 1, Vec<3>, Vec<1>> {
   template <class T>
   bool Residual(const T* a, const T* b, T* r) const {
@@ -20,7 +20,7 @@ struct Gap : AutoFactor<Gap, 1, Vec<3>, Vec<1>> {
   }
 };
 
-/// r = a - b on blocks known at run time.
+/// r = a - b for blocks known at run time.
 class RunTimeGap final : public DynamicFactor {
  public:
   explicit RunTimeGap(std::vector<BlockKind> kinds, int residuals = 1)
@@ -72,7 +72,8 @@ TEST(Network, RejectsBadBlocks) {
   EXPECT_THAT([&] { net.AddRotation("q", Eigen::Quaterniond(0, 0, 0, 0)); },
               ThrowsMessage<InvalidInput>(HasSubstr("'q' has zero norm")));
   EXPECT_EQ(net.num_blocks(), 1);
-  EXPECT_EQ(net.AddVector<1>("y", Scalar(1.0)).id, 1);  // the name is still free
+  // The failed AddRotation did not take the name.
+  EXPECT_EQ(net.AddVector<1>("y", Scalar(1.0)).id, 1);
   EXPECT_THROW(net.SetValue(Block<Vec<1>>{1}, Scalar(kNan)), InvalidInput);
   EXPECT_EQ(net.Value(Block<Vec<1>>{1})[0], 1.0);
 }

@@ -9,11 +9,11 @@
 namespace dn::rotation_test {
 
 constexpr double kTolerance = 1e-14;  ///< rounding of a few products
-// Central differences of step 1e-5: truncation 1e-10 near pi, rounding 1e-11.
+// Central differences with step 1e-5: truncation 1e-10 near pi, rounding 1e-11.
 constexpr double kStep = 1e-5;
 constexpr double kDifferenceTolerance = 1e-9;
 
-/// Angles around every change of formula, the identity and pi.
+/// Angles around every switch between formulas, the identity and pi.
 const double kAngles[] = {0.0,     1e-300,  1e-20,   1e-9,       0.99e-8, 1.01e-8,
                           0.99e-4, 1.01e-4, 0.99e-3, 1.01e-3,    0.99e-2, 1.01e-2,
                           0.5,     1.5,     3.0,     M_PI - 1e-8};
@@ -68,7 +68,7 @@ TEST(Log, DoesNotDependOnSignOrScale) {
 
 TEST(Log, OfAHalfTurn) {
   EXPECT_NEAR(Log(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0)).norm(), M_PI, kTolerance);
-  // Beyond pi the short way round is taken.
+  // Beyond pi, Log returns the shorter rotation.
   const Eigen::Vector3d log = Log(Exp(Eigen::Vector3d(0.0, M_PI + 0.1, 0.0)));
   EXPECT_NEAR(log.y(), -M_PI + 0.1, kTolerance);
 }
@@ -104,8 +104,8 @@ TEST(RightJacobianInverse, IsTheInverse) {
   });
 }
 
-// R phi = phi for R = Exp(phi), so that the Jacobian has phi as an eigenvector, and
-// Jr(phi) = Exp(-phi) Jr(-phi).
+// R phi = phi for R = Exp(phi), so phi is an eigenvector of the Jacobian, and Jr(phi) = Exp(-phi)
+// Jr(-phi).
 TEST(RightJacobian, HasItsSymmetries) {
   ForRotationVectors([](const Eigen::Vector3d& phi) {
     EXPECT_LE((RightJacobian(phi) * phi - phi).norm(), kTolerance);
@@ -118,7 +118,7 @@ TEST(RollPitchHeading, HandComputed) {
   // Nose north, right wing down by 90 degrees: body y points down.
   const Eigen::Quaterniond rolled = QuaternionFromRollPitchHeading({M_PI / 2, 0.0, 0.0});
   EXPECT_LE((rolled * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), kTolerance);
-  // Heading east: body x points east; pitched up: body x points up.
+  // With heading east, body x points east; pitched up by 90 degrees, body x points up.
   const Eigen::Quaterniond east = QuaternionFromRollPitchHeading({0.0, 0.0, M_PI / 2});
   EXPECT_LE((east * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm(), kTolerance);
   const Eigen::Quaterniond up = QuaternionFromRollPitchHeading({0.0, M_PI / 2, 0.0});
@@ -130,7 +130,7 @@ TEST(RollPitchHeading, ReadsBackWhatWasSet) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 rng(seed);
     Eigen::Vector3d rph = testing::RandomVector(rng, M_PI);
-    rph.y() *= 0.49;  // asin loses digits towards 90 degrees
+    rph.y() *= 0.49;  // asin loses accuracy near 90 degrees
     EXPECT_LE((RollPitchHeading(QuaternionFromRollPitchHeading(rph)) - rph).norm(), 1e-13);
   }
 }

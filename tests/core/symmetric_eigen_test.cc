@@ -3,7 +3,7 @@
 
 namespace dn::symmetric_eigen_test {
 
-// A = [2 1; 1 2] has the eigenvalues 1 and 3 with (1, -1) and (1, 1).
+// A = [2 1; 1 2] has the eigenvalues 1 and 3 with the eigenvectors (1, -1) and (1, 1).
 TEST(SymmetricEigen, OfATwoByTwo) {
   const SymmetricEigen eigen((Eigen::Matrix2d() << 2.0, 1.0, 1.0, 2.0).finished());
   EXPECT_NEAR(eigen.values[0], 1.0, 1e-15);

@@ -15,7 +15,7 @@ namespace dn::bias_process_test {
 using testing::RandomVector;
 using testing::State;
 
-/// Variance q of the step and share phi, as the factor's Jacobians show them.
+/// Variance q and transition factor phi of a step, computed from the factor's Jacobians.
 struct Step {
   double phi, q;
 };
@@ -31,7 +31,8 @@ Step StepOf(const FactorBase& f) {
   return {-J_k(1, 1) / J_next(1, 1), 1.0 / (J_next(1, 1) * J_next(1, 1))};
 }
 
-// Hand-computed: over tau ln 2 a process halves, and loses 3/4 of its variance.
+// Hand calculation: over tau ln 2 the process decays to half, and the driving noise has 3/4 of the
+// stationary variance.
 TEST(GaussMarkovEdge, ResidualOverOneHalvingTime) {
   const GaussMarkovEdge f(2.0, 100.0, 100.0 * std::log(2.0));
   const Eigen::Vector3d x_k(1.0, 2.0, 3.0), x_next(1.0, 1.0, 0.0);
@@ -41,7 +42,7 @@ TEST(GaussMarkovEdge, ResidualOverOneHalvingTime) {
   EXPECT_NEAR(f.phi(), 0.5, 1e-15);
 }
 
-// Hand-computed: a density of 0.3 over 4 s gives 0.6.
+// Hand calculation: a density of 0.3 over 4 s gives 0.6.
 TEST(RandomWalkEdge, ResidualIsTheChange) {
   const RandomWalkEdge f(0.3, 4.0);
   const Eigen::Vector3d x_k(1.0, 2.0, 3.0), x_next(1.6, 2.0, 1.8);
@@ -64,8 +65,8 @@ TEST(BiasProcess, JacobiansAgreeAtRandomStates) {
   }
 }
 
-// A chain that begins with its stationary distribution keeps it at every node, also over steps of
-// unequal length, and correlates as exp(-dt / tau).
+// A chain that starts with its stationary distribution keeps it at every node, even with steps of
+// unequal length, and its correlation is exp(-dt / tau).
 TEST(GaussMarkovEdge, ChainIsStationary) {
   constexpr double kSigma = 0.7, kTauS = 50.0;
   const std::vector<double> steps_s{1.0, 200.0, 0.01, 30.0, 5.0};
@@ -93,7 +94,7 @@ TEST(GaussMarkovEdge, ChainIsStationary) {
 
 TEST(GaussMarkovEdge, LongCorrelationTimeIsARandomWalk) {
   constexpr double kDensity = 0.03, kTauS = 1e12, kStepS = 2.0;
-  // q dt = 2 sigma^2 / tau dt.
+  // Equal driving noise: q dt = 2 sigma^2 / tau dt.
   const double sigma = kDensity * std::sqrt(kTauS / 2.0);
   const Step gauss_markov = StepOf(GaussMarkovEdge(sigma, kTauS, kStepS));
   const Step random_walk = StepOf(RandomWalkEdge(kDensity, kStepS));
@@ -128,7 +129,7 @@ TEST(BiasProcess, RejectsBadInput) {
     EXPECT_THROW(RandomWalkEdge(bad, 1.0), InvalidInput);
     EXPECT_THROW(RandomWalkEdge(1.0, bad), InvalidInput);
   }
-  EXPECT_THROW(RandomWalkEdge(1e-200, 1.0), InvalidInput);  // variance underflows
+  EXPECT_THROW(RandomWalkEdge(1e-200, 1.0), InvalidInput);  // the variance underflows to zero
 }
 
 }  // namespace dn::bias_process_test

@@ -27,8 +27,8 @@ const PreintegrationNoise kNoise{0.2 * kRadPerDeg / 60.0, 80e-6 * kStandardGravi
 
 Matrix3d Mounting() { return Matrix3d{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}; }
 
-/// Stretches the laser vector, delays the tag and turns the boresight: everything that an effect of
-/// the lidar can do.
+/// Stretches the laser vector, delays the tag and rotates the boresight: everything that a lidar
+/// effect can do.
 class AllOfLidar final : public LidarEffect {
  public:
   int components() const override { return 3; }
@@ -56,7 +56,7 @@ class GyroScale final : public ImuEffect {
   }
 };
 
-/// A late tag and a shift along map x.
+/// Delays the tag and shifts the position along map x.
 class LateAndShifted final : public GnssEffect {
  public:
   int components() const override { return 2; }
@@ -113,7 +113,7 @@ class PairOfEffects : public ::testing::Test {
   }
 };
 
-// A factor without effects tells what any effect would do to its points.
+// A factor without effects provides the derivatives of its points with respect to any effect.
 TEST_F(PairOfEffects, AreForetoldByTheFactorWithoutThem) {
   const LidarEnd i = End(1.0, 1.31, {950.0, 10.0, 300.0}), j = End(4.0, 4.22, {920.0, 0.0, -250.0});
   const PointToPoint plain(motion_.frame, i, j, Mounting(), 0.002, Noise<3>::Sigma(1.0));
@@ -166,7 +166,7 @@ TEST_F(PairOfEffects, JacobiansAgreeAtRandomStates) {
   }
 }
 
-// Without values of its effects the pair is the plain one.
+// With zero values of its effects the pair equals the plain pair.
 TEST_F(PairOfEffects, LeavesThePlainPairWithoutValues) {
   const PointToPointBetweenNodes factor = Factor();
   std::vector<VectorXd> x = Blocks(Vector3d::Zero(), Vector3d(1e-3, 0.0, -2e-3));
@@ -181,13 +181,13 @@ TEST_F(PairOfEffects, LeavesThePlainPairWithoutValues) {
   EXPECT_LE((x_j - y_j).norm(), 1e-9);
 }
 
-// The increments move with the scale as they do when they are integrated with it, the point with an
-// attraction as Propagate does.
+// The increments must change with the scale as if integrated with it, and the point must move with
+// gravitation as Propagate does.
 TEST_F(PairOfEffects, IncrementsAndAttractionMoveThePoint) {
   const PointToPointBetweenNodes factor = Factor();
   const Vector3d moved_scale(1.1e-3, 2e-4, -2.2e-3);
   std::vector<VectorXd> x = Blocks(Vector3d::Zero(), moved_scale);
-  x[8][0] = 2e-3;  // the epoch where the increments end
+  x[8][0] = 2e-3;  // so that the epoch is the end of the increments
   x[12] = Eigen::Vector2d(3e-3, 1e-3);
   const Preintegrated anew = Preintegrate(
       imu_, 1.0, 1.31, {Vector3d::Zero(), Vector3d::Zero(), {{scale_, moved_scale}}}, kNoise);
@@ -237,7 +237,7 @@ INSTANTIATE_TEST_SUITE_P(GnssAntenna, Antenna,
                                                                                    : "velocity";
                          });
 
-// On an analytic flight the antenna at tag - delay is where it was then, to third order.
+// On an analytic flight the antenna position at tag - delay is correct to third order.
 TEST(GnssAntenna, FollowsTheAntennaToALateTag) {
   const EarthMotion flight = testing::PlaneMotion();
   const ImuData imu = flight.Measure(0.0, 4.0, 200.0);
@@ -258,10 +258,12 @@ TEST(GnssAntenna, FollowsTheAntennaToALateTag) {
     return r;
   };
   const Vector3d z_m = then.p_mb + then.q_mb * lever_b + Vector3d(0.25, 0.0, 0.0);
-  EXPECT_LE(residual(GnssAntenna::Quantity::kPosition, z_m).norm(), 6e-5);  // d w / dt x lever arm
+  // d w / dt times the lever arm.
+  EXPECT_LE(residual(GnssAntenna::Quantity::kPosition, z_m).norm(), 6e-5);
   const Vector3d w_eb = flight.AngularRate(tag_s - delay_s) - then.q_mb.conjugate() * w_ie;
   const Vector3d v_m = then.v_m + then.q_mb * w_eb.cross(lever_b);
-  EXPECT_LE(residual(GnssAntenna::Quantity::kVelocity, v_m).norm(), 1e-2);  // d w / dt x lever arm
+  // d w / dt times the lever arm.
+  EXPECT_LE(residual(GnssAntenna::Quantity::kVelocity, v_m).norm(), 1e-2);
 }
 
 TEST(GnssAntenna, RejectsBadInput) {

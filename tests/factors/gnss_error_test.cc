@@ -74,11 +74,11 @@ TEST(GnssError, JacobiansAgreeAtRandomStates) {
   }
 }
 
-// Hand-computed: at half a sigma east and two sigmas up the measured antenna is 5 mm east of the true
-// one and 4 cm above it, in a map that is turned by a quarter about up.
+// Hand calculation: with c at half a sigma east and two sigmas up, the measured antenna is 5 mm
+// east of and 4 cm above the true one. The map is rotated by 90 degrees about up.
 TEST(GnssError, IsOfTheLocalAxesOfThePoint) {
   Matrix3d R_m_enu;
-  R_m_enu << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // east of the point is north of the map
+  R_m_enu << 0, -1, 0, 1, 0, 0, 0, 0, 1;  // east at the point is north of the map
   const GnssAntenna factor = Position({10.0, 20.005, 30.04}, {{{0.01, 0.01, 0.02}, 120.0}}, R_m_enu,
                                       Noise<3>::Sigma(0.001));
   const std::vector<Eigen::VectorXd> x{State(Eigen::Quaterniond::Identity()),

@@ -22,7 +22,7 @@ Eigen::Vector3d Residual(const GnssPosition& f, const Eigen::Quaterniond& q_mb,
   return r;
 }
 
-// Hand-computed: a yaw of +90 deg takes body x to map y.
+// Hand calculation: a yaw of +90 deg rotates body x to map y.
 TEST(GnssPosition, ResidualOfAQuarterTurn) {
   const GnssPosition f({10.0, 22.0, 30.0}, Noise<3>::Sigma(0.5));
   const Eigen::Quaterniond q_mb(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
@@ -55,7 +55,7 @@ TEST(GnssPosition, JacobiansAgreeAtSpecialStates) {
   }
 }
 
-// Turning and moving the whole map changes the residual of isotropic noise by that turn only.
+// Rotating and shifting the whole map only rotates the residual if the noise is isotropic.
 TEST(GnssPosition, DoesNotDependOnTheMap) {
   std::mt19937 rng(3);
   const Eigen::Quaterniond q_nm = RandomRotation(rng), q_mb = RandomRotation(rng);

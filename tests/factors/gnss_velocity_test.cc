@@ -24,8 +24,8 @@ Eigen::Vector3d Residual(const GnssVelocity& f, const Eigen::Quaterniond& q_mb,
   return r;
 }
 
-// Hand-computed: turning at 0.5 rad/s about body z, an antenna 2 m ahead moves at 1 m/s along body
-// y, which a yaw of +90 deg takes to map -x.
+// Hand calculation: at a rate of 0.5 rad/s about body z, an antenna 2 m ahead moves at 1 m/s along
+// body y, which a yaw of +90 deg rotates to map -x.
 TEST(GnssVelocity, ResidualOfATurn) {
   const GnssVelocity f({9.0, 20.0, 30.0}, {0.0, 0.0, 0.5}, Eigen::Vector3d::Zero(),
                        Noise<3>::Sigma(0.25));
@@ -34,7 +34,7 @@ TEST(GnssVelocity, ResidualOfATurn) {
   EXPECT_LE((r - Eigen::Vector3d(0.0, 4.0, 0.0)).norm(), 1e-14);  // (21 - 20) / 0.25
 }
 
-// A body at rest on the Earth senses the Earth's rate; its antenna does not move.
+// A body at rest on the Earth measures the Earth rate, but its antenna does not move.
 TEST(GnssVelocity, VanishesAtRestOnTheRotatingEarth) {
   std::mt19937 rng(1);
   const Eigen::Quaterniond q_mb = RandomRotation(rng);
@@ -43,7 +43,7 @@ TEST(GnssVelocity, VanishesAtRestOnTheRotatingEarth) {
   EXPECT_LE(Residual(f, q_mb, Eigen::Vector3d::Zero(), {100.0, 200.0, 300.0}).norm(), 1e-13);
 }
 
-// The antenna's velocity is the derivative of its position p(t) + R(t) a along a turning path.
+// The antenna velocity is the derivative of its position p(t) + R(t) a along a curved path.
 TEST(GnssVelocity, IsTheDerivativeOfTheAntennaPosition) {
   std::mt19937 rng(2);
   const Eigen::Quaterniond q0 = RandomRotation(rng);
@@ -62,7 +62,7 @@ TEST(GnssVelocity, JacobiansAgreeAtRandomStates) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 rng(seed);
-    // An Earth rate of the size of the body's, so that an error in its terms shows.
+    // The Earth rate is as large as the body rate, so that an error in its terms shows.
     const GnssVelocity f(RandomVector(rng, 60.0), RandomVector(rng, 1.0), RandomVector(rng, 1.0),
                          Noise<3>::Sigma({0.02, 0.03, 0.05}));
     testing::ExpectFactorConsistent(

@@ -24,7 +24,7 @@ using Matrix9 = NodeBridge::Matrix9;
 using testing::EarthMotion;
 using testing::State;
 
-// Coarse enough that a bridge is far above the floor of the positions.
+// Large enough that the conditional covariance is far above the floor of the positions.
 const PreintegrationNoise kNoise{5.0 * kRadPerDeg / 60.0, 0.05, 1e-6};
 
 class GyroScale final : public ImuEffect {
@@ -69,7 +69,8 @@ class Bridge : public ::testing::Test {
   }
 };
 
-// White noise of a gyro: a Wiener process, of which the rotation between the nodes is the end.
+// The white noise of a gyro integrates to a Wiener process, whose value at the next node is
+// observed.
 TEST_F(Bridge, CovarianceIsThatOfABrownianBridge) {
   const double white = kNoise.gyro_white_rad_per_sqrt_s;
   for (const double t : {0.1, 0.5, 0.9}) {
@@ -82,8 +83,9 @@ TEST_F(Bridge, CovarianceIsThatOfABrownianBridge) {
   EXPECT_LE(at_the_end.topRows(3).leftCols(3).norm(), 1e-12 * white * white);
 }
 
-// With the truth at both nodes the corrected increments are as near to the truth as the covariance
-// says, the plain ones as theirs says: over many draws of white noise.
+// With the truth at both nodes, the errors of the corrected increments must agree with the
+// conditional covariance, and those of the plain increments with theirs. The test uses many draws
+// of white noise.
 TEST_F(Bridge, CorrectionTakesTheNoiseThatTheNodesTell) {
   constexpr int kDraws = 400;
   const Preintegrated truth = Increments(1.0, 1.4, {});

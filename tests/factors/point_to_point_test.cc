@@ -26,7 +26,7 @@ const Vector3d kLeverArm(0.14, -0.02, 0.21);
 
 Matrix3d Mounting() { return Matrix3d{{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}}; }
 
-/// One end that sees `point` at t_s from the node at node_s (not after t_s).
+/// Returns one end that observes `point` at t_s from the node at node_s (not after t_s).
 LidarEnd See(const EarthMotion& motion, const ImuData& imu, double node_s, double t_s,
              const Vector3d& point) {
   const MapPose pose = motion.Pose(t_s);
@@ -53,7 +53,7 @@ Vector3d ResidualOf(const FactorBase& factor, const std::vector<VectorXd>& x) {
   return r;
 }
 
-/// Two looks at one ground point from an analytic flight.
+/// Two observations of one ground point from an analytic flight.
 class PointPair : public ::testing::Test {
  protected:
   const EarthMotion motion_ = testing::PlaneMotion();
@@ -78,11 +78,11 @@ TEST_F(PointPair, VanishesOnAnAnalyticFlight) {
   for (const double node_s : {1.0, 1.2, 1.4, 1.45}) {
     SCOPED_TRACE("node " + std::to_string(node_s));
     const Vector3d r = ResidualOf(Factor(node_s, 1.4537, 4.0, 4.9012), Truth(node_s, 4.0));
-    EXPECT_LE(r.norm(), 5e-6);  // 2e-9 rad at 1 km, and the attraction linear over 0.9 s
+    EXPECT_LE(r.norm(), 5e-6);  // 2e-9 rad at 1 km, and gravitation linearised over 0.9 s
   }
 }
 
-// Where the node stands does not matter: at the epoch itself, or before it.
+// The result does not depend on whether the node is at the epoch or before it.
 TEST_F(PointPair, PartialIncrementsAgreeWithANodeAtTheEpoch) {
   const double t_s = imu_.samples[299].t_s;
   const Vector3d at_node = ResidualOf(Factor(t_s, t_s, 4.0, 4.1), Truth(t_s, 4.0));
@@ -90,7 +90,7 @@ TEST_F(PointPair, PartialIncrementsAgreeWithANodeAtTheEpoch) {
   EXPECT_LE((before - at_node).norm(), 5e-6);
 }
 
-// Hand-computed: identity attitudes and increments, sensor axes those of the body, map axes.
+// Hand calculation: identity attitudes and increments; sensor, body and map axes coincide.
 TEST(PointToPoint, ResidualOfAShiftedPair) {
   LidarEnd i, j;
   i.u_s = {1.0, 2.0, 100.0};
@@ -123,7 +123,8 @@ TEST_F(PointPair, JacobiansAgreeAtRandomStates) {
   }
 }
 
-// A tag that is late by dt: cutting the increments dt earlier, or moving the point by -dt.
+// For a tag that is late by dt, ending the increments dt earlier must equal shifting the point by
+// -dt.
 TEST_F(PointPair, TimeOffsetMovesThePointAlongItsPath) {
   constexpr double kOffset_s = 1e-3;
   const LidarEnd true_i = See(motion_, imu_, 1.0, 1.3, point_);
@@ -134,12 +135,12 @@ TEST_F(PointPair, TimeOffsetMovesThePointAlongItsPath) {
   const PointToPoint late(motion_.frame, late_i, late_j, Mounting(), 0.0, Noise<3>::Sigma(1.0));
   const double ignored = ResidualOf(late, Truth(1.0, 4.0, 0.0)).norm();
   EXPECT_GE(ignored, 1e-3);
-  // Second order: 0.1 rad/s^2 x 1 km x dt^2 / 2.
+  // Second-order error: 0.1 rad/s^2 x 1 km x dt^2 / 2.
   EXPECT_LE(ResidualOf(late, Truth(1.0, 4.0, kOffset_s)).norm(), 2e-4);
 }
 
-// The residual is the same whatever the level at which both poses are shifted: a translation of
-// both nodes and velocities unchanged only acts through the turn of the Earth and the attraction.
+// A common translation of both nodes at unchanged velocities must change the residual only through
+// the rotation of the Earth and gravitation.
 TEST_F(PointPair, CommonTranslationCancels) {
   const PointToPoint factor = Factor(1.0, 1.3, 4.0, 4.2);
   std::vector<VectorXd> x = Truth(1.0, 4.0);
@@ -159,7 +160,8 @@ TEST_F(PointPair, PointsAreTheGroundPoint) {
   EXPECT_LE((x_j - point_).norm(), 5e-6);
 }
 
-// White noise on the samples against EndNoise: 2000 runs, 1.6 % sigma of a variance times four.
+// Compares white noise on the samples with EndNoise: 2000 runs give a 1.6 % sigma of a variance;
+// the bound is four times that.
 TEST_F(PointPair, EndNoiseIsThatOfMonteCarlo) {
   constexpr int kRuns = 2000;
   const double node_s = 1.0, t_s = 1.3;

@@ -52,7 +52,7 @@ Vector9 ResidualOf(const FactorBase& factor, const std::vector<VectorXd>& x) {
   return r;
 }
 
-/// Unwhitened tangent Jacobian of a block.
+/// Returns the unwhitened tangent Jacobian of a block.
 Eigen::Matrix<double, 9, 3> Jacobian(const FactorBase& factor, const std::vector<VectorXd>& x,
                                      std::size_t block, const Matrix9& covariance) {
   using RowMajor = Eigen::Matrix<double, 9, Eigen::Dynamic, Eigen::RowMajor>;
@@ -67,8 +67,8 @@ Eigen::Matrix<double, 9, 3> Jacobian(const FactorBase& factor, const std::vector
   return L * (stored * PlusJacobian(factor.block_kinds()[block], x[block].data()));
 }
 
-// A motion in closed form over the rotating Earth, simulated in Coriolis form: zero residual, in
-// hundredths of the noise of a navigation-grade sensor.
+// A closed-form motion over the rotating Earth, simulated in Coriolis form, must give a zero
+// residual to within hundredths of the noise of a navigation-grade sensor.
 TEST(PreintegratedInertial, VanishesOnAnAnalyticFlight) {
   const EarthMotion motion = testing::PlaneMotion();
   for (const double length_s : {0.005, 0.0173, 0.1, 0.2, 1.0}) {
@@ -81,7 +81,8 @@ TEST(PreintegratedInertial, VanishesOnAnAnalyticFlight) {
   }
 }
 
-// Hand-computed: no rotation, no Earth within 1 ms, a metre too far and a milliradian too much.
+// Hand calculation: the end is shifted by (1, 2, 3) m and rotated by a milliradian, and all sigmas
+// are 2.
 TEST(PreintegratedInertial, ResidualOfAShift) {
   const EarthMotion motion = testing::PlaneMotion();
   Preintegrated pre = Increments(motion, 3.0, 3.1);
@@ -94,7 +95,7 @@ TEST(PreintegratedInertial, ResidualOfAShift) {
   const Vector9 change = ResidualOf(factor, WithBiases(States(motion.Pose(3.0), j))) - at_truth;
   const Vector3d shift = motion.Pose(3.0).q_mb.conjugate() * Vector3d(0.5, 1.0, 1.5);
   EXPECT_LE((change.head<3>() - Vector3d(5e-4, 0.0, 0.0)).norm(), 1e-9);
-  EXPECT_LE((change.tail<3>() - shift).norm(), 1e-4);  // turned by the Earth, 7e-6 rad
+  EXPECT_LE((change.tail<3>() - shift).norm(), 1e-4);  // rotated by the Earth by 7e-6 rad
   EXPECT_LE(change.segment<3>(3).norm(), 1e-3);        // w x 3.7 m / 2
 }
 
@@ -109,14 +110,14 @@ TEST(PreintegratedInertial, JacobiansAgreeAtRandomStates) {
                    {testing::RandomVector(rng, 1e-3), testing::RandomVector(rng, 0.1)});
     const int num_gyro = static_cast<int>(seed % 3), num_accel = static_cast<int>(seed / 3 % 3);
     std::vector<AttractionBasis> attraction;
-    if (seed % 2 == 1) {  // two effects of the sensors, one on the attraction
+    if (seed % 2 == 1) {  // two effects of the sensors and one on gravitation
       pre.linearisation.effects = {{nullptr, testing::RandomVector(rng, 1e-3)},
                                    {nullptr, testing::RandomVector(rng, 1e-3).head<1>()}};
       pre.J_effects = Eigen::MatrixXd::NullaryExpr(
           9, 4, [&](auto, auto) { return std::uniform_real_distribution<double>(-1, 1)(rng); });
       attraction = {Eigen::Matrix<double, 3, 2>::Ones()};
     }
-    // Numeric differentiation wants comparable sigmas; the whitening matrix is tested below.
+    // Numeric differentiation needs sigmas of similar size; the whitening matrix is tested below.
     const Matrix9 A =
         Matrix9::Identity() + 0.1 * Matrix9::NullaryExpr([&](auto, auto) {
                                 return std::uniform_real_distribution<double>(-1, 1)(rng);
@@ -141,7 +142,7 @@ TEST(PreintegratedInertial, JacobiansAgreeAtRandomStates) {
   }
 }
 
-// The attitude error turns with the body: F = R_j^T C^T R_i, not the identity.
+// The attitude error is rotated with the body: F = R_j^T C^T R_i, not the identity.
 TEST(PreintegratedInertial, AttitudeErrorTurnsWithTheBody) {
   const EarthMotion motion = testing::PlaneMotion();
   const Preintegrated pre = Increments(motion, 3.0, 4.0);
@@ -154,7 +155,7 @@ TEST(PreintegratedInertial, AttitudeErrorTurnsWithTheBody) {
   EXPECT_GE((J_i + Eigen::Matrix3d::Identity()).norm(), 0.01);
 }
 
-// The biases move the residual as integrating again would.
+// A change of the biases must change the residual as integrating again would.
 TEST(PreintegratedInertial, BiasesActAsInTheIncrements) {
   const EarthMotion motion = testing::PlaneMotion();
   const Vector3d b_g(2e-6, -1e-6, 3e-6), b_a(1e-4, 2e-4, -1e-4);
@@ -175,7 +176,7 @@ TEST(PreintegratedInertial, BiasesActAsInTheIncrements) {
   EXPECT_LE((ResidualOf(split, parts) - predicted).norm(), 1e-9 * predicted.norm());
 }
 
-// The attraction follows the states away from the nominal positions.
+// Gravitation is evaluated at the states, even far from the nominal positions.
 TEST(PreintegratedInertial, NominalPositionsDoNotMatter) {
   const EarthMotion motion = testing::PlaneMotion();
   const Preintegrated pre = Increments(motion, 3.0, 4.0);
@@ -184,11 +185,11 @@ TEST(PreintegratedInertial, NominalPositionsDoNotMatter) {
   const Vector3d away(600.0, -600.0, 500.0);
   const PreintegratedInertial far(pre, motion.frame, motion.Pose(3.0).p_mb + away,
                                   motion.Pose(4.0).p_mb + away, 1, 1);
-  // 1e-6 m/s^2 over a second in units of 1e-4 m/s.
+  // 1e-6 m/s^2 over one second, in units of 1e-4 m/s.
   EXPECT_LE((ResidualOf(far, x) - near).lpNorm<Eigen::Infinity>(), 0.02);
 }
 
-// The whitened residual has the increments' covariance: W^T W = P^-1.
+// The whitened residual uses the covariance of the increments: W^T W = P^-1.
 TEST(PreintegratedInertial, IsWhitenedByTheCovariance) {
   const EarthMotion motion = testing::PlaneMotion();
   const Preintegrated pre = Increments(motion, 3.0, 4.0);
@@ -201,11 +202,11 @@ TEST(PreintegratedInertial, IsWhitenedByTheCovariance) {
   Vector9 e = Vector9::Zero();
   e.segment<3>(3) = motion.Pose(3.0).q_mb.conjugate() * v;
   const double expected = e.dot(pre.covariance.llt().solve(e));
-  EXPECT_NEAR(r.squaredNorm(), expected, 1e-3 * expected);  // the Earth turns by 7e-5 rad
+  EXPECT_NEAR(r.squaredNorm(), expected, 1e-3 * expected);  // the Earth rotates by 7e-5 rad
 }
 
-/// Information of a chain of edges on (state 0, ..., state n), tangent order rotation, position,
-/// velocity per node; the biases are held.
+/// Returns the information of a chain of edges on (state 0, ..., state n), in tangent order
+/// rotation, position, velocity per node; the biases are constant.
 Eigen::MatrixXd Information(const EarthMotion& motion, const std::vector<double>& times,
                             const ImuData& imu, const PreintegrationNoise& noise) {
   const Eigen::Index size = 9 * static_cast<Eigen::Index>(times.size());
@@ -225,13 +226,13 @@ Eigen::MatrixXd Information(const EarthMotion& motion, const std::vector<double>
   return N;
 }
 
-// Marginalising the interior nodes of a chain of one-sample edges gives the edge of the composed
-// increments: same information on the two outer nodes.
+// Marginalising the interior nodes of a chain of one-sample edges must give the edge of the
+// composed increments: the same information on the two outer nodes.
 TEST(PreintegratedInertial, RawChainIsThePreintegratedEdge) {
   const EarthMotion motion = testing::PlaneMotion();
   const ImuData imu = motion.Measure(0.0, 1.0, 100.0);
-  // Rough white noise keeps the elimination of the interior nodes well conditioned; no floor, as
-  // it would enter once per edge.
+  // Large white noise keeps the elimination of the interior nodes well conditioned. The floor is
+  // zero, because it would enter once per edge.
   const PreintegrationNoise noise{1e-3, 1e-2, 0.0};
   std::vector<double> times{imu.samples[29].t_s};
   for (int k = 1; k <= 10; ++k) times.push_back(imu.samples[29 + static_cast<std::size_t>(k)].t_s);

@@ -49,8 +49,8 @@ TEST(PriorVector, JacobiansAgreeInEverySize) {
   }
 }
 
-// Hand-computed: q0 is a yaw of 90 deg; a further turn of 0.2 rad about the turned x axis is one
-// about x before q0 and one about y after it.
+// Hand calculation: q0 is a yaw of 90 deg. A further rotation of 0.2 rad about the rotated x axis
+// is a rotation about x before q0 and about y after it.
 TEST(PriorRotation, ResidualIsInTheFrameOnItsSide) {
   const Eigen::Quaterniond q0(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
   const Eigen::Quaterniond q = q0 * Exp(Eigen::Vector3d(0.2, 0.0, 0.0));
@@ -64,7 +64,7 @@ TEST(PriorRotation, JacobiansAgreeAtRandomStates) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 rng(seed);
     const Eigen::Quaterniond q0 = RandomRotation(rng);
-    // Short of half a turn, where the logarithm jumps.
+    // Less than half a turn, where the logarithm is discontinuous.
     const Eigen::Vector3d phi = RandomVector(rng, 1.6);
     const Noise<3> noise = Noise<3>::Sigma({0.01, 0.02, 0.05});
     const PriorRotation right(q0, noise);
@@ -89,7 +89,8 @@ TEST(PriorRotation, JacobiansAgreeAtSpecialStates) {
   }
 }
 
-// Turning both from the side that is not measured, and the sign of a quaternion, change nothing.
+// Rotating both from the unmeasured side, or changing the sign of a quaternion, does not change the
+// residual.
 TEST(PriorRotation, IsInvariantOnTheOtherSide) {
   std::mt19937 rng(5);
   const Eigen::Quaterniond q0 = RandomRotation(rng), q = q0 * Exp(RandomVector(rng, 0.5));

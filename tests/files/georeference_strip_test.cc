@@ -311,7 +311,8 @@ TEST_F(GeoreferenceStrip, FilesThatCannotBeUsedAreNamed) {
   ExpectInvalidIn(run("timeless.las"), "no GPS time", "timeless.las");
   ExpectInvalidIn(run("empty.las"), "the strip has no points", "empty.las");
   ExpectInvalidIn(run("late.txt"), "all lie after the trajectory", "late.txt");
-  ExpectInvalidIn(run("far.txt"), "point 1: the point (4e+05, 5e+06, 300) m is no point in the",
+  ExpectInvalidIn(run("far.txt"),
+                  "point 1: the point (4e+05, 5e+06, 300) m is not a valid point in the",
                   "far.txt");
   for (const auto& entry : fs::directory_iterator(folder_.path())) {
     EXPECT_THAT(entry.path().filename().string(), ::testing::Not(::testing::HasSubstr("new_")));

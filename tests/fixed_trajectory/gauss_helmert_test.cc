@@ -43,7 +43,7 @@ GaussHelmertPair RandomPair(std::mt19937& rng) {
   return pair;
 }
 
-/// Central differences extrapolated once (fourth order).
+/// Computes central differences with one extrapolation (fourth order).
 Eigen::MatrixXd Numeric(int columns, const std::function<Vector3d(const Eigen::VectorXd&)>& f) {
   constexpr double kStep = 1e-3;
   Eigen::MatrixXd J(3, columns);
@@ -61,7 +61,7 @@ class Jacobians : public ::testing::TestWithParam<BoresightModel> {};
 
 TEST_P(Jacobians, AgreeWithNumericDifferencesAtRandomStates) {
   const BoresightModel model = GetParam();
-  // Rounding of coordinates of 1e3 m by a step of 1e-3, of derivatives of up to 1e3 m/rad.
+  // Rounding of coordinates of 1e3 m divided by a step of 1e-3, for derivatives of up to 1e3 m/rad.
   constexpr double kTolerance = 1e-6;
   for (unsigned seed = 0; seed < 50; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(GaussHelmert, Jacobians,
                          ::testing::Values(BoresightModel::kExponential,
                                            BoresightModel::kSmallAngle));
 
-// The paper's B has derivatives by roll, pitch and heading, R_mn d R_nb / d r s.
+// The paper's B contains derivatives with respect to roll, pitch and heading, R_mn d R_nb / d r s.
 TEST(GaussHelmert, AttitudeColumnsTimesEulerRatesAreThoseOfThePaper) {
   for (unsigned seed = 0; seed < 50; ++seed) {
     std::mt19937 rng(seed);
@@ -117,7 +117,7 @@ TEST(GaussHelmert, AttitudeColumnsTimesEulerRatesAreThoseOfThePaper) {
 TEST(GaussHelmert, NoiseFreeReturnsTheBoresight) {
   const StripPairOptions options;
   const GaussHelmertResult result = AdjustGaussHelmert(MakeStripPairs(options));
-  // Rounding of coordinates of 1e3 m over ranges of 250 m.
+  // Bound from rounding of coordinates of 1e3 m over ranges of 250 m.
   EXPECT_LE((result.boresight_rad - options.boresight_rad).norm(), 1e-11);
   EXPECT_TRUE(result.converged);
   EXPECT_LE(result.sigma0, 1e-9);
@@ -138,11 +138,12 @@ TEST(GaussHelmert, FiveDegreesOffOnEveryAxisConvergesToTheSame) {
   const GaussHelmertResult near = AdjustGaussHelmert(problem);
   EXPECT_TRUE(far.converged);
   EXPECT_LE(far.iterations, 8);
-  EXPECT_LE((far.boresight_rad - near.boresight_rad).norm(), 1e-10);  // the tolerance, tenfold
+  EXPECT_LE((far.boresight_rad - near.boresight_rad).norm(), 1e-10);  // ten times the tolerance
   EXPECT_NEAR(far.sigma0, near.sigma0, 1e-8);
 }
 
-// I + [theta]x stretches a vector across theta by theta^2/2: at 5 deg 0.4 % of the range and more.
+// I + [theta]x stretches a vector perpendicular to theta by theta^2/2: at 5 deg by at least 0.4 %
+// of the range.
 TEST(GaussHelmert, SmallAngleLeavesTheResidueOfItsSecondOrder) {
   StripPairOptions options;
   options.boresight_rad = Vector3d(5.0, 5.0, 5.0) * kDeg;
@@ -153,10 +154,10 @@ TEST(GaussHelmert, SmallAngleLeavesTheResidueOfItsSecondOrder) {
   const GaussHelmertResult exact = AdjustGaussHelmert(problem);
   EXPECT_LE(exact.residual_final_m, 1e-9);
   const double stretch_m = 0.5 * options.boresight_rad.squaredNorm() * 250.0;
-  EXPECT_GT(linear.residual_final_m, 0.05 * stretch_m);  // of the difference of two points
+  EXPECT_GT(linear.residual_final_m, 0.05 * stretch_m);  // for the difference of two points
   EXPECT_LT(linear.residual_final_m, 2.0 * stretch_m);
   const double error_deg = (linear.boresight_rad - options.boresight_rad).norm() / kDeg;
-  EXPECT_GT(error_deg, 0.01);  // theta^2/2 = 0.65 deg at the most
+  EXPECT_GT(error_deg, 0.01);  // theta^2/2 is at most 0.65 deg
   EXPECT_LT(error_deg, 0.7);
 }
 
@@ -170,7 +171,7 @@ TEST(GaussHelmert, SmallAngleAtZeroIsTheExponential) {
   small_angle.model = BoresightModel::kSmallAngle;
   const GaussHelmertResult a = AdjustGaussHelmert(problem, small_angle);
   const GaussHelmertResult b = AdjustGaussHelmert(problem);
-  // The estimate itself is 1e-5 rad: its square is the difference.
+  // The estimate is 1e-5 rad, so the models differ by its square.
   EXPECT_LE((a.boresight_rad - b.boresight_rad).norm(), 1e-9);
   EXPECT_LE((a.normal - b.normal).norm() / b.normal.norm(), 1e-4);
 }
@@ -189,7 +190,7 @@ TEST(GaussHelmert, AConstantAttitudeErrorIsAbsorbedExactly) {
   GaussHelmertProblem without_lever_arm = problem;
   const Vector3d expected =
       Log(Eigen::Quaterniond(Exp(Vector3d(-offset)) * Exp(options.boresight_rad)));
-  // The lever arm turns with the body and the boresight does not: 0.25 m of 250 m.
+  // The lever arm rotates with the body but not with the boresight: 0.25 m of 250 m.
   EXPECT_LE((AdjustGaussHelmert(problem).boresight_rad - expected).norm(), 5e-3 * offset.norm());
 }
 
@@ -200,11 +201,12 @@ TEST(GaussHelmert, SigmaFollowsTheRangeAndTheNumberOfPairs) {
   const GaussHelmertResult many = AdjustGaussHelmert(MakeStripPairs(options));
   const Vector3d ratio =
       few.covariance_apriori_rad2.diagonal().cwiseQuotient(many.covariance_apriori_rad2.diagonal());
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(ratio[i], 4.0, 0.8);  // 1/sqrt(300) of sampling, thrice
+  // Three times the sampling error 1/sqrt(300).
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(ratio[i], 4.0, 0.8);
 }
 
-// Flat ground, two opposite lines: along track 2 h pitch - D yaw is all that shows, so pitch and
-// yaw cannot be told apart; relief or a cross line separates them.
+// Two opposite lines over flat ground observe only 2 h pitch - D yaw along track, so pitch and yaw
+// are not separable. Relief or a cross line separates them.
 TEST(GaussHelmert, ConditionOfOppositeLinesOverFlatGround) {
   StripPairOptions options;
   options.lines = {{{-800, 0, 250}, {800, 0, 250}, 1000.0},
@@ -214,7 +216,7 @@ TEST(GaussHelmert, ConditionOfOppositeLinesOverFlatGround) {
   const GaussHelmertResult flat = AdjustGaussHelmert(MakeStripPairs(options));
   EXPECT_GT(flat.condition_number, 1e4);
   EXPECT_GT(std::abs(flat.correlation()(1, 2)), 0.99);
-  // Along the unobserved direction 2 h beta = D gamma.
+  // Along the unobservable direction 2 h beta = D gamma.
   const Eigen::Vector3d weak =
       flat.covariance_apriori_rad2.col(2) / flat.covariance_apriori_rad2(2, 2);
   EXPECT_NEAR(std::abs(weak[1]), 100.0 / 500.0, 0.02);
@@ -228,7 +230,7 @@ TEST(GaussHelmert, FormalCovarianceHoldsForWhiteErrors) {
   constexpr int kRuns = 300;
   StripPairOptions options;
   options.count = 60;
-  options.sigma_rph_rad = Vector3d(2e-4, 3e-4, 5e-4);  // as large as sigma_p at the range
+  options.sigma_rph_rad = Vector3d(2e-4, 3e-4, 5e-4);  // as large as sigma_p at this range
   const GaussHelmertProblem exact = MakeStripPairs(options);
   double nees = 0.0, chi2 = 0.0;
   for (int run = 0; run < kRuns; ++run) {
@@ -236,13 +238,13 @@ TEST(GaussHelmert, FormalCovarianceHoldsForWhiteErrors) {
     GaussHelmertProblem problem = exact;
     Disturb(&problem, WhiteErrors(rng), options.sigma_p_m, rng);
     GaussHelmertOptions adjust;
-    adjust.outlier_medians = 0.0;  // its truncation would bias chi2
+    adjust.outlier_medians = 0.0;  // outlier removal would bias chi2
     const GaussHelmertResult result = AdjustGaussHelmert(problem, adjust);
     const Vector3d e = BoresightError(result.boresight_rad, options.boresight_rad);
     nees += e.dot(result.normal * e);
     chi2 += result.chi2;
   }
-  // chi2 with n degrees of freedom: n +- 2.58 sqrt(2 n) with 99 %.
+  // The 99 % interval of chi2 with n degrees of freedom is n +- 2.58 sqrt(2 n).
   const double n = 3.0 * kRuns;
   EXPECT_NEAR(nees, n, 2.58 * std::sqrt(2.0 * n));
   const double m = kRuns * (3.0 * options.count - 3.0);
@@ -331,11 +333,13 @@ TEST_P(RobustLoss, BoundsTheInfluenceOfGrossPairs) {
   const GaussHelmertResult result = AdjustGaussHelmert(WithOutliers(options, 5, 20.0), robust);
   EXPECT_TRUE(result.converged);
   EXPECT_GE(result.outliers, 60);
-  EXPECT_LE(result.outliers, 60 + 48);  // Cauchy halves the weight of 10 % of the good ones, too
+  EXPECT_LE(result.outliers, 60 + 48);  // Cauchy also halves the weight of 10 % of the good pairs
   const Vector3d e = BoresightError(result.boresight_rad, options.boresight_rad);
   const double nees = e.dot(result.covariance_apriori_rad2.inverse() * e);
-  // Bounded influence, not none: Huber lets a fifth of the pairs pull with 2.5 sigma each.
-  EXPECT_LT(nees, GetParam() == Loss::Type::kHuber ? 150.0 : 16.3);  // chi2_3 at 0.1 %
+  // The influence is bounded but not zero: with Huber a fifth of the pairs have an influence of 2.5
+  // sigma each.
+  // 0.1 % quantile of chi2 with 3 degrees of freedom.
+  EXPECT_LT(nees, GetParam() == Loss::Type::kHuber ? 150.0 : 16.3);
 }
 
 INSTANTIATE_TEST_SUITE_P(GaussHelmert, RobustLoss,
@@ -373,7 +377,7 @@ TEST(GaussHelmert, RejectsBadInputByName) {
   bad.pairs = {good.pairs[0]};
   ExpectInvalid(bad, "there is one");
   bad.pairs.assign(10, good.pairs[0]);
-  ExpectInvalid(bad, "all 10 point pairs are one and the same");
+  ExpectInvalid(bad, "all 10 point pairs are identical");
   bad = good;
   bad.pairs[17].i.p_mb.x() = kNan;
   ExpectInvalid(bad, "pair 17, end i: the pose");
@@ -400,7 +404,7 @@ TEST(GaussHelmert, RejectsBadInputByName) {
   ExpectInvalid(bad, "sigma of the initial boresight");
 }
 
-// Both ends have the same attitude and the same vector: the boresight cancels.
+// Both ends have the same attitude and the same laser vector, so the boresight cancels.
 TEST(GaussHelmert, PairsThatDoNotSeeTheBoresightAreRankDeficient) {
   GaussHelmertProblem problem = MakeStripPairs();
   for (GaussHelmertPair& pair : problem.pairs) {

@@ -25,7 +25,7 @@ TEST(PlanePoint, JacobiansAreThoseOfDifferences) {
   const Vector3d theta(0.02, -0.03, 0.05);
   const double rho = 0.4;
   constexpr double kStep = 1e-5;
-  constexpr double kTolerance = 1e-6;  // of 250 m; second differences times the step squared
+  constexpr double kTolerance = 1e-6;  // at 250 m; second derivatives times the squared step
   for (const std::size_t q : {0u, 7u, 33u}) {
     const PlanePoint& point = problem.planes[q].points[3];
     const PlaneState plane{point.end.p_mb - Vector3d(3.0, 2.0, 240.0),
@@ -59,17 +59,17 @@ TEST(PlanePoint, JacobiansAreThoseOfDifferences) {
   }
 }
 
-// By hand: 100 m below, looking straight down, level plane: only height, and roll by nothing.
+// Hand calculation: the scanner looks down at a level plane 100 m below and 50 m to the right.
 TEST(PlanePoint, VarianceByHand) {
   PlanePoint point;
   point.end.q_mn = point.end.q_mb =
       Eigen::Quaterniond(Eigen::AngleAxisd(3.14159265358979, Vector3d::UnitX()));
-  point.end.u_b = Vector3d(0.0, 50.0, 100.0);  // to the right, and down
+  point.end.u_b = Vector3d(0.0, 50.0, 100.0);  // to the right and down
   point.end.sigma_ned_m = Vector3d(0.5, 0.5, 0.03);
   point.end.sigma_rph_rad = Vector3d(1e-3, 2e-3, 3e-3);
   const PlanePointLinearisation at =
       LinearisePlanePoint(point, 0.04, Vector3d::Zero(), Vector3d::Zero(), 0.0, PlaneState{});
-  // A roll lifts a point that lies 50 m aside by 50 m times the roll; pitch and heading do not.
+  // Roll lifts a point 50 m to the side by 50 m times the roll; pitch and heading do not.
   EXPECT_NEAR(at.variance_m2, 0.03 * 0.03 + 0.05 * 0.05 + 0.04 * 0.04, 1e-12);
 }
 
@@ -102,7 +102,7 @@ TEST(PlaneAdjustment, ThreadsChangeNothing) {
   EXPECT_EQ(AdjustPlanes(problem, options).boresight_rad, one.boresight_rad);
 }
 
-// N^-1 is the covariance under errors that are new at every point.
+// N^-1 is the covariance if the errors are independent between points.
 TEST(PlaneAdjustment, ScatterOfManyDrawsIsTheCovariance) {
   constexpr int kRuns = 200;
   StripPlaneOptions options;
@@ -127,7 +127,8 @@ TEST(PlaneAdjustment, ScatterOfManyDrawsIsTheCovariance) {
   }
   EXPECT_TRUE(ChiSquareInterval(0.99, 3.0 * kRuns).Contains(nees)) << nees;
   const auto dof = static_cast<double>(redundancy);
-  EXPECT_NEAR(chi2 / dof, 1.0, 0.01);  // first order; 4 sigma of chance are 0.015
+  // First-order approximation; 4 sigma of sampling error are 0.015.
+  EXPECT_NEAR(chi2 / dof, 1.0, 0.01);
 }
 
 TEST(PlaneAdjustment, WrongMatchesAndPointsAreLeftOut) {
@@ -135,7 +136,7 @@ TEST(PlaneAdjustment, WrongMatchesAndPointsAreLeftOut) {
   PlaneProblem problem = MakeStripPlanes(options);
   std::mt19937 rng(3);
   Disturb(&problem, NoError, rng);
-  for (std::size_t q = 0; q < 12; ++q) {  // one in five: the second strip saw another roof
+  for (std::size_t q = 0; q < 12; ++q) {  // one in five: the second strip observed another roof
     const int strip = problem.planes[q].points.back().strip;
     for (PlanePoint& point : problem.planes[q].points) {
       if (point.strip == strip) point.end.p_mb.z() += q % 2 == 0 ? 1.0 : -2.0;
@@ -191,8 +192,8 @@ TEST(PlaneAdjustment, RejectsBadInputByName) {
   EXPECT_THROW(std::ignore = AdjustPlanes(good, {.tolerance_rad = 0.0}), InvalidConfig);
 }
 
-// Errors that last for a strip scatter the boresight by far more than the normal matrix says, and
-// about as the reliable covariance does.
+// With errors that are constant over a strip, the boresight varies much more than the normal matrix
+// predicts, and about as much as the reliable covariance predicts.
 TEST(PlaneScatter, CoversErrorsThatLast) {
   constexpr int kRuns = 40;
   StripPlaneOptions options;

@@ -18,8 +18,8 @@ using testing::FlightLine;
 using testing::PoseError;
 using testing::StripPairOptions;
 
-/// A time-correlated error of the trajectory: six Gauss-Markov processes (position in map, attitude
-/// in body) on a grid fine against tau, plus a constant attitude error.
+/// A time-correlated trajectory error: six Gauss-Markov processes (position in map, attitude in
+/// body) on a grid much finer than tau, plus a constant attitude error.
 class CorrelatedErrors {
  public:
   CorrelatedErrors(const Vector3d& sigma_m, double position_tau_s, const Vector3d& sigma_rad,
@@ -56,15 +56,15 @@ class CorrelatedErrors {
 struct Case {
   const char* name;
   std::vector<FlightLine> lines;
-  double constant = 1.0;  ///< sigma of the constant attitude error / the stated sigma
-  double attitude = 1.0;  ///< the same of the Gauss-Markov process
+  double constant = 1.0;  ///< sigma of the constant attitude error / stated sigma
+  double attitude = 1.0;  ///< sigma of the Gauss-Markov process of the attitude / stated sigma
   double position = 1.0;
   double tau_s = 100.0;
   StatedBy stated_by = StatedBy::kDataSheet;
 };
 
 struct Consistency {
-  double nees = 0.0;                  ///< mean of e^T C^-1 e, 3 expected
+  double nees = 0.0;                  ///< mean of e^T C^-1 e; the expected value is 3
   double formal_nees = 0.0;           ///< the same with the covariance scaled by sigma0
   Vector3d width = Vector3d::Zero();  ///< rms of the stated sigma / rms of the error
 };
@@ -74,7 +74,7 @@ Consistency RunMonteCarlo(const Case& test, int runs) {
   options.lines = test.lines;
   options.count = 900;
   options.sigma_p_m = 0.06;
-  // Between a navigation and a tactical grade: 1 cm and 2 cm at 250 m.
+  // Between navigation and tactical grade: errors of 1 cm and 2 cm at 250 m.
   options.sigma_rph_rad = Vector3d(4e-5, 4e-5, 9e-5);
   options.sigma_ned_m = Vector3d(0.01, 0.01, 0.02);
   const GaussHelmertProblem exact = testing::MakeStripPairs(options);
@@ -123,13 +123,14 @@ std::vector<FlightLine> FourLines() {
   return lines;
 }
 
-/// Mean over runs of a chi-square of three degrees of freedom, with 99 %.
+/// Returns the 99 % bound of the mean over runs of a chi-square with three degrees of freedom,
+/// minus 3.
 double NeesBound(int runs) { return 2.58 * std::sqrt(6.0 / runs); }
 
-constexpr double kWidest = 1.5;  // "not wider than needed by more than half"
+constexpr double kWidest = 1.5;  // at most 50 % wider than necessary
 constexpr double kNarrowest = 0.75;
-// Three or four strips cannot tell errors of a minute from lasting ones: what is constant is taken
-// for half, or half for constant.
+// Three or four strips cannot separate errors of a minute from constant ones. The estimated
+// constant share may be wrong by a half.
 constexpr double kUndecided = 1.3;
 
 class Consistent : public ::testing::TestWithParam<Case> {};
@@ -141,7 +142,7 @@ TEST_P(Consistent, UnderGaussMarkovErrorsPlusAConstant) {
   EXPECT_GE(result.nees, (3.0 - NeesBound(kRuns)) / kUndecided);
   EXPECT_LE(result.width.maxCoeff(), kWidest * kUndecided) << result.width.transpose();
   EXPECT_GE(result.width.minCoeff(), kNarrowest / kUndecided) << result.width.transpose();
-  EXPECT_GT(result.formal_nees, 60.0);  // what it is for: the formal sigma is too small by far
+  EXPECT_GT(result.formal_nees, 60.0);  // shows the need: the formal sigma is much too small
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -164,8 +165,8 @@ TEST(TrajectoryScatter, NoticesThatTheStatedSigmaIsOptimistic) {
   const Consistency result =
       RunMonteCarlo({"", testing::CrossingLines(), 1.0, 3.0, 3.0, 100.0}, kRuns);
   EXPECT_GT(result.formal_nees, 3.0 * 100.0);
-  // Of 3 x 10 with the stated size alone: three times that is 2.5 sigma of what is believed of a data
-  // sheet, which draws it back.
+  // With the stated size alone the value would be 3 x 10. An error of three times the stated size
+  // is 2.5 sigma of the prior of a data sheet, which pulls the estimate back.
   EXPECT_LT(result.nees, 3.0 * 3.0);
 }
 
@@ -217,7 +218,7 @@ TEST(TrajectoryScatter, NothingWithoutMisclosures) {
   run.problem = testing::MakeStripPairs();
   run.Adjust();
   const Vector3d sigma = run.Estimate().covariance_rad2.diagonal().cwiseSqrt();
-  EXPECT_LE(sigma.maxCoeff(), 1e-9);  // of stated sigmas of 5e-5 and more
+  EXPECT_LE(sigma.maxCoeff(), 1e-9);  // with stated sigmas of at least 5e-5
 }
 
 TEST(TrajectoryScatter, TheReliableCovarianceIsTheSumOfItsParts) {
@@ -228,10 +229,10 @@ TEST(TrajectoryScatter, TheReliableCovarianceIsTheSumOfItsParts) {
     return Matrix3d(ReliableCovariance(run.result, scatter, constant) - scatter.covariance_rad2 -
                     constant);
   };
-  // Of 297 x 3 observations, ten more are 1 %.
+  // Ten additional observations are 1 % of 297 x 3.
   EXPECT_LE((white() - run.result.covariance_scaled_rad2).norm(),
             0.02 * run.result.covariance_scaled_rad2.norm());
-  // Two pairs that happen to fit prove nothing.
+  // Two pairs that fit by chance are no evidence of small noise.
   run.result.redundancy = 3;
   run.result.chi2 = 0.1;
   run.result.sigma0 = std::sqrt(0.1 / 3.0);
@@ -242,8 +243,8 @@ TEST(TrajectoryScatter, TheReliableCovarianceIsTheSumOfItsParts) {
               1e-9 * run.result.covariance_apriori_rad2(0, 0));
 }
 
-/// Errors of six Gauss-Markov processes of 60 s, half of the variance constant over the flight, at
-/// epochs on the lines.
+/// Returns the covariance of six Gauss-Markov processes of 60 s, with half of the variance constant
+/// over the flight, at epochs on the lines.
 PoseCovariance StatedCovariance(const StripPairOptions& strips) {
   constexpr int kEpochsPerLine = 6;
   PoseCovariance stated;
@@ -269,7 +270,7 @@ PoseCovariance StatedCovariance(const StripPairOptions& strips) {
   return stated;
 }
 
-/// A sample of stated errors, linear in time between the epochs of a strip.
+/// A random sample of the stated errors, linear in time between the epochs of a strip.
 class StatedErrors {
  public:
   StatedErrors(const PoseCovariance& stated, std::mt19937& rng) : stated_(stated) {
@@ -316,7 +317,7 @@ TEST(TrajectoryScatter, AStatedCovarianceGivesThatOfTheBoresight) {
     error2 += e.cwiseAbs2() / kRuns;
     stated2 += C.diagonal() / kRuns;
   }
-  EXPECT_NEAR(nees, 3.0, 1.5 * NeesBound(kRuns));  // the scale is estimated, too
+  EXPECT_NEAR(nees, 3.0, 1.5 * NeesBound(kRuns));  // the scale is also estimated
   EXPECT_NEAR(scale, 1.0, 0.1);
   const Vector3d width = stated2.cwiseQuotient(error2).cwiseSqrt();
   EXPECT_LE(width.maxCoeff(), 1.2) << width.transpose();

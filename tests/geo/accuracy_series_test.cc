@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 using testing::ExpectInvalidIn;
 using testing::TempFolder;
 
-// Least significant byte first, whatever the machine.
+// Returns the bytes with the least significant byte first on any machine.
 std::string LittleEndian(const std::vector<double>& values) {
   std::string bytes;
   for (const double value : values) {
@@ -27,7 +27,7 @@ std::string LittleEndian(const std::vector<double>& values) {
   return bytes;
 }
 
-// North, east, down 1, 2, 3 cm; roll, pitch, heading 0.6, 0.9, 3 arc minutes.
+// North, east, down: 1, 2, 3 cm; roll, pitch, heading: 0.6, 0.9, 3 arc minutes.
 const std::vector<double> kFirst{381000, 0.01, 0.02, 0.03, 1, 1, 1, 0.6, 0.9, 3.0};
 const std::vector<double> kSecond{381010, 0.03, 0.02, 0.03, 1, 1, 1, 0.6, 0.9, 1.0};
 

@@ -10,14 +10,14 @@
 
 namespace dn::local_frame_test {
 
-// WGS84, defining and derived constants (NGA.STND.0036).
+// Defining and derived constants of WGS84 (NGA.STND.0036).
 constexpr double kSemiMajorAxisM = 6378137.0;
 constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kEccentricitySquared = kFlattening * (2.0 - kFlattening);
 constexpr double kEquatorGravityMps2 = 9.7803253359;
 constexpr double kSomigliana = 0.00193185265241;
 
-// Rounding of coordinates of the size of the Earth's radius.
+// Rounding of coordinates as large as the Earth's radius.
 constexpr double kPositionToleranceM = 5e-9;
 // The published constants have 11 significant digits.
 constexpr double kGravityToleranceMps2 = 1e-9;
@@ -126,7 +126,8 @@ TEST(LocalFrame, GravityIsAttractionAndCentrifugalForce) {
   }
 }
 
-// 20 km to the east: down tilts by distance / N, and north turns by that times tan(latitude).
+// A point 20 km to the east: down is tilted by distance / N, and north rotated by that times
+// tan(latitude).
 TEST(LocalFrame, NorthEastDownIsThatOfThePoint) {
   const Geodetic origin{kLausanne.lat_rad, kLausanne.lon_rad, 0.0};
   const LocalFrame frame(origin);

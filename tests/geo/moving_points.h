@@ -8,8 +8,8 @@
 
 namespace dn::testing {
 
-/// A climbing turn at 50 m/s flown from (46.57, 6.52) deg, sampled n times every dt_s, with exact
-/// velocities and an attitude that crabs.
+/// Returns a climbing turn at 50 m/s that starts at (46.57, 6.52) deg, with n points every dt_s. It
+/// has exact velocities, and a heading that differs from the course.
 inline std::vector<NavPoint> MovingPoints(int n, double dt_s) {
   const LocalFrame frame({46.57 * kRadPerDeg, 6.52 * kRadPerDeg, 500.0});
   constexpr double kSpeedMps = 50.0, kTurnRadps = 0.05, kClimbMps = 2.0;

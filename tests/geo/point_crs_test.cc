@@ -13,7 +13,7 @@ using testing::ExpectInvalid;
 
 const LocalFrame kSierra({37.8 * kRadPerDeg, -119.0 * kRadPerDeg, 2600.0});
 
-// One point of a public cloud, projected by PROJ to both systems, each rounded to 1 cm.
+// One point of a public point cloud, projected by PROJ to both systems and rounded to 1 cm.
 const Vector3d kUtm(320000.34, 4181319.35, 2687.59);
 const Vector3d kEcef(-2452030.8656976963, -4415677.988863611, 3886195.4099422703);
 constexpr double kRoundingM = 0.01;
@@ -51,8 +51,7 @@ TEST(PointCrs, JacobianIsTheDerivative) {
       const Vector3d step_m = kStepM * Vector3d::Unit(i);
       numeric.col(i) = (crs.FromMap(p_m + step_m) - crs.FromMap(p_m - step_m)) / (2.0 * kStepM);
     }
-    // The scale of the grid changes with height by 1e-4 over 700 m; the Jacobian is that of the
-    // ellipsoid.
+    // The grid scale changes with height by 1e-4 over 700 m; the Jacobian is that at the ellipsoid.
     EXPECT_LT((crs.J_c_m(p_m) - numeric).cwiseAbs().maxCoeff(), 1e-3) << name;
   }
 }

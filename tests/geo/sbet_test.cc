@@ -88,7 +88,7 @@ TEST(Sbet, WritesTheColumnsOfTheFormat) {
   EXPECT_EQ(Get(sbet, 1, 16), points[1].w_b_radps.z());
 }
 
-/// Turns a file with wander angle 0 into one of another wander angle and sign convention.
+/// Converts a file with wander angle 0 to another wander angle and sign convention.
 std::string Wandered(std::string sbet, double wander_rad, double y_sign, double z_sign) {
   for (std::size_t i = 0; i < sbet.size() / kRecordBytes; ++i) {
     const double vn = Get(sbet, i, 4), ve = Get(sbet, i, 5), vd = Get(sbet, i, 6);
@@ -125,8 +125,9 @@ TEST(Sbet, DifferentiatesWhereTheVelocitiesContradictThePositions) {
   }
   const Trajectory trajectory = Read(sbet);
   EXPECT_FALSE(trajectory.notes().velocity_from_file);
-  EXPECT_THAT(trajectory.notes().text, ::testing::HasSubstr("differentiation"));
-  // Parabola through three points: jerk of 0.125 m/s^3 over 0.01 s; and nanometres over 0.01 s.
+  EXPECT_THAT(trajectory.notes().text, ::testing::HasSubstr("differentiated positions"));
+  // The parabola through three points is exact up to a jerk of 0.125 m/s^3 over 0.01 s and rounding
+  // of nanometres over 0.01 s.
   constexpr double kDifferentiationMps = 2e-5;
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_LE((trajectory.points()[i].v_ned_mps - points[i].v_ned_mps).norm(), kDifferentiationMps);
@@ -145,7 +146,7 @@ TEST(Sbet, AcceptsVelocitiesWithinATenthOfAMetrePerSecond) {
 TEST(Sbet, DropsRepeatsAndContinuesOverTheWeek) {
   const std::vector<NavPoint> points = MovingPoints(4, 0.5);
   std::string sbet = FormatSbet(points);
-  sbet += sbet.substr(3 * kRecordBytes);  // the last record twice
+  sbet += sbet.substr(3 * kRecordBytes);  // repeats the last record
   for (std::size_t i = 0; i < 5; ++i) {
     const double t_s = 604799.0 + 0.5 * static_cast<double>(std::min<std::size_t>(i, 3));
     Set(sbet, i, 0, t_s >= 604800.0 ? t_s - 604800.0 : t_s);
@@ -159,7 +160,7 @@ TEST(Sbet, DropsRepeatsAndContinuesOverTheWeek) {
 TEST(Sbet, APathIsOfEpochsApart) {
   const std::vector<NavPoint> points = MovingPoints(500, 0.01);
   std::string sbet = FormatSbet(points);
-  sbet += sbet.substr(499 * kRecordBytes);  // the last record twice
+  sbet += sbet.substr(499 * kRecordBytes);  // repeats the last record
   const TempFile file("trajectory.out", sbet);
   const std::vector<NavPoint> path = ReadSbetPath(file.path(), 0.5);
   ASSERT_EQ(path.size(), 10u);
@@ -211,8 +212,9 @@ TEST(Sbet, RejectionNamesTheFile) {
   }
 }
 
-// Course, heading and sign convention as stated with the data: courses from positions 158.41 deg
-// and from velocities 158.39 deg, true heading 163.99 deg, y to the left of x.
+// Course, heading and sign convention are those documented with the data: the course is 158.41 deg
+// from positions and 158.39 deg from velocities, the true heading 163.99 deg, and y is to the left
+// of x.
 TEST(Sbet, ReadsARealFile) {
   const std::filesystem::path path = DN_SHARED_DATA_DIR "/data/leeward/sbet.out";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "real data absent: " << path;

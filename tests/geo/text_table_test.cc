@@ -86,7 +86,7 @@ TEST(TextTable, RejectsWrongNumbersOfColumns) {
         Read("# x\n1 2 3 4 5\n", {4, 7, 10, 13});
       },
       "5 columns, must have 4, 7, 10 or 13", 2);
-  ExpectInvalid([] { Read("1 2\n1 2\n1 2 3\n"); }, "3 columns, the rows before it 2", 3);
+  ExpectInvalid([] { Read("1 2\n1 2\n1 2 3\n"); }, "3 columns, but the rows before it have 2", 3);
 }
 
 TEST(TextTable, RejectsWhatIsNoFileOfNumbers) {
@@ -107,7 +107,7 @@ TEST(TextTable, RejectsANamedPipeAtOnce) {
 TEST(TextTable, RejectsLinesAndFilesOfAbsurdLength) {
   const std::string digits(3000000, '1');
   ExpectInvalid([&] { Read("1 2\n" + digits); }, "line is longer than 65536 bytes", 2);
-  ExpectInvalid([&] { Read(std::string(3000000, '\0')); }, "this is no text file", 1);
+  ExpectInvalid([&] { Read(std::string(3000000, '\0')); }, "this is not a text file", 1);
   const TempFile file("table.txt", "1 2\n");
   std::filesystem::resize_file(file.path(), std::uintmax_t{1} << 40);
   ExpectInvalid([&] { ReadTextTable(file.path(), {}); }, "file has 1099511627776 bytes", 0);
@@ -209,7 +209,7 @@ TEST(TextTableReader, ExpectsTheColumnsOfThePartBefore) {
   const TempFile file("table.txt", "1, 2\n3, 4, 5\n");
   TextTableReader reader(file.path(), {2, 3});
   ASSERT_TRUE(reader.Next(1));
-  ExpectInvalid([&] { reader.Next(1); }, "row has 3 columns, the rows before it 2", 2);
+  ExpectInvalid([&] { reader.Next(1); }, "row has 3 columns, but the rows before it have 2", 2);
 }
 
 }  // namespace dn::text_table_test

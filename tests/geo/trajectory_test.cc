@@ -17,7 +17,7 @@ using testing::ExpectInvalid;
 
 const LocalFrame kFrame({46.57 * kRadPerDeg, 6.52 * kRadPerDeg, 500.0});
 
-// Rounding of coordinates of the size of the Earth's radius.
+// Rounding of coordinates as large as the Earth's radius.
 constexpr double kPositionToleranceM = 5e-9;
 constexpr double kAngleToleranceRad = 1e-14;
 
@@ -44,14 +44,14 @@ TEST(NavPoint, RoundTripsThroughTheMap) {
     EXPECT_EQ(back.t_s, pose.t_s);
     EXPECT_LE((back.p_mb - pose.p_mb).norm(), kPositionToleranceM);
     EXPECT_LE((back.v_m - pose.v_m).norm(), 1e-12);
-    // At small angles angularDistance is no better than the root of the rounding.
+    // At small angles angularDistance is only accurate to the square root of the rounding error.
     EXPECT_LE(Log(Eigen::Quaterniond(back.q_mb.conjugate() * pose.q_mb)).norm(),
               kAngleToleranceRad);
   }
 }
 
-// A level aircraft 20 km east of the origin heading for true north: its attitude in m is the NED
-// of the point, 0.18 deg from that of the origin.
+// A level aircraft 20 km east of the origin with true heading north: its attitude in m is the NED
+// frame of the point, which differs by 0.18 deg from that of the origin.
 TEST(NavPoint, AttitudeRefersToTheNorthEastDownOfThePoint) {
   MapPose pose;
   pose.p_mb = {20000.0, 0.0, 0.0};
@@ -123,7 +123,7 @@ TEST(InterpolatePose, IsExactOnACubicWithConstantTurn) {
   };
   std::vector<MapPose> poses;
   for (const double t : {0.0, 0.7, 1.0, 2.5}) poses.push_back(exact(t));
-  poses[1].q_mb.coeffs() *= -1.0;  // the sign of a quaternion is free
+  poses[1].q_mb.coeffs() *= -1.0;  // the sign of a quaternion does not matter
   for (const double t : {0.0, 0.3, 0.7, 0.9, 1.8, 2.5}) {
     SCOPED_TRACE(t);
     const MapPose pose = InterpolatePose(poses, t), expected = exact(t);

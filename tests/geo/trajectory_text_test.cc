@@ -47,7 +47,8 @@ TEST(TrajectoryText, RoundTrips) {
   const Trajectory trajectory = Read(FormatTrajectoryText(points));
   ASSERT_EQ(trajectory.points().size(), points.size());
   constexpr double kRoundingRad = 4e-16;
-  // Parabola through three points at the ends: h^2/3 of a jerk of 0.125 m/s^3.
+  // The parabola through three points has, at the ends, an error of h^2/3 times a jerk of 0.125
+  // m/s^3.
   constexpr double kDifferentiationMps = 1.1e-4;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const NavPoint &a = trajectory.points()[i], &b = points[i];
@@ -61,8 +62,8 @@ TEST(TrajectoryText, RoundTrips) {
   EXPECT_FALSE(trajectory.notes().velocity_from_file);
 }
 
-// Nose up by 0.1 rad: forward-left-up and forward-right-down share the forward axis, hence the
-// pitch; a level forward-left-up body is half a turn about it from the other.
+// Nose up by 0.1 rad. Forward-left-up and forward-right-down frames share the forward axis and
+// therefore the pitch; they differ by half a turn about it.
 TEST(TrajectoryText, TurnsForwardLeftUp) {
   const Eigen::Quaterniond q_n_frd = QuaternionFromRollPitchHeading({0.0, 0.1, 0.0});
   const Eigen::Matrix3d R_frd_flu = Eigen::Vector3d(1, -1, -1).asDiagonal();
@@ -100,7 +101,7 @@ TEST(TrajectoryText, RejectsBadFilesEachByItsOwnMessage) {
 
 using Attitude = TrajectoryColumns::Attitude;
 
-// The same points in every system of coordinates.
+// Writes the same points in every coordinate system.
 TEST(TrajectoryText, ReadsProjectedLocalAndGeocentricPositions) {
   const std::vector<NavPoint> points = MovingPoints(20, 1.0);
   const Geodetic origin{points[0].position.lat_rad - 0.001, points[0].position.lon_rad, 300.0};
@@ -121,15 +122,15 @@ TEST(TrajectoryText, ReadsProjectedLocalAndGeocentricPositions) {
   }
 }
 
-// A body that looks north-east (heading 30 deg), nose up 10 deg, right wing down 5 deg: axes
-// forward, right, down in north, east, down, written out.
+// A body with heading 30 deg, nose up 10 deg and right wing down 5 deg. The test spells out the
+// signs of its axes forward, right, down in north, east, down.
 TEST(TrajectoryText, ReadsAttitudesOfOtherConventions) {
   const Eigen::Vector3d rph_deg(5.0, 10.0, 30.0);
   const Eigen::Quaterniond q_n_frd = QuaternionFromRollPitchHeading(kRadPerDeg * rph_deg);
   const Eigen::Matrix3d R_n_frd = q_n_frd.toRotationMatrix();
-  EXPECT_GT(R_n_frd(0, 0), 0.8);   // forward is north,
+  EXPECT_GT(R_n_frd(0, 0), 0.8);   // forward points north
   EXPECT_LT(R_n_frd(2, 0), -0.1);  // and up
-  EXPECT_GT(R_n_frd(2, 1), 0.05);  // right is down
+  EXPECT_GT(R_n_frd(2, 1), 0.05);  // right points down
   Eigen::Matrix3d R_enu_ned;
   R_enu_ned << 0, 1, 0, 1, 0, 0, 0, 0, -1;
   const Eigen::Matrix3d R_frd_flu = Eigen::Vector3d(1, -1, -1).asDiagonal();
@@ -146,11 +147,12 @@ TEST(TrajectoryText, ReadsAttitudesOfOtherConventions) {
   expect(wxyz(q_enu_frd), {.attitude = Attitude::kQuaternionEnu});
   expect(wxyz(q_enu_flu), {.attitude = Attitude::kQuaternionEnu, .body_is_flu = true});
   expect({5.0, 10.0, 30.0}, {.attitude = Attitude::kRollPitchHeading});
-  // Nose up is a negative turn about the left axis; east is 90 deg from north the other way.
+  // Nose up is a negative rotation about the left axis, and yaw counts from east, opposite to
+  // heading.
   expect({5.0, -10.0, 60.0}, {.attitude = Attitude::kRollPitchYawEnu});
 }
 
-// Meridians converge by the difference of longitude times the sine of the latitude, nearly.
+// Meridian convergence is approximately the difference of longitude times the sine of the latitude.
 TEST(TrajectoryText, TurnsGridNorth) {
   const LocalFrame frame({46.0 * kRadPerDeg, 6.0 * kRadPerDeg, 500.0});
   const Eigen::Vector3d p_utm = PointCrs("utm:32n", frame).FromMap(Eigen::Vector3d::Zero());
@@ -169,7 +171,7 @@ TEST(TrajectoryText, ErrorsOfOtherColumnsSayWhatIsWrong) {
   ExpectInvalid([&] { Read("1 46 6 500 0 91 0\n2 46 6 500 0 9 0\n", angles); },
                 "must be within 180, 90", 1);
   ExpectInvalid([&] { Read("1 46 6 500 1 0 0 0\n2 46 6 5 1 0 0 0\n", {.crs = "utm:32n"}); },
-                "degrees have trajectory.crs: geographic", 1);
+                "if these are degrees, set trajectory.crs: geographic", 1);
   EXPECT_THROW(Read("1 0 0 500 1 0 0 0\n2 1 0 500 1 0 0 0\n", {.crs = "map"}), InvalidConfig);
 }
 
@@ -192,7 +194,7 @@ TEST_P(RealTrajectory, Reads) {
   for (const NavPoint& point : trajectory.points()) {
     EXPECT_NEAR(point.q_nb.norm(), 1.0, 1e-15);
   }
-  // Half of the epochs move at a speed that the vehicle can have.
+  // Half of the epochs must have a plausible speed for the vehicle.
   std::vector<double> speeds_mps;
   for (const NavPoint& point : trajectory.points()) speeds_mps.push_back(point.v_ned_mps.norm());
   std::nth_element(speeds_mps.begin(), speeds_mps.begin() + speeds_mps.size() / 2,

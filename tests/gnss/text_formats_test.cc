@@ -117,7 +117,7 @@ TEST(OdynGnss, DegreesAreNoGrid) {
   const TempFile file("GPS.txt", "10, 47.05, 8.3, 500\n");
   const GnssColumns grid{TextCoordinates("utm:32n", {}, "gnss.crs")};
   ExpectInvalid([&] { ReadGnss(file.path(), GnssFormat::kOdyn, 0.0, grid); },
-                "degrees have gnss.crs: geographic", 1);
+                "if these are degrees, set gnss.crs: geographic", 1);
 }
 
 TEST(OdynGnss, DropsRepeatsAndContinuesOverTheWeek) {

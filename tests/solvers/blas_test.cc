@@ -8,7 +8,7 @@
 
 namespace dn::blas_test {
 
-/// The shared library in which a function of this process is found first.
+/// Returns the shared library from which this process takes a function.
 std::string LibraryOf(const char* function) {
   void* address = dlsym(RTLD_DEFAULT, function);
   Dl_info info{};
@@ -16,7 +16,7 @@ std::string LibraryOf(const char* function) {
   return info.dli_fname;
 }
 
-// Debian's Ceres brings ATLAS, on which CHOLMOD is about twice as slow.
+// Debian's Ceres pulls in ATLAS, with which CHOLMOD is about twice as slow.
 TEST(Blas, CholmodsKernelsComeFromOpenBlas) {
   for (const char* function : {"dgemm_", "dsyrk_", "dtrsm_", "dsymm_"}) {
     EXPECT_NE(LibraryOf(function).find("openblas"), std::string::npos)

@@ -9,9 +9,9 @@
 
 namespace dn::block_kinds_test {
 
-constexpr double kTolerance = 1e-9;  ///< of a covariance, relative: two ways of the same algebra
+constexpr double kTolerance = 1e-9;  ///< relative, for a covariance computed in two equivalent ways
 
-/// The residual of a relative pose on separate blocks, and on poses.
+/// Residual of a relative pose, for separate blocks and for poses.
 struct Relative {
   Transform<double> T_ij;
 
@@ -26,8 +26,8 @@ struct Relative {
   }
 };
 
-// The same chain with a loop, once with poses as one block each and once as rotation and
-// translation: values and covariances agree, rotation first.
+// Builds the same chain with a loop twice: with each pose as one block, and with rotation and
+// translation as separate blocks. Values and covariances must agree, rotation first.
 TEST(Pose, IsARotationAndATranslation) {
   std::mt19937 rng(5);
   const auto random = [&](double angle, double length) {
@@ -75,7 +75,7 @@ TEST(Pose, IsARotationAndATranslation) {
   }
 }
 
-/// A unit vector in the plane, moved by an angle in rad.
+/// A unit vector in the plane, perturbed by an angle in rad.
 struct Direction {
   static constexpr int kSize = 2, kTangentSize = 1;
   template <class T>
@@ -91,7 +91,7 @@ struct Direction {
   }
 };
 
-// Three bearings of 0.02 rad: their mean, and sigma 0.02 / sqrt(3).
+// Three bearings with sigma 0.02 rad: the solution is their mean, with sigma 0.02 / sqrt(3).
 TEST(ManifoldKind, IsSolvedWithItsCovariance) {
   Network net;
   const auto d = net.AddBlock<Direction>("d", {1.0, 0.0});
@@ -109,7 +109,7 @@ TEST(ManifoldKind, IsSolvedWithItsCovariance) {
   EXPECT_NEAR(std::sqrt(MarginalCovariance(net, d)(0, 0)), 0.02 / std::sqrt(3.0), 1e-12);
 }
 
-// Removing a factor leaves the adjustment of the others.
+// Removing a factor must give the adjustment of the remaining factors.
 TEST(Network, RemovedFactorsDoNotCount) {
   Network net;
   const auto x = net.AddScalar("x", 0.0);

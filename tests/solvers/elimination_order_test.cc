@@ -9,7 +9,8 @@
 
 namespace dn::elimination_order_test {
 
-/// Every block of a cube of side^3 blocks shares a factor with its neighbours.
+/// Returns the pattern of a cube of side^3 blocks, in which each block shares a factor with its
+/// neighbours.
 SymmetricCsc CubePattern(int side) {
   SymmetricCsc pattern;
   pattern.n = side * side * side;
@@ -44,7 +45,7 @@ TEST(EliminationOrder, DissectsWhereMinimumDegreeLeavesMuchToDo) {
   EXPECT_LT(order.block_operations, 0.9 * small_blocks.block_operations);
 }
 
-// A chain of n blocks: one multiplication for each, besides the diagonal.
+// A chain of n blocks needs one multiplication per block in addition to the diagonal.
 TEST(EliminationOrder, CountsTheOperations) {
   SymmetricCsc chain;
   chain.n = 1000;

@@ -11,7 +11,7 @@ namespace dn::factor_errors_test {
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// Many priors on numbers, of which number `bad` throws above 0.5.
+/// Returns a network of n priors on numbers; prior number `bad` throws above 0.5.
 Network Throwing(int n, int bad) {
   Network net;
   for (int i = 0; i < n; ++i) {
@@ -49,7 +49,7 @@ TEST(Marginals, PassOnWhatAFactorThrows) {
   }
 }
 
-/// Two residuals, of which one is written.
+/// Has two residuals but writes only one.
 struct HalfWritten : AutoFactor<HalfWritten, 2, Scalar> {
   template <class T>
   bool Residual(const T* x, T* r) const {
@@ -58,7 +58,7 @@ struct HalfWritten : AutoFactor<HalfWritten, 2, Scalar> {
   }
 };
 
-/// A Jacobian of its own for the first block only.
+/// Writes a Jacobian only for its first block.
 class HalfDifferentiated final : public Factor<HalfDifferentiated, 1, Scalar, Scalar> {
  public:
   bool Evaluate(double const* const* x, double* r, double** J) const override {

@@ -26,9 +26,10 @@ Marginals WithSelectedInverse(const Network& net) {
   return marginals;
 }
 
-// One unknown, measured four times with sigma 1 as 1, 1, 1 and 5: the mean is 2, the residuals are
-// -1, -1, -1 and 3 (and their signs turned), chi2 = 12 with redundancy 3. Each row has the
-// redundancy 3/4, so that w = 3 / sqrt(3/4) and errors from 4.13 / sqrt(3/4) sigmas on are found.
+// One unknown is measured four times with sigma 1 as 1, 1, 1 and 5. The mean is 2, the residuals
+// are -1, -1, -1 and 3 (with opposite signs), and chi2 = 12 with redundancy 3. Each row has the
+// redundancy number 3/4, so w = 3 / sqrt(3/4) and the minimal detectable bias is 4.13 / sqrt(3/4)
+// sigmas.
 TEST(CheckFit, OfAMean) {
   Network net;
   const auto x = net.AddVector<1>("x", Scalar(2.0));
@@ -52,7 +53,7 @@ TEST(CheckFit, OfAMean) {
   EXPECT_EQ(channel.observations, 4);
   EXPECT_NEAR(channel.redundancy, 3.0, 1e-12);
   EXPECT_NEAR(channel.variance_ratio, 4.0, 1e-12);
-  EXPECT_NEAR(channel.p_value, check.p_value, 1e-9) << "the channel is all there is";
+  EXPECT_NEAR(channel.p_value, check.p_value, 1e-9) << "the channel contains all rows";
   EXPECT_NEAR(channel.minimal_detectable, (3.2905267 + 0.8416212) / std::sqrt(0.75), 1e-6);
 
   EXPECT_EQ(check.worst.row.factor, last);
@@ -60,11 +61,11 @@ TEST(CheckFit, OfAMean) {
   EXPECT_EQ(check.worst.row.axis, "inside");
   EXPECT_EQ(check.worst.row.t_s, 15.0);
   EXPECT_NEAR(std::abs(check.worst.standardised), 3.0 / std::sqrt(0.75), 1e-12);
-  // w^2 = 12: of four rows, 4 erfc(sqrt 6)
+  // The largest w^2 is 12: with four rows the Bonferroni p-value is 4 erfc(sqrt 6).
   EXPECT_NEAR(check.worst_p_value, 4.0 * std::erfc(std::sqrt(6.0)), 1e-12);
 }
 
-// Two thermometers of which one is three times as bad as stated; priors are no channel.
+// One of two thermometers is three times as noisy as stated. Priors do not form a channel.
 TEST(CheckFit, ConvictsTheGroupWhoseNoiseIsStatedWrong) {
   std::mt19937 rng(3);
   std::normal_distribution<double> normal;
@@ -111,14 +112,14 @@ TEST(CheckFit, ConvictsTheGroupWhoseNoiseIsStatedWrong) {
 }
 
 TEST(RowTest, RefusesProbabilitiesThatAreNone) {
-  EXPECT_NEAR(RowTest{}.NonCentrality(), 4.132148, 1e-6) << "Baarda's 17.07, rooted";
+  EXPECT_NEAR(RowTest{}.NonCentrality(), 4.132148, 1e-6) << "square root of Baarda's 17.07";
   EXPECT_TRUE(std::isinf(RowTest{}.MinimalDetectable(0.0)));
   EXPECT_THROW((RowTest{.alpha = 0.0}.NonCentrality()), InvalidConfig);
   EXPECT_THROW((RowTest{.alpha = 0.001, .power = 1.0}.NonCentrality()), InvalidConfig);
 }
 
-// The exact moments of a sum of squares of n rows that one mean is fitted to: n - 1 and 2 (n - 1).
-// Summed over the rows they are zero: the mean takes what the rows have in common.
+// The sum of squares of n rows after fitting one mean has the exact mean n - 1 and variance 2 (n -
+// 1). The sum of the rows is zero, because the mean absorbs their common part.
 TEST(ResidualForm, MomentsOfAMean) {
   Network net;
   const auto x = net.AddVector<1>("x", Scalar(0.0));
@@ -136,7 +137,7 @@ TEST(ResidualForm, MomentsOfAMean) {
   EXPECT_NEAR(moments[1].mean, 0.0, 1e-12);
 }
 
-// Of many rows they come from samples, which say how uncertain they are.
+// For many rows the moments come from samples, and report the number of samples.
 TEST(ResidualForm, MomentsOfManyRowsAreThoseOfSamples) {
   Network net;
   for (int k = 0; k < 250; ++k) {
@@ -150,7 +151,7 @@ TEST(ResidualForm, MomentsOfManyRowsAreThoseOfSamples) {
   EXPECT_GT(moments.samples, 0);
   EXPECT_NEAR(moments.mean, 250.0, 4.0 * std::sqrt(500.0 / moments.samples));
   EXPECT_LT(moments.Dof(), 2.0 * moments.mean * moments.mean / moments.variance)
-      << "on the safe side";
+      << "must be conservative";
 }
 
 }  // namespace dn::fit_check_test

@@ -16,10 +16,10 @@ namespace dn::gauss_newton_test {
 using testing::MakePoseGraph;
 using testing::PoseGraph;
 
-// From here on Solve begins with undamped steps.
+// With this number of blocks Solve starts with undamped steps.
 constexpr int kManyBlocks = 100;
 
-/// r = 10 atan(x - z): undamped steps run away from where |x - z| > 1.4.
+/// r = 10 atan(x - z): undamped steps diverge if |x - z| > 1.4.
 struct Arctangent : AutoFactor<Arctangent, 1, Vec<1>> {
   double z = 0.0;
 
@@ -31,7 +31,7 @@ struct Arctangent : AutoFactor<Arctangent, 1, Vec<1>> {
   }
 };
 
-/// r = sqrt(x) - 1, undefined below zero, where it may throw instead.
+/// r = sqrt(x) - 1: undefined below zero, where it throws if `throws` is set.
 struct Root : AutoFactor<Root, 1, Vec<1>> {
   bool throws = false;
 
@@ -52,7 +52,7 @@ struct Row {
   std::vector<Block<Vec<1>>> x;
 };
 
-/// Blocks from the same start, each with a factor of its own.
+/// Creates blocks with the same initial value, each with its own factor.
 template <class Factor>
 Row MakeRow(const Factor& factor, double start) {
   Row row;
@@ -157,7 +157,8 @@ TEST(SharedAnalysis, ServesTheCovariancesOfWhatWasSolved) {
   for (const auto& p : graph.p_mb) EXPECT_EQ(shared.Covariance(p), own.Covariance(p));
 }
 
-// What the last network ties more than this one does no harm; what it ties less is analysed anew.
+// An analysis can be reused if the new network has fewer connections between blocks; more
+// connections require a new analysis.
 TEST(SharedAnalysis, FollowsAStructureThatChanges) {
   const auto analysis = std::make_shared<SharedAnalysis>();
   PoseGraph graph = MakePoseGraph(6, {.nodes = 90, .loops = 40});

@@ -7,7 +7,7 @@
 
 namespace dn::large_network_slow_test {
 
-/// r = x_j - x_i - z
+/// r = x_j - x_i - z.
 struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
   Eigen::Vector3d z = Eigen::Vector3d::Zero();
 
@@ -18,7 +18,7 @@ struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
   }
 };
 
-/// A cube of points of which neighbours differ by what was measured without noise; one is held.
+/// A cube of points with exact measured differences between neighbours; one point is constant.
 struct Cube {
   explicit Cube(int side) {
     for (int i = 0; i < side * side * side; ++i) {
@@ -44,7 +44,7 @@ struct Cube {
   std::vector<Block<Vec<3>>> points;
 };
 
-// A cube large enough to be dissected.
+// A cube that is large enough for nested dissection.
 TEST(LargeNetwork, IsSolvedInTheOrderOfItsDissection) {
   constexpr int kSide = 28;
   Cube cube(kSide);

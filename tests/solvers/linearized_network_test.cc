@@ -27,7 +27,7 @@ struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
   }
 };
 
-/// A triangle of positions; x2 is held, one factor has a robust loss, one is not active.
+/// A triangle of positions: x2 is constant, one factor has a robust loss, one factor is inactive.
 struct Triangle {
   Network net;
   Block<Vec<3>> x[3];
@@ -69,7 +69,7 @@ TEST(LinearizedNetwork, RobustWeightsScaleTheRows) {
   const LinearizedNetwork linearized(triangle.net);
   Eigen::VectorXd r;
   ASSERT_TRUE(triangle.net.EvaluateFactor(triangle.robust, &r));
-  const double weight = 1.0 / r.norm();  // Huber of width 1
+  const double weight = 1.0 / r.norm();  // Huber loss of width 1
   const LinearizedNetwork::FactorRows& rows = linearized.factors()[1];
   ASSERT_EQ(rows.factor, triangle.robust);
   EXPECT_LT((linearized.residual().segment(rows.first, rows.count) - std::sqrt(weight) * r).norm(),
@@ -86,21 +86,21 @@ TEST(LinearizedNetwork, ProductsAreThoseOfOneMatrix) {
   const Eigen::MatrixXd N = J.transpose() * J;
   EXPECT_LT((marginals.Solve(Eigen::MatrixXd::Identity(6, 6)) - N.inverse()).norm(), 1e-12);
   const Eigen::MatrixXd M = marginals.Project(Eigen::MatrixXd::Identity(9, 9));
-  EXPECT_LT((M * M - M).norm(), 1e-12) << "a projection";
-  EXPECT_LT((J.transpose() * M).norm(), 1e-12) << "onto what the unknowns cannot follow";
-  EXPECT_NEAR(M.trace(), 3.0, 1e-12) << "the redundancy";
+  EXPECT_LT((M * M - M).norm(), 1e-12) << "M must be a projection";
+  EXPECT_LT((J.transpose() * M).norm(), 1e-12) << "M must be orthogonal to the unknowns";
+  EXPECT_NEAR(M.trace(), 3.0, 1e-12) << "the trace of M must be the redundancy";
   const Eigen::MatrixXd many = Eigen::MatrixXd::Random(9, 40);
   EXPECT_LT((marginals.Project(many) - M * many).norm(), 1e-12);
   EXPECT_THROW(marginals.Project(Eigen::MatrixXd::Zero(8, 1)), InvalidInput);
 }
 
-// At the minimum nothing of the residual is left to fit.
+// At the minimum the residual contains nothing that the unknowns could still absorb.
 TEST(LinearizedNetwork, ResidualOfASolvedNetworkIsItsOwnProjection) {
   Triangle triangle;
   triangle.net.SetLoss(triangle.robust, {});
   SolveOptions options;
   options.function_tolerance = 1e-16;
-  options.initial_trust_region_radius = 1e13;  // a linear problem: no damping
+  options.initial_trust_region_radius = 1e13;  // the problem is linear, so damping is not needed
   ASSERT_TRUE(Solve(triangle.net, options).converged);
   const LinearizedNetwork linearized(triangle.net);
   const Eigen::MatrixXd projected = Marginals(linearized).Project(linearized.residual());
@@ -122,7 +122,7 @@ TEST(LinearizedNetwork, RowsHaveNames) {
   EXPECT_THROW(linearized.RowAt(9), InvalidInput);
 }
 
-// What is changed, or gone, afterwards is not seen.
+// The snapshot does not change if the network is changed or destroyed afterwards.
 TEST(LinearizedNetwork, IsASnapshot) {
   auto triangle = std::make_unique<Triangle>();
   const Block<Vec<3>> x0 = triangle->x[0];
@@ -138,7 +138,7 @@ TEST(LinearizedNetwork, IsASnapshot) {
   EXPECT_EQ(second.Value(x0), Eigen::Vector3d(7.0, 7.0, 7.0));
   EXPECT_FALSE(copy.RowsOf(idle));
   ASSERT_TRUE(second.RowsOf(idle));
-  // 2 (x1 - x0 - 9) of the x that each of them holds
+  // 2 (x1 - x0 - 9) with the values stored in each snapshot
   EXPECT_LT((copy.FactorAt(idle).residual - Eigen::Vector3d(-16.0, -20.0, -18.0)).norm(), 1e-14);
   EXPECT_LT((second.FactorAt(idle).residual - Eigen::Vector3d(-30.0, -34.0, -31.0)).norm(), 1e-14);
   EXPECT_EQ(copy.FactorAt(idle).weight, 0.0);
@@ -158,7 +158,7 @@ TEST(LinearizedNetwork, AFactorByItselfIsWithoutItsRobustWeight) {
   EXPECT_NEAR(factor.weight, 1.0 / r.norm(), 1e-14) << "Huber of width 1";
 }
 
-/// A chain of positions whose noise is stated `ratio` times, for every second factor.
+/// A chain of positions in which the stated noise of every second factor is multiplied by `ratio`.
 struct Stated {
   Network net;
   std::vector<FactorId> scaled;
@@ -187,7 +187,7 @@ struct Stated {
     return linearized.Scaled(scale);
   }
 
-  /// A drift of the positions that are scaled, in sigmas of `sigma`.
+  /// Returns a drift of the scaled positions, in sigmas of size `sigma`.
   EffectModel Drift(double sigma) const {
     EffectModel effect;
     for (const FactorId id : scaled) {
@@ -198,7 +198,7 @@ struct Stated {
   }
 };
 
-// Everything that is computed from the snapshot, the effects' derivatives stated as before.
+// Compares all results of the snapshot; the derivatives of the effects are given as before.
 TEST(ScaledNetwork, IsTheNetworkWithThatNoise) {
   constexpr double kRatio = 1.7, kTolerance = 1e-12;
   const Stated before(1.0), wanted(kRatio);
@@ -234,7 +234,7 @@ TEST(ScaledNetwork, LeavesTheFirstAsItIs) {
   EXPECT_EQ(quarter.row_scale(), Eigen::VectorXd::Constant(linearized.rows(), 0.25));
 }
 
-// An effect that is one of the unknowns is absorbed, whatever the scale and weight of a row are.
+// An effect that equals an unknown is absorbed, whatever the scale and weight of a row are.
 TEST(ScaledNetwork, EffectsHaveTheRobustWeightAsWell) {
   const Triangle triangle;
   const LinearizedNetwork linearized(triangle.net);

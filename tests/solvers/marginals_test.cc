@@ -15,10 +15,10 @@ using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
 using testing::PoseGraph;
 
-// Relative to the two standard deviations; the condition number of the scaled matrix is about 1e5.
+// Relative to the two standard deviations. The condition number of the scaled matrix is about 1e5.
 constexpr double kTolerance = 1e-9;
 
-/// The dense covariance of all free blocks, and the offset of each block in it.
+/// The dense covariance of all blocks that are not constant, and the offset of each block in it.
 struct DenseCovariance {
   Eigen::MatrixXd C;
   std::vector<int> offset;
@@ -66,7 +66,7 @@ struct DenseCovariance {
     return C.block(row, column, rows, cols);
   }
 
-  /// The largest difference of X from block (a, b), in units of the standard deviations.
+  /// Returns the largest difference of X from block (a, b), in units of the standard deviations.
   double Difference(const Eigen::MatrixXd& X, BlockId a, BlockId b) const {
     const Eigen::MatrixXd D = X - Block(a, b);
     if (Block(a, a).isZero(0.0) || Block(b, b).isZero(0.0)) return D.cwiseAbs().maxCoeff();
@@ -78,7 +78,8 @@ struct DenseCovariance {
   }
 };
 
-/// The blocks of each active factor together, and all blocks, which are not within the pattern.
+/// Checks the blocks of each active factor together, and all blocks, which are not within the
+/// pattern.
 void ExpectJointBlocksAgree(const Network& network, const DenseCovariance& dense,
                             const Marginals& selected) {
   for (FactorId id = 0; id < network.num_factors(); ++id) {
@@ -104,7 +105,7 @@ void ExpectJointBlocksAgree(const Network& network, const DenseCovariance& dense
   EXPECT_FALSE(selected.PatternOf(all));
 }
 
-/// Columns, selected inverse and pairs against the dense inverse.
+/// Checks columns, selected inverse and pairs of blocks against the dense inverse.
 void ExpectAllBlocksAgree(const Network& network) {
   const DenseCovariance dense(network);
   Marginals columns(network), selected(network);
@@ -199,14 +200,15 @@ TEST(Marginals, WeighRobustFactorsAsCeres) {
   for (const Loss::Type type : {Loss::Type::kHuber, Loss::Type::kCauchy}) {
     PoseGraph graph = MakePoseGraph(22, {.noise = 3.0});
     for (const FactorId id : graph.relative) graph.network.SetLoss(id, {type, 1.5});
-    const SolveReport report = Solve(graph.network);  // robust weights hold at any values
+    // The comparison holds at any values, so convergence is not required.
+    const SolveReport report = Solve(graph.network);
     ASSERT_LT(report.final_cost, report.initial_cost);
     ExpectAgreesWithCeresCovariance(graph);
     ExpectAllBlocksAgree(graph.network);
   }
 }
 
-// The left tangent of the boresight: its covariance is in the frame that q rotates to.
+// The covariance of a block with the left tangent is in the target frame of q.
 TEST(Marginals, LeftAndRightTangentsDifferByTheRotation) {
   const Eigen::Quaterniond q(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
   Network net;
@@ -234,7 +236,7 @@ TEST(Marginals, ReducedNormalInvertsTheCovariance) {
       1e-15);
 }
 
-/// r = (b - a) / sigma
+/// r = (b - a) / sigma.
 struct Difference : AutoFactor<Difference, 2, Vec<2>, Vec<2>> {
   template <class T>
   bool Residual(const T* a, const T* b, T* r) const {
@@ -255,7 +257,7 @@ TEST(Marginals, SigmaOfAScalarIsANumber) {
   EXPECT_EQ(MarginalSigma(net, b), 0.0);
 }
 
-// sigma of a chain of n differences from a held end: sigma sqrt(n).
+// In a chain of n differences from a constant end, the last sigma is sigma sqrt(n).
 TEST(Marginals, VarianceGrowsAlongAChain) {
   Network net;
   std::vector<Block<Vec<2>>> x;

@@ -12,12 +12,12 @@
 
 namespace dn::testing {
 
-/// A reference data set of the NIST/ITL StRD with its certified values. x[k][i]: predictor k of
+/// A reference data set of the NIST/ITL StRD with its certified values. x[k][i] is predictor k of
 /// observation i.
 struct NistData {
-  std::vector<std::vector<double>> starts;  ///< of the parameters; none where the model is linear
+  std::vector<std::vector<double>> starts;  ///< initial parameters; empty if the model is linear
   std::vector<double> certified;
-  std::vector<double> sigma;  ///< certified standard deviations, of the residual's own scatter
+  std::vector<double> sigma;  ///< certified standard deviations, scaled by the residuals
   double sum_of_squares = 0.0;
   std::vector<std::vector<double>> x;
   std::vector<double> y;
@@ -26,8 +26,8 @@ struct NistData {
   int parameters() const { return static_cast<int>(certified.size()); }
 };
 
-/// Reads tests/solvers/nist/<name>.txt: lines of a keyword and its numbers; after "x n" and "y n"
-/// come n numbers.
+/// Reads tests/solvers/nist/<name>.txt. Its lines have a keyword and numbers; after "x n" and "y n"
+/// follow n numbers.
 inline NistData ReadNist(const std::string& name) {
   const std::string path = std::string(DN_NIST_DIR) + "/" + name + ".txt";
   std::ifstream file(path);
@@ -61,15 +61,15 @@ inline NistData ReadNist(const std::string& name) {
   return data;
 }
 
-/// Number of digits to which a value agrees with a certified one, 11 at most: as many as are
-/// certified.
+/// Returns the number of digits to which a value agrees with a certified one, at most 11 because
+/// only 11 digits are certified.
 inline double AgreeingDigits(double value, double certified) {
   const double error = certified == 0.0 ? std::abs(value) : std::abs(value / certified - 1.0);
   if (std::isnan(error)) return 0.0;
   return std::min(11.0, -std::log10(std::max(error, 1e-300)));
 }
 
-/// A model y = f(b, x) with kParameters parameters b: what is fitted to a data set.
+/// A model y = f(b, x) with kParameters parameters b that is fitted to a data set.
 struct Exponential {  // Misra1a, BoxBOD
   static constexpr int kParameters = 2;
   template <class B>
@@ -283,8 +283,8 @@ struct Longley {
   }
 };
 
-/// The parameters as one block and every observation as a factor of unit weight. Nelson's y is the
-/// logarithm of the data's.
+/// Adds the parameters as one block and every observation as a factor of unit weight. For Nelson, y
+/// is the logarithm of the data.
 template <class Model, int kPredictors = 1>
 Block<Vec<Model::kParameters>> AddNist(const NistData& data, const std::vector<double>& start,
                                        Network* net) {

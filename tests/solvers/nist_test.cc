@@ -14,18 +14,19 @@ namespace dn::nist_test {
 
 using namespace testing;
 
-// Digits to which the certified values are met by the options as they are.
+// Number of certified digits that the default options must reach.
 constexpr double kDigits = 6.0;
-// Lanczos1 is without noise: its residuals, and so its standard deviations, are of the rounding of
-// the data to 13 digits.
+// Lanczos1 has no noise: its residuals, and therefore its standard deviations, come from rounding
+// of the data to 13 digits.
 constexpr double kDigitsOfRounding = 3.0;
-// Parameters far below their own standard deviation have no digits to agree: 1 +- 2e7 in Wampler5.
+// Parameters far below their own standard deviation have no significant digits: 1 +- 2e7 in
+// Wampler5.
 constexpr double kInSigma = 1e-6;
 
 struct Fit {
   SolveReport report;
   Eigen::VectorXd value;
-  Eigen::VectorXd sigma;  ///< of the residuals' own scatter
+  Eigen::VectorXd sigma;  ///< scaled by the residuals
 };
 
 struct Problem {
@@ -106,15 +107,16 @@ INSTANTIATE_TEST_SUITE_P(
                       Of<Polynomial<5>>("wampler5")),
     [](const auto& test) { return test.param.name; });
 
-// A polynomial of degree 10 over -9 .. -3: its columns agree to 1e-15 of their length, so that the
-// normal equations hold nothing of the last direction. That is said.
+// A polynomial of degree 10 over -9 .. -3: its columns are linearly dependent to 1e-15 of their
+// length. The normal equations contain no information on the last direction, which must be
+// reported.
 TEST(Filip, IsRefused) {
   const NistData data = ReadNist("filip");
   const std::vector<double> zero(data.certified.size(), 0.0);
   EXPECT_THROW(Of<Polynomial<10>>("filip").fit(data, zero), RankDeficient);
 }
 
-// From (1, 1) a first solution lets the rate of BoxBOD run to where the exponential has died away.
+// From (1, 1) the first attempt moves the rate of BoxBOD to where the exponential has decayed.
 TEST(Solve, SaysThatItEndedOnAFlat) {
   const NistData data = ReadNist("boxbod");
   Network once, twice;
@@ -122,13 +124,14 @@ TEST(Solve, SaysThatItEndedOnAFlat) {
   AddNist<Exponential>(data, data.starts[0], &twice);
   const SolveReport first = Solve(once, {.second_attempt = false});
   const SolveReport second = Solve(twice);
-  EXPECT_GT(once.Value(b)[1], 10.0);  // sigma of the rate: 1e40
+  EXPECT_GT(once.Value(b)[1], 10.0);  // the sigma of the rate is 1e40
   EXPECT_TRUE(second.converged);
   EXPECT_LT(second.final_cost, 0.2 * first.final_cost);
   EXPECT_GT(second.iterations, first.iterations);
 }
 
-// A decay of a negative quantity is measured as a positive one: the faster the better, without end.
+// The exponential would have to be negative to fit, so every larger rate fits better, without a
+// minimum.
 TEST(Solve, AFlatThatRemainsIsNotConvergence) {
   Network net;
   const auto level = net.AddScalar("level", 1.0), rate = net.AddScalar("rate", 1.0);

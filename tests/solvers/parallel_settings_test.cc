@@ -10,8 +10,8 @@
 
 namespace dn::parallel_settings_test {
 
-/// Two threads hold a setting, each begins before the other ends: the first one ends first.
-/// `look` is called in the main thread with none, one (twice) and none of them holding it.
+/// Two threads hold a setting with overlapping lifetimes; the first one also ends first. `look` is
+/// called in the main thread while zero, one, one and zero threads hold it.
 template <class Setting, class Look>
 void Overlap(const Look& look) {
   std::latch first_holds(1), second_holds(1), first_may_end(1), second_may_end(1);
@@ -53,7 +53,7 @@ TEST(ParallelSettings, BlasIsSerialUntilTheLastThreadHasEnded) {
   Overlap<SerialBlas>([get](int holders) { EXPECT_EQ(get(), holders > 0 ? 1 : 2); });
 }
 
-// That of CHOLMOD belongs to the thread: none sees, or gives back, what another one set.
+// CHOLMOD's OpenMP setting is per thread: no thread sees or restores the setting of another.
 TEST(ParallelSettings, OpenMpIsSerialInTheThreadsThatAskForIt) {
   const auto levels = reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
   if (levels == nullptr) GTEST_SKIP() << "CHOLMOD was built without OpenMP";

@@ -12,7 +12,7 @@
 
 namespace dn::testing {
 
-/// r = diag(1/sigma) [Log(q_ij^-1 q_mi^-1 q_mj); q_mi^-1 (p_mj - p_mi) - p_ij]
+/// r = diag(1/sigma) [Log(q_ij^-1 q_mi^-1 q_mj); q_mi^-1 (p_mj - p_mi) - p_ij].
 struct RelativePose : AutoFactor<RelativePose, 6, Rotation, Vec<3>, Rotation, Vec<3>> {
   Eigen::Quaterniond q_ij;
   Eigen::Vector3d p_ij;
@@ -52,7 +52,7 @@ VectorPrior<N> MakeVectorPrior(const Eigen::Matrix<double, N, 1>& z, double sigm
   return f;
 }
 
-/// r = Log(z^-1 q) / sigma
+/// r = Log(z^-1 q) / sigma.
 template <class Kind>
 struct RotationPrior : AutoFactor<RotationPrior<Kind>, 3, Kind> {
   Eigen::Quaterniond z;
@@ -68,7 +68,7 @@ struct RotationPrior : AutoFactor<RotationPrior<Kind>, 3, Kind> {
   }
 };
 
-/// r = (p_mb + R_mb R_bs x_s - z_m) / sigma: a known point seen through the boresight.
+/// r = (p_mb + R_mb R_bs x_s - z_m) / sigma: a known point observed through the boresight.
 struct KnownPoint : AutoFactor<KnownPoint, 3, Rotation, Vec<3>, LeftRotation> {
   Eigen::Vector3d x_s, z_m;
   double sigma_m = 1.0;
@@ -83,16 +83,16 @@ struct KnownPoint : AutoFactor<KnownPoint, 3, Rotation, Vec<3>, LeftRotation> {
   }
 };
 
-/// What MakePoseGraph builds.
+/// Options of MakePoseGraph.
 struct PoseGraphOptions {
   int nodes = 50;
   int loops = 30;
-  double noise = 0.0;  ///< of the relative poses, in their sigmas
+  double noise = 0.0;  ///< noise of the relative poses, in their sigmas
   bool anchored = true;
 };
 
-/// A chain of poses with random loops, one anchor and a boresight seen from every fifth node. The
-/// values start off the truth by up to 0.05 rad and 0.5 m.
+/// A chain of poses with random loops, one anchor and a boresight that every fifth node observes.
+/// The initial values differ from the truth by up to 0.05 rad and 0.5 m.
 struct PoseGraph {
   Network network;
   std::vector<Block<Rotation>> q_mb;

@@ -18,7 +18,7 @@ using testing::MakeVectorPrior;
 using testing::PoseGraph;
 using testing::Step;
 
-// The covariance is exact to 1e-9 of its sigmas; some hundred numbers are added.
+// The covariance is accurate to 1e-9 of its sigmas, and some hundred numbers are added.
 constexpr double kSumTolerance = 1e-6;
 
 TEST(Redundancy, NumbersSumToResidualsMinusParameters) {
@@ -39,7 +39,8 @@ TEST(Redundancy, NumbersSumToResidualsMinusParameters) {
   }
 }
 
-// One unknown, measured with sigma 1 and 3: weights 1 and 1/9, shares of the fit 0.9 and 0.1.
+// One unknown measured with sigma 1 and 3: the weights are 1 and 1/9, the shares of the fit 0.9 and
+// 0.1.
 TEST(Redundancy, OfTwoMeasurementsOfOneUnknown) {
   Network net;
   const auto x = net.AddVector<3>("x", Eigen::Vector3d::Zero());
@@ -51,14 +52,15 @@ TEST(Redundancy, OfTwoMeasurementsOfOneUnknown) {
   EXPECT_NEAR(RedundancyNumbers(marginals, fine)[0], 0.1, 1e-12);
   EXPECT_NEAR(RedundancyNumbers(marginals, coarse)[2], 0.9, 1e-12);
   net.SetActive(coarse, false);
-  EXPECT_NEAR(RedundancyNumbers(marginals, coarse)[2], 0.9, 1e-12) << "of the network as it was";
+  EXPECT_NEAR(RedundancyNumbers(marginals, coarse)[2], 0.9, 1e-12)
+      << "the snapshot must not change";
   Marginals without(net);
   without.ComputeSelectedInverse();
   EXPECT_THROW(RedundancyNumbers(without, coarse), InvalidInput);
 }
 
-// Residuals of a chain of noisy steps and noisy positions, divided by the roots of their numbers,
-// have variance one: of the steps and of the positions separately.
+// In a chain of noisy steps and noisy positions, residuals divided by the square roots of their
+// redundancy numbers have variance one, separately for steps and positions.
 TEST(Redundancy, StandardisesTheResiduals) {
   constexpr double kStepSigma = 0.2, kPositionSigma = 0.7;
   constexpr int kNodes = 300;
@@ -95,7 +97,7 @@ TEST(Redundancy, StandardisesTheResiduals) {
   }
 }
 
-/// A chain of steps with positions at every node, all noisy.
+/// A chain of noisy steps with noisy positions at every node.
 struct Chain {
   Network net;
   std::vector<Block<Vec<3>>> x;
@@ -125,7 +127,8 @@ struct Chain {
   }
 };
 
-// The adjustment with the factor says what the adjustment without it would say.
+// The prediction from the adjustment with the factor must equal that from the adjustment without
+// it.
 TEST(Prediction, EqualsTheAdjustmentWithoutTheFactor) {
   for (const bool robust : {false, true}) {
     Chain chain(20);
@@ -151,7 +154,7 @@ TEST(Prediction, SaysWhenTheOthersLeaveTheUnknownsFree) {
   EXPECT_TRUE(chain.Predict(chain.positions[0]).determined);
 }
 
-// A factor out of use may depend on an unknown that nothing else determines.
+// An inactive factor may depend on an unknown that no other factor determines.
 TEST(Prediction, SaysSoOfAnUnknownThatOnlyTheFactorSees) {
   Network net;
   const auto x = net.AddVector<3>("x", Eigen::Vector3d::Zero());
@@ -164,7 +167,7 @@ TEST(Prediction, SaysSoOfAnUnknownThatOnlyTheFactorSees) {
   EXPECT_FALSE(PredictFactor(marginals, step).determined);
 }
 
-// Rows with a robust weight: they still sum to residuals minus parameters.
+// With robust weights the redundancy numbers still sum to residuals minus parameters.
 TEST(Redundancy, CountsRobustWeights) {
   Chain chain(20);
   for (const FactorId id : chain.positions) chain.net.SetLoss(id, {Loss::Type::kHuber, 0.5});

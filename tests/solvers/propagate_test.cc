@@ -12,8 +12,8 @@ using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
 using testing::PoseGraph;
 
-// Two positions 3 and 4 m apart along x and y, with sigmas of 0.1 and 0.2 m: along the line between
-// them the distance has the sigma sqrt(0.01 + 0.04).
+// Two positions are 3 and 4 m apart along x and y, with sigmas of 0.1 and 0.2 m. The distance has
+// the sigma sqrt(0.01 + 0.04), from the components along the line between them.
 TEST(Propagate, DistanceOfTwoPositions) {
   Network net;
   const auto p = net.AddVector<3>("p", Eigen::Vector3d(1.0, 2.0, 5.0));
@@ -21,7 +21,7 @@ TEST(Propagate, DistanceOfTwoPositions) {
   net.Add(MakeVectorPrior<3>(Eigen::Vector3d(1.0, 2.0, 5.0), 0.1), p);
   net.Add(MakeVectorPrior<3>(Eigen::Vector3d(4.0, 6.0, 5.0), 0.2), q);
   const Marginals marginals(net);
-  net.SetValue(p, Eigen::Vector3d::Zero());  // not seen
+  net.SetValue(p, Eigen::Vector3d::Zero());  // must not affect the marginals
   const auto distance = Propagate(
       marginals, [](const auto& a, const auto& b) { return (a - b).norm(); }, p, q);
   EXPECT_NEAR(distance.value[0], 5.0, 1e-14);
@@ -29,7 +29,7 @@ TEST(Propagate, DistanceOfTwoPositions) {
   EXPECT_NEAR(distance.sigma()[0], std::sqrt(0.05), 1e-14);
 }
 
-/// r = (b - a) / sigma
+/// r = (b - a) / sigma.
 struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
   template <class T>
   bool Residual(const T* a, const T* b, T* r) const {
@@ -38,7 +38,7 @@ struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
   }
 };
 
-// b = a + 0.1: both are as wrong as the prior of a, and their difference is not.
+// b = a + 0.1: both have the error of the prior of a, but their difference does not.
 TEST(Propagate, CountsWhatUnknownsHaveInCommon) {
   Network net;
   const auto a = net.AddVector<3>("a", Eigen::Vector3d::Zero());
@@ -55,7 +55,7 @@ TEST(Propagate, CountsWhatUnknownsHaveInCommon) {
   EXPECT_LT((difference.covariance - 0.01 * Eigen::Matrix3d::Identity()).norm(), 1e-9);
 }
 
-// A lever arm through an attitude: J = [-R [a]x, R] in the tangents, by hand.
+// A lever arm rotated by an attitude: J = [-R [a]x, R] in tangent coordinates, by hand.
 TEST(Propagate, ThroughTheTangentOfARotation) {
   const PoseGraph graph = MakePoseGraph(7, {.noise = 1.0});
   const Marginals marginals(graph.network);
@@ -77,8 +77,8 @@ TEST(Propagate, ThroughTheTangentOfARotation) {
   EXPECT_LT((point.covariance - expected).norm(), 1e-12 * expected.norm());
 }
 
-// A number and a pose as functions of Network::Add see them: the sigma of x^2 is 2 x sigma, and the
-// point of a pose has its translation's covariance and the lever's turn.
+// Functions receive numbers and poses as in Network::Add. The sigma of x^2 is 2 x sigma; a point of
+// a pose has the covariance of the translation plus that of the rotated lever arm.
 TEST(Propagate, TakesNumbersAndPoses) {
   Network net;
   const auto x = net.AddScalar("x", 3.0);

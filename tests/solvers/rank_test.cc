@@ -17,7 +17,7 @@ using testing::MakeVectorPrior;
 using ::testing::Not;
 using testing::PoseGraph;
 
-/// r = (a + b - z) / sigma: sees only the sum.
+/// r = (a + b - z) / sigma: observes only the sum.
 struct Sum : AutoFactor<Sum, 1, Vec<3>, Vec<1>> {
   template <class T>
   bool Residual(const T* a, const T* b, T* r) const {
@@ -26,7 +26,7 @@ struct Sum : AutoFactor<Sum, 1, Vec<3>, Vec<1>> {
   }
 };
 
-/// r = k . x / sigma
+/// r = k . x / sigma.
 struct Combination : AutoFactor<Combination, 1, Vec<3>> {
   Eigen::Vector3d k;
   double sigma = 1.0;
@@ -38,7 +38,7 @@ struct Combination : AutoFactor<Combination, 1, Vec<3>> {
   }
 };
 
-/// r = (x_j - x_i) / sigma
+/// r = (x_j - x_i) / sigma.
 struct Difference : AutoFactor<Difference, 3, Vec<3>, Vec<3>> {
   double sigma = 1.0;
 
@@ -70,7 +70,7 @@ BlockLabel Boresight() {
       "boresight", {"roll", "pitch", "yaw"}, "deg", 57.3, std::numeric_limits<double>::quiet_NaN()};
 }
 
-// Only roll and the sum of pitch and yaw are seen: their difference is free.
+// Only roll and the sum of pitch and yaw are observed, so their difference is undetermined.
 TEST(Rank, NamesTheInseparableAngles) {
   Network net;
   const auto x = net.AddVector<3>("boresight", Eigen::Vector3d::Zero());
@@ -92,7 +92,7 @@ TEST(Rank, NamesAComponentOnWhichNothingDepends) {
   EXPECT_THAT(MessageOf(net), HasSubstr("scale factors[1] (1.00)"));
 }
 
-// The gauge of a free chain, by component and with its epochs.
+// Names the gauge freedom of a free chain, by component and with its epochs.
 TEST(Rank, NamesTheGaugeOfAChainOverTime) {
   Network net;
   std::vector<Block<Vec<3>>> x;
@@ -108,7 +108,7 @@ TEST(Rank, NamesTheGaugeOfAChainOverTime) {
                                     Not(HasSubstr("position up"))));
 }
 
-// Only the part of the flight that is cut off is named.
+// Names only the disconnected part of the flight.
 TEST(Rank, NamesTheEpochsThatAreCutOff) {
   Network net;
   std::vector<Block<Vec<3>>> x;
@@ -151,8 +151,8 @@ TEST(Rank, MoreFreeDirectionsThanAreExamined) {
   EXPECT_THAT(MessageOf(net), AllOf(HasSubstr("at least 8 directions"), HasSubstr("...")));
 }
 
-// Information 1e-12 of the rest is weak, not absent. Its variance is that of a hand calculation: y
-// and z are known by their sum (1e-6) and their difference (1).
+// A direction with 1e-12 of the other information is weak but determined. A hand calculation gives
+// its variance: the sum of y and z has sigma 1e-6 and their difference sigma 1.
 TEST(Rank, AWeakDirectionIsNotFree) {
   Network net;
   const auto x = net.AddVector<3>("boresight", Eigen::Vector3d::Zero());
@@ -160,7 +160,7 @@ TEST(Rank, AWeakDirectionIsNotFree) {
   net.Add(See({0, 1, 1}, 1e-6), x);
   net.Add(See({0, 1, -1}, 1.0), x);
   const Eigen::Matrix3d C = Marginals(net).Covariance(x);
-  EXPECT_NEAR(C(1, 1), 0.25, 1e-3);  // 1e-16 / 1e-12 of rounding, times a few
+  EXPECT_NEAR(C(1, 1), 0.25, 1e-3);  // a few times the rounding error 1e-16 / 1e-12
   EXPECT_NEAR(C(1, 2), -0.25, 1e-3);
 }
 

@@ -21,8 +21,8 @@ using testing::Step;
 
 constexpr double kPositionSigma = 0.5, kStepSigma = 0.2;
 
-/// A chain of noisy steps whose positions are measured; the noise of the positions is
-/// `position_ratio` times what they state.
+/// A chain of noisy steps with measured positions; the true noise of the positions is
+/// `position_ratio` times the stated noise.
 struct Chain {
   Network net;
   std::vector<FactorId> positions;
@@ -47,7 +47,7 @@ struct Chain {
     }
   }
 
-  /// 1 for the positions' rows.
+  /// Returns 1 for the rows of the positions and 0 for the others.
   Eigen::VectorXd PositionShare(const LinearizedNetwork& linearized) const {
     Eigen::VectorXd share = Eigen::VectorXd::Zero(linearized.rows());
     for (const FactorId id : positions) {
@@ -58,7 +58,7 @@ struct Chain {
   }
 };
 
-/// The definition, with dense matrices.
+/// Evaluates the definition with dense matrices.
 double DenseLikelihood(const LinearizedNetwork& linearized, const Eigen::VectorXd& variance) {
   const Eigen::Index n = linearized.parameters();
   const Eigen::MatrixXd J = linearized.Times(Eigen::MatrixXd::Identity(n, n));
@@ -70,7 +70,7 @@ double DenseLikelihood(const LinearizedNetwork& linearized, const Eigen::VectorX
                  2.0 * Eigen::MatrixXd(N.llt().matrixL()).diagonal().array().log().sum());
 }
 
-/// Shares of many sizes, some of them none.
+/// Returns shares of various sizes, some of them zero.
 Eigen::VectorXd RandomShare(Eigen::Index rows) {
   std::mt19937 rng(7);
   std::uniform_real_distribution<double> uniform(-0.3, 1.0);
@@ -86,7 +86,7 @@ TEST(RestrictedLikelihood, IsItsDefinition) {
   const std::vector<double> thetas{-0.6, -0.1, 0.0, 0.4, 2.0, 100.0};
   const VarianceProfile profile = ProfileVariance(linearized, share, thetas, 2);
   const double stated =
-      RestrictedLogLikelihood(Marginals(linearized));  // x = 0: one step off the solution
+      RestrictedLogLikelihood(Marginals(linearized));  // x = 0 is one step away from the solution
   EXPECT_NEAR(stated, DenseLikelihood(linearized, Eigen::VectorXd::Ones(linearized.rows())), 1e-9);
   ASSERT_EQ(profile.theta, thetas);
   for (std::size_t k = 0; k < thetas.size(); ++k) {
@@ -98,7 +98,7 @@ TEST(RestrictedLikelihood, IsItsDefinition) {
   }
 }
 
-// Poses and a boresight: a network that is not linear, at its solution.
+// A non-linear network of poses and a boresight, at its solution.
 TEST(RestrictedLikelihood, OfAPoseGraphIsItsDefinition) {
   testing::PoseGraphOptions options;
   options.nodes = 15;
@@ -132,7 +132,7 @@ TEST(RestrictedLikelihood, IsKnownWhereItWasAskedForBefore) {
   EXPECT_THROW(VarianceLikelihood(linearized, share.head(4)), InvalidInput);
 }
 
-// What an earlier scale did is stated noise to a later one.
+// A second scaling takes the noise after the first one as the stated noise.
 TEST(RestrictedLikelihood, OfAScaledNetworkGoesOnFromThere) {
   const Chain chain(2, 20);
   const LinearizedNetwork linearized(chain.net);
@@ -162,7 +162,7 @@ TEST(RestrictedLikelihood, PicksTheRightRatio) {
     sum2 += best * best / kFlights;
   }
   const double sigma = std::sqrt(sum2 - sum * sum);
-  EXPECT_LT(sigma, 0.1) << "300 positions tell their noise to some percent";
+  EXPECT_LT(sigma, 0.1) << "300 positions determine their noise to some percent";
   EXPECT_NEAR(sum, kRatio, 4.0 * sigma / std::sqrt(kFlights));
 }
 
@@ -179,7 +179,8 @@ TEST(VarianceScore, IsTheSlopeOfTheLikelihood) {
   }
 }
 
-// Over many flights without a fault the slope has mean zero, and the information as covariance.
+// Over many flights without a fault, the score has mean zero and its covariance equals the
+// information.
 TEST(VarianceScore, HasTheInformationAsItsCovariance) {
   constexpr int kFlights = 400;
   const LinearizedNetwork first(Chain(1, 20).net);
@@ -203,7 +204,7 @@ TEST(VarianceScore, HasTheInformationAsItsCovariance) {
   EXPECT_NEAR(square(0, 1) / std::sqrt(square(0, 0) * square(1, 1)), correlation, 0.1);
 }
 
-// A large network: the traces come from samples.
+// For a large network the traces come from samples.
 TEST(VarianceScore, OfALargeNetworkIsSampled) {
   const Chain chain(4, 150);
   const LinearizedNetwork linearized(chain.net);

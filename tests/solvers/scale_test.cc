@@ -8,15 +8,15 @@
 
 namespace dn::scale_test {
 
-constexpr int kNodes = 2000;  ///< of 10 unknowns
+constexpr int kNodes = 2000;  ///< with 10 unknowns each
 constexpr int kLoops = 300;
 constexpr double kTolerance = 1e-9;  ///< relative; the condition number is below 1e6
 
 using State = Vec<10>;
 using Values = Eigen::Matrix<double, 10, 1>;
 
-/// r = (F x_i - x_j) / sigma: a linear transition, of which every component decays and feeds its
-/// neighbour.
+/// r = (F x_i - x_j) / sigma: a linear transition in which every component decays and is coupled to
+/// its neighbour.
 class Transition final : public Factor<Transition, 10, State, State> {
  public:
   bool Evaluate(double const* const* x, double* r, double** J) const override {
@@ -52,7 +52,7 @@ class Loop final : public Factor<Loop, 3, State, State, Vec<3>> {
   Eigen::Matrix3d R_;
 };
 
-/// r = x / sigma
+/// r = x / sigma.
 class Anchor final : public Factor<Anchor, 10, State> {
  public:
   bool Evaluate(double const* const* x, double* r, double** J) const override {
@@ -62,7 +62,7 @@ class Anchor final : public Factor<Anchor, 10, State> {
   }
 };
 
-// A chain with loops between mirrored stretches, of the size of a short flight.
+// A chain with loops between mirrored parts, of the size of a short flight.
 TEST(Scale, TwentyThousandUnknowns) {
   std::mt19937 rng(7);
   Network net;
@@ -82,7 +82,8 @@ TEST(Scale, TwentyThousandUnknowns) {
 
   const SolveReport report = Solve(net);
   ASSERT_TRUE(report.converged) << report.message;
-  EXPECT_LT(report.final_cost, 1e-15 * report.initial_cost);  // linear, zero is the solution
+  // Linear, with zero cost at the solution.
+  EXPECT_LT(report.final_cost, 1e-15 * report.initial_cost);
 
   Marginals marginals(net);
   EXPECT_EQ(marginals.num_parameters(), 10 * kNodes + 3);

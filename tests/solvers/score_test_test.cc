@@ -16,7 +16,7 @@ namespace dn::score_test_test {
 using testing::MakeVectorPrior;
 using testing::Step;
 
-/// r = (x + offset - z) / sigma: a position with an offset of its own block.
+/// r = (x + offset - z) / sigma: a position with an offset from another block.
 struct ShiftedPosition : AutoFactor<ShiftedPosition, 3, Vec<3>, Vec<3>> {
   Eigen::Vector3d z;
   double sigma = 1.0;
@@ -27,7 +27,7 @@ struct ShiftedPosition : AutoFactor<ShiftedPosition, 3, Vec<3>, Vec<3>> {
   }
 };
 
-/// A chain of noisy steps whose positions from node 20 to 29 share an offset.
+/// A chain of noisy steps in which the positions of nodes 20 to 29 share an offset.
 struct Chain {
   Network net;
   Block<Vec<3>> offset;
@@ -82,7 +82,7 @@ struct Chain {
   ScoreTest Test() { return TestEffects(Marginals(net), {Offset()}).front(); }
 };
 
-// The problem is linear: the test must say what the adjustment with the effect then finds.
+// The problem is linear, so the test must predict the adjustment with the effect exactly.
 TEST(ScoreTest, EqualsTheAdjustmentWithTheEffect) {
   Chain chain(1, {0.7, -0.2, 0.4});
   const double cost_without = chain.SolveCost();
@@ -119,7 +119,7 @@ TEST(ScoreTest, ManyEffectsAtOnceAreTestedEachByItself) {
   }
 }
 
-// The offset of every position is a shift of the whole chain: nothing is left to see.
+// The offset of every position is a shift of the whole chain, so it is not estimable.
 TEST(ScoreTest, DropsWhatTheUnknownsAbsorb) {
   Network net;
   const auto x = net.AddVector<3>("x", Eigen::Vector3d::Zero());
@@ -130,7 +130,8 @@ TEST(ScoreTest, DropsWhatTheUnknownsAbsorb) {
   EXPECT_EQ(test.statistic, 0.0);
 }
 
-/// The offset parted: its first component, the two others, and a slope over the same positions.
+/// Splits the offset into its first component and the other two, and adds a slope over the same
+/// positions.
 std::vector<EffectModel> Parts(const Chain& chain) {
   std::vector<EffectModel> parts(3);
   double k = 0.0;
@@ -154,7 +155,7 @@ TEST(JointScore, TogetherIsTheEffectAsAWhole) {
   EXPECT_EQ(score.Components(1), (std::vector<Eigen::Index>{1, 2}));
 }
 
-// Conditioning on an effect is the same as having it among the unknowns.
+// Conditioning on an effect must equal having it among the unknowns.
 TEST(JointScore, GivenAnEffectIsTheTestBesideIt) {
   Chain chain(4, {0.5, 0.1, -0.3});
   chain.SolveCost();
@@ -168,10 +169,10 @@ TEST(JointScore, GivenAnEffectIsTheTestBesideIt) {
   EXPECT_NEAR(a.statistic, b.statistic, 1e-6);
   EXPECT_NEAR(a.estimate[0], b.estimate[0], 1e-7);
   EXPECT_LT((given.shift.col(3) - beside.shift.col(3)).norm(), 1e-9);
-  EXPECT_EQ(TestTogether(given, {0}).dof, 0) << "it is among the unknowns already";
+  EXPECT_EQ(TestTogether(given, {0}).dof, 0) << "the component is already among the unknowns";
 }
 
-// The shift foretells how far the unknowns move once the effect is estimated.
+// The shift predicts how far the unknowns move once the effect is estimated.
 TEST(JointScore, ShiftIsWhatTheEffectDidToTheUnknowns) {
   Chain chain(5, {0.7, -0.2, 0.4});
   chain.SolveCost();
@@ -185,7 +186,7 @@ TEST(JointScore, ShiftIsWhatTheEffectDidToTheUnknowns) {
   EXPECT_LT((score.shift * test.estimate - moved).norm(), 1e-7);
 }
 
-// A step has no derivatives before it: those factors take no part, as if they had none.
+// A step has zero derivatives before it; those factors must be treated as absent.
 TEST(JointScore, PartsOfZerosAreAsNone) {
   Chain chain(6, {0.5, 0.1, -0.3});
   chain.SolveCost();

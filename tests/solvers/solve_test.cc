@@ -12,9 +12,10 @@ using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
 using testing::PoseGraph;
 
-// Without noise the minimum is the truth; what remains is the convergence of the last step.
+// Without noise the minimum is the truth; the tolerance allows for the convergence of the last
+// step.
 constexpr double kTruthTolerance = 1e-8;
-// A linear network is solved by one step, up to the damping 1e-6 / radius and rounding.
+// One step solves a linear network, up to the damping 1e-6 / radius and rounding.
 constexpr double kLinearTolerance = 1e-11;
 
 /// r = (x_j - x_i - z) / sigma: a levelled height difference.
@@ -43,7 +44,8 @@ Eigen::Matrix<double, 1, 1> Scalar(double x) { return Eigen::Matrix<double, 1, 1
 
 testing::VectorPrior<1> Prior(double z) { return MakeVectorPrior<1>(Scalar(z), 1.0); }
 
-// A levelled triangle that misses by 6 mm: each of the equal differences takes 2 mm.
+// A levelled triangle with a misclosure of 6 mm: each of the three equally weighted differences is
+// corrected by 2 mm.
 TEST(Solve, AdjustsALevellingTriangle) {
   Network net;
   const auto a = net.AddVector<1>("a", Scalar(100.0));
@@ -118,7 +120,7 @@ TEST(Solve, LeavesInactiveFactorsOutAndUnusedBlocksAlone) {
   EXPECT_EQ(summary.parameters, 1);
 }
 
-// Two observations of 0 and one of 10 under Huber of width 1: 2 x = 1.
+// Two observations of 0 and one of 10 with Huber loss of width 1: 2 x = 1.
 TEST(Solve, HuberLossBoundsTheInfluenceOfAnOutlier) {
   Network net;
   const auto x = net.AddVector<1>("x", Scalar(4.0));
@@ -128,7 +130,7 @@ TEST(Solve, HuberLossBoundsTheInfluenceOfAnOutlier) {
   const SolveReport report = Solve(net);
   EXPECT_TRUE(report.converged);
   EXPECT_NEAR(net.Value(x)[0], 0.5, 1e-5);  // reweighting converges linearly, to 1e-10 of the cost
-  // rho: 0.25, 0.25 and 2 * 9.5 - 1
+  // The values of rho are 0.25, 0.25 and 2 * 9.5 - 1.
   EXPECT_NEAR(report.final_cost, 0.5 * (0.25 + 0.25 + 18.0), 1e-8);
   EXPECT_NEAR(EvaluateCost(net, 2).cost, report.final_cost, 1e-12);
 }
@@ -161,7 +163,8 @@ TEST(Solve, StopsWhenTheCallbackSaysSo) {
   EXPECT_EQ(report.final_cost, seen[1].cost);
 }
 
-// Under Cauchy's loss the steps shrink from one to the next by a factor: the first short one ends.
+// With Cauchy's loss each step is shorter than the previous one by a factor. The first step below
+// the tolerance must end the solution.
 TEST(Solve, EndsWhereAStepIsShortInSigmas) {
   const auto solve = [](double sigmas) {
     PoseGraph graph = MakePoseGraph(11, {.noise = 1.0});

@@ -18,7 +18,7 @@ namespace dn::sparse_cholesky_test {
 constexpr int kSide = 8;
 constexpr int kBlockSize = 3;
 
-/// A cube of blocks, each tied to its neighbours: the last supernodes are several panels wide.
+/// A cube of blocks, each connected to its neighbours; the last supernodes are several panels wide.
 struct Cube {
   Network network;
   SymmetricCsc blocks;
@@ -48,7 +48,7 @@ struct Cube {
     TakeLowerTriangle();
   }
 
-  /// The block itself and its neighbours after it.
+  /// Returns the block and its neighbours with larger indices.
   static std::vector<int> Below(int b) {
     std::vector<int> rows = {b};
     if (b % kSide + 1 < kSide) rows.push_back(b + 1);
@@ -105,7 +105,7 @@ TEST(SparseCholesky, AgreesWithDenseFactorisation) {
   EXPECT_GE(inside, static_cast<int>(cube.A.row.size()));
 }
 
-// More right-hand sides than go together, so that some stand in rows of a larger array.
+// Uses more right-hand sides than are solved together, so that some are rows of a larger array.
 TEST(SparseCholesky, HalvesOfSolutionsMultiplyToTheWhole) {
   const Cube cube(3);
   SparseCholesky cholesky(cube.A, cube.blocks, UnknownLayout(cube.network));

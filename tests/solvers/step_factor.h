@@ -6,7 +6,7 @@
 
 namespace dn::testing {
 
-/// r = (b - a - z) / sigma
+/// r = (b - a - z) / sigma.
 struct Step : AutoFactor<Step, 3, Vec<3>, Vec<3>> {
   Eigen::Vector3d z;
   double sigma = 1.0;

@@ -18,7 +18,7 @@ using testing::MakePoseGraph;
 using testing::MakeVectorPrior;
 using testing::PoseGraph;
 
-/// r = (a + b) / sigma
+/// r = (a + b) / sigma.
 struct Sum : AutoFactor<Sum, 1, Vec<1>, Vec<1>> {
   double sigma = 1.0;
   template <class T>
@@ -30,8 +30,9 @@ struct Sum : AutoFactor<Sum, 1, Vec<1>, Vec<1>> {
 
 Eigen::Matrix<double, 1, 1> Scalar(double x) { return Eigen::Matrix<double, 1, 1>(x); }
 
-// Of a and b the sum is known to 0.01, each by itself to 1: N = [10001 10000; 10000 10001]. Scaled
-// to a unit diagonal its eigenvalues are 1 -+ 10000/10001, and the weak one is the difference.
+// The sum of a and b has sigma 0.01, each of them sigma 1: N = [10001 10000; 10000 10001]. Scaled
+// to a unit diagonal its eigenvalues are 1 -+ 10000/10001, and the weak direction is the
+// difference.
 TEST(WeakDirections, OfTwoUnknownsWhoseSumIsMeasured) {
   Network net;
   const auto a = net.AddVector<1>("a", Scalar(0.0)), b = net.AddVector<1>("b", Scalar(0.0));
@@ -55,7 +56,7 @@ TEST(WeakDirections, OfTwoUnknownsWhoseSumIsMeasured) {
   EXPECT_NEAR(weak[0].shares[0].weight, std::sqrt(0.5), 1e-9);
 }
 
-// Against the dense eigenvalues of a graph of poses that is held by a single weak prior.
+// Compares with the dense eigenvalues of a pose graph that only a weak prior constrains.
 TEST(WeakDirections, AreTheSmallestEigenvaluesOfTheScaledNormalMatrix) {
   const PoseGraph graph = MakePoseGraph(5, {.noise = 1.0});
   const Marginals marginals(graph.network);
@@ -77,7 +78,7 @@ TEST(WeakDirections, AreTheSmallestEigenvaluesOfTheScaledNormalMatrix) {
   }
 }
 
-// All directions together are the covariance.
+// All directions together give the covariance.
 TEST(WeakDirections, SumToTheCovariance) {
   Network net;
   const auto x = net.AddVector<3>("x", Eigen::Vector3d::Zero());

@@ -12,20 +12,20 @@
 
 namespace dn::testing {
 
-/// amplitude sin(2 pi f t + phase), per axis.
+/// The signal amplitude sin(2 pi f t + phase), per axis.
 struct Harmonic {
   Eigen::Vector3d amplitude = Eigen::Vector3d::Zero();
   double frequency_hz = 1.0;
   Eigen::Vector3d phase_rad = Eigen::Vector3d::Zero();
 };
 
-/// offset + rate t + harmonics, with its derivatives.
+/// The signal offset + rate t + harmonics, with its derivatives.
 struct Signal {
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();
   std::vector<Harmonic> harmonics;
 
-  /// The derivative of the given order at t_s.
+  /// Returns the derivative of the given order at t_s.
   Eigen::Vector3d At(double t_s, int order = 0) const {
     Eigen::Vector3d value = Eigen::Vector3d::Zero();
     if (order == 0) value = offset + t_s * rate;
@@ -41,12 +41,12 @@ struct Signal {
   }
 };
 
-/// A motion in closed form over the rotating Earth, and what a perfect inertial sensor measures on
-/// it. Written independently of the estimator: Coriolis form with gravity, Euler angles.
+/// A closed-form motion over the rotating Earth, and the measurements of a perfect inertial sensor
+/// on it. It is written independently of the estimator: Coriolis form with gravity, Euler angles.
 struct EarthMotion {
   LocalFrame frame;
   Signal position_m;  ///< body origin in map
-  Signal rph_rad;     ///< roll, pitch, heading with respect to the north-east-down of the origin
+  Signal rph_rad;  ///< roll, pitch, heading with respect to the north-east-down frame of the origin
 
   Eigen::Quaterniond Attitude(double t_s) const {
     const Eigen::Quaterniond q_mn(frame.R_mn(Eigen::Vector3d::Zero()));
@@ -73,8 +73,8 @@ struct EarthMotion {
     return Attitude(t_s).conjugate() * f_m;
   }
 
-  /// Mean rates over intervals of 1/rate_hz from t0_s to t1_s, by Gauss-Legendre quadrature with
-  /// five nodes (error below 1e-12 relative for ten samples per period).
+  /// Returns mean rates over intervals of 1/rate_hz from t0_s to t1_s, by Gauss-Legendre quadrature
+  /// with five nodes (relative error below 1e-12 for ten samples per period).
   ImuData Measure(double t0_s, double t1_s, double rate_hz) const {
     static constexpr double kNode[5] = {-0.906179845938663992797627, -0.538469310105683091036314,
                                         0.0, 0.538469310105683091036314,
@@ -100,7 +100,8 @@ struct EarthMotion {
   }
 };
 
-/// A survey aircraft at 60 m/s and 45 deg north: slow attitude motion, turbulence, a gentle climb.
+/// Returns the motion of a survey aircraft at 60 m/s and 45 deg north: slow attitude motion,
+/// turbulence and a gentle climb.
 inline EarthMotion PlaneMotion() {
   EarthMotion motion{LocalFrame({45.0 * kRadPerDeg, 7.0 * kRadPerDeg, 400.0}), {}, {}};
   motion.position_m.offset = {800.0, -300.0, 1000.0};
@@ -114,7 +115,7 @@ inline EarthMotion PlaneMotion() {
   return motion;
 }
 
-/// PlaneMotion on vibrating isolators: 0.5 g and 0.2 mrad of coning at 25 Hz.
+/// Returns PlaneMotion on vibration isolators: 0.5 g and 0.2 mrad of coning at 25 Hz.
 inline EarthMotion VibratingMotion() {
   EarthMotion motion = PlaneMotion();
   const double omega = 2.0 * std::numbers::pi * 25.0;

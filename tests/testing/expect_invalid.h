@@ -8,7 +8,8 @@
 
 namespace dn::testing {
 
-/// Runs `action`, expects InvalidInput whose message contains `what`, and returns its place.
+/// Runs `action`, expects InvalidInput with a message that contains `what`, and returns its
+/// location.
 template <class Action>
 FileLocation PlaceOfInvalid(const Action& action, const std::string& what) {
   try {
@@ -21,13 +22,13 @@ FileLocation PlaceOfInvalid(const Action& action, const std::string& what) {
   return {};
 }
 
-/// Found on `line` (0: no line is named).
+/// Expects InvalidInput located on `line` (0: no line).
 template <class Action>
 void ExpectInvalid(const Action& action, const std::string& what, long line) {
   EXPECT_EQ(PlaceOfInvalid(action, what).line, line) << what;
 }
 
-/// Found in a file whose path contains `file`.
+/// Expects InvalidInput located in a file whose path contains `file`.
 template <class Action>
 void ExpectInvalidIn(const Action& action, const std::string& what, const std::string& file) {
   EXPECT_THAT(PlaceOfInvalid(action, what).file, ::testing::HasSubstr(file)) << what;

@@ -19,26 +19,27 @@
 
 namespace dn::testing {
 
-/// Same signature as FactorBase::Evaluate: a second way to the residual and its Jacobians.
+/// Has the signature of FactorBase::Evaluate: another way to compute the residual and its
+/// Jacobians.
 using Evaluator = std::function<bool(double const* const* x, double* r, double** J)>;
 
-/// Analytic against automatic differentiation: both exact but for rounding, which the chain of
-/// products amplifies.
+/// Tolerance between analytic and automatic differentiation. Both are exact except for rounding,
+/// which the chain of products amplifies.
 inline constexpr double kAutodiffTolerance = 1e-10;
 
-/// Analytic against Ridders' extrapolated differences: their truncation error at curved residuals.
+/// Tolerance between analytic and Ridders' extrapolated differences, from their truncation error.
 inline constexpr double kNumericTolerance = 1e-5;
 
-/// A block whose Jacobian vanishes is compared on the scale of the factor's largest Jacobian times
-/// this, as rounding of the terms that cancel is all that is left.
+/// A block whose Jacobian vanishes has only rounding errors of cancelling terms. It is compared on
+/// the scale of the factor's largest Jacobian times this value.
 inline constexpr double kVanishingBlock = 1e-6;
 
-/// First step of Ridders' method, in the tangent (rad, m, m/s, ...).
+/// First step of Ridders' method in tangent coordinates (rad, m, m/s, ...).
 inline constexpr double kNumericStep = 1e-2;
 
 namespace internal {
 
-/// A factor as the functor that Ceres differentiates.
+/// Functor around a factor for Ceres's automatic differentiation.
 template <class F>
 struct FixedCall {
   const F* factor;
@@ -50,8 +51,8 @@ struct FixedCall {
 
 }  // namespace internal
 
-/// Automatic differentiation of `template <class T> bool Residual(const T* x0, ..., T* r) const` of
-/// a class derived from Factor<F, R, Kinds...>. The factor must outlive the evaluator.
+/// Returns automatic differentiation of `template <class T> bool Residual(const T* x0, ..., T* r)
+/// const` of a class derived from Factor<F, R, Kinds...>. The factor must outlive the evaluator.
 template <class F>
 Evaluator Autodiff(const F& factor) {
   return [&factor]<class... Kinds>(std::tuple<Kinds...>*) -> Evaluator {
@@ -65,7 +66,7 @@ Evaluator Autodiff(const F& factor) {
 
 namespace internal {
 
-/// The same with a list of blocks.
+/// The same functor for a list of blocks.
 template <class F>
 struct DynamicCall {
   const F* factor;
@@ -77,8 +78,8 @@ struct DynamicCall {
 
 }  // namespace internal
 
-/// Automatic differentiation of `template <class T> bool Residual(T const* const* x, T* r) const`
-/// of a class derived from DynamicFactor. The factor must outlive the evaluator.
+/// Returns automatic differentiation of `template <class T> bool Residual(T const* const* x, T* r)
+/// const` of a class derived from DynamicFactor. The factor must outlive the evaluator.
 template <class F>
 Evaluator DynamicAutodiff(const F& factor) {
   return [&factor](double const* const* x, double* r, double** J) {
@@ -100,7 +101,7 @@ inline std::vector<const double*> Pointers(const std::vector<Eigen::VectorXd>& x
   return pointers;
 }
 
-/// Residual and stored Jacobians of the blocks wanted; the Jacobians not wanted stay NaN.
+/// Residual and stored Jacobians of the requested blocks; the other Jacobians stay NaN.
 struct Evaluation {
   bool ok = false;
   Eigen::VectorXd r;
@@ -131,8 +132,9 @@ inline Eigen::VectorXd ResidualAt(const FactorBase& f, std::vector<Eigen::Vector
   return r;
 }
 
-/// d r / d (tangent coordinate `column` of `block`) by Ridders' method: central differences at
-/// shrinking steps, extrapolated to step zero; the entry of the tableau with the least change wins.
+/// Returns d r / d (tangent coordinate `column` of `block`) by Ridders' method: central differences
+/// with decreasing steps, extrapolated to step zero. The tableau entry with the smallest change is
+/// used.
 inline Eigen::VectorXd RiddersColumn(const FactorBase& f, const std::vector<Eigen::VectorXd>& x,
                                      std::size_t block, int column) {
   constexpr int kSteps = 10;
@@ -173,7 +175,7 @@ inline void ExpectBlockNear(const Eigen::MatrixXd& J, const Eigen::MatrixXd& ref
   EXPECT_TRUE(J.allFinite()) << what;
 }
 
-/// The Jacobians of the factor in the tangent of each block.
+/// Returns the Jacobians of the factor in the tangent coordinates of each block.
 inline std::vector<Eigen::MatrixXd> InTangent(const FactorBase& f,
                                               const std::vector<Eigen::VectorXd>& x,
                                               const std::vector<RowMajorMatrix>& J_stored) {
@@ -184,7 +186,7 @@ inline std::vector<Eigen::MatrixXd> InTangent(const FactorBase& f,
   return J;
 }
 
-/// Scale on which the Jacobian of block i is compared.
+/// Returns the scale for comparing the Jacobian of block i.
 inline double Scale(const std::vector<Eigen::MatrixXd>& J, std::size_t i) {
   double largest = 0.0;
   for (const Eigen::MatrixXd& block : J) largest = std::max(largest, LargestEntry(block));
@@ -194,7 +196,7 @@ inline double Scale(const std::vector<Eigen::MatrixXd>& J, std::size_t i) {
 inline void ExpectNumeric(const FactorBase& f, const std::vector<Eigen::VectorXd>& x,
                           const Evaluation& all) {
   const std::vector<Eigen::MatrixXd> J = InTangent(f, x, all.J);
-  // Rounding of the residual itself, divided by the step.
+  // Rounding of the residual, divided by the step.
   const double rounding =
       100.0 * std::numeric_limits<double>::epsilon() * LargestEntry(all.r) / kNumericStep;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -221,7 +223,8 @@ inline void ExpectAutodiff(const FactorBase& f, const std::vector<Eigen::VectorX
   }
 }
 
-/// Without Jacobians, with an array of null Jacobians, and with one Jacobian at a time.
+/// Checks evaluation without Jacobians, with an array of null Jacobians, and with one Jacobian at a
+/// time.
 inline void ExpectNullJacobiansRespected(const FactorBase& f, const std::vector<Eigen::VectorXd>& x,
                                          const Evaluation& all) {
   Eigen::VectorXd r(f.residual_size());
@@ -244,17 +247,18 @@ inline void ExpectNullJacobiansRespected(const FactorBase& f, const std::vector<
 
 }  // namespace internal
 
-/// The block of a vector or a quaternion (x, y, z, w) as ExpectFactorConsistent takes it.
+/// Returns the stored values of a vector or a quaternion (x, y, z, w) for ExpectFactorConsistent.
 template <class Derived>
 Eigen::VectorXd State(const Eigen::MatrixBase<Derived>& v) {
   return v;
 }
 inline Eigen::VectorXd State(const Eigen::Quaterniond& q) { return q.coeffs(); }
 
-/// Expects of a factor at the stored block values x, that
-///  - its Jacobians in the tangent are those of Ridders' numeric differentiation through dn::Plus,
-///  - residual and Jacobians are those of `autodiff`, where given (Autodiff or DynamicAutodiff),
-///  - the residual does not depend on which Jacobians are asked for, and null ones are left alone.
+/// Checks a factor at the stored block values x:
+///
+/// - its Jacobians in the tangent equal Ridders' numeric differentiation through dn::Plus;
+/// - residual and Jacobians equal those of `autodiff`, if given (Autodiff or DynamicAutodiff);
+/// - the residual does not depend on the requested Jacobians, and null ones are not written.
 inline void ExpectFactorConsistent(const FactorBase& f, const std::vector<Eigen::VectorXd>& x,
                                    const Evaluator& autodiff = nullptr) {
   ASSERT_EQ(x.size(), f.block_kinds().size());

@@ -11,7 +11,7 @@
 
 namespace dn::testing {
 
-/// What may stand under a key by mistake or by malice.
+/// Returns values that a key may have by mistake or malicious intent.
 inline const std::vector<std::string>& HostileValues() {
   static const std::vector<std::string> values{"abc",
                                                "\"\"",
@@ -51,7 +51,7 @@ inline const std::vector<std::string>& HostileValues() {
   return values;
 }
 
-/// Calls visit(node) with every value of a document below its root, and every map.
+/// Calls visit(node) for every value of a document below its root, and for every map.
 template <class Visit>
 void VisitYaml(YAML::Node node, const Visit& visit) {
   if (node.IsMap()) {
@@ -67,7 +67,7 @@ void VisitYaml(YAML::Node node, const Visit& visit) {
   }
 }
 
-/// Every document that one hostile value, or one unknown key, makes of `text`.
+/// Returns every document made from `text` by inserting one hostile value or one unknown key.
 inline std::vector<std::string> HostileDocuments(const std::string& text) {
   std::vector<std::string> documents;
   std::size_t places = 0;
@@ -91,8 +91,9 @@ inline std::vector<std::string> HostileDocuments(const std::string& text) {
   return documents;
 }
 
-/// Runs `parse` on every hostile document of `text`: it succeeds or throws InvalidConfig with file,
-/// line and column and a message that a person can use. Returns the number refused.
+/// Runs `parse` on every hostile document of `text`. It must succeed or throw InvalidConfig with
+/// file, line and column and a message that helps the user. Returns the number of rejected
+/// documents.
 template <class Parse>
 int CountRefused(const std::string& text, const Parse& parse) {
   using ::testing::HasSubstr;

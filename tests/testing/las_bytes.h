@@ -7,15 +7,15 @@
 
 namespace dn::testing {
 
-/// A point as a LAS file stores it.
+/// A point as stored in a LAS file.
 struct LasPoint {
   std::int32_t x = 0, y = 0, z = 0;  ///< in steps of the scale factor
   double time_s = 0.0;
   std::uint16_t intensity = 0;
   std::uint16_t source = 0;
   int return_number = 1;
-  std::string extra;  ///< bytes behind the standard part
-  int returns = 0;    ///< of the pulse; 0: not stated
+  std::string extra;  ///< bytes after the standard part
+  int returns = 0;    ///< number of returns of the pulse; 0: not stated
   int classification = 0;
 };
 
@@ -26,15 +26,15 @@ struct LasRecord {
   std::string content;
 };
 
-/// The bytes of a LAS file, laid out after the specification and without the library's help. On a
-/// little-endian machine.
+/// Builds the bytes of a LAS file from the specification, without the library under test. Requires
+/// a little-endian machine.
 struct LasBytes {
   int minor = 2;
   int format = 1;
   std::uint16_t encoding = 0;
   double scale = 0.001;
   double offset[3] = {0.0, 0.0, 0.0};
-  std::size_t extra_bytes = 0;  ///< of a record
+  std::size_t extra_bytes = 0;  ///< per point record
   std::vector<LasRecord> vlrs;
   std::vector<LasRecord> evlrs;
   std::vector<LasPoint> points;
@@ -57,7 +57,7 @@ struct LasBytes {
     return bytes;
   }
 
-  /// Replaces bytes of a file by those of a number.
+  /// Overwrites bytes of a file with those of a number.
   template <class T>
   static void Put(T value, std::size_t at, std::string* bytes) {
     std::memcpy(bytes->data() + at, &value, sizeof(T));
@@ -134,7 +134,7 @@ struct LasBytes {
   }
 };
 
-/// The record that describes extra bytes: a descriptor of 192 bytes for each name, of type float
+/// Returns the record that describes extra bytes: a descriptor of 192 bytes per name, of type float
 /// (9) or double (10).
 inline LasRecord ExtraBytesRecord(const std::vector<std::string>& names, int type) {
   LasRecord record{"LASF_Spec", 4, ""};

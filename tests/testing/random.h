@@ -6,7 +6,7 @@
 
 namespace dn::testing {
 
-/// N independent numbers, each uniform in [-scale, scale].
+/// Returns N independent numbers, each uniform in [-scale, scale].
 template <int N = 3, class Rng>
 Eigen::Matrix<double, N, 1> RandomVector(Rng& rng, double scale) {
   std::uniform_real_distribution<double> uniform(-scale, scale);
@@ -15,7 +15,7 @@ Eigen::Matrix<double, N, 1> RandomVector(Rng& rng, double scale) {
   return v;
 }
 
-/// Unit quaternion, uniform over all rotations.
+/// Returns a unit quaternion, uniform over all rotations.
 template <class Rng>
 Eigen::Quaterniond RandomRotation(Rng& rng) {
   std::normal_distribution<double> normal;

@@ -7,17 +7,17 @@
 
 namespace dn::testing {
 
-/// A gabled house: the ridge runs along its own y axis.
+/// A house with a gable roof; the ridge is along its own y axis.
 struct Roof {
   Eigen::Vector2d centre_en_m = Eigen::Vector2d::Zero();
   double length_m = 10.0;     ///< along the ridge
-  double half_width_m = 6.0;  ///< of each side, in plan
+  double half_width_m = 6.0;  ///< of each side, in plan view
   double slope_rad = 0.6;
   double eaves_m = 6.0;   ///< above the ground
-  double turn_rad = 0.0;  ///< of the ridge from north to west
+  double turn_rad = 0.0;  ///< of the ridge from north towards west
 };
 
-/// Height of the ground at zero with the roofs on it.
+/// Returns the height of the surface: ground at zero, with the roofs on it.
 inline double SurfaceHeight(const std::vector<Roof>& roofs, const Eigen::Vector2d& en_m) {
   double height_m = 0.0;
   for (const Roof& roof : roofs) {

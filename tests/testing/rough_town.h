@@ -10,7 +10,7 @@
 
 namespace dn::testing {
 
-/// Hilly ground with houses at many angles: a height that is known everywhere.
+/// A town of houses at many angles on hilly ground, with a known height everywhere.
 class RoughTown {
  public:
   explicit RoughTown(bool flat = false) : flat_(flat) {
@@ -32,7 +32,7 @@ class RoughTown {
            1.5 * std::sin(0.13 * en_m.y()) + 0.3 * std::sin(0.9 * en_m.x() - 0.7 * en_m.y());
   }
 
-  /// Points at random places of the square up to edge_m, moved by shift_m.
+  /// Returns points at random places of the square up to edge_m, shifted by shift_m.
   std::vector<Eigen::Vector3d> Points(int count, double edge_m, double sigma_m,
                                       const Eigen::Vector3d& shift_m, unsigned seed) const {
     std::mt19937_64 engine(seed);
@@ -40,7 +40,8 @@ class RoughTown {
     std::normal_distribution<double> noise(0.0, sigma_m);
     std::vector<Eigen::Vector3d> points;
     for (int i = 0; i < count; ++i) {
-      const double north_m = place(engine);  // one by one: compilers differ in their order
+      // Separate statements, because the order of evaluation of arguments is unspecified.
+      const double north_m = place(engine);
       const double east_m = place(engine);
       const Eigen::Vector2d en_m(east_m, north_m);
       points.emplace_back(Eigen::Vector3d(en_m.x(), en_m.y(), Height(en_m) + noise(engine)) +

@@ -8,8 +8,8 @@
 
 namespace dn::testing {
 
-/// A small drone: two opposite strips of 10 s at 20 m/s and a higher cross strip, 100 m above
-/// houses, some four minutes in all. `extra` adds sections (effects).
+/// Returns a flight of a small drone 100 m above houses: two opposite strips of 10 s at 20 m/s and
+/// a higher cross strip, four minutes in total. `extra` adds sections (effects).
 inline Scenario DroneScenario(const std::string& extra = "") {
   return ParseScenario(R"(
 name: drone
@@ -34,8 +34,8 @@ pairs: {count: 300, sigma_p_m: 0.03}
                        "drone.yaml");
 }
 
-/// A survey aircraft with a navigation-grade sensor: two opposite strips and a cross strip, a
-/// short warm-up.
+/// Returns a flight of a survey aircraft with a navigation-grade sensor: two opposite strips and a
+/// cross strip, with a short warm-up.
 inline Scenario AircraftScenario(const std::string& extra = "") {
   return ParseScenario(R"(
 name: aircraft
@@ -60,7 +60,7 @@ pairs: {count: 400}
                        "aircraft.yaml");
 }
 
-/// A solved flight with its boresight; the flight that it was made from must outlive it.
+/// A solved flight with its boresight; the original flight must outlive it.
 struct Calibration {
   Solution solution;
   const Adjustment& adjustment;
@@ -75,7 +75,8 @@ struct Calibration {
   Calibration(const Calibration&) = delete;
   Calibration& operator=(const Calibration&) = delete;
 
-  /// Error of the boresight as its covariance counts it: the left perturbation from the truth.
+  /// Returns the error of the boresight in the coordinates of its covariance: the left perturbation
+  /// from the truth.
   Eigen::Vector3d BoresightError(const Eigen::Vector3d& true_rad) const {
     return Log(Eigen::Quaterniond(Exp(boresight.angles_rad) * Exp(true_rad).conjugate()));
   }

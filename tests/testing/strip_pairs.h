@@ -14,7 +14,7 @@ namespace dn::testing {
 
 /// A straight line flown at constant speed.
 struct FlightLine {
-  Eigen::Vector3d begin_m = Eigen::Vector3d::Zero();  ///< map
+  Eigen::Vector3d begin_m = Eigen::Vector3d::Zero();  ///< in map
   Eigen::Vector3d end_m = Eigen::Vector3d::Zero();
   double t0_s = 0.0;
   double speed_mps = 45.0;
@@ -23,20 +23,20 @@ struct FlightLine {
   double duration_s() const { return (end_m - begin_m).norm() / speed_mps; }
 };
 
-/// Two opposite lines and a higher cross line, 250 m above the ground.
+/// Returns two opposite lines and a higher cross line, 250 m above the ground.
 inline std::vector<FlightLine> CrossingLines() {
   return {{{-800, 0, 250}, {800, 0, 250}, 1000.0},
           {{800, 100, 250}, {-800, 100, 250}, 1130.0},
           {{0, -800, 300}, {0, 800, 300}, 1260.0}};
 }
 
-/// The flight lines, pairs and noise of a made-up strip flight.
+/// Flight lines, pairs and noise of a synthetic strip flight.
 struct StripPairOptions {
   std::vector<FlightLine> lines = CrossingLines();
   int count = 300;
-  double relief_m = 60.0;       ///< ground heights are uniform in +- half of it
+  double relief_m = 60.0;  ///< ground heights are uniform within half of this value up and down
   double half_width_m = 150.0;  ///< of a strip
-  double attitude_rad = 0.02;   ///< amplitude of the swinging platform
+  double attitude_rad = 0.02;   ///< amplitude of the platform's oscillation
   Eigen::Vector3d boresight_rad = Eigen::Vector3d(0.004, -0.003, 0.006);
   Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d(0.14, -0.02, 0.21);
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d(0.02, 0.02, 0.03);
@@ -45,7 +45,7 @@ struct StripPairOptions {
   unsigned seed = 1;
 };
 
-/// True attitude of the platform on a line: along it, swinging.
+/// Returns the true attitude of the platform on a line: along the line, with an oscillation.
 inline Eigen::Quaterniond PlatformAttitude(const FlightLine& line, double t_s, double swing_rad) {
   const Eigen::Vector3d d = line.direction();
   const double heading = std::atan2(d.x(), d.y());
@@ -56,7 +56,7 @@ inline Eigen::Quaterniond PlatformAttitude(const FlightLine& line, double t_s, d
   return (Eigen::Quaterniond(R_m_ned) * QuaternionFromRollPitchHeading(rph)).normalized();
 }
 
-/// The end of a pair that sees ground point x_m, abeam on a line; exact.
+/// Returns the exact end of a pair that observes the ground point x_m at right angles from a line.
 inline GaussHelmertEnd SeePoint(const FlightLine& line, const Eigen::Vector3d& x_m,
                                 const StripPairOptions& options) {
   const double along_m = (x_m - line.begin_m).dot(line.direction());
@@ -83,8 +83,8 @@ inline bool Sees(const FlightLine& line, const Eigen::Vector3d& x_m, double half
   return along_m >= 0.0 && along_m <= length_m && across_m <= half_width_m;
 }
 
-/// Error-free pairs of points that two lines see, taken in turn from all pairs of lines that
-/// overlap; the initial boresight is zero.
+/// Returns error-free pairs of points observed from two lines, taken in turn from all overlapping
+/// pairs of lines; the initial boresight is zero.
 inline GaussHelmertProblem MakeStripPairs(const StripPairOptions& options = {}) {
   std::mt19937 rng(options.seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -117,7 +117,7 @@ inline GaussHelmertProblem MakeStripPairs(const StripPairOptions& options = {}) 
   return problem;
 }
 
-/// Error of the trajectory at an epoch: position in map (m) and attitude, right (rad).
+/// Trajectory error at an epoch: position in map (m) and attitude, right perturbation (rad).
 struct PoseError {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d attitude_rad = Eigen::Vector3d::Zero();
@@ -130,14 +130,14 @@ inline Eigen::Vector3d NormalVector(std::mt19937& rng, const Eigen::Vector3d& si
   return v;
 }
 
-/// Adds errors: those of the trajectory, by epoch, and white ones of sigma_p_m to the second point
-/// of each pair.
+/// Adds errors to the pairs: the trajectory error at each epoch, and white noise of sigma_p_m on
+/// the second point of each pair.
 inline void Disturb(GaussHelmertProblem* problem,
                     const std::function<PoseError(const GaussHelmertEnd&)>& trajectory,
                     double sigma_p_m, std::mt19937& rng) {
   for (GaussHelmertPair& pair : problem->pairs) {
     const Eigen::Vector3d noise_m = NormalVector(rng, Eigen::Vector3d::Constant(sigma_p_m));
-    pair.j.u_b += pair.j.q_mb.conjugate() * noise_m;  // the boresight turns it by its angle
+    pair.j.u_b += pair.j.q_mb.conjugate() * noise_m;  // neglects the rotation by the boresight
     for (GaussHelmertEnd* end : {&pair.i, &pair.j}) {
       const PoseError error = trajectory(*end);
       end->p_mb += error.position_m;
@@ -146,7 +146,7 @@ inline void Disturb(GaussHelmertProblem* problem,
   }
 }
 
-/// White errors of the trajectory with the sigmas that the ends state.
+/// Returns white trajectory errors with the sigmas of the ends.
 inline std::function<PoseError(const GaussHelmertEnd&)> WhiteErrors(std::mt19937& rng) {
   return [&rng](const GaussHelmertEnd& end) {
     PoseError error;
@@ -157,7 +157,8 @@ inline std::function<PoseError(const GaussHelmertEnd&)> WhiteErrors(std::mt19937
   };
 }
 
-/// Error of a boresight as its covariance counts it: the left perturbation from the truth.
+/// Returns the error of a boresight in the coordinates of its covariance: the left perturbation
+/// from the truth.
 inline Eigen::Vector3d BoresightError(const Eigen::Vector3d& estimate_rad,
                                       const Eigen::Vector3d& truth_rad) {
   return Log(Eigen::Quaterniond(Exp(estimate_rad) * Exp(truth_rad).conjugate()));

@@ -12,14 +12,14 @@
 
 namespace dn::testing {
 
-/// Planes on the ground below the lines of a made-up strip flight.
+/// Planes on the ground below the lines of a synthetic strip flight.
 struct StripPlaneOptions {
   StripPairOptions flight;
   int count = 60;
-  int points = 30;             ///< of a plane in a strip
+  int points = 30;             ///< per plane and strip
   double half_extent_m = 4.0;  ///< of a plane
-  double steepest_rad = 0.7;   ///< slopes are uniform below it
-  bool one_aspect = false;     ///< all planes fall to the east
+  double steepest_rad = 0.7;   ///< slopes are uniform below this value
+  bool one_aspect = false;     ///< all planes slope down to the east
   double sigma_m = 0.02;
 };
 
@@ -28,14 +28,14 @@ inline Eigen::Vector3d SlopingNormal(double slope_rad, double aspect_rad) {
           std::cos(slope_rad)};
 }
 
-/// A point of the plane through c with normal n, above or below c by (a, b) in east and north.
+/// Returns the point of the plane through c with normal n at (a, b) east and north of c.
 inline Eigen::Vector3d OnPlane(const Eigen::Vector3d& c, const Eigen::Vector3d& n, double a,
                                double b) {
   return c + Eigen::Vector3d(a, b, -(n.x() * a + n.y() * b) / n.z());
 }
 
-/// Error-free points of planes that two lines or more see; the initial boresight is zero. Each
-/// strip has points of its own.
+/// Returns error-free points on planes that at least two lines observe; the initial boresight is
+/// zero. The strips have different points.
 inline PlaneProblem MakeStripPlanes(const StripPlaneOptions& options = {}) {
   std::mt19937 rng(options.flight.seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -65,8 +65,8 @@ inline PlaneProblem MakeStripPlanes(const StripPlaneOptions& options = {}) {
   return problem;
 }
 
-/// Adds errors: those of the trajectory, by epoch, and white ones of the planes' sigma to every
-/// point.
+/// Adds errors to the points: the trajectory error at each epoch, and white noise with the planes'
+/// sigma on every point.
 inline void Disturb(PlaneProblem* problem,
                     const std::function<PoseError(const GaussHelmertEnd&)>& trajectory,
                     std::mt19937& rng) {

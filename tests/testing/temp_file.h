@@ -9,10 +9,10 @@
 
 namespace dn::testing {
 
-/// A file with the given bytes that disappears with the object.
+/// A file with the given bytes that is deleted with the object.
 class TempFile {
  public:
-  /// name: with the extension that the reader under test wants.
+  /// Creates the file; `name` has the extension that the reader under test needs.
   TempFile(const std::string& name, const std::string& content) {
     static int count = 0;
     folder_ = std::filesystem::path(::testing::TempDir()) /

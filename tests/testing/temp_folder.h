@@ -9,21 +9,21 @@
 
 namespace dn::testing {
 
-/// A folder that disappears with the object.
+/// A folder that is deleted with the object.
 class TempFolder {
  public:
   TempFolder() {
     static int count = 0;
     path_ = std::filesystem::path(::testing::TempDir()) /
             ("dn_folder_" + std::to_string(::getpid()) + "_" + std::to_string(count++));
-    std::filesystem::remove_all(path_);  // of a process of the same number that was killed
+    std::filesystem::remove_all(path_);  // left over from a killed process with the same id
     std::filesystem::create_directories(path_);
   }
   TempFolder(const TempFolder&) = delete;
   TempFolder& operator=(const TempFolder&) = delete;
   ~TempFolder() { std::filesystem::remove_all(path_); }
 
-  /// Writes a file, with its sub-folders.
+  /// Writes a file and creates its sub-folders.
   void Write(const std::string& name, const std::string& content) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());

@@ -21,7 +21,8 @@ std::size_t EditDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/// Bytes of the control character at the start of the text; 0 where there is none.
+/// Returns the number of bytes of the control character at the start of the text, or 0 if it starts
+/// with another character.
 std::size_t ControlBytes(std::string_view text) {
   const auto first = static_cast<unsigned char>(text[0]);
   if (first < 0x20 || first == 0x7F) return 1;

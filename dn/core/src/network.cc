@@ -10,7 +10,7 @@
 namespace dn {
 namespace {
 
-/// The given value, moved onto the manifold of the block.
+/// Returns the given value projected onto the manifold of the block.
 Eigen::VectorXd OnManifold(const BlockRecord& record, const double* value) {
   const Eigen::Map<const Eigen::VectorXd> given(value, record.kind.stored_size);
   if (record.kind.parametrisation == Parametrisation::kVector) return given;
@@ -115,7 +115,7 @@ void Network::ReplaceFactor(FactorId id, std::shared_ptr<const FactorBase> facto
   if (factor == nullptr || factor->residual_size() != record.factor->residual_size() ||
       factor->block_kinds() != record.factor->block_kinds()) {
     throw InvalidInput("network: the replacement of factor " + std::to_string(id) +
-                       " has other blocks or another residual size");
+                       " has different block kinds or a different residual size");
   }
   record.factor = std::move(factor);
 }
@@ -162,8 +162,9 @@ void Network::SetLabel(BlockId id, BlockLabel label) {
 
 void Network::CheckKind(BlockId id, const BlockKind& kind) const {
   if (!(block(id).kind == kind)) {
-    throw InvalidInput("network: block '" + block(id).name +
-                       "' is of another kind than the handle; is it of another network?");
+    throw InvalidInput(
+        "network: block '" + block(id).name +
+        "' has a different kind than the handle; does the handle belong to another network?");
   }
 }
 
@@ -171,7 +172,7 @@ BlockId Network::Find(const std::string& name) const {
   if (const auto it = by_name_.find(name); it != by_name_.end()) return it->second;
   std::vector<std::string> names;
   for (const BlockRecord& record : blocks_) names.push_back(record.name);
-  throw InvalidInput("network: no block '" + name + "', the nearest is '" +
+  throw InvalidInput("network: there is no block '" + name + "'; the nearest name is '" +
                      NearestName(name, names) + "'");
 }
 
@@ -233,7 +234,7 @@ void Network::NameException(FactorId id) const {
   } catch (const std::exception& error) {
     std::throw_with_nested(InvalidInput(DescribeFactor(id) + " throws: " + error.what()));
   } catch (...) {
-    std::throw_with_nested(InvalidInput(DescribeFactor(id) + " throws"));
+    std::throw_with_nested(InvalidInput(DescribeFactor(id) + " throws an unknown exception"));
   }
 }
 

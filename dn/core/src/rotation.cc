@@ -11,7 +11,7 @@ Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& phi) {
   if (angle2 > 1e-6) {
     const double angle = std::sqrt(angle2);
     const double sine = std::sin(0.5 * angle);
-    a = 2.0 * sine * sine / angle2;  // (1 - cos) / angle^2 without its cancellation
+    a = 2.0 * sine * sine / angle2;  // (1 - cos) / angle^2 without cancellation
     b = (angle - std::sin(angle)) / (angle2 * angle);
   } else {
     a = 0.5 - angle2 / 24.0 + angle2 * angle2 / 720.0;

@@ -22,7 +22,7 @@ constexpr internal::RecordFormat<kSmrmsgColumns> kSmrmsg{
      "rms of pitch", "rms of heading"}};
 constexpr double kRadPerArcMinute = kRadPerDeg / 60.0;
 
-// Beyond these nothing is known of a trajectory.
+// Larger standard deviations carry no information on a trajectory.
 constexpr double kMostM = 1e5;
 constexpr double kMostRad = 100.0;
 

@@ -18,10 +18,11 @@ constexpr std::string_view kTemporaryEnding = ".part";
   throw fs::filesystem_error(what, path, std::error_code(errno, std::generic_category()));
 }
 
-/// A hidden name in the directory of `path` that nobody can foresee.
+/// Returns a hidden name in the directory of `path` that nobody can predict.
 fs::path TemporarySibling(const fs::path& path) {
   std::uint64_t number = 0;
-  if (::getrandom(&number, sizeof number, 0) != sizeof number) ThrowErrno("no random number", path);
+  if (::getrandom(&number, sizeof number, 0) != sizeof number)
+    ThrowErrno("cannot get a random number", path);
   return path.parent_path() / ("." + path.filename().string() + "." + std::to_string(number) +
                                std::string(kTemporaryEnding));
 }
@@ -32,7 +33,7 @@ int Open(const fs::path& path, int flags) {
   return fd;
 }
 
-/// Makes a rename in the directory durable.
+/// Flushes the directory, which makes a rename in it durable.
 void FlushDirectory(const fs::path& file) {
   const fs::path directory = file.has_parent_path() ? file.parent_path() : fs::path(".");
   const int fd = Open(directory, O_RDONLY | O_DIRECTORY);
@@ -74,7 +75,8 @@ void FileWriter::Publish() {
   if (::fsync(fd_) != 0) ThrowErrno("cannot flush", path_);
   const int fd = fd_;
   fd_ = -1;
-  if (::close(fd) != 0) ThrowErrno("cannot close", path_);  // some file systems report it only here
+  // Some file systems report write errors only here.
+  if (::close(fd) != 0) ThrowErrno("cannot close", path_);
   fs::rename(temporary_, path_);
   temporary_.clear();
   FlushDirectory(path_);

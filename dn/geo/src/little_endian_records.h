@@ -14,10 +14,10 @@
 
 namespace dn::internal {
 
-/// A file of little-endian doubles, N to a record, of which the first is the time.
+/// Format of a file of little-endian doubles, N per record; the first is the time.
 template <std::size_t N>
 struct RecordFormat {
-  const char* name;  ///< as messages call the file
+  const char* name;  ///< name of the file format in messages
   std::array<const char*, N> columns;
 };
 
@@ -26,7 +26,7 @@ using Record = std::array<double, N>;
 
 inline std::string NameOfRecord(std::size_t index) { return "record " + std::to_string(index + 1); }
 
-/// All records, checked to be complete and finite.
+/// Decodes all records. Throws InvalidInput if the last one is incomplete or a value is not finite.
 template <std::size_t N>
 std::vector<Record<N>> DecodeRecords(const std::string& content, const RecordFormat<N>& format,
                                      const FileLocation& where) {
@@ -55,14 +55,15 @@ std::vector<Record<N>> DecodeRecords(const std::string& content, const RecordFor
   return records;
 }
 
-/// Removes repeated records and continues times over rollovers; returns the number removed.
+/// Removes repeated records and continues times over week rollovers; returns the number of removed
+/// records.
 template <std::size_t N>
 long SettleTimes(const RecordFormat<N>& format, const FileLocation& where,
                  std::vector<Record<N>>* records) {
   using Verdict = TimeContinuation::Verdict;
   const std::string name = std::string(format.name) + " ";
   TimeContinuation times;
-  std::vector<Record<N>>& kept = *records;  // the first n, behind the one that is judged
+  std::vector<Record<N>>& kept = *records;  // the first n records; kept[n] is the one being judged
   const std::size_t all = records->size();
   std::size_t n = 0;
   for (std::size_t i = 0; i < all; ++i) {

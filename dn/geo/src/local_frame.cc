@@ -45,7 +45,7 @@ Geodetic GeodeticFromEcef(const Eigen::Vector3d& p_e) {
 
 void CheckGeodetic(const Geodetic& point, const FileLocation& where) {
   constexpr double kPi = std::numbers::pi;
-  // Degrees converted to radians may pass the bound by rounding.
+  // Degrees converted to radians may exceed the bound by rounding.
   constexpr double kRounding = 1e-12;
   constexpr double kMostHeightM = 1e6;
   if (!(std::abs(point.lat_rad) <= kPi / 2 + kRounding)) {

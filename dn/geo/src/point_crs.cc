@@ -14,9 +14,10 @@ constexpr double kFalseEastingM = 500e3;
 constexpr double kFalseNorthingSouthM = 10e6;
 constexpr double kMostNorthingM = 10e6;
 constexpr double kMostHeightM = 1e6;
-// Of the Earth's centre: from below the deepest mine to above any aircraft.
+// Limits of the distance from the Earth's centre: from below the deepest mine to above any
+// aircraft.
 constexpr double kLeastRadiusM = 6.3e6, kMostRadiusM = 7.4e6;
-// The tangent plane is no map of points beyond.
+// Limit of coordinates in the tangent plane.
 constexpr double kMostMapM = 1e6;
 
 struct UtmZone {
@@ -33,8 +34,8 @@ std::optional<UtmZone> ParseUtm(const std::string& name) {
 
 [[noreturn]] void Fail(const std::string& what, const Eigen::Vector3d& p_c, const char* bounds) {
   throw InvalidInput("the point (" + FormatDouble(p_c.x()) + ", " + FormatDouble(p_c.y()) + ", " +
-                     FormatDouble(p_c.z()) + ") m is no point in " + what + ", " + bounds +
-                     "; is strips_crs of flight.yaml right?");
+                     FormatDouble(p_c.z()) + ") m is not a valid point in " + what + ", " + bounds +
+                     "; check strips_crs in flight.yaml");
 }
 
 void CheckUtm(const Eigen::Vector3d& p_c) {
@@ -59,9 +60,8 @@ PointCrs::PointCrs(const std::string& name, const LocalFrame& frame) : name_(nam
   }
   const std::optional<UtmZone> utm = ParseUtm(name);
   if (!utm) {
-    throw InvalidConfig("'" + name +
-                        "' is no coordinate system of points; it must be map, ecef or " +
-                        "utm:ZONEn, utm:ZONEs (as utm:32n)");
+    throw InvalidConfig("'" + name + "' is not a coordinate system for points; use map, ecef, " +
+                        "utm:ZONEn or utm:ZONEs (for example utm:32n)");
   }
   kind_ = Kind::kUtm;
   central_meridian_deg_ = 6.0 * utm->zone - 183.0;

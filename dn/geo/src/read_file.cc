@@ -38,7 +38,7 @@ std::ifstream Open(const fs::path& file, std::uintmax_t most_bytes) {
   return in;
 }
 
-/// Appends up to a chunk to `content`; false at the end of the file.
+/// Appends up to a chunk to `content`; returns false at the end of the file.
 bool AppendChunk(std::ifstream& in, const fs::path& file, std::string& content) {
   const std::size_t size = content.size();
   content.resize(size + kChunkBytes);
@@ -88,7 +88,7 @@ bool LineReader::ReadMore() {
   begin_ = 0;
   if (buffer_.size() > kMostLineBytes) {
     throw InvalidInput("line is longer than " + std::to_string(kMostLineBytes) +
-                           " bytes: this is no text file of numbers",
+                           " bytes: this is not a text file of numbers",
                        {file_.string(), line_ + 1});
   }
   return AppendChunk(in_, file_, buffer_);

@@ -22,7 +22,7 @@ constexpr RecordFormat<kSbetColumns> kSbet{
      "pitch", "heading", "wander angle", "acceleration x", "acceleration y", "acceleration z",
      "rate x", "rate y", "rate z"}};
 
-/// The file's velocities count as confirmed by its positions up to this difference.
+/// Largest difference from the positions at which the velocities of the file are accepted.
 constexpr double kVelocityAgreementMps = 0.1;
 
 using SbetRecord = Record<kSbetColumns>;
@@ -55,7 +55,7 @@ NavPoint PointOfRecord(const SbetRecord& c) {
   return point;
 }
 
-/// Signs of the wander frame's y and z axis with respect to (right of x, down).
+/// Signs of the wander frame's y and z axes with respect to (right of x, down).
 struct VelocityConvention {
   double y_sign;
   double z_sign;
@@ -74,7 +74,7 @@ Eigen::Vector3d VelocityNed(const SbetRecord& c, const VelocityConvention& conve
   return {vx * cos_a + vy * sin_a, -vx * sin_a + vy * cos_a, convention.z_sign * c[6]};
 }
 
-/// Epochs that tell the convention: not all of a fast recording.
+/// Selects epochs to determine the convention; a fast recording is thinned out.
 std::vector<std::size_t> SomeEpochs(const std::vector<NavPoint>& points) {
   constexpr double kSpacingS = 0.05;
   std::vector<std::size_t> some;
@@ -87,7 +87,7 @@ std::vector<std::size_t> SomeEpochs(const std::vector<NavPoint>& points) {
   return some;
 }
 
-/// Difference in m/s between the velocities of each convention and the positions.
+/// Returns the difference in m/s between the positions and the velocities under each convention.
 std::vector<double> MisfitsByConvention(const std::vector<SbetRecord>& records,
                                         const std::vector<NavPoint>& points) {
   std::vector<NavPoint> some_points;
@@ -101,7 +101,8 @@ std::vector<double> MisfitsByConvention(const std::vector<SbetRecord>& records,
   return VelocityMisfits(some_points, v_ned_mps);
 }
 
-/// Fills the points' velocities from the file or, failing that, from the positions.
+/// Sets the points' velocities from the file or, if these disagree with the positions, by
+/// differentiation.
 void SettleVelocities(const std::vector<SbetRecord>& records, std::vector<NavPoint>& points,
                       TrajectoryNotes& notes) {
   const std::vector<double> misfits_mps = MisfitsByConvention(records, points);
@@ -118,14 +119,14 @@ void SettleVelocities(const std::vector<SbetRecord>& records, std::vector<NavPoi
     return;
   }
   notes.text =
-      "velocities by differentiation of the positions, from which those of the file "
-      "differ by " +
+      "velocities from differentiated positions; the velocities of the file differ "
+      "from them by " +
       misfit;
   const std::vector<Eigen::Vector3d> v_ned_mps = DifferentiatedVelocities(points);
   for (std::size_t i = 0; i < points.size(); ++i) points[i].v_ned_mps = v_ned_mps[i];
 }
 
-/// The records of a file, checked, and what is noticed about them.
+/// Reads and checks the records of a file, and writes notes about them.
 std::vector<SbetRecord> ReadRecords(const std::filesystem::path& file, TrajectoryNotes* notes) {
   const FileLocation where{file.string(), 0, 0};
   std::vector<SbetRecord> records = DecodeRecords(ReadWholeFile(file), kSbet, where);

@@ -7,11 +7,11 @@
 namespace dn {
 namespace {
 
-/// Grid coordinates that small are none that anybody flies at.
+/// Throws InvalidInput for grid coordinates that are so small that they must be degrees.
 void ExpectNoDegrees(const double* c, const std::string& key, const FileLocation& where) {
   if (std::abs(c[0]) > 360.0 || std::abs(c[1]) > 360.0) return;
   throw InvalidInput("easting, northing are " + FormatDouble(c[0]) + ", " + FormatDouble(c[1]) +
-                         " m; degrees have " + key + ": geographic",
+                         " m; if these are degrees, set " + key + ": geographic",
                      where);
 }
 
@@ -26,7 +26,7 @@ TextCoordinates::TextCoordinates(const std::string& crs, const std::optional<Geo
     : key_(std::move(key)), frame_(map_origin.value_or(Geodetic())) {
   if (crs == "geographic") return;
   if (crs == "map" && !map_origin) {
-    throw InvalidConfig(key_ + ": map needs frame.origin_deg_m, where its coordinates are zero");
+    throw InvalidConfig(key_ + ": map needs frame.origin_deg_m, the origin of its coordinates");
   }
   crs_.emplace(crs, frame_);
   utm_ = crs.rfind("utm:", 0) == 0;

@@ -17,7 +17,7 @@ constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/// The text as a message can show it, whatever a file holds.
+/// Returns a quoted text for messages, shortened and with unprintable characters replaced.
 std::string Quoted(std::string_view text) {
   constexpr std::size_t kMaxShown = 40;
   std::string quoted = "'";
@@ -28,7 +28,7 @@ std::string Quoted(std::string_view text) {
   return quoted + (text.size() > kMaxShown ? "...'" : "'");
 }
 
-/// A finite number that begins with none of ParseNumber's liberties.
+/// Parses a finite number in plain notation, without the extensions that ParseNumber accepts.
 std::optional<double> PlainNumber(std::string_view text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -45,7 +45,7 @@ std::string ListOfNumbers(const std::vector<std::size_t>& numbers) {
   return list;
 }
 
-/// Appends a row of a text to a table.
+/// Parses lines of text and appends them as rows to a table.
 class RowParser {
  public:
   RowParser(TextTable& table, const std::vector<std::size_t>& allowed_columns, char comment)
@@ -73,7 +73,7 @@ class RowParser {
     return {table_.file.string(), line_, static_cast<long>(position_) + 1};
   }
 
-  // At the first value; leaves after the last.
+  // Starts at the first value and stops after the last.
   void ParseValues() {
     bool tight_commas = false, bare_blanks = false;
     while (true) {
@@ -95,13 +95,13 @@ class RowParser {
     if (tight_commas && bare_blanks) CheckDecimalPoints();
   }
 
-  // The place is put in words for a number that is none alone.
+  // Builds the location for a message only if the text is not a plain number.
   double Number(std::string_view text) const {
     const std::optional<double> value = PlainNumber(text);
     return value ? *value : ParseNumber(text, Here());
   }
 
-  // Of a row whose values are separated by blanks, and that has commas without a blank.
+  // Called for a row with values separated by blanks and with commas that no blank follows.
   void CheckDecimalPoints() const {
     if (text_.find('.') != std::string_view::npos) return;
     throw InvalidInput("the row has decimal commas; write decimal points",
@@ -121,7 +121,8 @@ class RowParser {
       }
       table_.columns = columns;
     } else if (columns != table_.columns) {
-      throw InvalidInput("row has " + std::to_string(columns) + " columns, the rows before it " +
+      throw InvalidInput("row has " + std::to_string(columns) +
+                             " columns, but the rows before it have " +
                              std::to_string(table_.columns),
                          where);
     }

@@ -7,20 +7,20 @@
 
 namespace dn::internal {
 
-/// A step back by a week counts as a rollover to within this: the longest pause that may lie there.
+/// A step back by a week counts as a rollover if the pause at the rollover is at most this long.
 inline constexpr double kLongestPauseAtRolloverS = 3600.0;
 
-/// Carries a time column over week rollovers, row after row.
+/// Makes a time column continuous over week rollovers, row after row.
 class TimeContinuation {
  public:
   enum class Verdict {
     kKeep,
-    kRepeatedRow,    ///< identical to the row before
+    kRepeatedRow,    ///< identical to the previous row
     kNotIncreasing,  ///< neither increasing nor a rollover
   };
 
-  /// Judges the next row, whose first value is its time, and continues that time in place. Rows
-  /// judged kNotIncreasing are left as they are.
+  /// Judges the next row, whose first value is its time, and makes that time continuous in place.
+  /// Rows judged kNotIncreasing are not changed.
   Verdict Next(double* row, std::size_t columns) {
     double t_s = row[0] + offset_s_;
     if (last_ != nullptr) {
@@ -29,7 +29,7 @@ class TimeContinuation {
         row[0] = t_s;
         return Verdict::kRepeatedRow;
       }
-      const double since_last_s = step_s + kWeekS;  // if the week ended in between
+      const double since_last_s = step_s + kWeekS;  // time step if the week ended in between
       if (step_s < 0.0 && since_last_s > 0.0 && since_last_s <= kLongestPauseAtRolloverS) {
         offset_s_ += kWeekS;
         t_s += kWeekS;
@@ -42,7 +42,7 @@ class TimeContinuation {
     return Verdict::kKeep;
   }
 
-  /// Continued time of the last row kept.
+  /// Returns the continuous time of the last kept row.
   double last_s() const { return last_[0]; }
   double offset_s() const { return offset_s_; }
 

@@ -26,7 +26,7 @@ void ExpectWithin(double t_s, double t_begin_s, double t_end_s) {
                      FormatDouble(t_begin_s) + " s to " + FormatDouble(t_end_s) + " s)");
 }
 
-/// Between the two poses beside t_s.
+/// Interpolates between the two poses around t_s.
 MapPose Between(const MapPose& a, const MapPose& b, double t_s) {
   const double D_s = b.t_s - a.t_s;
   const double s = (t_s - a.t_s) / D_s;
@@ -44,7 +44,7 @@ MapPose Between(const MapPose& a, const MapPose& b, double t_s) {
   return pose;
 }
 
-/// The first of those in the order of time that is later than t_s.
+/// Returns the first element later than t_s in a list sorted by time.
 template <class Timed>
 auto FirstAfter(const std::vector<Timed>& list, double t_s) {
   return std::upper_bound(list.begin(), list.end(), t_s,

@@ -23,7 +23,7 @@ Matrix6d Units(double attitude) {
 std::size_t RowOf(std::size_t i, std::size_t j) { return i * (i + 1) / 2 + j; }
 
 [[noreturn]] void Fail(const std::string& what, const TextTable& table, std::size_t row) {
-  throw InvalidInput(what + "; let dn smooth write the file again, or remove it",
+  throw InvalidInput(what + "; write the file again with dn smooth, or remove it",
                      FileLocation{table.file.string(), table.lines[row], 0});
 }
 
@@ -31,14 +31,14 @@ TrajectoryCovariance ReadEpochs(const TextTable& table) {
   const auto T = static_cast<std::size_t>(
       std::lround(0.5 * (std::sqrt(8.0 * static_cast<double>(table.rows()) + 1.0) - 1.0)));
   if (RowOf(T, 0) != table.rows()) {
-    Fail("rows are missing: not one for each two epochs", table, table.rows() - 1);
+    Fail("rows are missing: each pair of epochs needs one row", table, table.rows() - 1);
   }
   TrajectoryCovariance out;
   for (std::size_t i = 0; i < T; ++i) {
     const std::size_t row = RowOf(i, i);
     const double t_s = table.row(row)[0], strip = table.row(row)[1];
     if (!(strip >= 0.0 && strip < kStripNumbers && strip == std::floor(strip))) {
-      Fail("the strip is no whole number from 0", table, row);
+      Fail("the strip is not an integer of at least 0", table, row);
     }
     if (i > 0 && (t_s <= out.t_s.back() || strip < out.strip.back())) {
       Fail("times and strips must increase", table, row);
@@ -54,7 +54,7 @@ void ReadBlock(const TextTable& table, std::size_t i, std::size_t j, TrajectoryC
   const double* values = table.row(row);
   if (values[0] != out->t_s[i] || values[1] != out->strip[i] || values[2] != out->t_s[j] ||
       values[3] != out->strip[j]) {
-    Fail("the epochs are not those that the order of the rows asks for", table, row);
+    Fail("the epochs do not follow the required order of the rows", table, row);
   }
   const Matrix6d si = Units(kRadPerDeg);
   const Matrix6d C =

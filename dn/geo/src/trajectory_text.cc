@@ -15,12 +15,12 @@ namespace {
 
 using Attitude = TrajectoryColumns::Attitude;
 
-/// A quaternion further from unit norm than this is another quantity, not a rounded quaternion.
+/// A quaternion whose norm differs more from 1 is another quantity, not a rounded quaternion.
 constexpr double kNormTolerance = 0.01;
 
-/// Half a turn about the forward axis, FLU <-> FRD.
+/// Half a turn about the forward axis: FLU <-> FRD.
 const Eigen::Quaterniond kFluFrd(0.0, 1.0, 0.0, 0.0);
-/// Half a turn about north-east, ENU <-> NED.
+/// Half a turn about north-east: ENU <-> NED.
 const Eigen::Quaterniond kNedEnu(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
 
 Eigen::Quaterniond ReadQuaternion(const double* wxyz, const FileLocation& where) {
@@ -43,7 +43,7 @@ void CheckAngles(const double* deg, const FileLocation& where) {
                      where);
 }
 
-/// Body (FRD) -> the north-east-down in which the attitude is given.
+/// Returns the rotation from body (FRD) to the north-east-down frame of the file's attitude.
 Eigen::Quaterniond ReadAttitude(const double* c, const TrajectoryColumns& columns,
                                 const FileLocation& where) {
   if (columns.has_quaternion()) {
@@ -66,7 +66,7 @@ Trajectory ReadTrajectoryText(const std::filesystem::path& file, const Trajector
   std::vector<std::size_t> keep;
   TrajectoryNotes notes;
   notes.repeated_rows_dropped = ContinueAndCheckTimes(table, keep);
-  notes.text = "velocities by differentiation of the positions";
+  notes.text = "velocities from differentiated positions";
   if (keep.size() < 2) {
     throw InvalidInput("trajectory has only one epoch, needs two", {file.string(), 0, 0});
   }

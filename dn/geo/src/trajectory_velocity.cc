@@ -26,7 +26,7 @@ MapTrack ToMapTrack(const std::vector<NavPoint>& points) {
   return track;
 }
 
-/// Slope at x1 of the parabola through three points.
+/// Returns the slope at x1 of the parabola through three points.
 Eigen::Vector3d ParabolaSlope(double x0, const Eigen::Vector3d& y0, double x1,
                               const Eigen::Vector3d& y1, double x2, const Eigen::Vector3d& y2) {
   const Eigen::Vector3d slope_01 = (y1 - y0) / (x1 - x0);
@@ -68,7 +68,7 @@ std::vector<Eigen::Vector3d> DifferentiatedVelocities(const std::vector<NavPoint
     if (n == 2) {
       v_m = (track.p_m[1] - track.p_m[0]) / (points[1].t_s - points[0].t_s);
     } else {
-      // At the ends the two neighbours lie on the same side; the formula takes them in any order.
+      // At the ends both neighbours lie on the same side; the formula accepts them in any order.
       const std::size_t a = i == 0 ? 2 : i - 1;
       const std::size_t b = i == n - 1 ? n - 3 : i + 1;
       v_m = ParabolaSlope(points[a].t_s, track.p_m[a], points[i].t_s, track.p_m[i], points[b].t_s,

@@ -7,7 +7,7 @@
 namespace dn {
 namespace {
 
-/// What a value below `limit` looks like.
+/// Hint for values below `limit`.
 struct Look {
   double limit;
   const char* hint;
@@ -56,8 +56,8 @@ const char* LookOf(double t_s) {
 void CheckSecondsOfWeek(double t_s, const FileLocation& where) {
   if (IsSecondsOfWeek(t_s)) return;
   throw InvalidInput("time " + FormatDouble(t_s) +
-                         " cannot be GPS seconds of week, which lie within 0 and 604800 s (more "
-                         "where a week ends): " +
+                         " cannot be GPS seconds of week, which lie between 0 and 604800 s (more "
+                         "after the end of a week): " +
                          LookOf(t_s),
                      where);
 }

@@ -9,7 +9,7 @@
 
 namespace dn::internal {
 
-constexpr double kFreeDirection = 1e-12;  // ratio of eigenvalues at which rounding takes over
+constexpr double kFreeDirection = 1e-12;  // smallest eigenvalue ratio above rounding error
 
 void CheckBoresightRank(const Eigen::Matrix3d& N, const char* what, const char* remedy) {
   using Eigen::Vector3d;
@@ -21,7 +21,8 @@ void CheckBoresightRank(const Eigen::Matrix3d& N, const char* what, const char* 
   std::snprintf(direction, sizeof(direction), "%+.2f roll %+.2f pitch %+.2f yaw", free.x(),
                 free.y(), free.z());
   throw RankDeficient(std::string("the ") + what +
-                      " leave a direction of the boresight free: " + direction + "; " + remedy);
+                      " leave a direction of the boresight undetermined: " + direction + "; " +
+                      remedy);
 }
 
 BoresightPrior EvaluatePrior(const Eigen::Vector3d& prior_rad, const Eigen::Vector3d& sigma_rad,

@@ -6,11 +6,12 @@
 
 namespace dn::internal {
 
-/// Throws RankDeficient naming the direction where the normal matrix of a boresight leaves one free.
-/// what: "point pairs"; remedy: what would determine it.
+/// Throws RankDeficient if the normal matrix of a boresight leaves a direction undetermined; the
+/// message names the direction. `what` is the kind of observations, such as "point pairs"; `remedy`
+/// says what would determine the direction.
 void CheckBoresightRank(const Eigen::Matrix3d& N, const char* what, const char* remedy);
 
-/// What a prior about prior_rad adds to the normal equations of a boresight at theta_rad.
+/// Contribution of a prior about prior_rad to the normal equations of a boresight at theta_rad.
 struct BoresightPrior {
   Eigen::Matrix3d N;
   Eigen::Vector3d g;

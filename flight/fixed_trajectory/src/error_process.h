@@ -2,27 +2,28 @@
 
 namespace dn::internal {
 
-/// A process of unit variance in time, for an error of a trajectory.
+/// A stochastic process of unit variance in time that models a trajectory error.
 struct ErrorProcess {
   enum class Kind {
-    kGaussMarkov,  ///< exp(-d / tau)
-    kPerStrip,     ///< constant in a strip, new after every turn
+    kGaussMarkov,  ///< correlation exp(-d / tau) at time difference d
+    kPerStrip,     ///< constant within a strip, independent between strips
   };
   Kind kind = Kind::kGaussMarkov;
-  double tau_s = 0.0;  ///< of the first
+  double tau_s = 0.0;  ///< only for kGaussMarkov
 
   bool operator==(const ErrorProcess&) const = default;
 
-  /// Correlation at two epochs that are apart_s apart.
+  /// Returns the correlation between two epochs whose time difference is apart_s.
   double Correlation(double apart_s, bool same_strip) const;
 };
 
-/// Processes of the errors of positions and of attitudes.
+/// Processes of the position and attitude errors.
 struct ErrorModel {
   ErrorProcess position;
   ErrorProcess attitude;
-  /// The tilt keeps its direction in the navigation frame when the aircraft turns: roll and pitch
-  /// errors of opposite strips are opposite. Else the aircraft takes them along.
+  /// If true, the tilt error keeps its direction in the navigation frame when the aircraft turns,
+  /// so roll and pitch errors have opposite signs on opposite strips. If false, the error is fixed
+  /// in the body frame.
   bool tilt_in_nav = false;
 };
 

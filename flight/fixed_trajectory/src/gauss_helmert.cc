@@ -21,8 +21,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using internal::EndTerms;
 
-constexpr std::size_t kChunk = 2048;  // pairs summed at a time
-constexpr double kRoundingM = 1e-6;   // no difference below it is an outlier
+constexpr std::size_t kChunk = 2048;  // pairs per partial sum
+constexpr double kRoundingM = 1e-6;   // smaller differences are never outliers
 constexpr double kFarRad = 1e-4;
 constexpr int kLiborIterations = 5;
 constexpr double kLiborToleranceRad = 1e-9;
@@ -66,8 +66,8 @@ void CheckProblem(const GaussHelmertProblem& problem) {
   }
   const std::vector<GaussHelmertPair>& pairs = problem.pairs;
   if (pairs.size() < 2) {
-    throw InvalidInput("the boresight needs at least two point pairs, there " +
-                       std::string(pairs.empty() ? "is none" : "is one"));
+    throw InvalidInput("the boresight needs at least two point pairs, but the problem has " +
+                       std::to_string(pairs.size()));
   }
   bool different = false;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -82,11 +82,11 @@ void CheckProblem(const GaussHelmertProblem& problem) {
   }
   if (!different) {
     throw InvalidInput("all " + std::to_string(pairs.size()) +
-                       " point pairs are one and the same; different ones are needed");
+                       " point pairs are identical; at least two different pairs are needed");
   }
 }
 
-/// Weighted sums over the pairs at one state.
+/// Weighted sums over all pairs at the current state.
 struct NormalSums {
   Matrix3d N = Matrix3d::Zero();
   Vector3d g = Vector3d::Zero();  // A^T S w~
@@ -129,13 +129,13 @@ class Adjuster {
 
  private:
   struct PairTerms {
-    Vector3d w;  // w~
+    Vector3d w;  // w~ = w - B v
     Matrix3d A, S;
     internal::EndNoise noise_i, noise_j;
-    Matrix3d L_i, L_j;  // d w / d attitude times the factor of the attitude's covariance
+    Matrix3d L_i, L_j;  // d w / d attitude times the factor of the attitude covariance
   };
 
-  // Calls work(chunk, first, past) for all chunks of pairs.
+  // Calls work(chunk, first, past) for all chunks of pairs, in parallel.
   template <class Work>
   void ForChunks(const Work& work) const {
     ParallelForChunks(problem_.pairs.size(), kChunk, options_.threads, work);
@@ -165,8 +165,8 @@ class Adjuster {
     return terms;
   }
 
-  // libor turns its observations' derivatives by R_me alone: the position sigmas then stand along
-  // ECEF axes, and the derivatives of R_nb lack R_en.
+  // Rotates the noise as libor does, by R_me alone: the position sigmas then lie along ECEF axes,
+  // and the derivatives of R_nb lack the factor R_en.
   void TurnAsLibor(const GaussHelmertPair& pair, PairTerms* terms, Matrix3d* B_i,
                    Matrix3d* B_j) const {
     const auto turn = [&](const GaussHelmertEnd& end, internal::EndNoise* noise, Matrix3d* B) {
@@ -212,7 +212,7 @@ class Adjuster {
     sums->chi2 += prior.chi2;
   }
 
-  // v = -P^-1 B^T S (A d + w~), with the terms at which d was found.
+  // Computes v = -P^-1 B^T S (A d + w~) with the terms at which d was computed.
   void UpdateCorrections(const Vector3d& d) {
     ForChunks([&](std::size_t, std::size_t first, std::size_t past) {
       for (std::size_t k = first; k < past; ++k) {
@@ -229,14 +229,15 @@ class Adjuster {
 
   static void CheckRank(const Matrix3d& N) {
     internal::CheckBoresightRank(N, "point pairs",
-                                 "pairs between strips of other heading or height are needed");
+                                 "add pairs between strips with other headings or heights");
   }
 
   Vector3d Step() {
     const NormalSums sums = Accumulate();
     CheckRank(sums.N);
     Vector3d d = -sums.N.llt().solve(sums.g);
-    // A first step may be of degrees: corrections for the misclosures before it would be worthless.
+    // The first step may be several degrees. Corrections computed from the misclosures before such
+    // a step would be useless.
     const bool far = result_.iterations == 0 && d.norm() > kFarRad;
     if (!options_.libor_compat && !far) UpdateCorrections(d);
     SetBoresight(model_ == BoresightModel::kExponential ? Log(Eigen::Quaterniond(Exp(d) * q_theta_))
@@ -250,8 +251,8 @@ class Adjuster {
     q_theta_ = Exp(theta_rad);
   }
 
-  // Ends when the step that would come next, by the rate of the last two, is below the tolerance.
-  // The rate hardly depends on the weights: that found before outliers were dropped serves after
+  // Stops when the next step, predicted from the ratio of the last two, is below the tolerance. The
+  // ratio hardly depends on the weights, so the ratio from before the outlier step is reused after
   // it.
   bool Iterate(int max_iterations, double tolerance_rad) {
     double previous = 0.0;
@@ -277,7 +278,8 @@ class Adjuster {
     }
   }
 
-  // A re-descending loss has many minima: it starts where the convex one ended.
+  // A redescending loss has many local minima, so it starts from the solution of the convex Huber
+  // loss.
   void RunRobust() {
     loss_ = {Loss::Type::kHuber, options_.loss.width};
     Iterate(options_.max_iterations, kRobustStartToleranceRad);
@@ -286,13 +288,13 @@ class Adjuster {
     result_.converged = Iterate(options_.max_iterations, options_.tolerance_rad);
   }
 
-  // With the trajectory as given.
+  // Returns the georeferenced point with the given trajectory, without corrections.
   Vector3d Point(const GaussHelmertEnd& end) const {
     return end.p_mb + end.q_mb * Vector3d(internal::BodyVector(end, model_, theta_, q_theta_) +
                                           problem_.lever_arm_b_m);
   }
 
-  // Distance of every pair.
+  // Computes the distance |w| of every pair.
   void UpdateNorms() {
     ForChunks([&](std::size_t, std::size_t first, std::size_t past) {
       for (std::size_t k = first; k < past; ++k) {
@@ -361,7 +363,7 @@ class Adjuster {
   Eigen::Quaterniond q_theta_ = Exp(theta_);
   Matrix3d R_me_;
   std::vector<double> norms_m_;
-  double rate_ = 1.0;  // of the last two steps
+  double rate_ = 1.0;  // ratio of the last two step lengths
   GaussHelmertResult result_;
 };
 
@@ -377,7 +379,7 @@ void GaussHelmertOptions::Validate() const {
                         ", must be positive");
   }
   if (libor_compat && loss.type != Loss::Type::kNone) {
-    throw InvalidConfig("libor_compat and a robust loss exclude each other");
+    throw InvalidConfig("libor_compat cannot be combined with a robust loss; turn one of them off");
   }
   if (max_iterations < 1) {
     throw InvalidConfig("max_iterations is " + std::to_string(max_iterations) +

@@ -6,7 +6,7 @@ namespace dn {
 namespace internal {
 namespace {
 
-// R [u]x
+// Returns R [u]x.
 Eigen::Matrix3d TimesSkew(const Eigen::Matrix3d& R, const Eigen::Vector3d& u) {
   Eigen::Matrix3d out;
   out.col(0) = u.z() * R.col(1) - u.y() * R.col(2);

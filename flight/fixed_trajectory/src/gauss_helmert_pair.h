@@ -8,24 +8,25 @@ namespace dn::internal {
 
 /// One end of a pair at its corrected observations.
 struct EndTerms {
-  Eigen::Vector3d x;        ///< georeferenced point, map, m
+  Eigen::Vector3d x;        ///< georeferenced point in the map frame, m
   Eigen::Matrix3d J_theta;  ///< d x / d boresight
-  Eigen::Matrix3d J_phi;    ///< d x / d attitude correction; d x / d position correction is I
+  /// d x / d attitude correction; d x / d position correction is the identity.
+  Eigen::Matrix3d J_phi;
 };
 
-/// The laser vector in body: by Exp(theta) = q_boresight in the exponential model, I + [theta]x
-/// else.
+/// Returns the laser vector in the body frame, rotated by q_boresight = Exp(theta) in the
+/// exponential model and by I + [theta]x in the small-angle model.
 Eigen::Vector3d BodyVector(const GaussHelmertEnd& end, BoresightModel model,
                            const Eigen::Vector3d& theta_rad, const Eigen::Quaterniond& q_boresight);
 
-/// v_p, v_phi: corrections of the end's position and attitude.
+/// Evaluates one end; v_p and v_phi are the corrections of its position and attitude.
 EndTerms EvaluateEnd(const GaussHelmertEnd& end, const Eigen::Vector3d& lever_arm_b_m,
                      BoresightModel model, const Eigen::Vector3d& theta_rad,
                      const Eigen::Quaterniond& q_boresight, const Eigen::Vector3d& v_p,
                      const Eigen::Vector3d& v_phi);
 
-/// P^-1 of an end: covariance of the position in map axes (m^2), and a factor F of that of the
-/// attitude in body axes, F F^T (rad^2).
+/// Observation covariance P^-1 of an end: the covariance of the position in map axes (m^2), and a
+/// factor F of the attitude covariance F F^T in body axes (rad^2).
 struct EndNoise {
   Eigen::Matrix3d position;
   Eigen::Matrix3d attitude_factor;

@@ -29,7 +29,7 @@ Matrix3d MisclosureWeight(const GaussHelmertPair& pair, const PairLinearisation&
   return M.inverse();
 }
 
-/// The same with unknown c of node n at 6 n + c, and the lower triangle of H only.
+/// Accumulates NodeSums with error c of node n at index 6 n + c, and only the lower triangle of H.
 class NodeAccumulator {
  public:
   explicit NodeAccumulator(const TimeNodes& nodes)
@@ -55,7 +55,7 @@ class NodeAccumulator {
     }
   }
 
-  /// In the order of NodeSums.
+  /// Returns the sums in the order of NodeSums.
   NodeSums Sums(const std::optional<Vector3d>& boresight_sigma_rad) {
     sums_.OrderByComponent();
     sums_.heading_rad = headings_.heading_rad();

@@ -21,12 +21,13 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr std::size_t kPlanesPerChunk = 16;  // planes summed at a time
-constexpr long kLeastPoints = 3;             // of a strip in a plane
-constexpr double kLineRatio = 1e-10;         // of the extents squared of points on a line
-constexpr int kMostChoices = 20;             // of planes to keep
+constexpr std::size_t kPlanesPerChunk = 16;  // planes per partial sum
+constexpr long kMinStripPoints = 3;          // minimum number of points of a strip on a plane
+// Ratio of the squared extents below which points are collinear.
+constexpr double kLineRatio = 1e-10;
+constexpr int kMaxSelections = 20;  // limit of the iterations of plane selection
 
-std::string NameOf(std::size_t plane, std::size_t point) {
+std::string PointName(std::size_t plane, std::size_t point) {
   return "plane " + std::to_string(plane) + ", point " + std::to_string(point);
 }
 
@@ -35,14 +36,15 @@ void CheckPoint(const PlanePoint& point, std::size_t q, std::size_t k) {
   constexpr double kUnit = 1e-6;
   if (!end.q_mb.coeffs().allFinite() || !end.p_mb.allFinite() ||
       std::abs(end.q_mb.norm() - 1.0) > kUnit || !(std::abs(end.q_mn.norm() - 1.0) <= kUnit)) {
-    throw InvalidInput(NameOf(q, k) + ": the pose is not finite, or no rotation");
+    throw InvalidInput(PointName(q, k) +
+                       ": the pose is not finite, or its quaternion does not have unit norm");
   }
   if (!end.u_b.allFinite() || !(end.u_b.norm() > 0.0)) {
-    throw InvalidInput(NameOf(q, k) + ": the laser vector is zero or not finite");
+    throw InvalidInput(PointName(q, k) + ": the laser vector is zero or not finite");
   }
   for (const Vector3d& sigma : {end.sigma_ned_m, end.sigma_rph_rad}) {
     if (sigma.allFinite() && sigma.minCoeff() > 0.0) continue;
-    throw InvalidInput(NameOf(q, k) + ": a sigma of the trajectory is not positive and finite");
+    throw InvalidInput(PointName(q, k) + ": a sigma of the trajectory is not positive and finite");
   }
 }
 
@@ -67,7 +69,7 @@ void CheckProblem(const PlaneProblem& problem) {
   }
 }
 
-/// A plane eliminated from the normal equations.
+/// Terms of a plane that was eliminated from the normal equations.
 struct Eliminated {
   Matrix3d Q_inverse = Matrix3d::Zero();
   Eigen::Matrix<double, Eigen::Dynamic, 3> X;
@@ -124,14 +126,14 @@ class PlaneAdjuster {
                                rho_m_, result_.planes[q]);
   }
 
-  /// Calls work(q, k) for the points kept of a plane.
+  /// Calls work(k) for the kept points of plane q.
   template <class Work>
   void ForPoints(std::size_t q, const Work& work) const {
     for (std::size_t k = 0; k < Plane(q).points.size(); ++k) {
       if (result_.kept[q][k] != 0) work(k);
     }
   }
-  /// Calls work(q) for the planes that take part.
+  /// Calls work(q) for the selected planes.
   template <class Work>
   void ForChosen(const Work& work) const {
     for (std::size_t q = 0; q < size(); ++q) {
@@ -143,7 +145,7 @@ class PlaneAdjuster {
     std::map<int, long> points;
     ForPoints(q, [&](std::size_t k) { ++points[Plane(q).points[k].strip]; });
     return std::count_if(points.begin(), points.end(),
-                         [](const auto& of) { return of.second >= kLeastPoints; }) >= 2;
+                         [](const auto& of) { return of.second >= kMinStripPoints; }) >= 2;
   }
 
   template <class Test>
@@ -155,8 +157,8 @@ class PlaneAdjuster {
   void ExpectPlanes() const {
     if (std::count(chosen_.begin(), chosen_.end(), 1) > 0) return;
     throw RankDeficient(
-        "no plane is seen by two strips: roofs, walls or slopes that overlapping "
-        "strips share are needed");
+        "no plane is seen by two strips; add roofs, walls or slopes that overlapping "
+        "strips share");
   }
 
   Vector3d PointAt(std::size_t q, std::size_t k) const {
@@ -165,7 +167,7 @@ class PlaneAdjuster {
     return end.p_mb + end.q_mb * (Exp(theta_) * u_b + problem_.lever_arm_b_m);
   }
 
-  /// Total least squares at the present boresight.
+  /// Fits a plane by total least squares at the current boresight.
   void Fit(std::size_t q) {
     Vector3d sum = Vector3d::Zero();
     double n = 0.0;
@@ -174,7 +176,7 @@ class PlaneAdjuster {
       n += 1.0;
     });
     PlaneState& plane = result_.planes[q];
-    if (n < static_cast<double>(kLeastPoints)) return;
+    if (n < static_cast<double>(kMinStripPoints)) return;
     plane.centre_m = sum / n;
     plane.d_m = 0.0;
     Matrix3d C = Matrix3d::Zero();
@@ -251,7 +253,7 @@ class PlaneAdjuster {
     }
   }
 
-  /// Of the boresight alone.
+  /// Returns the normal matrix of the boresight alone, with the range offset eliminated.
   Matrix3d Reduced(const MatrixXd& N) const {
     Matrix3d out = N.topLeftCorner<3, 3>();
     if (unknowns_ == 4 && N(3, 3) > 0.0) {
@@ -261,9 +263,8 @@ class PlaneAdjuster {
   }
 
   static void CheckRank(const Matrix3d& N) {
-    internal::CheckBoresightRank(N, "planes",
-                                 "planes of other slope and aspect, or strips of other heading, "
-                                 "are needed");
+    internal::CheckBoresightRank(
+        N, "planes", "add planes of other slope and aspect, or strips with other headings");
   }
 
   double Step() {
@@ -289,7 +290,7 @@ class PlaneAdjuster {
     return false;
   }
 
-  /// Root mean square of f / s of a plane fitted at the present boresight.
+  /// Returns the root mean square of f / s of a plane fitted at the current boresight.
   double NormalisedRms(std::size_t q) const {
     double sum = 0.0, n = 0.0;
     ForPoints(q, [&](std::size_t k) {
@@ -300,15 +301,16 @@ class PlaneAdjuster {
     return n > 0.0 ? std::sqrt(sum / n) : 0.0;
   }
 
-  /// Keeps the planes within plane_medians of the median, until the choice repeats.
+  /// Keeps the planes whose rms is at most plane_medians times the median, until the selection
+  /// repeats.
   void ChoosePlanes() {
     std::set<std::vector<char>> seen{chosen_};
-    for (int i = 0; i < kMostChoices && result_.converged; ++i) {
+    for (int i = 0; i < kMaxSelections && result_.converged; ++i) {
       FitAll();
-      std::vector<double> rms(size(), 0.0), of_chosen;
+      std::vector<double> rms(size(), 0.0), chosen_rms;
       for (std::size_t q = 0; q < size(); ++q) rms[q] = NormalisedRms(q);
-      ForChosen([&](std::size_t q) { of_chosen.push_back(rms[q]); });
-      const double limit = options_.plane_medians * Median(of_chosen);
+      ForChosen([&](std::size_t q) { chosen_rms.push_back(rms[q]); });
+      const double limit = options_.plane_medians * Median(chosen_rms);
       Choose([&](std::size_t q) { return SeenByTwoStrips(q) && rms[q] <= limit; });
       const bool repeats = !seen.insert(chosen_).second;
       result_.converged = Iterate();
@@ -327,7 +329,7 @@ class PlaneAdjuster {
       });
     };
     each([&](std::size_t, std::size_t, double w) { sizes.push_back(w); });
-    constexpr double kRounding = 1e-9;  // of residuals without noise
+    constexpr double kRounding = 1e-9;  // rounding error of residuals in data without noise
     const double limit =
         std::max(kRounding, options_.point_sigmas * kSigmaOfMedian * Median(std::move(sizes)));
     std::vector<std::pair<std::size_t, std::size_t>> dropped;
@@ -401,7 +403,7 @@ class PlaneAdjuster {
   const Eigen::Index unknowns_;
   Vector3d theta_;
   double rho_m_ = 0.0;
-  std::vector<char> chosen_;  // planes that take part
+  std::vector<char> chosen_;  // selected planes
   std::vector<Eliminated> eliminated_;
   PlaneAdjustment result_;
 };

@@ -20,9 +20,10 @@ using internal::NodeHeadings;
 using internal::NodeSums;
 using internal::TimeNodes;
 
-/// One condition by the errors at the nodes (6 n + c) and, behind them, by the unknowns.
+/// Derivatives of one condition with respect to the errors at the nodes (6 n + c), followed by the
+/// unknowns.
 struct SparseRow {
-  static constexpr std::size_t kErrors = 12;  // of the two nodes beside an epoch
+  static constexpr std::size_t kErrors = 12;  // six errors of each of the two nodes around an epoch
   std::array<Index, kErrors + 4> at{};
   std::array<double, kErrors + 4> value{};
   std::size_t size = 0;
@@ -33,7 +34,7 @@ struct SparseRow {
   }
 };
 
-/// The columns of a plane: where they stand among all, in the order of their first use.
+/// Local indices of the columns that a plane uses, in the order of their first use.
 class LocalColumns {
  public:
   explicit LocalColumns(Index all) : local_(static_cast<std::size_t>(all), -1) {}
@@ -89,9 +90,9 @@ class PlaneSums {
   }
 
  private:
-  SparseRow RowOf(const PlanePoint& point, const Vector3d& normal,
-                  const PlanePointLinearisation& at) const {
-    // n^T d x / d phi = J_phi^T: only this row of the Jacobian of the point is needed.
+  SparseRow ConditionRow(const PlanePoint& point, const Vector3d& normal,
+                         const PlanePointLinearisation& at) const {
+    // n^T d x / d phi = J_phi^T, so only this row of the point's Jacobian is needed.
     const Eigen::Matrix3d J_phi = normal * at.J_phi.transpose();
     const Eigen::Matrix<double, 1, 6> errors =
         normal.transpose() * internal::ErrorJacobian(point.end, J_phi, options_);
@@ -112,7 +113,7 @@ class PlaneSums {
     const PlaneState& state = result_.planes[q];
     Eigen::Matrix3d Q = Eigen::Matrix3d::Zero();
     Vector3d y = Vector3d::Zero();
-    std::vector<Vector3d> X;  // of the plane's columns
+    std::vector<Vector3d> X;  // one vector per local column of the plane
     local_.Clear();
     for (std::size_t k = 0; k < plane.points.size(); ++k) {
       if (result_.kept[q][k] == 0) continue;
@@ -121,7 +122,7 @@ class PlaneSums {
           LinearisePlanePoint(point, plane.sigma_m, problem_.lever_arm_b_m, result_.boresight_rad,
                               result_.range_offset_m, state);
       const double weight = 1.0 / at.variance_m2;
-      const SparseRow row = RowOf(point, state.normal, at);
+      const SparseRow row = ConditionRow(point, state.normal, at);
       headings_.Add(point.end);
       for (std::size_t i = 0; i < row.size; ++i) {
         for (std::size_t j = 0; j < row.size; ++j) {
@@ -143,9 +144,9 @@ class PlaneSums {
     const Eigen::Matrix3d Q_inverse = Q.inverse();
     const std::vector<Index>& columns = local_.columns();
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      const Vector3d left = Q_inverse * X[i];
-      for (std::size_t j = 0; j < columns.size(); ++j) M_(columns[i], columns[j]) -= left.dot(X[j]);
-      r_[columns[i]] -= left.dot(y);
+      const Vector3d gain = Q_inverse * X[i];
+      for (std::size_t j = 0; j < columns.size(); ++j) M_(columns[i], columns[j]) -= gain.dot(X[j]);
+      r_[columns[i]] -= gain.dot(y);
     }
   }
 
@@ -166,12 +167,12 @@ class PlaneSums {
   const Index errors_, unknowns_;
   NodeHeadings headings_;
   LocalColumns local_;
-  MatrixXd M_;  // errors, then unknowns
+  MatrixXd M_;  // errors first, then unknowns
   VectorXd r_;
   double chi2_ = 0.0;
 };
 
-std::vector<double> EpochsOf(const PlaneProblem& problem, const PlaneAdjustment& result) {
+std::vector<double> KeptEpochs(const PlaneProblem& problem, const PlaneAdjustment& result) {
   std::vector<double> t_s;
   for (std::size_t q = 0; q < problem.planes.size(); ++q) {
     for (std::size_t k = 0; k < problem.planes[q].points.size(); ++k) {
@@ -190,9 +191,9 @@ PlaneScatter EstimateTrajectoryScatter(const PlaneProblem& problem, const PlaneA
     throw InvalidInput("the adjustment has " + std::to_string(result.kept.size()) +
                        " planes, the problem " + std::to_string(problem.planes.size()));
   }
-  if (!(result.chi2 > 0.0)) return {};  // no residual at all
+  if (!(result.chi2 > 0.0)) return {};  // all residuals are zero
   const internal::ScatterOfSums out = internal::EstimateScatter(
-      static_cast<double>(result.redundancy), options, [&] { return EpochsOf(problem, result); },
+      static_cast<double>(result.redundancy), options, [&] { return KeptEpochs(problem, result); },
       [&](const TimeNodes& nodes) { return PlaneSums(problem, result, options, nodes).Run(); });
   return {out.scatter, problem.with_range_offset ? out.covariance(3, 3) : 0.0};
 }

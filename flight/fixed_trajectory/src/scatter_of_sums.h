@@ -11,14 +11,15 @@
 
 namespace dn::internal {
 
-/// The scatter of all that an adjustment estimates.
+/// Covariance of all unknowns of an adjustment from time-correlated trajectory errors.
 struct ScatterOfSums {
   TrajectoryScatter scatter;
-  Eigen::MatrixXd covariance;  ///< of all unknowns, the boresight first
+  Eigen::MatrixXd covariance;  ///< covariance of all unknowns, the boresight first
 };
 
-/// EstimateTrajectoryScatter of any adjustment with conditions on poses of a trajectory.
-/// epochs_s: of the conditions kept. sums: over them, with the errors at the nodes.
+/// Implements EstimateTrajectoryScatter for any adjustment with conditions on trajectory poses.
+/// `epochs_s` returns the epochs of the kept conditions; `sums` returns the sums over these
+/// conditions for the given nodes.
 ScatterOfSums EstimateScatter(double redundancy, const TrajectoryScatterOptions& options,
                               const std::function<std::vector<double>()>& epochs_s,
                               const std::function<NodeSums(const TimeNodes&)>& sums);

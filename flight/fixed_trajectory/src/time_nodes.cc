@@ -11,7 +11,7 @@ constexpr double kPause_s = 5.0;
 constexpr double kShortestSpacing_s = 1.0;
 constexpr int kSamplesPerNode = 6;
 
-std::ptrdiff_t StripOf(double t_s, const std::vector<double>& strip_begin_s) {
+std::ptrdiff_t StripIndex(double t_s, const std::vector<double>& strip_begin_s) {
   return std::upper_bound(strip_begin_s.begin(), strip_begin_s.end(), t_s) - strip_begin_s.begin();
 }
 
@@ -36,7 +36,7 @@ int TimeNodes::Divide(const std::vector<double>& epochs_s, const std::vector<dou
     const bool parted =
         strips_.empty() || strip_begin_s.empty()
             ? pause_s > kPause_s
-            : StripOf(t_s, strip_begin_s) != StripOf(strips_.back().end_s, strip_begin_s);
+            : StripIndex(t_s, strip_begin_s) != StripIndex(strips_.back().end_s, strip_begin_s);
     if (strips_.empty() || (parted && pause_s > spacing_s)) strips_.push_back({t_s, t_s, 0, 1});
     strips_.back().end_s = t_s;
   }

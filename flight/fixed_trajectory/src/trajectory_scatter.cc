@@ -31,30 +31,31 @@ using internal::NodeSums;
 using internal::ScatterOfSums;
 using internal::TimeNodes;
 
-constexpr double kLongestTau_s = 1000.0;  // that is reported
-// Of errors of which nothing is known.
+constexpr double kLongestTau_s = 1000.0;  // longest correlation time that is reported
+// Correlation times for errors of unknown origin.
 constexpr double kAnyTaus_s[] = {3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
-// What a smoother leaves. Positions: GNSS renews them within seconds to tens of seconds. Attitude:
-// gyros carry it over tens to hundreds of seconds, as a tilt that stays in the navigation frame
-// when the aircraft turns, unless the turn makes it observable.
+// Error processes of a smoother. GNSS corrects positions within seconds to tens of seconds. Gyros
+// carry attitude errors over tens to hundreds of seconds. The tilt error stays fixed in the
+// navigation frame when the aircraft turns, unless the turn makes it observable.
 constexpr double kPositionTaus_s[] = {5.0, 25.0};
 constexpr ErrorProcess kAttitudeErrors[] = {{ErrorProcess::Kind::kGaussMarkov, 30.0},
                                             {ErrorProcess::Kind::kGaussMarkov, 100.0},
                                             {ErrorProcess::Kind::kGaussMarkov, 300.0},
                                             {ErrorProcess::Kind::kPerStrip}};
-/// Share of the attitude's variance that is constant over the flight, with its prior weight. Of a
-/// proportion of which nothing is known Jeffreys' prior is 1 / (pi sqrt(x (1 - x))); these are the
-/// nodes and weights of its Gauss-Lobatto quadrature (Chebyshev).
+/// Share of the attitude variance that is constant over the flight, with its prior weight.
+/// Jeffreys' prior of an unknown proportion is 1 / (pi sqrt(x (1 - x))); these are the nodes and
+/// weights of its Gauss-Lobatto (Chebyshev) quadrature.
 struct ConstantShare {
   double share, weight;
 };
 constexpr ConstantShare kConstantShares[] = {{0.0, 0.25}, {0.5, 0.5}, {1.0, 0.25}};
-constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // of s_p / s_a
-// Log-normal prior of the scale of what is stated, in octaves (1 sigma): a smoother knows it within
-// a factor of 1.3, a data sheet within 1.6. The mean of the variance is what is stated.
+constexpr double kLog2Ratios[] = {-3.0, -1.5, 0.0, 1.5, 3.0};  // grid of log2(s_p / s_a)
+// Standard deviation, in octaves, of the log-normal prior of the scale of the stated sigmas: a
+// factor of 1.3 for a smoother and 1.6 for a data sheet. The mean of the variance equals the stated
+// variance.
 constexpr double kSmootherOctaves = 0.4;
 constexpr double kDataSheetOctaves = 0.7;
-// Of (s / s0)^2, in octaves: from an error without any effect to one of 32 times the stated sigma.
+// Grid of (s / s0)^2 in octaves, from a negligible error to 32 times the stated sigma.
 constexpr int kFirstRhoOctave = -16;
 constexpr int kLastRhoOctave = 10;
 constexpr int kRhoStepsPerOctave = 4;
@@ -78,12 +79,13 @@ struct TridiagonalFigures {
 TridiagonalFigures Evaluate(const VectorXd& diagonal, const VectorXd& sub, const VectorXd& c,
                             double rho) {
   TridiagonalFigures out;
-  double pivot = 0.0, forward = 0.0;  // L D L^T and the forward substitution with it
+  double pivot = 0.0, forward = 0.0;  // L D L^T and its forward substitution
   for (Eigen::Index i = 0; i < diagonal.size(); ++i) {
     const double off = i == 0 ? 0.0 : rho * sub[i - 1];
     const double next = 1.0 + rho * diagonal[i] - (i == 0 ? 0.0 : off * off / pivot);
     forward = c[i] - (i == 0 ? 0.0 : off / pivot * forward);
-    pivot = std::max(next, 1.0);  // as the eigenvalues of I + rho T, but for rounding
+    // As for the eigenvalues of I + rho T, which are >= 1 except for rounding.
+    pivot = std::max(next, 1.0);
     out.log_det += std::log(pivot);
     out.explained += rho * forward * forward / pivot;
   }
@@ -94,39 +96,39 @@ TridiagonalFigures Evaluate(const VectorXd& diagonal, const VectorXd& sub, const
 struct GridPoint {
   double log_prior = 0.0;
   double log_posterior = 0.0;
-  double s_p = 0.0, s_a = 0.0;  ///< sigma of positions and attitudes / the stated one
-  double constant_share = 0.0;  ///< of the variance of the attitudes
+  double s_p = 0.0, s_a = 0.0;  ///< sigma of the positions and attitudes / stated sigma
+  double constant_share = 0.0;  ///< share of the attitude variance that is constant
   std::size_t effect = 0;
 };
 
-/// What errors of unit size do to the estimate.
+/// Effect of errors of unit size on the estimate.
 struct ErrorEffect {
-  MatrixXd position;  ///< covariance of the unknowns
+  MatrixXd position;  ///< covariance of the unknowns from position errors
   MatrixXd attitude;
-  double tau_s = 0.0;  ///< of the attitude errors; 0: none that vary
-  /// What they add to the expected sum of squares of the misclosures: tr(H_P C); and of its
-  /// variance, tr (H_P C)^2 of both together.
+  double tau_s = 0.0;  ///< correlation time of the attitude errors; 0 if they are constant
+  /// Contributions of the errors to the expected sum of squares of the misclosures, tr(H_P C), and
+  /// tr((H_P C)^2) of both errors together for its variance.
   double position_chi2 = 0.0, attitude_chi2 = 0.0, square = 0.0;
 };
 
-/// The tridiagonal form of the misclosures' information about the varying errors of unit size.
+/// Information of the misclosures about the varying errors of unit size, in tridiagonal form.
 struct Information {
   VectorXd diagonal, sub, c;
 };
 
-/// How the sizes of positions and attitudes, and what is constant of the latter, belong to the
-/// unit of an Information: s_p = position s, s_a = attitude s.
+/// Relation between the common scale s of an Information and the sizes of the errors: s_p =
+/// position s, s_a = attitude s, with the constant share of the attitude variance.
 struct Sizes {
   double position = 1.0, attitude = 1.0, constant_share = 0.0;
   double log_weight = 0.0;
 };
 
-double TauOf(const ErrorModel& model) {
+double CorrelationTime(const ErrorModel& model) {
   return model.attitude.kind == ErrorProcess::Kind::kGaussMarkov ? model.attitude.tau_s
                                                                  : kLongestTau_s;
 }
 
-std::vector<ErrorModel> ModelsOfSmoothers() {
+std::vector<ErrorModel> SmootherModels() {
   std::vector<ErrorModel> models;
   for (const double tau_s : kPositionTaus_s) {
     const ErrorProcess position{ErrorProcess::Kind::kGaussMarkov, tau_s};
@@ -136,7 +138,7 @@ std::vector<ErrorModel> ModelsOfSmoothers() {
   return models;
 }
 
-std::vector<ErrorModel> ModelsOfAnything() {
+std::vector<ErrorModel> DataSheetModels() {
   const ErrorProcess position{ErrorProcess::Kind::kGaussMarkov, kPositionTaus_s[1]};
   std::vector<ErrorModel> models;
   for (const ErrorProcess& attitude : kAttitudeErrors) models.push_back({position, attitude, true});
@@ -164,7 +166,7 @@ class ScatterEstimator {
         chi2_(sums.chi2 - sums.g.dot(sums.N.llt().solve(sums.g))) {}
 
   ScatterOfSums Run() {
-    for (const ErrorModel& model : by_smoother_ ? ModelsOfSmoothers() : ModelsOfAnything()) {
+    for (const ErrorModel& model : by_smoother_ ? SmootherModels() : DataSheetModels()) {
       AddVarying(model);
     }
     for (const double tau_s : kPositionTaus_s) {
@@ -173,7 +175,7 @@ class ScatterEstimator {
     return Average();
   }
 
-  /// With errors of the covariance C, or its multiple.
+  /// Runs the estimation for errors with the covariance C times an unknown factor.
   ScatterOfSums Run(const MatrixXd& C) {
     const VectorXd sigma = C.diagonal().cwiseSqrt();
     const MatrixXd R = sigma.cwiseInverse().asDiagonal() * C * sigma.cwiseInverse().asDiagonal();
@@ -194,8 +196,8 @@ class ScatterEstimator {
     return covariances_.back().second;
   }
 
-  // Of what varies in roll, pitch and heading at the nodes: a constant of the flight has no effect
-  // on the misclosures.
+  // Returns the covariance of the varying part of roll, pitch and heading at the nodes. An error
+  // that is constant over the flight does not affect the misclosures.
   MatrixXd AttitudeCovariance(const ErrorModel& model) {
     const int T = nodes_.size();
     MatrixXd C = MatrixXd::Zero(3 * T, 3 * T);
@@ -213,9 +215,9 @@ class ScatterEstimator {
     return C;
   }
 
-  // Lower triangular L with L L^T = C.
+  // Returns the lower triangular L with L L^T = C.
   static MatrixXd Root(const MatrixXd& C) {
-    constexpr double kRounding = 1e-7;  // of its positive definiteness
+    constexpr double kRounding = 1e-7;  // keeps C positive definite despite rounding
     const MatrixXd I = MatrixXd::Identity(C.rows(), C.cols());
     return Eigen::LLT<MatrixXd>(C + kRounding * I).matrixL();
   }
@@ -224,10 +226,10 @@ class ScatterEstimator {
     const int T = nodes_.size();
     const MatrixXd C = AttitudeCovariance(model);
     const auto G = effect_.bottomRows(3 * T);
-    ErrorEffect effect = EffectOfPosition(model.position);
+    ErrorEffect effect = PositionEffect(model.position);
     effect.attitude = G.transpose() * C * G;
     effect.attitude_chi2 = H_P_.bottomRightCorner(3 * T, 3 * T).cwiseProduct(C).sum();
-    effect.tau_s = TauOf(model);
+    effect.tau_s = CorrelationTime(model);
     effects_.push_back(effect);
 
     const MatrixXd L_p = Root(Unit(model.position)), L_a = Root(C);
@@ -249,15 +251,16 @@ class ScatterEstimator {
     AddSizes(M, c);
   }
 
-  // A smoother states position and attitude alike; what varies of the attitude is the smaller, the
-  // larger its constant share. By a data sheet one says nothing of the other.
+  // Adds grid points. A smoother states position and attitude with a common scale, and the larger
+  // the constant share, the smaller the varying part of the attitude error. For a data sheet the
+  // two scales are independent.
   void AddSizes(const MatrixXd& M, const VectorXd& c) {
     if (!by_smoother_) {
       for (const double log2_ratio : kLog2Ratios) {
         const double position = std::exp2(log2_ratio);
         std::vector<Sizes> sizes;
         for (const auto& [share, weight] : kConstantShares) {
-          if (share < 1.0) sizes.push_back(SizesOf(position, share, weight));
+          if (share < 1.0) sizes.push_back(MakeSizes(position, share, weight));
         }
         AddPoints(Reduce(Scaled(M, position), Scaled(c, position)), sizes);
       }
@@ -267,18 +270,19 @@ class ScatterEstimator {
       if (share == 1.0) continue;
       const double position = 1.0 / std::sqrt(1.0 - share);
       AddPoints(Reduce(Scaled(M, position), Scaled(c, position)),
-                {SizesOf(position, share, weight)});
+                {MakeSizes(position, share, weight)});
     }
   }
 
-  static Sizes SizesOf(double position, double share, double weight) {
+  static Sizes MakeSizes(double position, double share, double weight) {
     return {position, 1.0 / std::sqrt(1.0 - share), share, std::log(weight)};
   }
 
-  // The attitude's error is constant over the flight, and leaves no trace.
+  // Adds the model in which the attitude error is constant over the flight and does not affect the
+  // misclosures.
   void AddConstantAttitude(const ErrorProcess& position) {
     const int T = nodes_.size();
-    effects_.push_back(EffectOfPosition(position));
+    effects_.push_back(PositionEffect(position));
     effects_.back().attitude = NoEffect();
     const MatrixXd L = Root(Unit(position));
     MatrixXd M(3 * T, 3 * T);
@@ -289,11 +293,11 @@ class ScatterEstimator {
       }
       c.segment(a * T, T) = L.transpose() * b_.segment(a * T, T);
     }
-    // As many models as of a varying one together.
+    // The constant model has the same total prior weight as the varying models together.
     const auto& [share, weight] = std::end(kConstantShares)[-1];
     const double log_weight =
         std::log(weight * static_cast<double>(by_smoother_ ? std::size(kAttitudeErrors)
-                                                           : ModelsOfAnything().size() /
+                                                           : DataSheetModels().size() /
                                                                  std::size(kPositionTaus_s)));
     std::vector<Sizes> sizes;
     if (by_smoother_) sizes.push_back({1.0, 1.0, share, log_weight});
@@ -306,7 +310,7 @@ class ScatterEstimator {
     AddPoints(Reduce(M, c), sizes);
   }
 
-  ErrorEffect EffectOfPosition(const ErrorProcess& process) {
+  ErrorEffect PositionEffect(const ErrorProcess& process) {
     const int T = nodes_.size();
     const MatrixXd& K = Unit(process);
     ErrorEffect effect;
@@ -337,14 +341,14 @@ class ScatterEstimator {
     return {tridiagonal.diagonal(), tridiagonal.subDiagonal(), tridiagonal.matrixQ().adjoint() * c};
   }
 
-  // For errors of any size s of the last effect.
+  // Adds a grid point for each error size s of the last effect.
   void AddPoints(const Information& information, const std::vector<Sizes>& sizes) {
     for (int step = kRhoStepsPerOctave * kFirstRhoOctave;
          step <= kRhoStepsPerOctave * kLastRhoOctave; ++step) {
       const double rho = std::exp2(static_cast<double>(step) / kRhoStepsPerOctave);
       const TridiagonalFigures figures =
           Evaluate(information.diagonal, information.sub, information.c, rho);
-      // What the correlated errors explain cannot exceed all there is, but for rounding.
+      // Except for rounding, correlated errors cannot explain more than the total sum of squares.
       const double s0_2 = std::max(chi2_ - figures.explained, 1e-6 * chi2_) / nu_;
       const double log_likelihood = -0.5 * (nu_ * std::log(s0_2 * nu_ / chi2_) + figures.log_det);
       for (const Sizes& size : sizes) {
@@ -361,7 +365,8 @@ class ScatterEstimator {
   }
 
   double LogPrior(const GridPoint& point) const {
-    const double mean = -Squared(octaves_) * std::numbers::ln2;  // of log2 s: that of s^2 is 1
+    // Mean of log2 s for which the mean of s^2 is 1.
+    const double mean = -Squared(octaves_) * std::numbers::ln2;
     const auto log_normal = [&](double s) {
       return -0.5 * Squared((std::log2(s) - mean) / octaves_);
     };
@@ -409,7 +414,7 @@ class ScatterEstimator {
   }
 
   bool by_smoother_;
-  double octaves_;  // of the scale's prior
+  double octaves_;  // standard deviation of the scale's prior
   double nu_;
   const TimeNodes& nodes_;
   VectorXd heading_rad_;
@@ -422,9 +427,10 @@ class ScatterEstimator {
   std::vector<GridPoint> grid_;
 };
 
-/// With an epoch in the middle of each two of a strip. What gyros leave of an attitude is a random
-/// walk over short times, which bends between two epochs by a quarter of the variance of its
-/// difference: e_m = (e_a + e_b) / 2 + n, n ~ N(0, D[e_b - e_a] / 4).
+/// Adds an epoch in the middle between consecutive epochs of a strip. Over short times the attitude
+/// error from gyros is a random walk. Its midpoint deviates from linear interpolation with a
+/// quarter of the variance of the difference: e_m = (e_a + e_b) / 2 + n, n ~ N(0, D[e_b - e_a] /
+/// 4).
 PoseCovariance Refined(const PoseCovariance& stated) {
   struct Row {
     Eigen::Index a, b;
@@ -459,7 +465,7 @@ PoseCovariance Refined(const PoseCovariance& stated) {
   return out;
 }
 
-/// From six rows per node to the order of NodeSums.
+/// Reorders from six rows per node to the order of NodeSums.
 MatrixXd ByComponent(const MatrixXd& by_node) {
   const Eigen::Index T = by_node.rows() / 6;
   const auto from = [&](Eigen::Index row) { return 6 * (row % T) + row / T; };
@@ -476,7 +482,8 @@ void PoseCovariance::Validate() const {
       covariance.cols() != covariance.rows()) {
     throw InvalidConfig("the covariance of the trajectory is for " + std::to_string(T) +
                         " epochs, but has " + std::to_string(covariance.rows()) + " x " +
-                        std::to_string(covariance.cols()) + " elements, not six rows for each");
+                        std::to_string(covariance.cols()) +
+                        " elements; six rows and columns per epoch are needed");
   }
   for (std::size_t k = 1; k < T; ++k) {
     if (!(t_s[k] > t_s[k - 1]) || strip[k] < strip[k - 1]) {
@@ -520,7 +527,7 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
     throw InvalidInput("the adjustment has " + std::to_string(result.weights.size()) +
                        " pairs, the problem " + std::to_string(problem.pairs.size()));
   }
-  if (!(result.chi2 > 0.0)) return {};  // no misclosure at all
+  if (!(result.chi2 > 0.0)) return {};  // all misclosures are zero
   return internal::EstimateScatter(
              static_cast<double>(result.redundancy), options,
              [&] { return Epochs(problem, result.weights); },

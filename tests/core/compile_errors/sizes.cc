@@ -1,4 +1,4 @@
-// says: the function returns another number of residuals than its Noise<R>
+// says: the function returns a different number of residuals than its Noise<R>
 #include <dn/network.h>
 
 int main() {

@@ -12,16 +12,17 @@
 
 namespace dn {
 
-/// What a residual or a Jacobian holds before a factor is evaluated: a NaN of its own, by which
-/// what a factor forgot to write is told from what it computed as NaN.
+/// Returns the NaN that marks residuals and Jacobians before a factor is evaluated. Its bit pattern
+/// distinguishes a value that the factor did not write from a computed NaN.
 inline double Unwritten() { return std::bit_cast<double>(std::uint64_t{0x7ff8'0000'dead'beef}); }
 inline bool IsUnwritten(double value) {
   return std::bit_cast<std::uint64_t>(value) == std::bit_cast<std::uint64_t>(Unwritten());
 }
 
-/// Residual and Jacobians of `function(x, r)`, a template over the type of the numbers in x and r,
-/// by automatic differentiation: R residuals, blocks of the given sizes. Arguments and layout as of
-/// FactorBase::Evaluate. Rows that the function does not write are left Unwritten.
+/// Computes the residual and Jacobians of `function(x, r)` by automatic differentiation. `function`
+/// is a template over the number type of x and r, with R residuals and blocks of the given sizes.
+/// Arguments and layout are those of FactorBase::Evaluate. Rows that the function does not write
+/// stay Unwritten.
 template <int R, int... kSizes, class Function>
 bool Differentiate(const Function& function, double const* const* x, double* r, double** J) {
   constexpr int kBlocks = sizeof...(kSizes);
@@ -45,8 +46,8 @@ bool Differentiate(const Function& function, double const* const* x, double* r, 
   return true;
 }
 
-/// The same where number and sizes of the blocks are known only at run time, a few derivatives at a
-/// time.
+/// Does the same if the number and sizes of the blocks are known only at run time, with a few
+/// derivatives per pass.
 template <class Function>
 bool DifferentiateDynamic(const Function& function, const std::vector<int>& sizes, int residuals,
                           double const* const* x, double* r, double** J) {
@@ -54,7 +55,7 @@ bool DifferentiateDynamic(const Function& function, const std::vector<int>& size
   using Jet = ceres::Jet<double, kStride>;
   std::vector<std::vector<Jet>> jets;
   std::vector<const Jet*> blocks;
-  std::vector<Jet*> wanted;  // the coordinates to differentiate by, and where their columns go
+  std::vector<Jet*> wanted;  // coordinates to differentiate by, and the targets of their columns
   std::vector<std::pair<double*, int>> columns;
   for (std::size_t b = 0; b < sizes.size(); ++b) {
     jets.emplace_back(x[b], x[b] + sizes[b]);

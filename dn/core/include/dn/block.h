@@ -7,34 +7,34 @@
 
 namespace dn {
 
-/// How the unknowns of a block are stored and how they are perturbed. Covariances always refer to
-/// the tangent coordinates named here.
+/// Storage and perturbation of the unknowns of a block. Covariances always refer to the tangent
+/// coordinates named here.
 enum class Parametrisation {
   kVector,         ///< x <- x + d
-  kRotationRight,  ///< q <- q Exp(d), d a rotation vector in rad in the frame that q rotates from
-  kRotationLeft,   ///< q <- Exp(d) q, d a rotation vector in rad in the frame that q rotates to
-  kManifold,       ///< by the functions of BlockKind::manifold: a pose, or a user's own
+  kRotationRight,  ///< q <- q Exp(d), d a rotation vector in rad in the source frame of q
+  kRotationLeft,   ///< q <- Exp(d) q, d a rotation vector in rad in the target frame of q
+  kManifold,       ///< by the functions of BlockKind::manifold: a pose, or a user's own kind
 };
 
-/// The functions of a block kind that is neither numbers nor a rotation.
+/// Functions of a block kind that is neither a vector nor a rotation.
 struct ManifoldFunctions {
   void (*plus)(const double* x, const double* d, double* x_plus_d);
   void (*minus)(const double* y, const double* x, double* y_minus_x);
   void (*plus_jacobian)(const double* x, double* J);  ///< row-major, stored size x tangent size
 };
 
-/// A block kind known at run time.
+/// Run-time description of a block kind.
 struct BlockKind {
   Parametrisation parametrisation = Parametrisation::kVector;
   int stored_size = 0;
   int tangent_size = 0;
-  const ManifoldFunctions* manifold = nullptr;  ///< of kManifold only
+  const ManifoldFunctions* manifold = nullptr;  ///< only for kManifold
 
   friend bool operator==(const BlockKind&, const BlockKind&) = default;
 };
 
 /// Unit quaternion (x, y, z, w) perturbed from the right by the full-angle rotation vector in rad:
-/// q_mb <- q_mb Exp(dphi_b). For attitudes.
+/// q_mb <- q_mb Exp(dphi_b). Used for attitudes.
 struct Rotation {
   using Value = Eigen::Quaterniond;
   template <class T>
@@ -44,8 +44,8 @@ struct Rotation {
   static constexpr BlockKind kKind{Parametrisation::kRotationRight, 4, 3};
 };
 
-/// Unit quaternion (x, y, z, w) perturbed from the left: q <- Exp(dtheta) q. For the boresight,
-/// whose covariance is then that of the reported angles about the body axes.
+/// Unit quaternion (x, y, z, w) perturbed from the left: q <- Exp(dtheta) q. Used for the
+/// boresight, so that its covariance is that of the reported angles about the body axes.
 struct LeftRotation {
   using Value = Eigen::Quaterniond;
   template <class T>
@@ -66,7 +66,7 @@ struct Vec {
   static constexpr BlockKind kKind{Parametrisation::kVector, N, N};
 };
 
-/// One real number, which is a plain number wherever it is seen.
+/// One real number; its value and view are plain numbers.
 struct Scalar {
   using Value = double;
   static constexpr int kSize = 1;
@@ -74,24 +74,25 @@ struct Scalar {
   static constexpr BlockKind kKind{Parametrisation::kVector, 1, 1};
 };
 
-/// x (+) d in the parametrisation of `kind`; the quaternion of a rotation is normalised. Arrays of
-/// stored_size, tangent_size and stored_size.
+/// Computes x (+) d in the parametrisation of `kind`; the quaternion of a rotation is normalised.
+/// The arrays have sizes stored_size, tangent_size and stored_size.
 void Plus(const BlockKind& kind, const double* x, const double* d, double* x_plus_d);
 
-/// y (-) x, so that Plus(x, Minus(y, x)) = y.
+/// Computes y (-) x, so that Plus(x, Minus(y, x)) = y.
 void Minus(const BlockKind& kind, const double* y, const double* x, double* y_minus_x);
 
-/// d Plus(x, d) / d d at d = 0, stored_size by tangent_size.
+/// Returns d Plus(x, d) / d d at d = 0, stored_size x tangent_size.
 Eigen::MatrixXd PlusJacobian(const BlockKind& kind, const double* x);
 
-/// A left inverse of PlusJacobian, tangent_size by stored_size: takes a Jacobian in the tangent to
-/// one in stored coordinates.
+/// Returns a left inverse of PlusJacobian, tangent_size x stored_size. It converts a Jacobian in
+/// the tangent to one in stored coordinates.
 Eigen::MatrixXd TangentLift(const BlockKind& kind, const double* x);
 
-/// The 4 x 3 PlusJacobian of a rotation block, without allocation.
+/// Returns the 4 x 3 PlusJacobian of a rotation block, without allocation.
 Eigen::Matrix<double, 4, 3> RotationPlusJacobian(Parametrisation parametrisation, const double* q);
 
-/// Writes a Jacobian with respect to stored coordinates into `out`, with respect to the tangent.
+/// Converts a Jacobian with respect to stored coordinates to one with respect to the tangent,
+/// written to `out`.
 template <class Stored, class Out>
 void StoredToTangent(const BlockKind& kind, const double* x,
                      const Eigen::MatrixBase<Stored>& stored, Out&& out) {

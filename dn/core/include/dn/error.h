@@ -6,18 +6,18 @@
 
 namespace dn {
 
-/// Where in a file something was found. line and column count from 1; 0 means unknown.
+/// A place in a file. line and column count from 1; 0 means unknown.
 struct FileLocation {
   std::string file;
   long line = 0;
   long column = 0;
 
-  /// "file:line:column", leaving out what is unknown; empty when the file is unknown.
+  /// Returns "file:line:column" without the unknown parts; empty if the file is unknown.
   std::string ToString() const;
 };
 
-/// Something given to us can never work: bad data, shape, value or name. The message says what,
-/// which value and which bound; `where` names the file and line when it came from one.
+/// Invalid input that can never work: bad data, shape, value or name. The message gives the item,
+/// its value and its bound; `where` gives file and line if the input came from a file.
 class InvalidInput : public std::runtime_error {
  public:
   explicit InvalidInput(const std::string& what, FileLocation where = {})
@@ -29,15 +29,15 @@ class InvalidInput : public std::runtime_error {
   FileLocation where_;
 };
 
-/// The configuration (flight.yaml, a scenario, an option) is wrong, as opposed to the data it
+/// Invalid configuration (flight.yaml, a scenario, an option), as opposed to the data that it
 /// names.
 class InvalidConfig : public InvalidInput {
  public:
   using InvalidInput::InvalidInput;
 };
 
-/// The measurements carry no information on some unknown. The message names the unknowns in field
-/// terms, when they are free, and what would fix it.
+/// The measurements contain no information on some unknown. The message names the unknowns and
+/// their epochs in the field's terms, and says what would determine them.
 class RankDeficient : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -12,25 +12,26 @@
 
 namespace dn {
 
-/// One edge of the network: a whitened, unitless residual of some blocks.
+/// One edge of the network: a whitened, unitless residual that depends on some blocks.
 ///
-/// A factor never returns a silent zero residual; Evaluate returns false only where the model is
+/// A factor never returns a silent zero residual. Evaluate returns false only if the model is
 /// undefined.
 class FactorBase {
  public:
   virtual ~FactorBase() = default;
 
-  /// Number of residuals.
+  /// Returns the number of residuals.
   virtual int residual_size() const = 0;
 
-  /// Kinds of the blocks, in the order in which Evaluate takes them.
+  /// Returns the kinds of the blocks, in the order in which Evaluate takes them.
   virtual const std::vector<BlockKind>& block_kinds() const = 0;
 
-  /// Residual r and, where J and J[i] are not null, the Jacobians with respect to the *stored*
-  /// coordinates of block i, row-major residual_size x stored_size. A Jacobian whose product with
-  /// the block's PlusJacobian is right is right: only that product is used. r and J come Unwritten:
-  /// what is left so, or is not finite, ends an adjustment with a message that names the factor. An
-  /// exception does the same, and reaches the caller as InvalidInput.
+  /// Computes the residual r and, if J and J[i] are not null, the Jacobian with respect to the
+  /// *stored* coordinates of block i, row-major residual_size x stored_size. Only the product of a
+  /// Jacobian with the block's PlusJacobian is used, so only this product must be correct. r and J
+  /// are Unwritten on entry. A value that stays Unwritten, or is not finite, ends an adjustment
+  /// with a message that names the factor. An exception also ends it, and reaches the caller as
+  /// InvalidInput.
   virtual bool Evaluate(double const* const* x, double* r, double** J) const = 0;
 
  protected:
@@ -39,21 +40,22 @@ class FactorBase {
   FactorBase& operator=(const FactorBase&) = default;
 };
 
-/// Evaluates a factor at x (stored values of its blocks): whitened residual r and, if wanted, one
-/// tangent Jacobian per block. Returns false where the model is undefined.
+/// Evaluates a factor at x (stored values of its blocks): whitened residual r and, if J is not
+/// null, one tangent Jacobian per block. Returns false if the model is undefined.
 bool EvaluateInTangent(const FactorBase& factor, const std::vector<const double*>& x,
                        Eigen::VectorXd* r, std::vector<Eigen::MatrixXd>* J = nullptr);
 
-/// Writes the tangent Jacobian J_r_x of a block into stored coordinates, row-major, for
-/// FactorBase::Evaluate. x: the block's stored value; J: the destination, may be null (nothing is
-/// done).
+/// Converts the tangent Jacobian J_r_x of a block to stored coordinates, row-major, for
+/// FactorBase::Evaluate. x is the block's stored value. J is the destination; nothing is done if it
+/// is null.
 template <class Matrix>
 void PutJacobian(const BlockKind& kind, const double* x, const Eigen::MatrixBase<Matrix>& J_r_x,
                  double* J) {
   if (J == nullptr) return;
   constexpr int kRows = Matrix::RowsAtCompileTime, kCols = Matrix::ColsAtCompileTime;
   if (kind.parametrisation == Parametrisation::kVector) {
-    constexpr int kOrder = kCols == 1 ? Eigen::ColMajor : Eigen::RowMajor;  // the same for a column
+    // Eigen requires ColMajor for a column.
+    constexpr int kOrder = kCols == 1 ? Eigen::ColMajor : Eigen::RowMajor;
     Eigen::Map<Eigen::Matrix<double, kRows, kCols, kOrder>> out(J, J_r_x.rows(), J_r_x.cols());
     out = J_r_x;
     return;
@@ -64,7 +66,7 @@ void PutJacobian(const BlockKind& kind, const double* x, const Eigen::MatrixBase
     out.noalias() = J_r_x * TangentLift(kind, x);
     return;
   }
-  // PlusJacobian has orthogonal columns of squared length 1/4: its pseudo-inverse is 4
+  // PlusJacobian has orthogonal columns of squared length 1/4, so its pseudo-inverse is 4
   // PlusJacobian^T.
   using RowMajor = Eigen::Matrix<double, kRows, 4, Eigen::RowMajor>;
   const Eigen::Matrix<double, 3, 4> lift =
@@ -73,7 +75,7 @@ void PutJacobian(const BlockKind& kind, const double* x, const Eigen::MatrixBase
   out.noalias() = J_r_x.template leftCols<3>() * lift;
 }
 
-/// Base of a factor with R residuals on blocks of fixed kinds, with Jacobians of its own.
+/// Base of a factor with R residuals on blocks of fixed kinds that computes its own Jacobians.
 ///
 /// Derive as `class MyFactor : public Factor<MyFactor, R, Rotation, Vec<3>>` and write Evaluate
 /// with Put<I>(x, J, J_r_xi). Add it with Network::Add(factor, block0, block1).
@@ -91,7 +93,8 @@ class Factor : public FactorBase {
   }
 
  protected:
-  /// Writes the tangent Jacobian J_r_xI (R x tangent size of block I), skipping null requests.
+  /// Writes the tangent Jacobian J_r_xI (R x tangent size of block I); does nothing if it was not
+  /// requested.
   template <int I, class Matrix>
   static void Put(double const* const* x, double** J, const Eigen::MatrixBase<Matrix>& J_r_xI) {
     using Kind = std::tuple_element_t<I, BlockKinds>;
@@ -102,11 +105,12 @@ class Factor : public FactorBase {
   }
 };
 
-/// Base of a factor that only states its residual; Jacobians come from automatic differentiation.
+/// Base of a factor that defines only its residual; the Jacobians come from automatic
+/// differentiation.
 ///
-/// Derive as `struct MyFactor : dn::AutoFactor<MyFactor, R, Kinds...>` and write
-/// `template <class T> bool Residual(const T* x0, ..., T* r) const`. That is the whole of a custom
-/// factor; Network::Add takes a plain function, too.
+/// Derive as `struct MyFactor : dn::AutoFactor<MyFactor, R, Kinds...>` and write `template <class
+/// T> bool Residual(const T* x0, ..., T* r) const`. A custom factor needs nothing else.
+/// Network::Add also takes a plain function.
 template <class Derived, int R, class... Kinds>
 class AutoFactor : public Factor<Derived, R, Kinds...> {
  public:
@@ -132,8 +136,8 @@ class AutoFactor : public Factor<Derived, R, Kinds...> {
   }
 };
 
-/// Base of a factor whose number of blocks is known only at run time (a sum of bias processes,
-/// say).
+/// Base of a factor whose number of blocks is known only at run time, for example for a sum of bias
+/// processes.
 class DynamicFactor : public FactorBase {
  public:
   int residual_size() const final { return residual_size_; }
@@ -143,14 +147,14 @@ class DynamicFactor : public FactorBase {
   DynamicFactor(int residual_size, std::vector<BlockKind> kinds)
       : residual_size_(residual_size), kinds_(std::move(kinds)) {}
 
-  /// Stored size of each block.
+  /// Returns the stored size of each block.
   std::vector<int> stored_sizes() const {
     std::vector<int> sizes;
     for (const BlockKind& kind : kinds_) sizes.push_back(kind.stored_size);
     return sizes;
   }
 
-  /// Writes the tangent Jacobian of block i, skipping null requests.
+  /// Writes the tangent Jacobian of block i; does nothing if it was not requested.
   template <class Matrix>
   void Put(int i, double const* const* x, double** J,
            const Eigen::MatrixBase<Matrix>& J_r_xi) const {
@@ -162,11 +166,11 @@ class DynamicFactor : public FactorBase {
   std::vector<BlockKind> kinds_;
 };
 
-/// A DynamicFactor that only states its residual, differentiated automatically.
+/// Base of a DynamicFactor that defines only its residual, which is differentiated automatically.
 ///
-/// Derive as `struct MyFactor : dn::DynamicAutoFactor<MyFactor>`, pass residual size and kinds to
-/// its constructor, and write `template <class T> bool Residual(const T* const* x, T* r) const`,
-/// x[i] the numbers of block i.
+/// Derive as `struct MyFactor : dn::DynamicAutoFactor<MyFactor>` and pass residual size and kinds
+/// to its constructor. Write `template <class T> bool Residual(const T* const* x, T* r) const`;
+/// x[i] are the numbers of block i.
 template <class Derived>
 class DynamicAutoFactor : public DynamicFactor {
  public:

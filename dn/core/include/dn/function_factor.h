@@ -12,8 +12,8 @@
 
 namespace dn {
 
-/// Blocks of one kind as a function sees them that was given a std::vector of blocks: size(), and
-/// [i] is block i as ViewOf shows it.
+/// View of a std::vector of blocks of one kind, as passed to a function: size(), and [i], which is
+/// block i as ViewOf presents it.
 template <class Kind, class T>
 class BlockViews {
  public:
@@ -38,16 +38,18 @@ constexpr bool IsExpression() {
   return !std::is_base_of_v<Eigen::PlainObjectBase<Result>, Result>;
 }
 
-/// Compares the two sizes, so that both stand in the compiler's message.
+/// Compares the two sizes as template arguments, so that the compiler's message shows both.
 template <int kReturned, int kNoise>
 struct SizesOf {
-  static_assert(kReturned == kNoise,
-                "Network::Add: the function returns another number of residuals than its Noise<R> "
-                "has: see SizesOf<returned, R> in this message");
+  static_assert(
+      kReturned == kNoise,
+      "Network::Add: the function returns a different number of residuals than its Noise<R> "
+      "has: see SizesOf<returned, R> in this message");
   static constexpr bool kEqual = kReturned == kNoise;
 };
 
-/// Residuals of a function's result before whitening; false where it is std::nullopt.
+/// Copies a function's result to the residuals before whitening; returns false if it is
+/// std::nullopt.
 template <int R, class T, class Result>
 bool Unpack(const Result& result, std::array<T, R>* f) {
   if constexpr (IsOptional<Result>::value) {
@@ -79,7 +81,7 @@ bool Unpack(const Result& result, std::array<T, R>* f) {
   }
 }
 
-/// r = W result; zeros of W cost nothing.
+/// Computes r = W result, skipping the zeros of W.
 template <int R, class T, class Result>
 bool Whiten(const Eigen::Matrix<double, R, R>& W, const Result& result, T* r) {
   std::array<T, R> f;
@@ -95,7 +97,7 @@ bool Whiten(const Eigen::Matrix<double, R, R>& W, const Result& result, T* r) {
 
 }  // namespace internal
 
-/// The factor of a function: r = W f(blocks), differentiated automatically. See Network::Add.
+/// Factor of a function: r = W f(blocks), differentiated automatically. See Network::Add.
 template <class Function, int R, class... Kinds>
 class FunctionFactor final : public Factor<FunctionFactor<Function, R, Kinds...>, R, Kinds...> {
   static_assert(std::is_invocable_v<const Function&, decltype(ViewOf<Kinds>(
@@ -125,7 +127,7 @@ class FunctionFactor final : public Factor<FunctionFactor<Function, R, Kinds...>
   Eigen::Matrix<double, R, R> W_;
 };
 
-/// The same of any number of blocks of one kind: the function takes their BlockViews.
+/// Factor of a function of any number of blocks of one kind; the function takes their BlockViews.
 template <class Function, int R, class Kind>
 class ListFunctionFactor final : public DynamicFactor {
   static_assert(std::is_invocable_v<const Function&, const BlockViews<Kind, double>&>,

@@ -4,7 +4,7 @@
 
 namespace dn {
 
-/// The work was stopped by its user.
+/// Thrown if the user stopped the work.
 class Interrupted : public std::runtime_error {
  public:
   Interrupted() : std::runtime_error("interrupted") {}

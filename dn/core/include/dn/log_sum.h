@@ -7,7 +7,7 @@ namespace dn {
 
 inline constexpr double kNever = -std::numeric_limits<double>::infinity();
 
-/// log(sum of exp), of what is added one by one.
+/// Accumulates log(sum of exp) of values that are added one by one.
 class LogSum {
  public:
   void Add(double log_value) {

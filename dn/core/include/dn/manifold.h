@@ -10,21 +10,20 @@
 
 namespace dn {
 
-/// A manifold of a user's own, to be used as a block kind as it is: kSize stored numbers, moved by
-/// kTangentSize. Covariances refer to the d of its Plus.
+/// Requirements on a user's own manifold as a block kind: kSize stored numbers and kTangentSize
+/// tangent coordinates. Covariances refer to the d of its Plus.
 ///
 ///   struct Direction {  // a unit vector in the plane, moved by an angle in rad
 ///     static constexpr int kSize = 2, kTangentSize = 1;
 ///     template <class T>
-///     static void Plus(const T* x, const T* d, T* x_plus_d);                       // Plus(x, 0) =
-///     x static void Minus(const double* y, const double* x, double* y_minus_x);      // its
-///     inverse
+///     static void Plus(const T* x, const T* d, T* x_plus_d);                  // Plus(x, 0) = x
+///     static void Minus(const double* y, const double* x, double* y_minus_x);  // inverse of Plus
 ///   };
 ///
-/// A Plus that is not a template needs PlusJacobian(const double* x, double* J) beside it: d Plus /
-/// d d at d = 0, row-major kSize x kTangentSize. `using Value` and `template <class T> using View`
-/// (constructed from a pointer) are what Network::Value and functions given to Network::Add see,
-/// where they are not to be vectors.
+/// If Plus is not a template, the kind also needs PlusJacobian(const double* x, double* J): d Plus
+/// / d d at d = 0, row-major kSize x kTangentSize. Define `using Value` and `template <class T>
+/// using View` (constructed from a pointer) if Network::Value and functions given to Network::Add
+/// are to see another type than a vector.
 template <class M>
 concept ManifoldKind = requires(const double* x, double* y) {
   { M::kSize } -> std::convertible_to<int>;
@@ -40,7 +39,7 @@ concept BuiltInKind = requires {
   Kind::kKind;
 };
 
-/// d Plus / d d of a manifold whose Plus is a template.
+/// Computes d Plus / d d of a manifold whose Plus is a template.
 template <class M>
 void DifferentiatePlus(const double* x, double* J) {
   using Jet = ceres::Jet<double, M::kTangentSize>;
@@ -80,7 +79,7 @@ struct ValueOf<Kind> {
 
 }  // namespace internal
 
-/// The run-time kind of a block kind: dn's own, or a ManifoldKind.
+/// Returns the run-time description of a block kind: a built-in kind or a ManifoldKind.
 template <class Kind>
 constexpr BlockKind KindOf() {
   if constexpr (internal::BuiltInKind<Kind>) {
@@ -93,11 +92,11 @@ constexpr BlockKind KindOf() {
   }
 }
 
-/// What Network::Value gives for a block kind.
+/// Type of Network::Value for a block kind.
 template <class Kind>
 using ValueOf = typename internal::ValueOf<Kind>::type;
 
-/// What a function that is given to Network::Add sees of a block with the numbers x.
+/// Returns the view of a block with the numbers x that functions given to Network::Add receive.
 template <class Kind, class T>
 auto ViewOf(const T* x) {
   if constexpr (std::is_same_v<ValueOf<Kind>, double>) {

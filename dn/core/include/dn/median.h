@@ -6,11 +6,11 @@
 
 namespace dn {
 
-/// The standard deviation of normal errors, in medians of their absolute values.
+/// Ratio of the standard deviation of normal errors to the median of their absolute values.
 inline constexpr double kSigmaOfMedian = 1.4826;
 
-/// The middle one of the values in order, of an even number the upper one of the two; there must be
-/// one.
+/// Returns the median of the values; for an even number, the upper of the two middle values. The
+/// list must not be empty.
 inline double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());

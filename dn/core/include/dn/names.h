@@ -6,17 +6,18 @@
 
 namespace dn {
 
-/// The candidate nearest to `word` by edit distance; empty when there are no candidates.
+/// Returns the candidate nearest to `word` by edit distance; empty without candidates.
 std::string NearestName(const std::string& word, const std::vector<std::string>& candidates);
 
-/// "a, b, c".
+/// Joins names as "a, b, c".
 std::string JoinNames(const std::vector<std::string>& names);
 
-/// True where the text holds a control character, such as a line break or an escape, also one of
-/// those beyond ASCII (U+0080 to U+009F in UTF-8).
+/// Returns true if the text contains a control character, such as a line break or an escape,
+/// including U+0080 to U+009F in UTF-8.
 bool HasControls(std::string_view text);
 
-/// The text with a blank in place of every control character: fit for one line of any output.
+/// Returns the text with a blank in place of every control character, so that it fits on one line
+/// of any output.
 std::string WithoutControls(std::string_view text);
 
 }  // namespace dn

@@ -20,7 +20,7 @@
 
 namespace dn {
 
-/// Handle of a block of a known kind; only valid in the network that gave it.
+/// Handle of a block of a known kind; it is valid only in the network that created it.
 template <class Kind>
 struct Block {
   int id = -1;
@@ -29,29 +29,30 @@ struct Block {
 using BlockId = int;
 using FactorId = int;
 
-/// Robust loss rho(s) on the squared norm s of a factor's residual. width is in units of sigma.
+/// Robust loss rho(s) of the squared norm s of a factor's residual. width is in units of sigma.
 struct Loss {
   enum class Type { kNone, kHuber, kCauchy };
   Type type = Type::kNone;
   double width = 1.0;
 
-  /// Quadratic within k sigma, linear beyond.
+  /// Returns the Huber loss: quadratic within k sigma, linear beyond.
   static Loss Huber(double k) { return {Type::kHuber, k}; }
-  /// Grows with the logarithm beyond k sigma: a gross error loses its influence.
+  /// Returns the Cauchy loss: logarithmic beyond k sigma, so that an outlier loses its influence.
   static Loss Cauchy(double k) { return {Type::kCauchy, k}; }
 };
 
-/// What a block is in the words of the field: used by reports and by the diagnosis of a rank
+/// Description of a block in the field's terms, for reports and for the diagnosis of a rank
 /// deficiency.
 struct BlockLabel {
-  std::string quantity;  ///< "boresight", "attitude", "gyro bias"; empty: the block's name
+  /// For example "boresight", "attitude", "gyro bias"; if empty, the block's name is used.
+  std::string quantity;
   std::vector<std::string> components;  ///< one per tangent coordinate: {"roll", "pitch", "yaw"}
-  std::string unit;                     ///< of the reported values: "deg", "m", "mg"
+  std::string unit;                     ///< unit of the reported values: "deg", "m", "mg"
   double per_si = 1.0;                  ///< reported = SI value * per_si
-  double t_s = std::numeric_limits<double>::quiet_NaN();  ///< epoch; NaN for a constant
+  double t_s = std::numeric_limits<double>::quiet_NaN();  ///< epoch; NaN for a constant block
 };
 
-/// A block as the network holds it.
+/// A block as stored in the network.
 struct BlockRecord {
   std::string name;
   BlockKind kind;
@@ -60,7 +61,8 @@ struct BlockRecord {
   BlockLabel label;
 };
 
-/// A factor as the network holds it; without factor and blocks, and inactive, once removed.
+/// A factor as stored in the network. A removed factor is inactive and has neither factor nor
+/// blocks.
 struct FactorRecord {
   std::shared_ptr<const FactorBase> factor;
   std::vector<BlockId> blocks;
@@ -72,12 +74,12 @@ struct FactorRecord {
 
 /// A dynamic network: named blocks of unknowns and the factors (edges) between them.
 ///
-/// It describes the problem only; dn::Solve and dn::Marginals (layer solvers) work on it. Blocks
-/// and factors of a user's own kind are first-class: they solve, and appear by name in every
-/// report.
+/// It only describes the problem; dn::Solve and dn::Marginals (layer solvers) operate on it. Blocks
+/// and factors of a user's own kind have equal rights: they are estimated, and appear by name in
+/// every report.
 ///
-/// A copy has values, losses and states of its own, and the same ids, so that handles serve both;
-/// factors, which never change, are shared.
+/// A copy has its own values, losses and states, and the same ids, so that handles work for both.
+/// Factors never change and are shared.
 class Network {
  public:
   Network() = default;
@@ -87,11 +89,11 @@ class Network {
   Network& operator=(const Network& other);
   ~Network() = default;
 
-  /// Adds a rotation perturbed from the right. q is normalised. Throws InvalidInput if the name is
-  /// taken, or q is not finite or has zero norm.
+  /// Adds a rotation perturbed from the right; q is normalised. Throws InvalidInput if the name is
+  /// taken, or if q is not finite or has zero norm.
   Block<Rotation> AddRotation(const std::string& name, const Eigen::Quaterniond& q);
 
-  /// Adds a rotation perturbed from the left (the boresight). Throws as AddRotation.
+  /// Adds a rotation perturbed from the left (the boresight). Throws as AddRotation does.
   Block<LeftRotation> AddLeftRotation(const std::string& name, const Eigen::Quaterniond& q);
 
   /// Adds N real numbers. Throws InvalidInput if the name is taken or a value is not finite.
@@ -100,19 +102,19 @@ class Network {
     return {AddStored(name, Vec<N>::kKind, value.data())};
   }
 
-  /// Adds one real number. Throws as AddVector.
+  /// Adds one real number. Throws as AddVector does.
   Block<Scalar> AddScalar(const std::string& name, double value) {
     return {AddStored(name, Scalar::kKind, &value)};
   }
 
-  /// Adds a pose: rotation and translation in one block. Throws as AddRotation and AddVector.
+  /// Adds a pose: rotation and translation in one block. Throws as AddRotation and AddVector do.
   Block<Pose> AddPose(const std::string& name, const Transform<double>& pose) {
     return AddBlock<Pose>(name, pose);
   }
 
-  /// Adds a block of any kind, such as a ManifoldKind of your own: AddBlock<Direction>("north", x).
-  /// The value is moved onto its manifold by a Plus of zero. Throws as AddVector, and InvalidInput
-  /// for a value that Plus does not move in every direction.
+  /// Adds a block of any kind, such as a user's own ManifoldKind: AddBlock<Direction>("north", x).
+  /// The value is projected onto its manifold by a Plus of zero. Throws as AddVector does, and
+  /// InvalidInput if Plus cannot move the value in every direction.
   template <class Kind>
   Block<Kind> AddBlock(const std::string& name, const std::type_identity_t<ValueOf<Kind>>& value) {
     double x[Kind::kSize];
@@ -120,7 +122,7 @@ class Network {
     return {AddStored(name, KindOf<Kind>(), x)};
   }
 
-  /// Adds a factor on blocks; a block of the wrong kind does not compile.
+  /// Adds a factor on blocks; a block of the wrong kind is a compile error.
   template <class F, class... Kinds>
   FactorId Add(F factor, Block<Kinds>... blocks) {
     static_assert(std::is_base_of_v<FactorBase, F>,
@@ -137,24 +139,25 @@ class Network {
     }
   }
 
-  /// Adds the factor r = W f(blocks), W of the noise, Jacobians by automatic differentiation:
+  /// Adds the factor r = W f(blocks), where W comes from the noise and the Jacobians from automatic
+  /// differentiation:
   ///
   ///   net.Add([=](const auto& p) { return (p - station).norm() - distance; },
   ///           dn::Noise<1>::Sigma(0.02), antenna);
   ///
-  /// `function` takes one `const auto&` per block: a vector or quaternion (Eigen maps) of T, a T
-  /// for a Scalar, a Transform<T> for a Pose, what View says for a kind of your own; T is double or
-  /// ceres::Jet. It returns R numbers: a T, or an Eigen vector of fixed size (.eval() an
-  /// expression), or a std::optional of one, empty where the model is undefined. Other shapes do
-  /// not compile.
+  /// `function` takes one `const auto&` per block: a vector or quaternion (Eigen map) of T, a T for
+  /// a Scalar, a Transform<T> for a Pose, or the View of a user's own kind; T is double or
+  /// ceres::Jet. It returns R residuals: a T, or an Eigen vector of fixed size (end an expression
+  /// with .eval()), or a std::optional of one of these, empty if the model is undefined. Other
+  /// shapes do not compile.
   template <class Function, int R, class... Kinds>
   FactorId Add(Function function, const Noise<R>& noise, Block<Kinds>... blocks) {
     using F = FunctionFactor<Function, R, Kinds...>;
     return AddFactor(std::make_shared<F>(std::move(function), noise), {blocks.id...});
   }
 
-  /// The same for any number of blocks of one kind, which the function takes as one list x:
-  /// x.size() and x[i].
+  /// Adds the factor of a function of any number of blocks of one kind. The function takes the
+  /// blocks as one list x with x.size() and x[i].
   template <class Function, int R, class Kind>
   FactorId Add(Function function, const Noise<R>& noise, const std::vector<Block<Kind>>& blocks) {
     using F = ListFunctionFactor<Function, R, Kind>;
@@ -163,46 +166,49 @@ class Network {
     return AddFactor(std::make_shared<F>(std::move(function), noise, blocks.size()), ids);
   }
 
-  /// Adds a factor whose blocks are known at run time. Throws InvalidInput when number or kinds do
-  /// not match the factor's, a block is given twice, or there is no block or residual at all.
+  /// Adds a factor whose blocks are known at run time. Throws InvalidInput if the number or kinds
+  /// of the blocks do not match the factor, or if a block is given twice. Also throws without any
+  /// block or residual.
   FactorId AddFactor(std::shared_ptr<const FactorBase> factor, const std::vector<BlockId>& blocks);
 
-  /// Replaces the factor (same block kinds and residual size), for instance after
-  /// re-preintegration.
+  /// Replaces a factor by one with the same block kinds and residual size, for instance after
+  /// repreintegration. Throws InvalidInput for other kinds or sizes.
   void ReplaceFactor(FactorId id, std::shared_ptr<const FactorBase> factor);
 
-  /// Removes a factor for good. The ids of all others stay as they are, and its own is not used
-  /// again.
+  /// Removes a factor permanently. The ids of all other factors stay valid, and the removed id is
+  /// not used again.
   void RemoveFactor(FactorId id);
 
-  /// Keeps a block at its value, or frees it again.
+  /// Sets a block constant at its value, or makes it an unknown again.
   void Hold(BlockId id, bool held = true) { block(id).held = held; }
   template <class Kind>
   void Hold(Block<Kind> b, bool held = true) {
     Hold(b.id, held);
   }
 
-  /// Says what a factor is and its epoch (NaN: none). Throws InvalidInput unless the group has no
-  /// names of rows or one per residual.
+  /// Sets the group of a factor and its epoch (NaN: no epoch). Throws InvalidInput unless the group
+  /// has either no row names or one per residual.
   void Tag(FactorId id, const FactorGroup& group, double t_s);
-  /// The same for a group of measurements whose rows have no names.
+  /// Does the same for a group of measurements without row names.
   void Tag(FactorId id, const std::string& group, double t_s) { Tag(id, FactorGroup{group}, t_s); }
 
-  /// Throws InvalidInput unless there are no component names or one per tangent coordinate.
+  /// Sets the label of a block. Throws InvalidInput unless it has either no component names or one
+  /// per tangent coordinate.
   void SetLabel(BlockId id, BlockLabel label);
-  /// Throws InvalidInput unless the width is positive and finite.
+  /// Sets the robust loss of a factor. Throws InvalidInput unless the width is positive and finite.
   void SetLoss(FactorId id, Loss loss);
   void SetActive(FactorId id, bool active) { factor_mutable(id).active = active; }
 
-  /// Current value of a block. Throws InvalidInput for a handle of another network's block, where
-  /// that shows.
+  /// Returns the current value of a block. Throws InvalidInput if the handle does not match a block
+  /// of this network; a handle of another network is detected only if the kinds differ.
   template <class Kind>
   ValueOf<Kind> Value(Block<Kind> b) const {
     CheckKind(b.id, KindOf<Kind>());
     return ValueOf<Kind>(ViewOf<Kind>(std::as_const(*this).block(b.id).value.get()));
   }
 
-  /// Sets the value of a block; quaternions are normalised. Throws InvalidInput if not finite.
+  /// Sets the value of a block; quaternions are normalised. Throws InvalidInput if it is not
+  /// finite.
   template <class Kind>
   void SetValue(Block<Kind> b, const std::type_identity_t<ValueOf<Kind>>& value) {
     CheckKind(b.id, KindOf<Kind>());
@@ -212,35 +218,37 @@ class Network {
   }
   void SetRaw(BlockId id, const double* value);
 
-  /// Block by name; throws InvalidInput naming the nearest existing name when there is none.
+  /// Returns the block with this name. Throws InvalidInput naming the nearest existing name if
+  /// there is no such block.
   BlockId Find(const std::string& name) const;
 
   int num_blocks() const { return static_cast<int>(blocks_.size()); }
-  /// Removed ones among them: one past the highest id.
+  /// Returns the highest factor id plus one; removed factors are included.
   int num_factors() const { return static_cast<int>(factors_.size()); }
   const BlockRecord& block(BlockId id) const;
   BlockRecord& block(BlockId id);
   const FactorRecord& factor(FactorId id) const;
-  /// Every group that was given to Tag; the first is that of factors without a tag.
+  /// Returns every group that was given to Tag; the first is that of factors without a tag.
   const std::vector<FactorGroup>& groups() const { return groups_; }
   const FactorGroup& group(FactorId id) const {
     return groups_[static_cast<std::size_t>(factor(id).group)];
   }
 
-  /// "factor 12 (gnss position, 381000.200 s) on 'attitude/3' 'position/3'", for messages.
+  /// Returns text for messages, such as "factor 12 (gnss position, 381000.200 s) on 'attitude/3'
+  /// 'position/3'".
   std::string DescribeFactor(FactorId id) const;
 
-  /// Sum of the tangent sizes of the blocks that are not held.
+  /// Returns the sum of the tangent sizes of the blocks that are not constant.
   int num_free_parameters() const;
 
-  /// Evaluates one factor at the current values: whitened residual and, if wanted, tangent
-  /// Jacobians (one matrix per block). Returns false where the model is undefined. Throws
-  /// InvalidInput for a removed factor, and naming the factor where it throws.
+  /// Evaluates one factor at the current values: whitened residual and, if J is not null, tangent
+  /// Jacobians (one matrix per block). Returns false if the model is undefined. Throws InvalidInput
+  /// for a removed factor, and InvalidInput naming the factor if the factor throws.
   bool EvaluateFactor(FactorId id, Eigen::VectorXd* r,
                       std::vector<Eigen::MatrixXd>* J = nullptr) const;
 
-  /// FactorBase::Evaluate of one factor at values x of its blocks, with r and J set to Unwritten()
-  /// before. Throws as EvaluateFactor.
+  /// Calls FactorBase::Evaluate of one factor at the values x of its blocks, after setting r and J
+  /// to Unwritten(). Throws as EvaluateFactor does.
   bool EvaluateStored(FactorId id, double const* const* x, double* r, double** J) const;
 
  private:

@@ -10,21 +10,22 @@
 
 namespace dn {
 
-/// Gaussian measurement noise of dimension N, held as the square-root information W with
-/// W^T W = covariance^-1, so that W (measured - predicted) is unitless with unit covariance.
+/// Gaussian measurement noise of dimension N, stored as the square-root information W with W^T W =
+/// covariance^-1, so that W (measured - predicted) is unitless with unit covariance.
 ///
-/// An object that exists is valid: every constructor throws InvalidInput for what is not finite or
-/// not positive definite.
+/// Every object is valid: the constructors throw InvalidInput for values that are not finite or not
+/// positive definite.
 template <int N>
 class Noise {
  public:
   using Vector = Eigen::Matrix<double, N, 1>;
   using Matrix = Eigen::Matrix<double, N, N>;
 
-  /// The same standard deviation on every component, in the unit of the measurement.
+  /// Creates noise with the same standard deviation for every component, in the unit of the
+  /// measurement.
   static Noise Sigma(double sigma) { return Sigma(Vector(Vector::Constant(sigma))); }
 
-  /// One standard deviation per component, in the unit of the measurement.
+  /// Creates noise with one standard deviation per component, in the unit of the measurement.
   static Noise Sigma(const Vector& sigma) {
     for (int i = 0; i < N; ++i) {
       if (!(sigma[i] > 0.0) || !std::isfinite(sigma[i])) {
@@ -35,20 +36,22 @@ class Noise {
     return Noise(Matrix(sigma.cwiseInverse().asDiagonal()));
   }
 
-  /// Full covariance, symmetric (to 1e-9 of the two standard deviations) and positive definite.
+  /// Creates noise from a full covariance, which must be positive definite and symmetric to 1e-9 of
+  /// the product of the two standard deviations.
   static Noise Covariance(const Matrix& covariance) {
     return Noise(Factored(covariance, "covariance").matrixL().solve(Matrix::Identity()));
   }
 
-  /// Full information matrix, the inverse of the covariance; conditions as of Covariance.
+  /// Creates noise from a full information matrix, the inverse of the covariance, with the same
+  /// conditions.
   static Noise Information(const Matrix& information) {
     return Noise(Matrix(Factored(information, "information matrix").matrixU()));
   }
 
-  /// W, the square-root information matrix.
+  /// Returns the square-root information matrix W.
   const Matrix& sqrt_information() const { return W_; }
 
-  /// The covariance (W^T W)^-1.
+  /// Returns the covariance (W^T W)^-1.
   Matrix covariance() const {
     const Matrix W_inverse = W_.inverse();
     return W_inverse * W_inverse.transpose();

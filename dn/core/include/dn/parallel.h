@@ -11,8 +11,8 @@
 namespace dn {
 
 /// Calls work(i) for i in [0, n), split into contiguous ranges over the threads. Rethrows the
-/// exception of the lowest range that threw. Ranges for which no thread can be started are done by
-/// the caller.
+/// exception of the lowest range that threw. If a thread cannot be started, the caller processes
+/// its range.
 template <class Work>
 void ParallelFor(int n, int threads, const Work& work) {
   const int ranges = threads < n ? threads : n;
@@ -44,8 +44,9 @@ void ParallelFor(int n, int threads, const Work& work) {
   }
 }
 
-/// The result of work(), which runs beside the caller where there is a thread for it, else when the
-/// result is asked for. The end of the future waits for the end of the work.
+/// Starts work() in another thread if `threads` is above 1 and a thread is available; otherwise
+/// work() runs when its result is requested. Returns the future of the result, whose destructor
+/// waits for the work.
 template <class Work>
 auto Beside(int threads, Work work) {
   const std::launch how =
@@ -55,8 +56,8 @@ auto Beside(int threads, Work work) {
 
 inline std::size_t NumChunks(std::size_t n, std::size_t size) { return (n + size - 1) / size; }
 
-/// Calls work(chunk, first, past) for the chunks of `size` elements of [0, n), the last one
-/// shorter. What is summed by chunk does not depend on the number of threads.
+/// Calls work(chunk, first, past) for the chunks of `size` elements of [0, n); the last chunk may
+/// be shorter. Sums per chunk do not depend on the number of threads.
 template <class Work>
 void ParallelForChunks(std::size_t n, std::size_t size, int threads, const Work& work) {
   ParallelFor(static_cast<int>(NumChunks(n, size)), threads, [&](int c) {

@@ -9,7 +9,7 @@
 
 namespace dn {
 
-/// A rigid motion T_ab: x_a = q x_b + p, p the origin of b in a.
+/// A rigid transform T_ab: x_a = q x_b + p, with p the origin of b in a.
 template <class T>
 struct Transform {
   using Vector3 = Eigen::Matrix<T, 3, 1>;
@@ -20,7 +20,7 @@ struct Transform {
   Transform() = default;
   Transform(const Eigen::Quaternion<T>& rotation, const Vector3& translation)
       : q(rotation), p(translation) {}
-  /// From seven numbers: quaternion (x, y, z, w), translation.
+  /// Creates a transform from seven numbers: quaternion (x, y, z, w), translation.
   explicit Transform(const T* x) : q(x), p(x[4], x[5], x[6]) {}
 
   void Store(T* x) const {
@@ -28,13 +28,13 @@ struct Transform {
     std::copy_n(p.data(), 3, x + 4);
   }
 
-  /// T_ba.
+  /// Returns T_ba.
   Transform Inverse() const {
     const Eigen::Quaternion<T> q_ba = q.conjugate();
     return {q_ba, Vector3(-(q_ba * p))};
   }
 
-  /// Rotation vector (rad), then translation.
+  /// Returns the rotation vector (rad), then the translation.
   Eigen::Matrix<T, 6, 1> ToVector() const {
     Eigen::Matrix<T, 6, 1> v;
     v << Log(q), p;
@@ -47,7 +47,8 @@ struct Transform {
   }
 };
 
-/// T_ac of T_ab and T_bc. One of them may be of double where the other is differentiated.
+/// Returns T_ac from T_ab and T_bc. One of them may have scalar type double while the other is
+/// differentiated.
 template <class T, class U>
 auto operator*(const Transform<T>& T_ab, const Transform<U>& T_bc) {
   using R = decltype(T() * U());
@@ -55,7 +56,7 @@ auto operator*(const Transform<T>& T_ab, const Transform<U>& T_bc) {
   return Transform<R>(a.q * b.q, typename Transform<R>::Vector3(a.q * b.p + a.p));
 }
 
-/// x_a of x_b.
+/// Returns x_a from x_b.
 template <class T, class Derived>
 auto operator*(const Transform<T>& T_ab, const Eigen::MatrixBase<Derived>& x_b) {
   using R = decltype(T() * typename Derived::Scalar());
@@ -64,8 +65,8 @@ auto operator*(const Transform<T>& T_ab, const Eigen::MatrixBase<Derived>& x_b) 
   return Eigen::Matrix<R, 3, 1>(a.q * x + a.p);
 }
 
-/// A pose as one block: quaternion (x, y, z, w) and translation, with the tangent (rotation,
-/// translation) of the blocks Rotation and Vec<3>:
+/// A pose as one block: quaternion (x, y, z, w) and translation. Its tangent (rotation,
+/// translation) is that of the blocks Rotation and Vec<3>:
 ///
 ///   q_mb <- q_mb Exp(dphi_b),  p_mb <- p_mb + dp_m      dphi in rad about the axes of b, dp in m
 struct Pose {

@@ -6,8 +6,8 @@
 
 namespace dn {
 
-/// The value below which a share p of the values lies, 0 <= p <= 1, linear between neighbours; there
-/// must be one.
+/// Returns the p-quantile of the values, 0 <= p <= 1, with linear interpolation. The list must not
+/// be empty.
 inline double Quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double at = p * static_cast<double>(values.size() - 1);

@@ -6,7 +6,7 @@
 
 namespace dn {
 
-/// Cross-product matrix: Skew(a) b = a x b, of any 3-vector expression.
+/// Returns the cross-product matrix of any 3-vector expression: Skew(a) b = a x b.
 template <class Derived>
 Eigen::Matrix<typename Derived::Scalar, 3, 3> Skew(const Eigen::MatrixBase<Derived>& vector) {
   using T = typename Derived::Scalar;
@@ -16,8 +16,8 @@ Eigen::Matrix<typename Derived::Scalar, 3, 3> Skew(const Eigen::MatrixBase<Deriv
   return S;
 }
 
-/// Quaternion of the rotation vector phi (rad): Exp([phi]x). Exact at every angle; differentiable
-/// at 0.
+/// Returns the quaternion of the rotation vector phi (rad): Exp([phi]x). Accurate at every angle
+/// and differentiable at 0.
 template <class T>
 Eigen::Quaternion<T> Exp(const Eigen::Matrix<T, 3, 1>& phi) {
   using std::cos;
@@ -29,15 +29,15 @@ Eigen::Quaternion<T> Exp(const Eigen::Matrix<T, 3, 1>& phi) {
     const T angle = sqrt(angle2);
     half_sinc = sin(angle / T(2)) / angle;
     c = cos(angle / T(2));
-  } else {  // series to 1e-18 relative at |phi| = 1e-4
+  } else {  // series with relative error 1e-18 at |phi| = 1e-4
     half_sinc = T(0.5) - angle2 / T(48) + angle2 * angle2 / T(3840);
     c = T(1) - angle2 / T(8) + angle2 * angle2 / T(384);
   }
   return Eigen::Quaternion<T>(c, half_sinc * phi.x(), half_sinc * phi.y(), half_sinc * phi.z());
 }
 
-/// Rotation vector (rad, |phi| <= pi) of the quaternion q, which need not be exactly normalised and
-/// whose sign is free; inverse of Exp.
+/// Returns the rotation vector (rad, |phi| <= pi) of the quaternion q; inverse of Exp. q need not
+/// be exactly normalised and may have either sign.
 template <class T>
 Eigen::Matrix<T, 3, 1> Log(const Eigen::Quaternion<T>& q) {
   using std::atan2;
@@ -54,23 +54,25 @@ Eigen::Matrix<T, 3, 1> Log(const Eigen::Quaternion<T>& q) {
   return (T(2) / w) * (T(1) - ratio2 / T(3)) * v;
 }
 
-/// Right Jacobian of SO(3): Exp(phi + d) = Exp(phi) Exp(RightJacobian(phi) d) to first order in d.
+/// Returns the right Jacobian of SO(3): Exp(phi + d) = Exp(phi) Exp(RightJacobian(phi) d) to first
+/// order in d.
 Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& phi);
 
-/// Inverse of RightJacobian: Log(Exp(phi) Exp(d)) = phi + RightJacobianInverse(phi) d to first
-/// order.
+/// Returns the inverse of RightJacobian: Log(Exp(phi) Exp(d)) = phi + RightJacobianInverse(phi) d
+/// to first order.
 Eigen::Matrix3d RightJacobianInverse(const Eigen::Vector3d& phi);
 
-/// Rotation body -> local NED from roll, pitch, heading (rad) in the SBET order Rz(y) Ry(p) Rx(r).
+/// Returns the rotation body -> local NED from roll, pitch, heading (rad) in the SBET order Rz(y)
+/// Ry(p) Rx(r).
 Eigen::Quaterniond QuaternionFromRollPitchHeading(const Eigen::Vector3d& rph_rad);
 
-/// Roll, pitch, heading (rad; heading in (-pi, pi]) of a rotation body -> NED; inverse of the above
-/// away from |pitch| = pi/2.
+/// Returns roll, pitch, heading (rad; heading in (-pi, pi]) of a rotation body -> NED. Inverse of
+/// QuaternionFromRollPitchHeading except at |pitch| = pi/2.
 Eigen::Vector3d RollPitchHeading(const Eigen::Quaterniond& q_nb);
 
-/// Rotation vector about the body axes per change of roll, pitch, heading: R_nb(rph + d) =
-/// R_nb(rph) Exp(E d) to first order. down_b: the local down in body axes, the third row of R_nb.
-/// Singular at |pitch| = pi/2, where roll is taken as 0.
+/// Returns E, the rotation vector about the body axes per change of roll, pitch, heading: R_nb(rph
+/// + d) = R_nb(rph) Exp(E d) to first order. down_b is the local down direction in body axes, the
+/// third row of R_nb. Singular at |pitch| = pi/2, where roll is taken as 0.
 inline Eigen::Matrix3d BodyFromEulerRates(const Eigen::Vector3d& down_b) {
   const double cos_pitch = down_b.tail<2>().norm();
   const double scale = cos_pitch > 0.0 ? 1.0 / cos_pitch : 0.0;

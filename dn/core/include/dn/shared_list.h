@@ -8,13 +8,14 @@
 
 namespace dn {
 
-/// A list that does not change and that its copies share: copying it costs no memory, and one
-/// counter however many elements it has.
+/// An immutable list that its copies share. Copying it allocates nothing and increments one
+/// reference counter, whatever the number of elements.
 template <class T>
 class SharedList {
  public:
   SharedList() = default;
-  SharedList(std::vector<T> elements) {  // NOLINT(google-explicit-constructor): it is such a list
+  // NOLINT(google-explicit-constructor): implicit conversion is intended.
+  SharedList(std::vector<T> elements) {
     if (elements.empty()) return;
     elements_ = std::make_shared<const std::vector<T>>(std::move(elements));
   }

@@ -5,8 +5,8 @@
 
 namespace dn {
 
-/// What is expected of the size of an error before any data are seen: so many times its usual one,
-/// with these probabilities. Equal factors of sqrt(10) lie between the sizes.
+/// Prior distribution of the size of an error: multiples of its typical size with their
+/// probabilities. The sizes are apart by factors of sqrt(10).
 struct SizePrior {
   static constexpr std::size_t kSizes = 5;
   static constexpr std::array<double, kSizes> kTimesUsual{0.1, 0.31622776601683794, 1.0,

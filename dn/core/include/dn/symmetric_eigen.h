@@ -6,7 +6,7 @@ namespace dn {
 
 /// Eigenvalues and eigenvectors of a symmetric matrix.
 struct SymmetricEigen {
-  /// Of A, whose lower triangle is read.
+  /// Decomposes A; only its lower triangle is read.
   explicit SymmetricEigen(const Eigen::MatrixXd& A);
 
   Eigen::VectorXd values;   ///< in ascending order

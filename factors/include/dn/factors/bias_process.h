@@ -13,12 +13,12 @@ namespace dn {
 ///
 ///   block | symbol  | stored | tangent | meaning
 ///   ------|---------|--------|---------|-----------------------------------------
-///     0   | x_k     |   3    |    3    | process at the begin of the step
+///     0   | x_k     |   3    |    3    | process at the start of the step
 ///     1   | x_{k+1} |   3    |    3    | process at the end, in the unit of x_k
 ///
-/// Jacobians:  -phi / sqrt(q) I,  1 / sqrt(q) I.
-/// Degenerate when: nothing else bounds a random walk; give its first block a prior, and that of a
-/// Gauss-Markov process its stationary N(0, sigma^2).
+/// Jacobians:  -phi / sqrt(q) I,  1 / sqrt(q) I. Degenerate when: no other factor constrains a
+/// block of the process. Give the first block of a random walk a prior, and that of a Gauss-Markov
+/// process its stationary prior N(0, sigma^2).
 class FirstOrderStep : public Factor<FirstOrderStep, 3, Vec<3>, Vec<3>> {
  public:
   template <class T>
@@ -32,12 +32,12 @@ class FirstOrderStep : public Factor<FirstOrderStep, 3, Vec<3>, Vec<3>> {
 
   bool Evaluate(double const* const* x, double* r, double** J) const override;
 
-  /// Share of x_k that is left in x_{k+1}.
+  /// Returns the transition factor phi from x_k to x_{k+1}.
   double phi() const { return phi_; }
 
  protected:
-  /// q: variance of the driving noise of the step. Throws InvalidInput unless it is positive and
-  /// finite.
+  /// Creates a step with transition factor phi and driving-noise variance q. Throws InvalidInput
+  /// unless q is positive and finite.
   FirstOrderStep(double phi, double q);
 
  private:
@@ -45,20 +45,20 @@ class FirstOrderStep : public Factor<FirstOrderStep, 3, Vec<3>, Vec<3>> {
   double inverse_sqrt_q_;
 };
 
-/// Step of a Gauss-Markov process: phi = exp(-dt / tau), q = sigma^2 (1 - exp(-2 dt / tau)), exact
-/// at every dt.
+/// Step of a Gauss-Markov process: phi = exp(-dt / tau), q = sigma^2 (1 - exp(-2 dt / tau)), which
+/// is exact for every dt.
 class GaussMarkovEdge final : public FirstOrderStep {
  public:
-  /// sigma: stationary standard deviation, in the unit of the process. Throws InvalidInput unless
-  /// sigma, tau_s and dt_s are positive and finite.
+  /// Creates the step; sigma is the stationary standard deviation in the unit of the process.
+  /// Throws InvalidInput unless sigma, tau_s and dt_s are positive and finite.
   GaussMarkovEdge(double sigma, double tau_s, double dt_s);
 };
 
 /// Step of a random walk: phi = 1, q = density^2 dt.
 class RandomWalkEdge final : public FirstOrderStep {
  public:
-  /// density: unit of the process per square root of a second. Throws InvalidInput unless density
-  /// and dt_s are positive and finite.
+  /// Creates the step; the density is in the unit of the process per square root of a second.
+  /// Throws InvalidInput unless density and dt_s are positive and finite.
   RandomWalkEdge(double density, double dt_s);
 };
 

@@ -7,17 +7,17 @@
 
 namespace dn {
 
-/// An error of GNSS positions that lasts, as a state: the block of a GnssAntenna that is the value
-/// of a process at the epoch,
+/// A time-correlated error of GNSS positions as a state: a block of a GnssAntenna that holds the
+/// value c of a process at the epoch,
 ///
 ///   shift_m = R_m_enu diag(sigma_enu) c,      c [3]: east, north, up, in units of the sigmas.
 ///
-/// c has unit variance whatever the sigmas are, so that an axis whose sigma is zero has no error, and
-/// its state none but its own process.
+/// c has unit variance whatever the sigmas are. An axis with sigma zero therefore has no error, and
+/// its state is determined by the process alone.
 class GnssError final : public GnssEffect {
  public:
-  /// R_m_enu: local east-north-up of the antenna to map. Throws InvalidInput unless the sigmas are
-  /// finite and not negative.
+  /// Creates the effect; R_m_enu rotates from the local east-north-up frame of the antenna to map.
+  /// Throws InvalidInput unless the sigmas are finite and not negative.
   GnssError(const GnssProcess& process, const Eigen::Matrix3d& R_m_enu);
 
   int components() const override { return 3; }
@@ -25,7 +25,7 @@ class GnssError final : public GnssEffect {
                GnssReading* reading) const override;
 
  private:
-  Eigen::Matrix3d shift_m_;  // per unit of c
+  Eigen::Matrix3d shift_m_;  // shift per unit of c
 };
 
 }  // namespace dn

@@ -24,8 +24,8 @@ namespace dn {
 /// |a_b| = 0 gives no information on attitude.
 class GnssPosition final : public Factor<GnssPosition, 3, Rotation, Vec<3>, Vec<3>> {
  public:
-  /// z_m: measured antenna position in map, m; noise: in map axes, m. Throws InvalidInput if not
-  /// finite.
+  /// Creates the factor; z_m is the measured antenna position in map, m, and `noise` is in map
+  /// axes, m. Throws InvalidInput if z_m is not finite.
   GnssPosition(const Eigen::Vector3d& z_m, const Noise<3>& noise);
 
   template <class T>

@@ -22,13 +22,14 @@ namespace dn {
 ///
 /// Jacobians (tangent of block 0: right, rad):
 ///   W (-R_mb [w_ib_b x a_b]x + [w_ie_m]x R_mb [a_b]x),  W,  W R_mb [w_eb_b]x.
-/// Degenerate when: the body does not turn (a_b then unobservable); |a_b| = 0 gives no information
-/// on attitude. The angular rate is taken as known: its error, times |a_b|, belongs to the noise.
+/// Degenerate when: the body does not rotate (a_b is then unobservable); |a_b| = 0 gives no
+/// information on attitude. The angular rate is treated as known: `noise` must include its error
+/// times |a_b|.
 class GnssVelocity final : public Factor<GnssVelocity, 3, Rotation, Vec<3>, Vec<3>> {
  public:
-  /// z_m: measured antenna velocity in map, m/s; w_ib_b_radps: bias-corrected angular rate at the
-  /// epoch; w_ie_m_radps: Earth rotation in map; noise: in map axes, m/s. Throws InvalidInput if
-  /// not finite.
+  /// Creates the factor. z_m is the measured antenna velocity in map, m/s; w_ib_b_radps the
+  /// bias-corrected angular rate at the epoch; w_ie_m_radps the Earth rotation in map; `noise` is
+  /// in map axes, m/s. Throws InvalidInput if a value is not finite.
   GnssVelocity(const Eigen::Vector3d& z_m, const Eigen::Vector3d& w_ib_b_radps,
                const Eigen::Vector3d& w_ie_m_radps, const Noise<3>& noise);
 

@@ -7,19 +7,18 @@
 
 namespace dn {
 
-/// What a file says of one laser vector on its way to what is true, with the derivatives that it
-/// carries.
+/// One laser vector of a file with the corrections of all effects, and their derivatives.
 struct LidarReading {
-  double tag_s = 0.0;                                    ///< time tag of the file
-  Eigen::Vector3d u_s = Eigen::Vector3d::Zero();         ///< laser vector in the sensor frame, m
-  double delay_s = 0.0;                                  ///< the epoch is tag - delay
-  Eigen::Vector3d turn_b_rad = Eigen::Vector3d::Zero();  ///< added to the boresight's rotation
-                                                         ///< vector
-  /// With respect to the values of all effects, in their order.
+  double tag_s = 0.0;                             ///< time tag in the file
+  Eigen::Vector3d u_s = Eigen::Vector3d::Zero();  ///< laser vector in the sensor frame, m
+  double delay_s = 0.0;                           ///< true epoch = tag - delay
+  /// Added to the boresight's rotation vector.
+  Eigen::Vector3d turn_b_rad = Eigen::Vector3d::Zero();
+  /// Derivatives with respect to the values of all effects, in their order.
   Eigen::Matrix3Xd J_u, J_turn;
   Eigen::RowVectorXd J_delay;
 
-  /// A reading without effects, with room for the derivatives of `columns` values.
+  /// Returns a reading without corrections, with zero derivatives for `columns` values.
   static LidarReading Of(double tag_s, const Eigen::Vector3d& u_s, Eigen::Index columns) {
     LidarReading reading;
     reading.tag_s = tag_s;
@@ -31,34 +30,35 @@ struct LidarReading {
   }
 };
 
-/// A constant error of a lidar or of its mount, exact in its size.
+/// A constant error of a lidar or of its mount; the correction is exact for any size of the error.
 class LidarEffect {
  public:
   virtual ~LidarEffect() = default;
 
-  /// Number of values.
+  /// Returns the number of values.
   virtual int components() const = 0;
 
-  /// Whether it changes epochs.
+  /// Returns true if the effect changes epochs.
   virtual bool moves_epochs() const { return false; }
 
-  /// Takes the error out of the reading, carries J_u along where it turns or stretches the laser
-  /// vector, and writes the derivatives with respect to `value` into the columns from `column` on,
-  /// which are zero on entry. A value of zero leaves the reading as it is.
+  /// Removes the error from the reading. Transforms J_u if the effect rotates or scales the laser
+  /// vector. Writes the derivatives with respect to `value` to the columns from `column` on, which
+  /// are zero on entry. A value of zero does not change the reading.
   virtual void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                        LidarReading* reading) const = 0;
 };
 
 using LidarEffects = SharedList<std::shared_ptr<const LidarEffect>>;
 
-/// Components of all effects.
+/// Returns the total number of components of all effects.
 inline Eigen::Index TotalComponents(const LidarEffects& effects) {
   Eigen::Index n = 0;
   for (const auto& effect : effects) n += effect->components();
   return n;
 }
 
-/// The reading with every effect taken out, in their order; `values`: of each.
+/// Returns the reading after removing every effect in order; `values` has one pointer to the values
+/// of each effect.
 inline LidarReading Corrected(const LidarEffects& effects, double const* const* values,
                               double tag_s, const Eigen::Vector3d& u_s) {
   LidarReading reading = LidarReading::Of(tag_s, u_s, TotalComponents(effects));

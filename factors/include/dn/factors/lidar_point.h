@@ -12,41 +12,42 @@
 
 namespace dn {
 
-/// One end of a point pair: how to get from the node before the lidar epoch to the point.
+/// One end of a point pair: the data that lead from the node before the lidar epoch to the point.
 struct LidarEnd {
-  /// From the node to the lidar epoch, corrected with the current biases. IdentityIncrement where
-  /// the epoch is the node's.
+  /// Increments from the node to the lidar epoch, corrected with the current biases.
+  /// IdentityIncrement if the epoch is that of the node.
   Preintegrated partial;
-  Eigen::Vector3d u_s = Eigen::Vector3d::Zero();          ///< laser vector in the sensor frame, m
-  Eigen::Vector3d p_nominal_m = Eigen::Vector3d::Zero();  ///< of the node, for the attraction
-  /// To the attitude of the node after the epoch; null: the increments stand by themselves.
+  Eigen::Vector3d u_s = Eigen::Vector3d::Zero();  ///< laser vector in the sensor frame, m
+  /// Nominal position of the node, where gravitation is evaluated.
+  Eigen::Vector3d p_nominal_m = Eigen::Vector3d::Zero();
+  /// Conditions the increments on the attitude of the node after the epoch; null: unconditioned.
   std::shared_ptr<const NodeBridge> bridge = {};
 };
 
-/// Covariance (m^2, map axes) that the white noise of the partial increments, less what a bridge
-/// tells of it, adds to the georeferenced point: of R_mb (dR l_b + dp), rotation, position and
-/// their correlation.
-/// R_mb: attitude of the node; l_b: lever arm plus laser vector in body at the lidar epoch, m.
-/// Add it for both ends to the covariance of the pair's difference.
+/// Returns the covariance (m^2, map axes) that the white noise of the partial increments adds to
+/// the georeferenced point. It follows from rotation, position and their correlation in R_mb (dR
+/// l_b + dp). With a bridge it is the covariance conditioned on the next node. R_mb is the attitude
+/// of the node; l_b is lever arm plus laser vector in body at the lidar epoch, m. Add the result of
+/// both ends to the covariance of the pair's difference.
 Eigen::Matrix3d EndNoise(const LidarEnd& end, const Eigen::Matrix3d& R_mb,
                          const Eigen::Vector3d& l_b);
 
-/// The point that a laser vector reaches, as a function of the node before its epoch and of the
-/// mounting: what factors of lidar points are made of.
+/// The georeferenced point of a laser vector as a function of the node before its epoch and of the
+/// mounting. It is the building block of factors on lidar points.
 ///
 ///   x = p' + R' l - ddt (v' + R' (w_b x l) - w_ie x (R' l)),   l = a_b + R_boresight u_b
 ///
-/// where p', v', R' are the StateAfterNode (q_mb, p_mb, v_m) at the end of the partial increments,
-/// w_b is the corrected angular rate
-/// there, and ddt the part of the tag's delay for which the increments were not cut: the point
-/// moves along its velocity with respect to the Earth.
+/// p', v', R' are the StateAfterNode (q_mb, p_mb, v_m) at the end of the partial increments, and
+/// w_b is the corrected angular rate there. ddt is the part of the tag's delay that the end of the
+/// increments does not include: the point moves along its velocity with respect to the Earth.
 class LidarPoint {
  public:
   LidarPoint() = default;
   LidarPoint(const LocalFrame& frame, const Preintegrated& partial,
              const Eigen::Vector3d& p_nominal_m);
 
-  /// The point in map, m. u_b: laser vector in the body axes that the boresight turns, T_bs u_s.
+  /// Returns the point in map, m. u_b is the laser vector in the body axes, T_bs u_s, before
+  /// rotation by the boresight.
   template <class T>
   Eigen::Matrix<T, 3, 1> At(const Eigen::Quaternion<T>& q, const Eigen::Matrix<T, 3, 1>& p,
                             const Eigen::Matrix<T, 3, 1>& v,
@@ -62,7 +63,7 @@ class LidarPoint {
     return end.p_mb + R_l - ddt * rate;
   }
 
-  /// The values of the blocks that a point depends on.
+  /// Values of the blocks that a point depends on.
   struct Arguments {
     Eigen::Quaterniond q_mb;
     Eigen::Vector3d p_mb, v_m;
@@ -71,24 +72,27 @@ class LidarPoint {
     double ddt_s = 0.0;
   };
 
-  /// The point before its move by -ddt rate, that rate, and the Jacobians of the point after it.
+  /// The point before the shift by -ddt rate, that rate, and the Jacobians of the shifted point.
   struct Derivatives {
     Eigen::Vector3d x, rate;
-    Eigen::Matrix3d q;      ///< attitude of the node, right tangent
-    Eigen::Matrix3d p, v;   ///< its position and velocity
-    Eigen::Matrix3d theta;  ///< boresight, left tangent
-    Eigen::Matrix3d a_b;    ///< lever arm; the same for the turned laser vector R_boresight u_b
+    Eigen::Matrix3d q;      ///< with respect to the attitude of the node, right tangent
+    Eigen::Matrix3d p, v;   ///< with respect to the position and velocity of the node
+    Eigen::Matrix3d theta;  ///< with respect to the boresight, left tangent
+    /// With respect to the lever arm, or equally the rotated laser vector R_boresight u_b.
+    Eigen::Matrix3d a_b;
   };
   Derivatives DifferentiateAt(const Arguments& at) const;
 
-  /// Of the point with respect to the partial increments: rotation (right, at the end), velocity,
-  /// position.
+  /// Returns the Jacobian of the point with respect to the partial increments: rotation (right, at
+  /// the end), velocity, position.
   Eigen::Matrix<double, 3, 9> ByIncrements(const Arguments& at) const;
 
-  /// Of the point with respect to an attraction beyond the normal one, map axes.
+  /// Returns the Jacobian of the point with respect to gravitation in addition to the normal one,
+  /// map axes.
   Eigen::Matrix3d ByAttraction(double ddt_s) const;
 
-  /// The same end with other increments (tangent of ByIncrements) and another attraction.
+  /// Returns the same point with changed increments (tangent of ByIncrements) and additional
+  /// gravitation.
   LidarPoint Moved(const Eigen::Matrix<double, 9, 1>& increments,
                    const Eigen::Vector3d& attraction_mps2) const;
 

@@ -9,37 +9,42 @@
 
 namespace dn {
 
-/// How far the whitened residual of a pair moves with what effects do to one of its points: the
-/// columns of any effect, of the factor or not, follow from it (AddByEffects).
+/// Jacobians of the whitened residual of a pair with respect to changes of the data of one point.
+/// The columns of any effect, whether the factor has it or not, follow from them (AddByEffects).
 struct PointSensitivity {
   Eigen::Matrix3d u_b;        ///< laser vector T_bs u_s, m
-  Eigen::Matrix3d turn_b;     ///< what is added to the rotation vector of the boresight, rad
+  Eigen::Matrix3d turn_b;     ///< rotation added to the rotation vector of the boresight, rad
   Eigen::Matrix3d lever_arm;  ///< m
-  Eigen::Vector3d delay;      ///< of the time tag, s
-  Eigen::Matrix<double, 3, 9> increments;  ///< to the epoch, tangent order of Preintegrated
-  /// Rotation increment of the whole interval to the next node, where a NodeBridge has the end; rad.
+  Eigen::Vector3d delay;      ///< delay of the time tag, s
+  /// Increments to the epoch, tangent order of Preintegrated.
+  Eigen::Matrix<double, 3, 9> increments;
+  /// Rotation increment of the whole interval to the next node, rad; zero if the end has no
+  /// NodeBridge.
   Eigen::Matrix3d whole = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d attraction;  ///< beyond the normal one, map axes, m/s^2
+  Eigen::Matrix3d attraction;  ///< gravitation in addition to the normal one, map axes, m/s^2
 };
 
-/// Of a LidarPoint at given arguments, by W times the point in map. theta_rad: rotation vector of
-/// the boresight at.q_boresight; `of`: the point's derivatives there.
+/// Returns the Jacobians of W x for the point x of a LidarPoint at the given arguments. theta_rad
+/// is the rotation vector of the boresight at.q_boresight; `of` are the derivatives of the point
+/// there.
 PointSensitivity SensitivityOf(const LidarPoint& point, const LidarPoint::Arguments& at,
                                const LidarPoint::Derivatives& of, const Eigen::Vector3d& theta_rad,
                                const Eigen::Matrix3d& W);
 
-/// What the values of effects do to a point, a column for each component.
+/// Derivatives of the data of a point with respect to the values of effects, one column per
+/// component.
 struct EffectsOnPoint {
-  const LidarReading& reading;  ///< with the derivatives by the lidar's effects
-  /// Of the increments to the epoch by the inertial effects.
+  const LidarReading& reading;  ///< reading with its derivatives with respect to the lidar effects
+  /// Derivatives of the increments to the epoch with respect to the inertial effects.
   const Eigen::Matrix<double, 9, Eigen::Dynamic>& increments;
-  /// Of the rotation increment of the whole interval by the same; null: there is no bridge.
+  /// Derivatives of the rotation increment of the whole interval with respect to the same effects;
+  /// null without a bridge.
   const Eigen::Matrix3Xd* whole = nullptr;
   const std::vector<AttractionBasis>& attraction;
 };
 
-/// Adds d residual / d value to `sum`: columns of the lidar's effects, the inertial ones, those on
-/// the attraction. T_bs: nominal mounting.
+/// Adds d residual / d value to `sum`: first the columns of the lidar effects, then of the inertial
+/// effects, then of the effects on gravitation. T_bs is the nominal mounting.
 void AddByEffects(const PointSensitivity& point, const EffectsOnPoint& effects,
                   const Eigen::Matrix3d& T_bs, Eigen::Ref<Eigen::Matrix3Xd> sum);
 

@@ -17,12 +17,12 @@ class PointPairFactor {
  public:
   virtual ~PointPairFactor() = default;
 
-  /// The two georeferenced points in map, m, at the given blocks (first x_i, then x_j).
+  /// Returns the two georeferenced points in map, m, at the given blocks (first x_i, then x_j).
   virtual std::pair<Eigen::Vector3d, Eigen::Vector3d> Points(double const* const* x) const = 0;
 
   enum class End { kI, kJ };
-  /// By how much the residual moves with what effects do to the point of an end, at the given
-  /// blocks; absent: the factor does not say.
+  /// Returns the Jacobians of the residual with respect to changes of one point at the given
+  /// blocks, or nullopt if the factor does not provide them.
   virtual std::optional<PointSensitivity> SensitivityAt(End /*end*/,
                                                         double const* const* /*x*/) const {
     return std::nullopt;
@@ -36,17 +36,17 @@ class PointPairFactor {
 
 namespace internal {
 
-/// Throws InvalidInput as PointToPoint does.
+/// Checks both ends and the mounting; throws InvalidInput as PointToPoint does.
 void CheckPointPair(const LidarEnd& i, const LidarEnd& j, const Eigen::Matrix3d& T_bs_nominal);
 
 }  // namespace internal
 
-/// One ground point seen at two epochs.
+/// One ground point observed at two epochs.
 ///
 ///   r   = W (x_i - x_j)                                                       [3], unitless
 ///
-/// with the LidarPoint x of each end, u_b = T_bs u_s and ddt = dt - dt_nominal. The file's time tag
-/// is t + dt, the partial increments end at tag - dt_nominal.
+/// with the LidarPoint x of each end, u_b = T_bs u_s and ddt = dt - dt_nominal. The time tag in the
+/// file is t + dt; the partial increments end at tag - dt_nominal.
 ///
 ///   block | symbol      | stored | tangent | meaning
 ///   ------|-------------|--------|---------|-----------------------------------------------------
@@ -57,22 +57,22 @@ void CheckPointPair(const LidarEnd& i, const LidarEnd& j, const Eigen::Matrix3d&
 ///     7   | a_b         |   3    |    3    | lidar lever arm in body, m
 ///     8   | dt          |   1    |    1    | time offset of the lidar tags, s
 ///
-/// Jacobians are analytic; the tangent of the boresight is left, of the attitudes right, rad.
-/// The biases are not blocks of this edge: the partial increments are corrected at their
-/// linearisation and integrated again when the biases move. Over at most a second the dropped term
-/// is below the white noise of the increments themselves (EndNoise). With bridges to the nodes after
-/// the epochs, or calibration values beyond these blocks: PointToPointBetweenNodes.
-/// Degenerate when: both ends share the attitude (boresight and lever arm cancel).
-/// Source: Brun & Skaloud, eq. (1) and the point-to-point observation, for any lidar epoch.
+/// Jacobians are analytic; the tangent of the boresight is left, of the attitudes right, rad. The
+/// biases are not blocks of this edge: the partial increments are corrected at their linearisation
+/// and are repreintegrated when the biases change. Over at most a second the neglected term is
+/// below the white noise of the increments (EndNoise). Use PointToPointBetweenNodes for bridges to
+/// the nodes after the epochs, or for calibration values beyond these blocks. Degenerate when: both
+/// ends share the attitude (boresight and lever arm cancel). Source: Brun & Skaloud, eq. (1) and
+/// the point-to-point observation, for any lidar epoch.
 class PointToPoint final : public Factor<PointToPoint, 3, Rotation, Vec<3>, Vec<3>, Rotation,
                                          Vec<3>, Vec<3>, LeftRotation, Vec<3>, Vec<1>>,
                            public PointPairFactor {
  public:
-  /// T_bs_nominal: mounting matrix sensor -> body. dt_nominal_s: the offset with which the partial
-  /// increments were cut. noise_m: of the difference of the two points in map axes.
-  /// Throws InvalidInput when a laser vector is zero or not finite, a nominal position, the
-  /// mounting matrix or the offset is not finite, the mounting matrix is no rotation (1e-6), or an
-  /// end has a bridge.
+  /// Creates the factor. T_bs_nominal is the mounting matrix sensor -> body; dt_nominal_s is the
+  /// time offset used to choose the end of the partial increments; noise_m is the noise of the
+  /// difference of the two points in map axes. Throws InvalidInput if a laser vector is zero or not
+  /// finite; if a nominal position, the mounting matrix or the offset is not finite; if the
+  /// mounting matrix is not a rotation (1e-6); or if an end has a bridge.
   PointToPoint(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
                const Eigen::Matrix3d& T_bs_nominal, double dt_nominal_s, const Noise<3>& noise_m);
 

@@ -16,30 +16,31 @@
 
 namespace dn {
 
-/// PointToPoint whose ends may lie between two nodes each, with calibration values of lidar, inertial
+/// PointToPoint with each end between two nodes, and with calibration values of lidar, inertial
 /// sensors and gravity among its blocks.
 ///
 ///   r = W (x_i - x_j)                                                         [3], unitless
 ///
-/// The LidarPoint x of each end is that of the corrected reading: its laser vector, its epoch tag -
-/// dt - delay, and the boresight Exp(theta + turn). The partial increments move with what a
-/// NodeBridge tells of them, with the values of the inertial effects (to first order, d_e from their
-/// linearisation) and with the attraction.
+/// The LidarPoint x of each end uses the corrected reading: its laser vector, its epoch tag - dt -
+/// delay, and the boresight Exp(theta + turn). The partial increments are corrected by the
+/// NodeBridge, by the values of the inertial effects (to first order, d_e from their linearisation)
+/// and by the additional gravitation.
 ///
 ///   block  | symbol | stored | tangent | meaning
 ///   -------|--------|--------|---------|----------------------------------------------------------
 ///    0 - 8 |        |        |         | as in PointToPoint
-///    then  | q_mb   |   4    |    3    | attitude of the node after i, where i has a bridge
-///    then  | q_mb   |   4    |    3    | attitude of the node after j, where j has a bridge
+///    then  | q_mb   |   4    |    3    | attitude of the node after i, if i has a bridge
+///    then  | q_mb   |   4    |    3    | attitude of the node after j, if j has a bridge
 ///    then  | c      |   n    |    n    | one per effect of the lidar, SI
 ///    then  | e      |   n    |    n    | one per inertial effect of the partial increments, SI
-///    last  | g      |   n    |    n    | one per effect on the attraction, SI
+///    last  | g      |   n    |    n    | one per effect on gravitation, SI
 ///
 /// Jacobians are analytic, with the tangents of PointToPoint.
 class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFactor {
  public:
-  /// tags: of the file; the partial increments may end up to some ms beside tag - dt - delay. Both
-  /// must have the same inertial effects. Throws InvalidInput as PointToPoint.
+  /// Creates the factor. The tags are those of the file; the partial increments may end some ms
+  /// before or after tag - dt - delay. Both ends must have the same inertial effects. Throws
+  /// InvalidInput as PointToPoint does.
   PointToPointBetweenNodes(const LocalFrame& frame, const LidarEnd& i, const LidarEnd& j,
                            double tag_i_s, double tag_j_s, const Eigen::Matrix3d& T_bs_nominal,
                            LidarEffects lidar, std::vector<AttractionBasis> attraction,
@@ -58,7 +59,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
     Eigen::Vector3d u_s;
     Eigen::Matrix<double, 9, Eigen::Dynamic> J_increments;
     std::shared_ptr<const NodeBridge> bridge;
-    std::size_t node, node_after;  // first blocks
+    std::size_t node, node_after;  // indices of the first blocks
   };
   /// An end at given values of the blocks.
   struct EndAt {
@@ -66,7 +67,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
     LidarPoint::Arguments arguments;
     LidarReading reading;
     Eigen::Vector3d theta;  // rotation vector of its boresight
-    Eigen::Vector3d turn;   // of its increments, by bridge and inertial effects
+    Eigen::Vector3d turn;   // rotation correction of its increments by bridge and inertial effects
     NodeBridge::Correction bridged;
   };
 
@@ -77,7 +78,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
   Eigen::VectorXd ImuChange(double const* const* x) const;
   Eigen::Vector3d AttractionOf(double const* const* x) const;
 
-  /// Of an end's point with respect to its increments.
+  /// Returns the Jacobian of an end's point with respect to its increments.
   static Eigen::Matrix<double, 3, 9> ByIncrements(const EndAt& at);
   static PointSensitivity SensitivityOfEnd(const End& end, const EndAt& at,
                                            const LidarPoint::Derivatives& of,
@@ -90,7 +91,7 @@ class PointToPointBetweenNodes final : public DynamicFactor, public PointPairFac
 
   std::size_t first_lidar_block_;
   LidarEffects lidar_;
-  ImuEffectValues imu_;  // of the linearisation
+  ImuEffectValues imu_;  // values at the linearisation
   std::vector<AttractionBasis> attraction_;
   Eigen::Matrix3d T_bs_;
   Eigen::Matrix3d W_;

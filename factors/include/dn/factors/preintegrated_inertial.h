@@ -12,20 +12,21 @@
 
 namespace dn {
 
-/// Attraction (m/s^2, map axes) beyond the normal one per unit of the values of one effect.
+/// Gravitation (m/s^2, map axes) in addition to the normal one, per unit of the values of one
+/// effect.
 using AttractionBasis = Eigen::Matrix3Xd;
 
 /// Inertial increments between two nodes on the rotating Earth, in the exact inertial form.
 ///
 ///   r_R = Log( Exp(J_q_bg d_bg + J_q_e d_e)^T dR^T R_i^T C R_j )
 ///   r_v = R_i^T [ C V_j - V_i - dt/2 (G_i + C G_j) ]  - dv - J_v_bg d_bg - J_v_ba d_ba - J_v_e d_e
-///   r_p = R_i^T [ C rho_j - rho_i - V_i dt - dt^2 (G_i/3 + C G_j/6) ]     - dp - ...  (alike)
+///   r_p = R_i^T [ C rho_j - rho_i - V_i dt - dt^2 (G_i/3 + C G_j/6) ]     - dp - ...  (likewise)
 ///   r   = W (r_R, r_v, r_p)                                                    [9], unitless
 ///
-/// with rho = r0 + p, V = v + w x rho, C = Exp(w dt) (see EarthStep), W^T W the inverse of the
-/// increments' covariance, and d_bg = (sum of the gyro bias blocks) - linearisation, d_ba alike,
-/// d_e = e - the values of the effects at which the increments were integrated. G gains D g for
-/// every effect on the attraction, D its AttractionBasis.
+/// with rho = r0 + p, V = v + w x rho, C = Exp(w dt) (see EarthStep) and W^T W the inverse of the
+/// increments' covariance. d_bg = (sum of the gyro bias blocks) - linearisation, d_ba is defined
+/// likewise, and d_e = e - the values of the effects at which the increments were integrated. Every
+/// effect on gravitation adds D g to G, with D its AttractionBasis.
 ///
 ///   block       | symbol | stored | tangent | meaning
 ///   ------------|--------|--------|---------|-----------------------------------------------
@@ -35,22 +36,24 @@ using AttractionBasis = Eigen::Matrix3Xd;
 ///     6 ..      | b_g    |   3    |    3    | one per gyro bias process, body, rad/s
 ///     then      | b_a    |   3    |    3    | one per accelerometer bias process, body, m/s^2
 ///     then      | e      |   n    |    n    | one per effect of the increments' linearisation, SI
-///     last      | g      |   n    |    n    | one per effect on the attraction, SI
+///     last      | g      |   n    |    n    | one per effect on gravitation, SI
 ///
-/// The attraction is linear about the nominal positions: G(p) = G(p_nominal) + Gamma (p -
-/// p_nominal); the error is below 1e-9 m/s^2 within 30 m and 1e-6 m/s^2 within 1 km of them.
+/// Gravitation is linearised about the nominal positions: G(p) = G(p_nominal) + Gamma (p -
+/// p_nominal). The error is below 1e-9 m/s^2 within 30 m and 1e-6 m/s^2 within 1 km of them.
 ///
 /// Jacobians are analytic, with no term dropped; the tangent of the rotations is right, full angle,
-/// rad. The attitude error at i enters r_R through R_j^T C^T R_i, that is, it turns with the body:
-/// an identity there would make the accelerometer bias and the boresight inseparable.
-/// Degenerate when: never by itself; the heading is observable only under horizontal acceleration.
-/// A raw (sample by sample) network uses this factor with the increments of one sample.
-/// Source: Forster et al. 2017, eq. (45), in the inertial frame of Brossard et al. 2021.
+/// rad. The Jacobian of r_R with respect to the attitude at i contains R_j^T C^T R_i, the rotation
+/// of the body over the interval. Approximating it by the identity would make the accelerometer
+/// bias and the boresight inseparable. Degenerate when: never on its own; the heading is observable
+/// only under horizontal acceleration. A raw (sample by sample) network uses this factor with the
+/// increments of one sample. Source: Forster et al. 2017, eq. (45), in the inertial frame of
+/// Brossard et al. 2021.
 class PreintegratedInertial final : public DynamicFactor {
  public:
-  /// The blocks of the effects are those of increments.linearisation.effects and of `attraction`.
-  /// Throws InvalidInput when the increments' covariance is not positive definite, their interval
-  /// is not positive, a nominal position is not finite, or a number of biases is negative.
+  /// Creates the factor. The blocks of the effects are those of increments.linearisation.effects
+  /// and of `attraction`. Throws InvalidInput if the covariance of the increments is not positive
+  /// definite or their interval is not positive. Also throws if a nominal position is not finite or
+  /// a number of biases is negative.
   PreintegratedInertial(const Preintegrated& increments, const LocalFrame& frame,
                         const Eigen::Vector3d& p_i_nominal_m, const Eigen::Vector3d& p_j_nominal_m,
                         int num_gyro_biases, int num_accel_biases,
@@ -58,7 +61,7 @@ class PreintegratedInertial final : public DynamicFactor {
 
   const Preintegrated& increments() const { return increments_; }
 
-  /// r (9) from the blocks x in the order above.
+  /// Computes r (9) from the blocks x in the order above.
   template <class T>
   bool Residual(T const* const* x, T* r_data) const {
     using Vec3 = Eigen::Matrix<T, 3, 1>;
@@ -107,7 +110,7 @@ class PreintegratedInertial final : public DynamicFactor {
     for (int i = 0; i < count; ++i) sum += Eigen::Map<const Eigen::Matrix<T, 3, 1>>(x[i]);
     return sum;
   }
-  /// What the effects of the increments add to them, tangent order.
+  /// Returns the change of the increments by their effects, in tangent order.
   template <class T>
   Eigen::Matrix<T, 9, 1> ByEffects(T const* const* x) const {
     Eigen::Matrix<T, 9, 1> sum = Eigen::Matrix<T, 9, 1>::Zero();
@@ -123,7 +126,7 @@ class PreintegratedInertial final : public DynamicFactor {
     return sum;
   }
 
-  /// What the effects on the attraction add to the brackets of r_v and r_p.
+  /// Adds the contribution of the effects on gravitation to the brackets of r_v and r_p.
   template <class T>
   void AddAttraction(T const* const* x, Eigen::Matrix<T, 3, 1>* v,
                      Eigen::Matrix<T, 3, 1>* p) const {
@@ -143,7 +146,8 @@ class PreintegratedInertial final : public DynamicFactor {
                                                         v);
   }
 
-  /// d of the brackets of r_v and r_p with respect to the values of an effect on the attraction.
+  /// Derivatives of the brackets of r_v and r_p with respect to the values of an effect on
+  /// gravitation.
   struct AttractionBracket {
     Eigen::Matrix3Xd v, p;
   };
@@ -162,7 +166,7 @@ class PreintegratedInertial final : public DynamicFactor {
   Eigen::Matrix<double, 9, 9> W_;
   Eigen::Matrix3d C_;
   Eigen::Quaterniond q_C_;
-  // The brackets of r_v and r_p: C v_j - v_i + v_p_i p_i + v_p_j p_j + v_0 and
+  // Constant terms of the brackets of r_v and r_p: C v_j - v_i + v_p_i p_i + v_p_j p_j + v_0 and
   // -v_i dt + p_p_i p_i + p_p_j p_j + p_0.
   Eigen::Matrix3d v_p_i_, v_p_j_, p_p_i_, p_p_j_;
   Eigen::Vector3d v_0_, p_0_;

@@ -25,7 +25,7 @@ class PriorVector final : public Factor<PriorVector<N>, N, Vec<N>> {
  public:
   using Vector = Eigen::Matrix<double, N, 1>;
 
-  /// Throws InvalidInput if z is not finite.
+  /// Creates the prior with mean z. Throws InvalidInput if z is not finite.
   PriorVector(const Vector& z, const Noise<N>& noise) : z_(z), W_(noise.sqrt_information()) {
     if (!z.allFinite()) throw InvalidInput("value of a prior is not finite");
   }
@@ -48,7 +48,8 @@ class PriorVector final : public Factor<PriorVector<N>, N, Vec<N>> {
   Eigen::Matrix<double, N, N> W_;
 };
 
-/// Known value of a rotation perturbed from the right, its noise in the frame it rotates from.
+/// Known value of a rotation with right perturbation; the noise is in the frame that it rotates
+/// from.
 ///
 ///   r = W Log(q0^-1 q)                                              [3], unitless
 ///
@@ -56,10 +57,12 @@ class PriorVector final : public Factor<PriorVector<N>, N, Vec<N>> {
 ///   ------|--------|--------|---------|------------------------------------------
 ///     0   | q      |   4    |    3    | the rotation, (x, y, z, w)
 ///
-/// Jacobian (right, rad): W Jr^-1(Log(q0^-1 q)). The residual jumps where q is half a turn from q0.
+/// Jacobian (right, rad): W Jr^-1(Log(q0^-1 q)). The residual is discontinuous at half a turn
+/// between q and q0.
 class PriorRotation final : public Factor<PriorRotation, 3, Rotation> {
  public:
-  /// noise: rad. Throws InvalidInput if q0 is not finite or has zero norm.
+  /// Creates the prior with mean q0; `noise` is in rad. Throws InvalidInput if q0 is not finite or
+  /// has zero norm.
   PriorRotation(const Eigen::Quaterniond& q0, const Noise<3>& noise);
 
   template <class T>
@@ -77,8 +80,8 @@ class PriorRotation final : public Factor<PriorRotation, 3, Rotation> {
   Eigen::Matrix3d W_;
 };
 
-/// Known value of a rotation perturbed from the left (the boresight), its noise in the frame it
-/// rotates to.
+/// Known value of a rotation with left perturbation (the boresight); the noise is in the frame that
+/// it rotates to.
 ///
 ///   r = W Log(q q0^-1)                                              [3], unitless
 ///
@@ -86,11 +89,12 @@ class PriorRotation final : public Factor<PriorRotation, 3, Rotation> {
 ///   ------|--------|--------|---------|------------------------------------------
 ///     0   | q      |   4    |    3    | the rotation, (x, y, z, w)
 ///
-/// Jacobian (left, rad): W Jl^-1(Log(q q0^-1)), with Jl(phi) = Jr(-phi). The residual jumps where q
-/// is half a turn from q0.
+/// Jacobian (left, rad): W Jl^-1(Log(q q0^-1)), with Jl(phi) = Jr(-phi). The residual is
+/// discontinuous at half a turn between q and q0.
 class PriorLeftRotation final : public Factor<PriorLeftRotation, 3, LeftRotation> {
  public:
-  /// noise: rad. Throws InvalidInput if q0 is not finite or has zero norm.
+  /// Creates the prior with mean q0; `noise` is in rad. Throws InvalidInput if q0 is not finite or
+  /// has zero norm.
   PriorLeftRotation(const Eigen::Quaterniond& q0, const Noise<3>& noise);
 
   template <class T>

@@ -10,15 +10,15 @@
 
 namespace dn {
 
-/// Attitude body -> map, position in map in m and velocity with respect to the Earth in m/s.
+/// Attitude body -> map, position in map (m) and velocity with respect to the Earth (m/s).
 template <class T>
 struct KinematicState {
   Eigen::Quaternion<T> q_mb;
   Eigen::Matrix<T, 3, 1> p_mb, v_m;
 };
 
-/// The state at an epoch after a node as a function of the node's: what factors of measurements
-/// between nodes are made of.
+/// The state at an epoch after a node as a function of the state of the node. It is the building
+/// block of factors on measurements between nodes.
 ///
 ///   R' = C^T R dR,   p' and v' as in AffineStep
 ///
@@ -27,8 +27,8 @@ class StateAfterNode {
  public:
   StateAfterNode() = default;
 
-  /// partial: from the node to the epoch, corrected with the current biases. p_nominal_m: of the
-  /// node, for the attraction.
+  /// Creates the function. `partial` are the increments from the node to the epoch, corrected with
+  /// the current biases; gravitation is evaluated at p_nominal_m, the nominal position of the node.
   StateAfterNode(const LocalFrame& frame, const Preintegrated& partial,
                  const Eigen::Vector3d& p_nominal_m)
       : step_(AffineStep::Make(frame, partial.dt_s(), p_nominal_m)),
@@ -47,7 +47,7 @@ class StateAfterNode {
               Vec3(delta_v_.template cast<T>()), Vec3(delta_p_.template cast<T>()));
   }
 
-  /// The same with other increments.
+  /// Returns the state with other increments than those of the constructor.
   template <class T>
   KinematicState<T> At(const Eigen::Quaternion<T>& q_mb, const Eigen::Matrix<T, 3, 1>& p_mb,
                        const Eigen::Matrix<T, 3, 1>& v_m, const Eigen::Quaternion<T>& delta_q,
@@ -67,11 +67,13 @@ class StateAfterNode {
                 q_C_inverse * R_dv + step_.v_0.template cast<T>()};
   }
 
-  /// The same with other increments (tangent order of Preintegrated) and another attraction.
+  /// Returns the same function with changed increments (tangent order of Preintegrated) and
+  /// additional gravitation.
   StateAfterNode Moved(const Eigen::Matrix<double, 9, 1>& increments,
                        const Eigen::Vector3d& attraction_mps2) const;
 
-  /// Of position and velocity with respect to an attraction beyond the normal one, map axes.
+  /// Returns the Jacobian of position and velocity with respect to gravitation in addition to the
+  /// normal one, map axes.
   Eigen::Matrix3d PositionByAttraction() const;
   Eigen::Matrix3d VelocityByAttraction() const;
 

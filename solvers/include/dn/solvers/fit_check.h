@@ -9,61 +9,64 @@
 
 namespace dn {
 
-/// How a gross error is looked for, row by row (Baarda): a test of size alpha that finds an error
-/// of minimal detectable size with probability `power`.
+/// Parameters of the outlier test of single rows (Baarda's data snooping): significance level
+/// `alpha`, and the `power` with which an error of minimal detectable bias is found.
 struct RowTest {
   double alpha = 0.001;
   double power = 0.8;
 
-  /// Root of the non-centrality that the test detects: z(1 - alpha / 2) + z(power), 4.13 at the
-  /// defaults. Throws InvalidConfig unless both are between 0 and 1.
+  /// Returns the square root of the non-centrality parameter, z(1 - alpha / 2) + z(power): 4.13 at
+  /// the defaults. Throws InvalidConfig unless alpha and power are between 0 and 1.
   double NonCentrality() const;
 
-  /// Smallest error of one row that it finds, in sigmas of the row, of its redundancy number:
-  /// NonCentrality / sqrt(redundancy). Infinite for a row that is fitted away.
+  /// Returns the minimal detectable bias of one row in sigmas of that row, NonCentrality /
+  /// sqrt(redundancy), where `redundancy` is the redundancy number of the row. The result is
+  /// infinite for redundancy 0, where the fit absorbs any error.
   double MinimalDetectable(double redundancy) const;
 };
 
-/// A row by itself.
+/// A row with its standardised residual.
 struct RowFit {
   LinearizedNetwork::Row row;
-  double standardised = 0.0;  ///< Baarda's w: residual / root of its redundancy number
+  double standardised = 0.0;  ///< Baarda's w: residual / sqrt(redundancy number)
 };
 
-/// Residuals of a channel, or of an axis of it, against what their redundancy lets them be.
+/// Compares the residuals of a channel, or of one axis of it, with their expected size.
 struct ChannelFit {
-  std::string name;             ///< "gnss position", "gnss position east"
-  long observations = 0;        ///< rows
-  double redundancy = 0.0;      ///< what the fit leaves of them: sum of their redundancy numbers
-  double variance_ratio = 1.0;  ///< sum of squares / redundancy
-  double p_value = 1.0;         ///< of a ratio this far from 1, either way
-  RowFit worst;                 ///< of those that the unknowns do not follow altogether
-  double minimal_detectable = 0.0;  ///< RowTest::MinimalDetectable, the median of its rows, sigmas
+  std::string name;             ///< for example "gnss position", "gnss position east"
+  long observations = 0;        ///< number of rows
+  double redundancy = 0.0;      ///< sum of the redundancy numbers of the rows
+  double variance_ratio = 1.0;  ///< sum of squared residuals / redundancy
+  double p_value = 1.0;         ///< two-sided p-value of variance_ratio against 1
+  RowFit worst;  ///< row with the largest |w| among the rows that the fit does not absorb
+  double minimal_detectable = 0.0;  ///< median of RowTest::MinimalDetectable over the rows, sigmas
 };
 
-/// Whether the residuals of a network are those that its model would leave.
+/// Result of testing whether the residuals of a network agree with its noise model.
 struct FitCheck {
-  double chi2 = 0.0;     ///< sum of squares of all rows
-  long redundancy = 0;   ///< rows - parameters
-  double sigma0 = 0.0;   ///< sqrt(chi2 / redundancy); 0 without redundancy
-  double p_value = 1.0;  ///< of a chi2 this far from its redundancy, either way
+  double chi2 = 0.0;     ///< sum of squared residuals of all rows
+  long redundancy = 0;   ///< number of rows - number of parameters
+  double sigma0 = 0.0;   ///< sqrt(chi2 / redundancy); 0 if the redundancy is 0
+  double p_value = 1.0;  ///< two-sided p-value of chi2 with `redundancy` degrees of freedom
   std::vector<ChannelFit> channels;
-  RowFit worst;                ///< of all rows
-  double worst_p_value = 1.0;  ///< of the largest of as many as there are, by Bonferroni
+  RowFit worst;  ///< row with the largest |w| of the network
+  /// p-value of `worst` with the Bonferroni correction for the number of rows.
+  double worst_p_value = 1.0;
 };
 
-/// Tests a network at the minimum of its cost:
+/// Tests the residuals of a network at the minimum of its cost:
 ///
-///   chi2        r^T r is a chi-square variable of as many degrees of freedom as its redundancy;
-///   channels    ChannelForms with MomentsOf, the mean being the sum of redundancy numbers;
-///   rows        Baarda's w of each.
+///   chi2        r^T r has a chi-square distribution with `redundancy` degrees of freedom;
+///   channels    ChannelForms with MomentsOf; the mean is the sum of the redundancy numbers;
+///   rows        Baarda's w of each row.
 ///
-/// A user's own groups (Network::Tag) are channels like those of a flight. Rows of a robust loss
-/// count with its weight; they hide what the loss took out. Throws InvalidInput where `marginals`
-/// has no selected inverse.
+/// A user's own groups (Network::Tag) are channels like those of a flight. Rows with a robust loss
+/// count with their robust weight, so outliers that the loss downweights do not show in the test.
+/// Throws InvalidInput if the selected inverse of `marginals` has not been computed.
 FitCheck CheckFit(const Marginals& marginals, const RowTest& test = {});
 
-/// One channel of it. `redundancy`: of every row (RedundancyNumbers), `moments` of the form.
+/// Returns the test of one channel. `redundancy` holds the redundancy number of every row of the
+/// network (RedundancyNumbers); `moments` are those of `form`.
 ChannelFit DescribeChannel(const LinearizedNetwork& linearized, const ResidualForm& form,
                            const FormMoments& moments, const Eigen::VectorXd& redundancy,
                            const RowTest& test = {});

@@ -7,32 +7,33 @@
 
 namespace dn {
 
-/// What all other factors say about one factor's residual: the smoothed counterpart of a filter's
-/// innovation. With H = J C J^T of the adjustment, w the weight that the factor has in it (the rho'
-/// of its robust loss; 0 when it is not active) and r its whitened residual,
+/// Prediction of one factor's residual from all other factors: the smoothing counterpart of a
+/// filter's innovation. Let H = J C J^T of the adjustment, w the weight of the factor in it (the
+/// rho' of its robust loss; 0 if it is not active) and r its whitened residual. Then
 ///
 ///   predicted residual  (I - w H)^-1 r,   covariance  I + H (I - w H)^-1.
 struct Prediction {
   Eigen::VectorXd residual;
   Eigen::MatrixXd covariance;
-  /// residual^T covariance^-1 residual: chi-square with one degree of freedom per residual when the
-  /// factor belongs to the model.
+  /// The statistic residual^T covariance^-1 residual. It is chi-square with one degree of freedom
+  /// per residual if the factor agrees with the model.
   double statistic = 0.0;
-  bool determined = true;  ///< false: without the factor the others leave its unknowns free
+  bool determined = true;  ///< false if the other factors alone leave its unknowns undetermined
 };
 
-/// The factor may be active or not. `marginals` must have its selected inverse. Throws InvalidInput
-/// when it has none, or the factor is undefined.
+/// Predicts the residual of a factor, which may be active or not. Throws InvalidInput if the
+/// selected inverse of `marginals` has not been computed, or if the factor is undefined.
 Prediction PredictFactor(const Marginals& marginals, FactorId factor);
 
-/// Variance that each row of an active factor should have after the fit: its redundancy number
-/// diag(I - J C J^T), between 0 (the residual is fitted away) and 1 (the unknowns do not follow
-/// it). Divided by its square root, a row of a factor without a robust loss is standard normal when
-/// the model holds (Baarda's w). Throws as PredictFactor, and InvalidInput for a factor that is not
-/// active.
+/// Returns the redundancy numbers of the rows of an active factor, diag(I - J C J^T): the expected
+/// variance of each whitened residual after the fit. They lie between 0 (the fit absorbs the
+/// residual) and 1 (the unknowns do not depend on it). Without a robust loss, a residual divided by
+/// the square root of its redundancy number is standard normal if the model holds (Baarda's w).
+/// Throws as PredictFactor does, and InvalidInput for a factor that is not active.
 Eigen::VectorXd RedundancyNumbers(const Marginals& marginals, FactorId factor);
 
-/// The same for every row of the linearised network; they sum to rows minus parameters.
+/// Returns the redundancy number of every row of the linearised network. Their sum is the number of
+/// rows minus the number of parameters.
 Eigen::VectorXd RedundancyNumbers(const Marginals& marginals);
 
 }  // namespace dn

@@ -12,8 +12,9 @@
 
 namespace dn {
 
-/// Joint covariance of several blocks, in their order: one pair of triangular solves per tangent
-/// coordinate. Rows of held blocks are zero. Throws as Marginals::Covariance.
+/// Returns the joint covariance of several blocks, in the order given. It costs one pair of
+/// triangular solves per tangent coordinate. Rows of constant blocks are zero. Throws as
+/// Marginals::Covariance does.
 Eigen::MatrixXd Joint(const Marginals& marginals, const std::vector<BlockId>& blocks);
 
 template <class... Kinds>
@@ -22,7 +23,7 @@ auto Joint(const Marginals& marginals, Block<Kinds>... blocks) {
   return Eigen::Matrix<double, kSize, kSize>(Joint(marginals, std::vector<BlockId>{blocks.id...}));
 }
 
-/// A function of the unknowns: its value and covariance, in the units of its components.
+/// Value and covariance of a function of the unknowns, in the units of its components.
 template <int M>
 struct Propagated {
   Eigen::Matrix<double, M, 1> value;
@@ -46,7 +47,7 @@ auto AsVector(const Result& result) {
   }
 }
 
-/// f of the blocks at x, as a vector.
+/// Returns f of the blocks at x as a vector.
 template <class... Kinds, class F, class T, std::size_t... I>
 auto Apply(const F& f, const T* const* x, std::index_sequence<I...>) {
   return AsVector<T>(f(ViewOf<Kinds>(x[I])...));
@@ -54,15 +55,17 @@ auto Apply(const F& f, const T* const* x, std::index_sequence<I...>) {
 
 }  // namespace internal
 
-/// Value of f(blocks...) at the unknowns of the marginals, and its covariance J C J^T, C = Joint.
+/// Returns the value of f(blocks...) at the values of the marginals, and its covariance J C J^T
+/// with C = Joint.
 ///
 ///   const auto distance = Propagate(
 ///       marginals, [](const auto& p, const auto& q) { return (p - q).norm(); }, p_mb, q_mb);
 ///
-/// f takes what the blocks hold as Network::Add's functions do (a number, a vector, a quaternion, a
-/// pose or a view of one's own) with coefficients of a scalar type that differentiates, and returns
-/// a number or a vector of fixed size of that type (name the type: an `auto` return of an
-/// expression of locals dangles). Differentiated once, at the values.
+/// f takes the values of the blocks as the functions given to Network::Add do: a number, a vector,
+/// a quaternion, a pose or a user's own view. The coefficients are of a scalar type for automatic
+/// differentiation. f returns a number or a vector of fixed size of that type. State the return
+/// type: an `auto` return of an expression of local variables leaves dangling references. f is
+/// differentiated once, at the current values.
 template <class F, class... Kinds>
 auto Propagate(const Marginals& marginals, const F& f, Block<Kinds>... blocks) {
   constexpr auto kAll = std::index_sequence_for<Kinds...>{};

@@ -10,49 +10,52 @@
 
 namespace dn {
 
-/// A quadratic form of the residuals of a linearised network: residuals with the same label are
-/// summed, the sums squared and added. With a label for each residual it is their sum of squares.
+/// A quadratic form of the residuals of a linearised network. Residuals with the same label are
+/// summed, and the squares of these sums are added. If every residual has its own label, the form
+/// is the sum of squares.
 struct ResidualForm {
   std::string name;
-  std::string channel;     ///< whose residuals
-  std::vector<int> label;  ///< per row; -1: takes no part
+  std::string channel;     ///< channel of the residuals
+  std::vector<int> label;  ///< label of each row; -1 if the row is not used
   int labels = 0;
-  std::vector<std::string> label_name;  ///< one per label, or none
+  std::vector<std::string> label_name;  ///< one per label, or empty
 
   double Energy(const Eigen::Ref<const Eigen::VectorXd>& residual) const;
-  /// Sums of the rows of X by label: labels x columns.
+  /// Returns the sums of the rows of X by label: labels x columns.
   Eigen::MatrixXd SumByLabel(const Eigen::MatrixXd& X) const;
 };
 
-/// The sum of squares of each channel ("inertial gyro") and of each of its axes ("inertial gyro
-/// x"), for the factors of the network that have a tag and are no priors.
+/// Returns the sum of squares of each channel ("inertial gyro") and of each of its axes ("inertial
+/// gyro x"). Only tagged factors that are not priors are used.
 std::vector<ResidualForm> ChannelForms(const LinearizedNetwork& linearized);
 
-/// Mean and variance that a form has when the model of the network holds.
+/// Mean and variance of a form if the model of the network holds.
 struct FormMoments {
   double mean = 0.0;
   double variance = 0.0;
-  int samples = 0;  ///< from which they are known; 0: exact
+  int samples = 0;  ///< number of samples behind the values; 0 if they are exact
 
-  /// Of the chi-square variable with the same ratio of the two; as few as the samples leave
-  /// possible, and at least one.
+  /// Returns the degrees of freedom of the scaled chi-square variable with this mean and variance.
+  /// With few samples the lower end of the plausible range is returned, and at least 1.
   double Dof() const;
-  /// Probability that the form is as large, or as small; 1 where it can have one value only.
+  /// Returns the probability that the form is at least (UpperTail) or at most (LowerTail) `energy`;
+  /// 1 if the variance is zero.
   double UpperTail(double energy) const;
   double LowerTail(double energy) const;
 };
 
-/// Calls `use` for each of 32 samples M e of what a fit leaves of errors e ~ N(0, I), of one fixed
+/// Calls `use` for each of 32 samples M e of the residuals after the fit, e ~ N(0, I) with a fixed
 /// seed, M as in Marginals::Project.
 void ForSampledResiduals(const Marginals& marginals,
                          const std::function<void(const Eigen::Ref<const Eigen::VectorXd>&)>& use);
 
-/// Mean and variance of the values that a form has for each of those.
+/// Returns the mean and variance of a form from its values for the samples of ForSampledResiduals.
 FormMoments MomentsOfSample(const std::vector<double>& energies);
 
-/// Of r = M e, e ~ N(0, I), M as in Marginals::Project, a form r^T S^T S r has the mean tr(S M S^T)
-/// and the variance 2 tr((S M S^T)^2): these for networks of at most 400 rows; the moments of 32
-/// samples of one fixed seed for larger ones. One pair of triangular solves per row or sample.
+/// Returns the mean and variance of each form r^T S^T S r for r = M e, e ~ N(0, I), M as in
+/// Marginals::Project. Networks of at most 400 rows use the exact mean tr(S M S^T) and variance 2
+/// tr((S M S^T)^2). Larger networks use 32 samples with a fixed seed. The cost is one pair of
+/// triangular solves per row or sample.
 std::vector<FormMoments> MomentsOf(const Marginals& marginals,
                                    const std::vector<ResidualForm>& forms);
 

@@ -6,9 +6,9 @@
 
 namespace dn {
 
-/// rho(s) and rho'(s) of a robust loss at the squared norm s; as ceres::HuberLoss and
-/// ceres::CauchyLoss, whose second derivatives are never positive, so that the weight of a factor
-/// in the normal matrix is rho' alone.
+/// rho(s) and rho'(s) of a robust loss at the squared norm s, equal to ceres::HuberLoss and
+/// ceres::CauchyLoss. Their second derivatives are never positive, so the weight of a factor in the
+/// normal matrix is rho' alone.
 struct LossValue {
   double rho = 0.0;
   double rho_prime = 1.0;

@@ -10,105 +10,112 @@
 
 namespace dn {
 
-/// How an effect that the network lacks enters one factor: d(whitened residual) / d(effect),
-/// residuals x components of the effect.
+/// Derivative of one factor with respect to an effect that the network does not model: d(whitened
+/// residual) / d(effect), residuals x components of the effect.
 struct EffectPart {
   FactorId factor = -1;
   Eigen::MatrixXd L;
 };
 
-/// A candidate effect. Every part has the same number of columns.
+/// A candidate effect: its derivatives for each affected factor, all with the same number of
+/// columns.
 using EffectModel = std::vector<EffectPart>;
 
-/// What the network's residuals say about an effect that it lacks.
+/// Score test of an effect that the network does not model.
 struct ScoreTest {
-  Eigen::VectorXd estimate;    ///< of the effect's components, to first order
-  Eigen::MatrixXd covariance;  ///< of the estimate
-  /// Decrease of twice the cost if the effect were estimated: chi-square with `dof` degrees of
-  /// freedom when the effect is absent.
+  Eigen::VectorXd estimate;    ///< first-order estimate of the effect's components
+  Eigen::MatrixXd covariance;  ///< covariance of the estimate
+  /// Decrease of twice the cost if the effect were estimated. It is chi-square with `dof` degrees
+  /// of freedom if the effect is absent.
   double statistic = 0.0;
-  /// Components that the data can tell from the unknowns; where this is less than their number,
-  /// estimate and covariance are those of the estimable part (pseudo-inverse).
+  /// Number of components that the data can separate from the unknowns. If it is smaller than the
+  /// number of components, estimate and covariance describe the estimable part (pseudo-inverse).
   int dof = 0;
 };
 
-/// Rao's score test of every effect by itself, at the minimum of the cost, without solving anew.
-/// With L the effect's columns and r, J, N those of the network (rows weighted and scaled, see
-/// LinearizedNetwork::AsRows),
+/// Computes Rao's score test of each effect separately, at the minimum of the cost, without solving
+/// the network again. L are the effect's columns, and r, J, N those of the network (rows weighted
+/// and scaled, see LinearizedNetwork::AsRows):
 ///
 ///   s = L^T r,  A = L^T L - (J^T L)^T N^-1 (J^T L),  estimate = -A^-1 s,  statistic = s^T A^-1 s.
 ///
-/// Inactive factors take no part. Throws InvalidInput when a part's size does not fit its factor or
-/// the effect's other parts.
+/// Inactive factors are ignored. Throws InvalidInput if the size of a part does not fit its factor
+/// or the other parts of the effect.
 std::vector<ScoreTest> TestEffects(const Marginals& marginals,
                                    const std::vector<EffectModel>& effects);
 
-/// What the residuals say about several effects at once: every test of one of them, of some
-/// together, or of one beside others follows from it without another solution.
+/// Joint scores of several effects. Tests of one effect, of several together, or of one given
+/// others follow from them without another solution.
 struct JointScore {
-  std::vector<Eigen::Index> first;  ///< component of each effect's first, and their total at last
-  Eigen::VectorXd s;                ///< L^T r
-  Eigen::MatrixXd A;                ///< L^T M L, M as in Marginals::Project
-  Eigen::VectorXd signature2;       ///< diagonal of L^T L
-  /// N^-1 J^T L of the watched blocks, one below the other: how far one unit of a component, in the
-  /// data and not in the network, moves them.
+  /// First component of each effect, followed by the total number of components.
+  std::vector<Eigen::Index> first;
+  Eigen::VectorXd s;           ///< L^T r
+  Eigen::MatrixXd A;           ///< L^T M L, M as in Marginals::Project
+  Eigen::VectorXd signature2;  ///< diagonal of L^T L
+  /// N^-1 J^T L of the watched blocks, one below the other: the shift of these blocks per unit of a
+  /// component that is present in the data but not in the network.
   Eigen::MatrixXd shift;
 
   std::vector<Eigen::Index> Components(std::size_t effect) const;
 };
 
-/// The effects' components side by side, in the order given. Throws as TestEffects.
+/// Computes the joint scores of the effects, with their components in the order given. Throws as
+/// TestEffects does.
 JointScore ScoreEffects(const Marginals& marginals, const std::vector<EffectModel>& effects,
                         const std::vector<BlockId>& watched);
-/// The same of effects that stay where they are.
+/// Computes the same scores for effects given by pointer, without copying them.
 JointScore ScoreEffects(const Marginals& marginals, const std::vector<const EffectModel*>& effects,
                         const std::vector<BlockId>& watched);
 
-/// The score test of components, or of combinations of components, with this s and A (as in
-/// JointScore) and the diagonal of their L^T L.
+/// Returns the score test of components, or of linear combinations of components, with these s and
+/// A (as in JointScore) and the diagonal of their L^T L.
 ScoreTest TestScore(const Eigen::VectorXd& s, const Eigen::MatrixXd& A,
                     const Eigen::VectorXd& signature2);
 
-/// The score test of some components together, all others being absent.
+/// Returns the score test of some components together while all others are absent.
 ScoreTest TestTogether(const JointScore& score, const std::vector<Eigen::Index>& components);
 
-/// The scores of all components once some are among the unknowns: with index k for those,
+/// Returns the scores of all components after some have been added to the unknowns; k indexes the
+/// added ones:
 ///
 ///   s_j - A_jk A_kk^+ s_k,   A_ij - A_ik A_kk^+ A_kj,   shift_j - shift_k A_kk^+ A_kj.
 JointScore GivenComponents(const JointScore& score, const std::vector<Eigen::Index>& components);
 
-/// Log of the likelihood of the residuals with an effect over that without it, averaged over its
-/// size. With s and A of its components in units of their usual sizes, A = U diag(d) U^T, c = U^T s,
+/// Log Bayes factor of an effect: the likelihood of the residuals with the effect over that without
+/// it, averaged over the prior of the effect's size. With s and A of its components in units of
+/// their typical sizes, A = U diag(d) U^T, c = U^T s,
 ///
 ///   log sum_g w_g exp( 1/2 sum_i [ v_g c_i^2 / (1 + v_g d_i) - ln(1 + v_g d_i) ] )
 ///
 /// over the variances v_g and the weights w_g of SizePrior.
 class EvidenceForm {
  public:
-  /// Of the components W^T s, which have the covariance diag(d) where the effect is absent.
+  /// Creates the form of an effect without components; LogEvidence is then 0.
   EvidenceForm() = default;
-  /// A: L^T M L of the components, or of as many combinations of them.
+  /// Creates the form from A, the L^T M L of the components or of linear combinations of them, and
+  /// their typical sizes.
   EvidenceForm(const Eigen::MatrixXd& A, const Eigen::VectorXd& typical);
 
-  /// s: L^T r of the same components.
+  /// Returns the log Bayes factor for s, the L^T r of the same components.
   double LogEvidence(const Eigen::VectorXd& s) const;
-  /// Of a variance that is known, in squares of the usual size.
+  /// Returns the log Bayes factor if the variance of the effect is known, in squares of the typical
+  /// size.
   double LogEvidence(const Eigen::VectorXd& s, double variance) const;
 
   Eigen::Index size() const { return d_.size(); }
 
  private:
-  /// sum ln(1 + variance d_i)
+  /// Returns sum ln(1 + variance d_i).
   double LogGrowth(double variance) const;
-  /// sum variance c_i^2 / (1 + variance d_i)
+  /// Returns sum variance c_i^2 / (1 + variance d_i).
   double Explained(const Eigen::VectorXd& c, double variance) const;
 
   Eigen::MatrixXd W_;
   Eigen::VectorXd d_;
-  std::array<double, SizePrior::kSizes> log_growth_{};  // of the variances v_g
+  std::array<double, SizePrior::kSizes> log_growth_{};  // LogGrowth of the variances v_g
 };
 
-/// L^T R of an effect for residuals R of the network (rows x any number).
+/// Returns L^T R of an effect for residuals R of the network (rows x any number of columns).
 Eigen::MatrixXd TransposeTimes(const LinearizedNetwork& linearized, const EffectModel& effect,
                                const Eigen::MatrixXd& R);
 

@@ -4,9 +4,9 @@
 
 namespace dn {
 
-/// What solutions and covariances of networks of one structure have in common: the order in which
-/// the unknowns are eliminated, its analysis, and room for the normal equations. Where the next
-/// network ties blocks that this one does not, it is made anew. For one thread at a time.
+/// The elimination order of networks with one structure, its symbolic analysis and the memory of
+/// the normal equations, shared between solutions and covariances. If the next network connects
+/// blocks that this one does not, the analysis is repeated. Must be used by one thread at a time.
 class SharedAnalysis {
  public:
   struct Impl;
@@ -16,7 +16,7 @@ class SharedAnalysis {
   SharedAnalysis(const SharedAnalysis&) = delete;
   SharedAnalysis& operator=(const SharedAnalysis&) = delete;
 
-  /// For the sources of this layer.
+  /// Internal: only the sources of this layer use it.
   Impl& impl() { return *impl_; }
 
  private:

@@ -9,34 +9,37 @@
 
 namespace dn {
 
-/// The part of one unknown, over all its epochs, in a direction of the unknowns.
+/// Share of one unknown, over all its epochs, in a direction of the unknowns.
 struct UnknownShare {
-  std::string name;  ///< "boresight pitch", by the labels of the blocks
-  double weight =
-      0.0;  ///< rms over the epochs that take part; of all unknowns the squares sum to 1
-  double first_s = 0.0, last_s = 0.0;  ///< epochs that take part; first > last: it has none
+  std::string name;  ///< for example "boresight pitch", from the labels of the blocks
+  /// rms over the contributing epochs; the squares over all unknowns sum to 1.
+  double weight = 0.0;
+  /// Range of the contributing epochs; first > last if the unknown has no epochs.
+  double first_s = 0.0, last_s = 0.0;
 };
 
 /// A direction of the unknowns that the measurements determine weakly.
 struct WeakDirection {
-  /// Eigenvalue of the normal matrix that is scaled to a unit diagonal: 1 where the unknowns of the
-  /// direction are determined by themselves, far below where only differences or sums of them are.
+  /// Eigenvalue of the normal matrix scaled to a unit diagonal. It is 1 if the unknowns of the
+  /// direction are determined independently, and far below 1 if only their sums or differences are
+  /// determined.
   double information = 0.0;
-  /// What one sigma of the direction is, by block, in its tangent coordinates (SI units, rad). The
-  /// sign is arbitrary; of all directions together the products sum to the covariance.
+  /// One-sigma vector of the direction, by block, in tangent coordinates (SI units, rad). The sign
+  /// is arbitrary. Summed over all directions, the outer products give the covariance.
   std::map<BlockId, Eigen::VectorXd> one_sigma;
-  std::vector<UnknownShare> shares;  ///< the largest first; those below a tenth of it are left out
-  std::string text;  ///< "position east, 100.0..200.0 s (0.71), antenna east (0.71)"
+  /// Largest first; shares below a tenth of the largest are omitted.
+  std::vector<UnknownShare> shares;
+  std::string text;  ///< for example "position east, 100.0..200.0 s (0.71), antenna east (0.71)"
 };
 
-/// The k directions about which the measurements say least, the weakest first: eigenvectors of
-/// scale N scale, scale = diag(N)^(-1/2). Fewer where there are fewer unknowns. Directions that the
-/// measurements leave free altogether do not occur: Marginals refuses them. Throws InvalidInput
-/// for k < 1.
+/// Returns the k directions with the least information, weakest first: eigenvectors of scale N
+/// scale, scale = diag(N)^(-1/2). Returns fewer if there are fewer unknowns. Directions that the
+/// measurements leave undetermined do not occur, because Marginals throws for them. Throws
+/// InvalidInput for k < 1.
 ///
-/// By inverse iteration of blocks of vectors, some ten pairs of triangular solves for each
-/// direction; eigenvalues to about 1e-10 of their size where they stand apart from those beyond
-/// the k-th, and never below what the direction that is given has.
+/// Uses block inverse iteration, with about ten pairs of triangular solves per direction. The
+/// eigenvalues are accurate to about 1e-10 of their size if they are separated from those beyond
+/// the k-th. They are never below the information of the returned direction.
 std::vector<WeakDirection> WeakDirections(const Marginals& marginals, int k);
 
 }  // namespace dn

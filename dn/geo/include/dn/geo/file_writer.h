@@ -6,23 +6,24 @@
 
 namespace dn {
 
-/// A file that appears complete or not at all, written in parts: under a hidden name in the same
-/// directory until it is published. Every method throws std::filesystem::filesystem_error naming the
-/// path (disk full, not writable).
+/// A file that appears completely or not at all. It is written in parts under a hidden name in the
+/// same directory, and renamed when it is published. Every method throws
+/// std::filesystem::filesystem_error naming the path (for example disk full, not writable).
 class FileWriter {
  public:
   explicit FileWriter(std::filesystem::path path);
-  /// Removes what was written, unless it was published.
+  /// Deletes the file unless it was published.
   ~FileWriter();
   FileWriter(const FileWriter&) = delete;
   FileWriter& operator=(const FileWriter&) = delete;
 
   void Append(std::string_view bytes);
 
-  /// Replaces bytes that were written, from `offset` on.
+  /// Replaces bytes that were already written, from `offset` on.
   void Overwrite(std::uint64_t offset, std::string_view bytes);
 
-  /// Flushes the file to disk and gives it its name. Last call.
+  /// Flushes the file to disk and renames it to its final name. No other method may be called
+  /// afterwards.
   void Publish();
 
  private:

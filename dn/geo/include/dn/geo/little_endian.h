@@ -7,7 +7,7 @@
 
 namespace dn {
 
-/// The number whose bytes stand at `bytes`, the least significant first, on every machine.
+/// Reads a number stored at `bytes` with the least significant byte first, on any machine.
 template <class T>
 T LoadLittleEndian(const char* bytes) {
   char own[sizeof(T)];
@@ -18,7 +18,7 @@ T LoadLittleEndian(const char* bytes) {
   return value;
 }
 
-/// Writes the bytes of a number to `bytes`, the least significant first.
+/// Writes a number to `bytes` with the least significant byte first.
 template <class T>
 void StoreLittleEndian(T value, char* bytes) {
   std::memcpy(bytes, &value, sizeof(T));

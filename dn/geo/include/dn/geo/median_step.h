@@ -6,7 +6,7 @@
 
 namespace dn {
 
-/// Median of the time between one point and the next, s; of two points or more.
+/// Returns the median time between consecutive points, s. Needs at least two points.
 double MedianStep(const std::vector<NavPoint>& points);
 
 }  // namespace dn

@@ -7,7 +7,7 @@
 
 namespace dn {
 
-/// InterpolatePose; outside, the pose of the nearest end.
+/// Returns InterpolatePose at t_s; before or after all poses, the first or last pose.
 inline MapPose NearestPose(const std::vector<MapPose>& poses, double t_s) {
   return InterpolatePose(poses, std::clamp(t_s, poses.front().t_s, poses.back().t_s));
 }

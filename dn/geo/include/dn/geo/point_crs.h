@@ -7,10 +7,11 @@
 
 namespace dn {
 
-/// Whether a name is one that PointCrs takes: map, ecef, none, or utm:ZONEn, utm:ZONEs (utm:32n).
+/// Returns true if PointCrs accepts the name or it is "none": map, ecef, none, or utm:ZONEn,
+/// utm:ZONEs (for example utm:32n).
 bool IsPointCrsName(const std::string& name);
 
-/// The coordinate system c in which the points of a strip are given, on WGS84:
+/// The coordinate system c of the points of a strip, on WGS84:
 ///
 ///   map         the mapping frame m
 ///   utm:32n     grid east, grid north (with the false origin 500 km, 0 or 10000 km), ellipsoidal
@@ -20,17 +21,17 @@ bool IsPointCrsName(const std::string& name);
 /// all in m. Copies share their data; every method is thread-safe.
 class PointCrs {
  public:
-  /// Throws InvalidConfig for a name that is not one of these; `none` is none of them.
+  /// Creates the system. Throws InvalidConfig for any other name, including `none`.
   PointCrs(const std::string& name, const LocalFrame& frame);
 
   const std::string& name() const { return name_; }
 
-  /// Position in m, and back, m. Accuracy about 5 nm. Throws InvalidInput, saying which and its
-  /// bound, for coordinates that are none of this system.
+  /// Converts a position in c to m, and back, in m. Accuracy about 5 nm. ToMap throws InvalidInput,
+  /// naming the point and the bounds, for coordinates outside of the system.
   Eigen::Vector3d ToMap(const Eigen::Vector3d& p_c) const;
   Eigen::Vector3d FromMap(const Eigen::Vector3d& p_m) const;
 
-  /// d p_c / d p_m at a point: a rotation, for UTM with the scale of the grid.
+  /// Returns d p_c / d p_m at a point: a rotation, multiplied for UTM by the scale of the grid.
   Eigen::Matrix3d J_c_m(const Eigen::Vector3d& p_m) const;
 
  private:

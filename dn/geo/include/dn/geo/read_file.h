@@ -8,28 +8,30 @@
 
 namespace dn {
 
-/// Larger data files are refused: a day of SBET records at 500 Hz has 6e9 bytes.
+/// Size limit of data files. A day of SBET records at 500 Hz has 6e9 bytes.
 inline constexpr std::uintmax_t kMostFileBytes = std::uintmax_t{8} << 30;
-/// Larger configurations and scenarios are refused.
+/// Size limit of configurations and scenarios.
 inline constexpr std::uintmax_t kMostYamlBytes = std::uintmax_t{1} << 20;
 
-/// Throws InvalidInput, saying what stands there instead, unless `file` is a regular file of at
-/// most `most_bytes`.
+/// Throws InvalidInput, naming what was found instead, unless `file` is a regular file of at most
+/// `most_bytes`.
 void ExpectRegularFile(const std::filesystem::path& file,
                        std::uintmax_t most_bytes = kMostFileBytes);
 
-/// All bytes of a file. Throws InvalidInput as ExpectRegularFile does, and when it cannot be read.
+/// Returns all bytes of a file. Throws InvalidInput as ExpectRegularFile does, and if the file
+/// cannot be read.
 std::string ReadWholeFile(const std::filesystem::path& file,
                           std::uintmax_t most_bytes = kMostFileBytes);
 
-/// The lines of a file one by one, without holding more than one of them.
+/// Reads a text file line by line, with only one line in memory.
 class LineReader {
  public:
-  /// Throws InvalidInput as ReadWholeFile does.
+  /// Opens the file. Throws InvalidInput as ReadWholeFile does.
   explicit LineReader(std::filesystem::path file);
 
-  /// The next line without its newline, valid until the next call; false after the last. Throws
-  /// InvalidInput when a line is longer than 64 KiB: such a file is no text.
+  /// Reads the next line without its newline; `line` is valid until the next call. Returns false
+  /// after the last line. Throws InvalidInput if a line is longer than 64 KiB, because such a file
+  /// is not text.
   bool Next(std::string_view* line);
 
   long line() const { return line_; }  ///< number of the last line, from 1

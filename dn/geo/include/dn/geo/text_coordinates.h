@@ -9,7 +9,7 @@
 
 namespace dn {
 
-/// The positions of a text file: three columns in one coordinate system on WGS84,
+/// Converts the positions of a text file: three columns in one coordinate system on WGS84,
 ///
 ///   geographic  latitude, longitude [deg], ellipsoidal height [m]
 ///   map         east, north, up [m] from an origin
@@ -17,21 +17,21 @@ namespace dn {
 ///   ecef        geocentric x, y, z [m]
 class TextCoordinates {
  public:
-  /// Geographic.
+  /// Creates the geographic system.
   TextCoordinates() : TextCoordinates("geographic", std::nullopt, "crs") {}
 
-  /// `key` names the system in messages, as "trajectory.crs". Throws InvalidConfig for another name,
-  /// or a map without its origin.
+  /// Creates the named system. `key` is its key in messages, such as "trajectory.crs". Throws
+  /// InvalidConfig for another name, or for a map without its origin.
   TextCoordinates(const std::string& crs, const std::optional<Geodetic>& map_origin,
                   std::string key);
 
-  /// Throws InvalidInput for coordinates that are none of the system.
+  /// Converts three columns. Throws InvalidInput for coordinates outside of the system.
   Geodetic Read(const double* columns, const FileLocation& where) const;
 
-  /// True azimuth of grid north at a point, rad; of UTM only.
+  /// Returns the true azimuth of grid north at a point, rad; only valid for UTM.
   double Convergence_rad(const Geodetic& point) const;
 
-  /// Whether a name is one of the four.
+  /// Returns true if the name is one of the four.
   static bool IsName(const std::string& crs);
 
  private:

@@ -14,7 +14,7 @@
 
 namespace dn {
 
-/// Numbers of a text file, row by row, with where each row stood.
+/// Numbers of a text file, row by row, with the line number of each row.
 struct TextTable {
   std::filesystem::path file;
   std::size_t columns = 0;
@@ -25,24 +25,24 @@ struct TextTable {
   const double* row(std::size_t i) const { return values.data() + i * columns; }
 };
 
-/// Reads a numeric table: values separated by commas, blanks or tabs; '#' (and `comment`) starts a
-/// comment; blank lines are skipped; CRLF is accepted. Every row must have the same number of
-/// columns, one of `allowed_columns` (empty: any). Throws InvalidInput naming file:line:column for
-/// a missing file, one that is no regular file, an empty file, a value that is no number, NaN or
-/// infinity, semicolons, decimal commas, and a wrong number of columns (saying which numbers are
-/// right). The rows after the first most_rows are left unread.
+/// Reads a numeric table. Values are separated by commas, blanks or tabs; '#' (and `comment`)
+/// starts a comment; blank lines are skipped; CRLF is accepted. Every row must have the same number
+/// of columns, which must be one of `allowed_columns` (empty: any). Rows after the first most_rows
+/// are not read. Throws InvalidInput naming file:line:column for a file that is missing, empty or
+/// not regular. Also throws for a value that is not a finite number, for semicolons and decimal
+/// commas, and for a wrong number of columns (naming the allowed numbers).
 TextTable ReadTextTable(const std::filesystem::path& file,
                         const std::vector<std::size_t>& allowed_columns, char comment = '#',
                         std::size_t most_rows = SIZE_MAX);
 
-/// Reads what ReadTextTable reads, in parts: of a file of any length only one part is held.
+/// Reads the same tables as ReadTextTable in parts, with only one part in memory.
 class TextTableReader {
  public:
   TextTableReader(const std::filesystem::path& file, std::vector<std::size_t> allowed_columns,
                   char comment = '#');
 
-  /// Reads the next rows, at most so many, in place of those before; false after the last. Throws
-  /// as ReadTextTable.
+  /// Replaces the table by the next rows, at most `most_rows`; returns false after the last row.
+  /// Throws as ReadTextTable does.
   bool Next(std::size_t most_rows);
 
   const TextTable& table() const& { return table_; }
@@ -55,21 +55,22 @@ class TextTableReader {
   TextTable table_;
 };
 
-/// A time column in GPS seconds of week: a backward jump of a week, to within an hour, is a
-/// rollover and is continued (604800 s added from there on).
+/// Makes a time column in GPS seconds of week continuous. A backward jump of a week, to within an
+/// hour, counts as a week rollover: 604800 s are added from there on. time_offset_s is first
+/// subtracted from column 0, which holds the time.
 ///
-/// `keep` receives the rows to keep: rows identical to the row before are dropped. Any other repeat
-/// or step back throws InvalidInput naming the line, as does a time that is no seconds of week
-/// (CheckSecondsOfWeek). Returns the number of dropped rows. Column 0 holds the time, from which
-/// time_offset_s is taken before all else.
+/// `keep` receives the indices of the rows to keep; a row identical to the previous one is dropped.
+/// Returns the number of dropped rows. Throws InvalidInput naming the line for any other repeated
+/// or decreasing time, and for a time that cannot be seconds of week (CheckSecondsOfWeek).
 long ContinueAndCheckTimes(TextTable& table, std::vector<std::size_t>& keep,
                            double time_offset_s = 0.0);
 
-/// A finite number that takes up all of `text` (a leading '+' is accepted). Throws InvalidInput at
-/// `where`.
+/// Parses a finite number that fills all of `text` (a leading '+' is accepted). Throws InvalidInput
+/// at `where`.
 double ParseNumber(std::string_view text, const FileLocation& where);
 
-/// Shortest text of a double that reads back to the same bits (at most 17 significant digits).
+/// Returns the shortest text of a double that reads back to the same bits (at most 17 significant
+/// digits).
 std::string FormatDouble(double value);
 
 }  // namespace dn

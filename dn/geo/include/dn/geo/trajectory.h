@@ -11,14 +11,15 @@
 
 namespace dn {
 
-/// One epoch of a navigation trajectory as it is exchanged. Body b is forward-right-down.
+/// One epoch of a navigation trajectory. The body frame b is forward-right-down.
 struct NavPoint {
-  double t_s = 0.0;                                          ///< GPS seconds of week
-  Geodetic position;                                         ///< of the body origin
-  Eigen::Quaterniond q_nb = Eigen::Quaterniond::Identity();  ///< body -> local NED of the point
-  Eigen::Vector3d v_ned_mps = Eigen::Vector3d::Zero();       ///< velocity north, east, down
-  Eigen::Vector3d f_b_mps2 = Eigen::Vector3d::Zero();        ///< specific force in body
-  Eigen::Vector3d w_b_radps = Eigen::Vector3d::Zero();       ///< angular rate in body
+  double t_s = 0.0;   ///< GPS seconds of week
+  Geodetic position;  ///< position of the body origin
+  /// Body -> local NED frame of the point.
+  Eigen::Quaterniond q_nb = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d v_ned_mps = Eigen::Vector3d::Zero();  ///< velocity north, east, down
+  Eigen::Vector3d f_b_mps2 = Eigen::Vector3d::Zero();   ///< specific force in body
+  Eigen::Vector3d w_b_radps = Eigen::Vector3d::Zero();  ///< angular rate in body
 };
 
 /// One epoch in the mapping frame.
@@ -26,18 +27,18 @@ struct MapPose {
   double t_s = 0.0;
   Eigen::Quaterniond q_mb = Eigen::Quaterniond::Identity();  ///< body -> map
   Eigen::Vector3d p_mb = Eigen::Vector3d::Zero();            ///< body origin in map, m
-  Eigen::Vector3d v_m =
-      Eigen::Vector3d::Zero();  ///< velocity with respect to the Earth in map, m/s
+  /// Velocity with respect to the Earth in map, m/s.
+  Eigen::Vector3d v_m = Eigen::Vector3d::Zero();
 };
 
-/// What a trajectory reader noticed and settled by itself.
+/// Observations and decisions of a trajectory reader.
 struct TrajectoryNotes {
   long repeated_rows_dropped = 0;
-  bool velocity_from_file =
-      false;  ///< false: absent or contradicting the positions, hence differentiated
-  /// SBET that was adjusted together with lidar pairs, as FormatSbet marks it.
+  /// False if velocities are absent or inconsistent with the positions, hence differentiated.
+  bool velocity_from_file = false;
+  /// True for an SBET that was adjusted together with lidar pairs, as marked by FormatSbet.
   bool adjusted_with_lidar = false;
-  std::string text;  ///< one line for the report; empty when there is nothing to say
+  std::string text;  ///< one line for the report; may be empty
 };
 
 /// A trajectory with strictly increasing times.
@@ -45,8 +46,8 @@ class Trajectory {
  public:
   Trajectory() = default;
 
-  /// Throws InvalidInput when fewer than two points, times do not strictly increase, or a value is
-  /// not finite.
+  /// Creates a trajectory. Throws InvalidInput if there are fewer than two points, times do not
+  /// strictly increase, or a value is not finite.
   explicit Trajectory(std::vector<NavPoint> points, TrajectoryNotes notes = {});
 
   const std::vector<NavPoint>& points() const { return points_; }
@@ -56,12 +57,13 @@ class Trajectory {
   double t_end_s() const { return points_.back().t_s; }
   bool Covers(double t_s) const { return !empty() && t_s >= t_begin_s() && t_s <= t_end_s(); }
 
-  /// The first point at or after t_s, else the last.
+  /// Returns the first point at or after t_s, or the last point.
   const NavPoint& PointFrom(double t_s) const;
 
-  /// All points in the mapping frame.
+  /// Returns all points in the mapping frame.
   std::vector<MapPose> InMap(const LocalFrame& frame) const;
-  /// InterpolatePose of them at t_s, where few times of many points are asked for.
+  /// Returns the pose that InterpolatePose gives at t_s, without converting all points; efficient
+  /// for a few times.
   MapPose InMapAt(double t_s, const LocalFrame& frame) const;
 
  private:
@@ -69,40 +71,41 @@ class Trajectory {
   TrajectoryNotes notes_;
 };
 
-/// Pose at t_s by interpolation of a pose sequence: cubic Hermite in position (positions and
-/// velocities), spherical linear in attitude. Throws InvalidInput when t_s is outside; poses sorted
-/// by time.
+/// Interpolates poses, which must be sorted by time, at t_s: cubic Hermite in position (from
+/// positions and velocities), spherical linear in attitude. Throws InvalidInput if t_s is outside
+/// of their times.
 MapPose InterpolatePose(const std::vector<MapPose>& poses, double t_s);
 
-/// NavPoint of a MapPose (specific force and rate left zero), and back.
+/// Converts a MapPose to a NavPoint (with zero specific force and rate), and back.
 NavPoint ToNavPoint(const MapPose& pose, const LocalFrame& frame);
 MapPose ToMapPose(const NavPoint& point, const LocalFrame& frame);
 
-/// Reads SBET (17 float64, little endian) when the extension is .out or .sbet, else text of t and
-/// the columns, by default those of ODyN: latitude, longitude [deg], height, quaternion w, x, y, z
-/// body -> NED. SBET is what it is, whatever the columns.
+/// Reads SBET (17 float64, little endian) if the extension is .out or .sbet, otherwise text: t and
+/// the given columns, by default those of ODyN: latitude, longitude [deg], height, quaternion w, x,
+/// y, z body -> NED. `columns` has no effect on SBET.
 ///
-/// SBET headings are made true by subtracting the wander angle. Its velocities are used where they
-/// agree within 0.1 m/s with the positions under one of the sign conventions in use (y right or
-/// left, z down or up, of the wander frame); otherwise, and for text, positions are differentiated.
-/// The notes say which. Identical repeated rows are dropped and counted, a backward jump of a week
-/// is continued.
+/// SBET headings are converted to true headings by subtracting the wander angle. The velocities of
+/// an SBET are used if they agree with the positions within 0.1 m/s under one of the usual sign
+/// conventions. These are y right or left, and z down or up, of the wander frame. Otherwise, and
+/// for text, positions are differentiated; the notes say which. Identical repeated rows are dropped
+/// and counted, and time is continued over week rollovers.
 ///
-/// Throws InvalidInput naming file and line or record: an incomplete last record, values that are
-/// not finite or out of range, a quaternion whose norm is not 1 within 1 %, times that do not
-/// increase. Throws InvalidConfig for a coordinate system that is none, or without its origin.
+/// Throws InvalidInput, naming file and line or record, for an incomplete last record, and for
+/// values that are not finite or out of range. It is also thrown for a quaternion whose norm
+/// differs from 1 by more than 1 %, and for times that do not increase. Throws InvalidConfig for an
+/// unknown coordinate system, or a map without its origin.
 Trajectory ReadTrajectory(const std::filesystem::path& file, const TrajectoryColumns& columns = {});
 
-/// Of an SBET file what a picture needs: times, positions and attitudes, of epochs at least
-/// min_spacing_s apart. Throws as ReadTrajectory.
+/// Reads times, positions and attitudes of an SBET file, for a picture, at epochs at least
+/// min_spacing_s apart. Throws as ReadTrajectory does.
 std::vector<NavPoint> ReadSbetPath(const std::filesystem::path& file, double min_spacing_s);
 
-/// Serialised SBET: wander angle 0, velocities north, east, down, specific force and rate in body
-/// (FRD). SBET has no header: where the trajectory was adjusted together with lidar pairs, the zero
-/// of every wander angle is the negative one.
+/// Returns the points as SBET: wander angle 0, velocities north, east, down, specific force and
+/// rate in body (FRD). SBET has no header, so a trajectory that was adjusted together with lidar
+/// pairs is marked by the sign: every wander angle is negative zero.
 std::string FormatSbet(const std::vector<NavPoint>& points, bool adjusted_with_lidar = false);
 
-/// Serialised ODyN text with 17 significant digits where needed.
+/// Returns the points as ODyN text, with up to 17 significant digits.
 std::string FormatTrajectoryText(const std::vector<NavPoint>& points);
 
 }  // namespace dn

@@ -10,18 +10,19 @@ namespace dn {
 /// Joint covariance of the errors of a smoothed trajectory at some epochs of its strips.
 struct TrajectoryCovariance {
   std::vector<double> t_s;  ///< increasing
-  std::vector<int> strip;   ///< of each epoch, from 0, not decreasing
-  /// Six rows per epoch: position east, north, up at its place (m), attitude as a rotation vector
+  std::vector<int> strip;   ///< strip of each epoch, from 0, not decreasing
+  /// Six rows per epoch: position in the local east, north, up (m), attitude as a rotation vector
   /// about the body axes (rad; q Exp(d)).
   Eigen::MatrixXd covariance;
 };
 
-/// trajectory_covariance.txt: a row for each two epochs, t_j <= t_i: t_i, strip_i, t_j, strip_j,
-/// and the 36 elements of the covariance of pose i with pose j, row by row; m and deg.
+/// Returns the text of trajectory_covariance.txt, with one row for each pair of epochs t_j <= t_i:
+/// t_i, strip_i, t_j, strip_j, and the 36 elements of the covariance of pose i with pose j, row by
+/// row; m and deg.
 std::string FormatTrajectoryCovariance(const TrajectoryCovariance& covariance);
 
-/// Throws InvalidInput naming file and line for columns, times, strips or variances that do not
-/// fit, and where a row is missing.
+/// Reads this text. Throws InvalidInput naming file and line for wrong columns, times, strips or
+/// variances, and for a missing row.
 TrajectoryCovariance ReadTrajectoryCovariance(const std::filesystem::path& file);
 
 }  // namespace dn

@@ -9,107 +9,120 @@
 
 namespace dn {
 
-/// One end of a point pair: the observed pose of its epoch, and what the scanner saw.
+/// One end of a point pair: the observed pose at its epoch and the laser vector.
 struct GaussHelmertEnd {
   double t_s = 0.0;                                          ///< epoch; not used by the adjustment
   Eigen::Quaterniond q_mb = Eigen::Quaterniond::Identity();  ///< attitude, body -> map
   Eigen::Vector3d p_mb = Eigen::Vector3d::Zero();            ///< body origin in map, m
-  /// Local north-east-down of the point -> map: the axes of the two sigmas below.
+  /// Rotation from the local north-east-down frame n at the point to the map. Its axes are those of
+  /// sigma_ned_m.
   Eigen::Quaterniond q_mn = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();    ///< of the position
-  Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();  ///< of roll, pitch, heading
-  Eigen::Vector3d u_b = Eigen::Vector3d::Zero();  ///< laser vector in the nominal body, T u_s, m
+  /// Standard deviation of the position: north, east, down.
+  Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
+  /// Standard deviation of roll, pitch, heading.
+  Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
+  /// Laser vector rotated by the nominal mounting T into the body frame, T u_s, m.
+  Eigen::Vector3d u_b = Eigen::Vector3d::Zero();
 };
 
-/// One ground point seen at two epochs.
+/// One ground point observed at two epochs.
 struct GaussHelmertPair {
   GaussHelmertEnd i, j;
-  Eigen::Matrix3d covariance_m2 =
-      Eigen::Matrix3d::Zero();  ///< of the pair's difference itself (matching, ranging), map axes
+  /// Covariance of the point difference from matching and ranging, map axes.
+  Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
 };
 
-/// The adjustment of a boresight from a fixed trajectory.
+/// Input of the boresight adjustment with a fixed trajectory.
 struct GaussHelmertProblem {
-  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();  ///< scanner in body
+  /// Lever arm from the body origin to the scanner.
+  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< initial value
-  std::optional<Eigen::Vector3d> boresight_sigma_rad;       ///< prior on it; absent: free
-  /// ECEF -> map; used by libor_compat only.
+  /// Prior standard deviation; without a value the boresight is free.
+  std::optional<Eigen::Vector3d> boresight_sigma_rad;
+  /// Rotation from ECEF to map. Only libor_compat uses it.
   Eigen::Quaterniond q_me = Eigen::Quaterniond::Identity();
   std::vector<GaussHelmertPair> pairs;
 };
 
-/// How the boresight turns a laser vector.
+/// Model of the rotation of a laser vector by the boresight theta.
 enum class BoresightModel {
-  kExponential,  ///< u = Exp([theta]x) T u_s, relinearised, theta <- Log(Exp(d) Exp(theta))
-  kSmallAngle,   ///< u = (I + [theta]x) T u_s, as in the paper; theta <- theta + d
+  /// u = Exp([theta]x) T u_s, linearised at the current theta; theta <- Log(Exp(d) Exp(theta)).
+  kExponential,
+  kSmallAngle,  ///< u = (I + [theta]x) T u_s, as in the paper; theta <- theta + d
 };
 
 /// Options of the Gauss-Helmert adjustment.
 struct GaussHelmertOptions {
   BoresightModel model = BoresightModel::kExponential;
-  /// Reproduce the public code libor: its small-angle model, observations that are not corrected
-  /// between iterations, attitude noise turned by R_me instead of R_mn (and position noise taken
-  /// along ECEF axes), five iterations at most, one single iteration after the outlier step.
+  /// Reproduces the public code libor, which uses the small-angle model and does not correct the
+  /// observations between iterations. It rotates the attitude noise by R_me instead of R_mn, and
+  /// takes the position noise along ECEF axes. It also stops after five iterations, and iterates
+  /// only once after the outlier step.
   bool libor_compat = false;
-  /// Pairs whose |w| exceeds this many medians of |w| after convergence are dropped, once, and the
-  /// rest is adjusted again. Only without a robust loss; 0: no such step.
+  /// After convergence, pairs whose |w| exceeds this multiple of the median |w| are dropped once,
+  /// and the remaining pairs are adjusted again. The step is skipped with a robust loss; 0 disables
+  /// it.
   double outlier_medians = 3.0;
-  /// Robust loss on sqrt(w^T S w), which has a chi distribution of three degrees of freedom where
-  /// the model holds (mean 1.6): iteratively re-weighted least squares instead of the step above.
+  /// Robust loss on sqrt(w^T S w), applied by iteratively reweighted least squares instead of the
+  /// outlier step. If the model holds, sqrt(w^T S w) has a chi distribution with three degrees of
+  /// freedom (mean 1.6).
   Loss loss;
   int max_iterations = 100;
-  double tolerance_rad = 1e-11;  ///< norm of the change of the boresight still to come
-  int threads = 1;               ///< the result does not depend on it
+  /// Bound on the norm of the estimated remaining change of the boresight.
+  double tolerance_rad = 1e-11;
+  int threads = 1;  ///< number of threads; the result does not depend on it
 
   /// Throws InvalidConfig naming the option, its value and its bound.
   void Validate() const;
 };
 
-/// Corrections of the twelve observations of a pair: position of i in map (m), attitude of i
-/// (right, rotation vector about the body axes, rad), position of j, attitude of j.
+/// Corrections of the twelve observations of a pair: position of i in map (m), attitude of i (right
+/// perturbation, rotation vector about the body axes, rad), position of j, attitude of j.
 using PairCorrection = Eigen::Matrix<double, 12, 1>;
 
-/// The condition of one pair at corrected observations, linearised.
+/// Condition equations of one pair, linearised at the corrected observations.
 struct PairLinearisation {
   Eigen::Vector3d w;               ///< p_i - p_j at the corrected observations, m
-  Eigen::Matrix3d A;               ///< d w / d boresight, m/rad
-  Eigen::Matrix<double, 3, 12> B;  ///< d w / d corrections
+  Eigen::Matrix3d A;               ///< d w / d boresight (theta), m/rad
+  Eigen::Matrix<double, 3, 12> B;  ///< d w / d corrections v
 };
 
-/// w, A and B of a pair at the boresight theta_rad and the corrections v:
+/// Returns w, A and B of a pair at the boresight theta_rad and the corrections v:
 ///
 ///   w = p_i - p_j,   p_k = p_mb + v_p + R_hat s,   R_hat = R_mb Exp(v_phi),   s = u + a_b
 ///   A = -R_hat_i [u_i]x + R_hat_j [u_j]x      u = Exp([theta]x) u_b     (small angle: [u_b]x)
 ///   B = [ I, -R_hat_i [s_i]x Jr(v_phi_i), -I, R_hat_j [s_j]x Jr(v_phi_j) ]
 ///
-/// The paper's derivatives by roll, pitch and heading are the attitude columns of B times
-/// BodyFromEulerRates; corrections in the form of rotation vectors have no singular pitch.
+/// The paper's derivatives with respect to roll, pitch and heading are the attitude columns of B
+/// times BodyFromEulerRates. Corrections given as rotation vectors have no singularity in pitch.
 /// Source: Brun & Skaloud, appendix.
 PairLinearisation LinearisePair(const GaussHelmertPair& pair, const Eigen::Vector3d& lever_arm_b_m,
                                 BoresightModel model, const Eigen::Vector3d& theta_rad,
                                 const PairCorrection& v);
 
-/// The adjusted boresight with its covariances.
+/// Adjusted boresight with its covariances.
 struct GaussHelmertResult {
   Eigen::Vector3d boresight_rad;  ///< theta: rotation vector about the body axes
-  Eigen::Matrix3d normal;         ///< N, of a left perturbation, with the prior if any, rad^-2
+  /// N for a left perturbation, including the prior if there is one, rad^-2
+  Eigen::Matrix3d normal;
   Eigen::Matrix3d covariance_apriori_rad2;  ///< N^-1
   Eigen::Matrix3d covariance_scaled_rad2;   ///< sigma0^2 N^-1
   double condition_number = 0.0;            ///< lambda_max / lambda_min of N
   double sigma0 = 0.0;                      ///< sqrt(chi2 / redundancy)
-  double chi2 = 0.0;                        ///< v^T P v + r^T W r + prior; robust weights applied
-  double chi2_observations = 0.0;           ///< v^T P v, of the observations of the trajectory
-  double chi2_conditions = 0.0;             ///< r^T W r, of the pairs' conditions
-  long redundancy = 0;                      ///< 3 pairs - 3 (+ 3 with a prior)
-  int iterations = 0;                       ///< of all stages
+  double chi2 = 0.0;               ///< v^T P v + r^T W r + prior term, with robust weights applied
+  double chi2_observations = 0.0;  ///< v^T P v: contribution of the trajectory observations
+  double chi2_conditions = 0.0;    ///< r^T W r: contribution of the pair conditions
+  long redundancy = 0;             ///< 3 pairs - 3 (+ 3 with a prior)
+  int iterations = 0;              ///< total over all stages
   bool converged = false;
-  double residual_initial_m = 0.0;  ///< mean |w| with the given trajectory at the initial boresight
-  double residual_final_m = 0.0;    ///< at the final one, of the pairs kept
+  /// Mean |w| with the given trajectory and the initial boresight.
+  double residual_initial_m = 0.0;
+  double residual_final_m = 0.0;  ///< mean |w| of the kept pairs at the final boresight
   long pairs_kept = 0;
-  /// Of each pair: 0 where it was dropped, else its robust weight.
+  /// Weight of each pair: 0 if it was dropped, otherwise its robust weight.
   std::vector<double> weights;
-  long outliers = 0;  ///< pairs dropped, or with a robust weight below one half
-  std::vector<PairCorrection> corrections;  ///< v of each pair at the solution
+  long outliers = 0;  ///< pairs that were dropped or have a robust weight below 0.5
+  std::vector<PairCorrection> corrections;  ///< corrections v of each pair at the solution
 
   Eigen::Matrix3d correlation() const;
 };
@@ -119,23 +132,23 @@ struct GaussHelmertResult {
 ///   minimise   sum_k  v_k^T P_k v_k + r_k^T W_k r_k,      r_k = w_k(theta, l_k + v_k)
 ///
 /// Each iteration linearises at the latest boresight and the latest corrected observations l + v
-/// (Pope's rigorous iteration): w~ = w - B v, and eliminates v pair by pair,
+/// (Pope's rigorous iteration), with w~ = w - B v. It eliminates v pair by pair,
 ///
 ///   S = (W^-1 + B P^-1 B^T)^-1                                    3 x 3
 ///   N = sum A^T S A,  d theta = -N^-1 sum A^T S w~,
 ///   v = -P^-1 B^T S (A d theta + w~),
 ///
-/// so neither B nor P is ever formed as a whole: time and memory are linear in the number of pairs.
-/// P^-1 holds sigma_ned_m and sigma_rph_rad squared, turned into map and body axes; the twelve
-/// observations of a pair are independent, also where two pairs share an epoch.
+/// so neither B nor P is formed as a whole: time and memory are linear in the number of pairs. P^-1
+/// holds the squares of sigma_ned_m and sigma_rph_rad, rotated into map and body axes. The twelve
+/// observations of a pair are treated as independent, even if two pairs share an epoch.
 ///
-/// N^-1 is the covariance when the errors of the trajectory are white, that is, new at every epoch.
-/// They are not: see trajectory_scatter.h.
+/// N^-1 is the covariance only if the trajectory errors are white, that is, independent between
+/// epochs. Real trajectory errors are correlated in time: see trajectory_scatter.h.
 ///
-/// Throws InvalidInput when there are fewer than two different pairs, a value is not finite, a
-/// sigma is not positive or a covariance not positive definite; RankDeficient when the pairs leave
-/// a direction of the boresight free, naming it; InvalidConfig for bad options. Not to converge is
-/// reported, not thrown.
+/// Throws InvalidInput if there are fewer than two different pairs, a value is not finite, a sigma
+/// is not positive or a covariance is not positive definite. Throws RankDeficient, naming the
+/// direction, if the pairs leave a direction of the boresight undetermined; InvalidConfig for bad
+/// options. Missing convergence is reported in the result, not thrown.
 ///
 /// Source: Brun & Skaloud, eqs. of the linearised model and appendix; Pope (1972) for the
 /// iteration.
