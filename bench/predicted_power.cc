@@ -1,5 +1,5 @@
 /// predicted_power FLIGHTS SCENARIO...: checks whether effects are found as often as predicted
-/// before the flight; its figures are in docs/blind-check.md.
+/// before the flight; its figures are in docs/validation/blind-check.md.
 ///
 /// For each scenario, eight plans with different turbulence predict how often a test at level .001
 /// finds a scalar effect of a given size. Flights with their own turbulence and noise are then

@@ -1,5 +1,5 @@
 /// real_injections DATA_DIR: inserts known errors into measured flights and diagnoses them with `dn
-/// gap`; its figures are in docs/real-data.md.
+/// gap`; its figures are in docs/validation/real-data.md.
 ///
 /// A measured flight differs from its model even without inserted errors. It is therefore diagnosed
 /// first, and the effects found are added to the model. Then one error after the other is inserted

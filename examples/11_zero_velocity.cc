@@ -3,7 +3,7 @@
 //
 // It counts as at rest if specific force and angular rate hardly vary. The benefit shows in the
 // last minute, where GNSS is withheld: prints the position errors there, without and with the
-// factors. The flight is thor75 of docs/real-data.md; the example needs its folder.
+// factors. The flight is thor75 of docs/validation/real-data.md; the example needs its folder.
 #include <dn/imu/imu_data.h>
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 // The inertial data are measured. The odometer readings are simulated: the speed of the reference,
 // 2 % too large, with noise of 5 cm/s. GNSS is withheld over the last 40 s. Prints the position
 // errors there, without and with the odometer, and its unknowns. The drive is psins-car of
-// docs/real-data.md; the example needs its folder.
+// docs/validation/real-data.md; the example needs its folder.
 #include <cstdio>
 #include <random>
 
