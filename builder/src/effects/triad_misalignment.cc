@@ -8,7 +8,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// measured = Exp(-[value]x) true, of the gyros or of the accelerometers.
+/// measured = Exp(-[value]x) true, for the gyros or for the accelerometers.
 class TriadMisalignment final : public ImuEffect {
  public:
   explicit TriadMisalignment(bool gyro) : gyro_(gyro) {}
