@@ -15,7 +15,7 @@ constexpr double kRelative = 1e-14;  // a few roundings of a unit conversion
 
 FlightConfig Parse(const std::string& text) { return ParseFlightConfig(text, "/flights/one"); }
 
-/// Every key away from its default.
+/// Every key with a value other than its default.
 const char* const kEveryKey = R"(
 name: "a \"quoted\" name"
 body: FRD
@@ -396,7 +396,7 @@ TEST(FlightConfig, TheAnnotatedExampleShowsTheDefaults) {
   const FlightConfig shown = ReadFlightConfig(DN_DOCS_DIR);
   FlightConfig plain =
       ParseFlightConfig("{name: lar3, gnss: {}, lidar: {gsd_m: 0.2}, trajectory: {}}", "/f");
-  plain.imu = shown.imu;  // has no defaults for its noise
+  plain.imu = shown.imu;  // its noise has no default
   ExpectSameSensors(shown, plain);
   ExpectSameLidar(*shown.lidar, *plain.lidar);
   ExpectSameRest(shown, plain);
