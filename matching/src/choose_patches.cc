@@ -15,8 +15,8 @@ using Eigen::Vector2i;
 constexpr double kSteepestSlope = 1.0;
 constexpr double kLeastFilled = 0.7;
 
-/// Sums over the cells of a raster from its corner, so that those over any box cost four look-ups:
-/// number, slopes and their products.
+/// Cumulative sums over the cells of a raster (number, slopes and their products), so that the sums
+/// over any box need four look-ups.
 class SlopeSums {
  public:
   explicit SlopeSums(const HeightRaster& raster)
@@ -31,7 +31,7 @@ class SlopeSums {
     }
   }
 
-  /// Number of slopes in a box about a cell, and their covariance.
+  /// Returns the number of slopes in a box about a cell, and their covariance.
   std::pair<double, Matrix2d> Over(const Vector2i& cell, int half) const {
     const int x0 = cell.x() - half, y0 = cell.y() - half;
     const int x1 = cell.x() + half + 1, y1 = cell.y() + half + 1;
@@ -88,7 +88,7 @@ class Chooser {
   }
 
  private:
-  /// Best first.
+  /// Returns the candidates, the best first.
   std::vector<Patch> Candidates(int half) const {
     std::vector<Patch> found;
     const int step = std::max(1, half / 2);
@@ -143,7 +143,7 @@ class Chooser {
     }
   }
 
-  /// The best of each tile in turn until there are enough.
+  /// Keeps the best remaining patch of each tile in turn until there are enough.
   std::vector<Patch> SharedOut(std::vector<Patch> chosen) const {
     if (chosen.size() <= options_.most_patches) return chosen;
     std::map<std::pair<int, int>, std::vector<Patch>> tiles;

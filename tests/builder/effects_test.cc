@@ -70,10 +70,10 @@ TEST(Effects, EveryFixedEffectIsEstimable) {
   EXPECT_EQ(EstimableEffects().size(), fixed);
 }
 
-class OfInertial : public ::testing::TestWithParam<const char*> {};
+class InertialDerivatives : public ::testing::TestWithParam<const char*> {};
 
 // Checks d out / d value, and d out / d in for the change that an earlier effect makes.
-TEST_P(OfInertial, DerivativesAgreeWithDifferences) {
+TEST_P(InertialDerivatives, DerivativesAgreeWithDifferences) {
   constexpr double kStep = 1e-6;
   for (unsigned seed = 0; seed < 10; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -94,7 +94,7 @@ TEST_P(OfInertial, DerivativesAgreeWithDifferences) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Effects, OfInertial,
+INSTANTIATE_TEST_SUITE_P(Effects, InertialDerivatives,
                          ::testing::Values("gyro_scale_factor", "accel_scale_factor",
                                            "gyro_misalignment", "accel_misalignment",
                                            "gyro_g_sensitivity"),
@@ -147,9 +147,9 @@ TEST(Effects, InertialCorrectionsUndoTheOrderOfTheSensor) {
   EXPECT_LE((reading.w_b - w).norm(), 1e-15);
 }
 
-class OfLidar : public ::testing::TestWithParam<const char*> {};
+class LidarDerivatives : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(OfLidar, DerivativesAgreeWithDifferences) {
+TEST_P(LidarDerivatives, DerivativesAgreeWithDifferences) {
   constexpr double kStep = 1e-6;
   for (unsigned seed = 0; seed < 10; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -173,7 +173,7 @@ TEST_P(OfLidar, DerivativesAgreeWithDifferences) {
 }
 
 // An effect transforms the derivatives of earlier effects, here of a change of the laser vector.
-TEST_P(OfLidar, CarriesDerivativesAlong) {
+TEST_P(LidarDerivatives, CarriesDerivativesAlong) {
   constexpr double kStep = 1e-4;
   const Vector3d u_s(90.0, 5.0, -40.0), along(0.3, 0.5, -0.2);
   const Flight flight = LidarFlight();
@@ -187,7 +187,7 @@ TEST_P(OfLidar, CarriesDerivativesAlong) {
   EXPECT_LE((reading.J_u.col(0) - (plus - minus) / (2.0 * kStep)).norm(), 1e-8);
 }
 
-INSTANTIATE_TEST_SUITE_P(Effects, OfLidar,
+INSTANTIATE_TEST_SUITE_P(Effects, LidarDerivatives,
                          ::testing::Values("lidar_time_drift", "lidar_range_offset",
                                            "lidar_range_scale", "lidar_angle_scale",
                                            "lidar_scan_cone", "boresight_drift", "boresight_step"),

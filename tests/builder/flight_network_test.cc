@@ -88,7 +88,7 @@ TEST(FlightNetwork, GroupsHaveTheirCounts) {
 // GNSS has 2 Hz. For tau = 120 s the error is constant over 3 s if its sigma equals the white
 // noise. If it is three times as large, the interval is a ninth of that, which is less than one
 // epoch.
-TEST(FlightNetwork, LastingErrorsOfGnssAreStatesOfItsEpochs) {
+TEST(FlightNetwork, TimeCorrelatedGnssErrorsAreStatesOfTheEpochs) {
   Flight flight = Drone().flight;
   flight.config.gnss->processes = {{{0.015, 0.0, 0.03}, 120.0}, {{0.0, 0.0, 0.09}, 120.0}};
   FlightNetwork network = AtTruth(flight);
@@ -513,7 +513,7 @@ TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
       "outside its nodes", 0);
 }
 
-TEST(FlightNetwork, DerivativesByMeansStandBesideTheIncrementsInUse) {
+TEST(FlightNetwork, DerivativesFromMeansKeepTheIncrementsInUse) {
   constexpr double kUsualScale = 3e-4;
   const FlightNetwork network = AtTruth(Drone().flight);
   CalibrationState with_scale = network.Calibration();
@@ -548,7 +548,7 @@ TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {
       "2 starting poses for 3 nodes", 0);
 }
 
-TEST(FlightNetwork, RelinearisingAConvergedNetworkChangesNothing) {
+TEST(FlightNetwork, RepreintegratingAConvergedNetworkChangesNothing) {
   Calibration calibration(Drone().flight);
   FlightNetwork& network = *calibration.adjustment.network;
   const double cost = EvaluateCost(network.net).cost;

@@ -75,8 +75,8 @@ TEST(FlightConfigErrors, OutOfRange) {
   ExpectBad("frame: {origin_deg_m: [0, 400, 0]}\n", "longitude", 1);
   ExpectBad("time_span_s: [2, 1]\n", "must begin before it ends", 1);
   ExpectBad("trajectory: {sigma_rp_deg: -1}\n", "trajectory.sigma_rp_deg: must be greater", 1);
-  ExpectBad("trajectory: {crs: utm:61n}\n", "is none of geographic, map, utm:ZONEn", 1);
-  ExpectBad("gnss: {crs: utm:61n}\n", "is none of geographic, map, utm:ZONEn", 1);
+  ExpectBad("trajectory: {crs: utm:61n}\n", "is not one of geographic, map, utm:ZONEn", 1);
+  ExpectBad("gnss: {crs: utm:61n}\n", "is not one of geographic, map, utm:ZONEn", 1);
   ExpectBad("gnss: {north: grid}\n", "grid needs positions in a grid", 1);
   ExpectBad("gnss: {format: rtklib, crs: utm:32n}\n", "define their coordinates themselves", 1);
   ExpectBad("trajectory: {north: grid}\n", "grid needs positions in a grid", 1);
@@ -89,7 +89,7 @@ TEST(FlightConfigErrors, OutOfRange) {
 TEST(FlightConfigErrors, UnknownWord) {
   ExpectBad("body: FRU\n", "body: 'FRU' is none of FRD, FLU", 1);
   ExpectBad("gnss: {robust: hubber}\n", "did you mean 'huber'", 1);
-  ExpectBad("strips_crs: utm:61n\n", "'utm:61n' is none of", 1);
+  ExpectBad("strips_crs: utm:61n\n", "'utm:61n' is not one of", 1);
   ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: some}}\n", "all, max, freq, time_window", 1);
 }
 
@@ -188,7 +188,7 @@ TEST(FlightConfigErrors, Estimate) {
   ExpectBad("estimate: [{sigma: 1}]\n", "estimate[0].unknown: expected a word", 1);
 }
 
-/// Returns whether the text is valid. Exceptions other than InvalidInput are not caught.
+/// Returns whether the text is valid. Exceptions other than InvalidConfig are not caught.
 bool Parses(const std::string& text) {
   try {
     ParseFlightConfig(text, "/f");

@@ -73,7 +73,8 @@ lidar:
   gsd_m: 0.2
   sigma_p_m: 0.057735
   robust: cauchy
-trajectory: {file: t.txt, crs: "utm:32n", attitude: roll_pitch_heading_deg, north: grid, sigma_xy_m: 0.0022, sigma_z_m: 0.0039, sigma_rp_deg: 0.00022, sigma_y_deg: 0.00058}
+trajectory: {file: t.txt, crs: "utm:32n", attitude: roll_pitch_heading_deg, north: grid,
+             sigma_xy_m: 0.0022, sigma_z_m: 0.0039, sigma_rp_deg: 0.00022, sigma_y_deg: 0.00058}
 gh: {rotation: small_angle, libor_compat: true}
 estimate: [boresight, {unknown: gnss_lever_arm, sigma: 0.05}, lidar_time_offset,
            {unknown: boresight_step, t0_s: 381500, sigma: [0.01, 0.02, 0.03]},

@@ -17,7 +17,7 @@ using testing::SurfaceHeight;
 constexpr double kSpacingM = 0.4;
 constexpr double kNoiseM = 0.02;
 
-/// A cloud over 60 x 60 m of a surface with noise.
+/// Returns a cloud over 60 x 60 m of a surface with noise.
 template <class Height>
 std::vector<Vector3d> Scan(const Height& height, unsigned seed) {
   std::mt19937 rng(seed);

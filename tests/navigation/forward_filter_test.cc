@@ -100,7 +100,7 @@ TEST_F(ForwardFilter, InnovationsAreWhiteAndOfUnitVariance) {
 // Time-correlated errors of 20 s are twice as large as the white noise. With them as states, the
 // innovations are white with unit variance, and the positions agree with their covariance. Without
 // them they are not.
-TEST_F(ForwardFilter, InnovationsAreWhiteBesideLastingErrorsOfGnss) {
+TEST_F(ForwardFilter, InnovationsAreWhiteWithTimeCorrelatedGnssErrors) {
   Scenario scenario = WithoutPairs();
   scenario.gnss.processes = {{{0.03, 0.03, 0.06}, 20.0}};
   SimulatedFlight sim = Simulate(scenario, Seeded(5));
@@ -174,7 +174,7 @@ TEST_F(ForwardFilter, StopsAtTheEndTime) {
   EXPECT_EQ(run.last.pose.t_s, times_[10]);
 }
 
-TEST_F(ForwardFilter, HuberKeepsAGrossErrorFromPulling) {
+TEST_F(ForwardFilter, HuberLimitsTheInfluenceOfAnOutlier) {
   const std::size_t bad = times_.size() / 2;
   for (MapGnssEpoch& epoch : sim_.flight.gnss->epochs) {
     if (epoch.t_s == times_[bad]) epoch.p_m += 30.0 * epoch.R_m_enu.col(2);

@@ -44,7 +44,7 @@ TEST(GnssCorrelation, IsSilentOnWhiteNoise) {
 
 // The simulator shares no formula with the test. A flight of six minutes determines sigmas to a
 // factor of two and correlation times to a factor of three.
-TEST(GnssCorrelation, FindsErrorsThatLast) {
+TEST(GnssCorrelation, FindsTimeCorrelatedErrors) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const GnssCorrelation test = Tested(AircraftScenario(kErrors), seed);
