@@ -1,7 +1,7 @@
 # dn_embed_files(<target> OUTPUT <file.cc> FILES <name> <file> ...)
 #
-# Makes a source in which each file is a string_view dn::internal::<name>, and adds it to the target;
-# run as a script (-P) it writes that source.
+# Generates a source that contains each file as the string_view dn::internal::<name>, and adds it to
+# the target. Run as a script (cmake -P), this file writes that source.
 if(CMAKE_SCRIPT_MODE_FILE)
   set(text "#include <string_view>\n\nnamespace dn::internal {\n\n")
   while(FILES)

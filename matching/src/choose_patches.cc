@@ -26,7 +26,7 @@ class SlopeSums {
     for (int y = 0; y < raster.grid.ny; ++y) {
       for (int x = 0; x < raster.grid.nx; ++x) {
         Row& sum = At(x + 1, y + 1);
-        sum = At(x, y + 1) + At(x + 1, y) - At(x, y) + Of(raster, x, y);
+        sum = At(x, y + 1) + At(x + 1, y) - At(x, y) + SlopeRow(raster, x, y);
       }
     }
   }
@@ -53,7 +53,7 @@ class SlopeSums {
   }
   const Row& At(int x, int y) const { return const_cast<SlopeSums*>(this)->At(x, y); }
 
-  static Row Of(const HeightRaster& raster, int x, int y) {
+  static Row SlopeRow(const HeightRaster& raster, int x, int y) {
     const RasterGrid& grid = raster.grid;
     if (x < 1 || y < 1 || x + 1 >= grid.nx || y + 1 >= grid.ny) return Row::Zero();
     const double gx = (raster.Z(x + 1, y) - raster.Z(x - 1, y)) / (2.0 * grid.cell_m);

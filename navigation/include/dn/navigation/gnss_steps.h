@@ -43,12 +43,12 @@ struct GnssMisfit {
 /// Returns the single cause of the misfit of the GNSS positions and velocities, from score tests,
 /// or nullopt if no test is decisive.
 ///
-/// Of several decisive causes it is the one with the largest statistic; a step of the clock is
-/// considered only if offset and drift are not significant. A lever arm and a step must explain at
-/// least half of the excess of the squared residuals and move a GNSS epoch by more than four
-/// sigmas. A smaller effect may be part of slow GNSS drift. An offset with a drift need not fulfil
-/// this: estimating them does no harm, and other causes are then judged better. Causes that are
-/// already estimated are not tested.
+/// If several causes are decisive, the result is the one with the largest statistic. A step of the
+/// clock is considered only if offset and drift are not significant. A lever arm and a step must
+/// explain at least half of the excess of the squared residuals and move a GNSS epoch by more than
+/// four sigmas. A smaller effect may be part of slow GNSS drift. An offset with a drift need not
+/// fulfil this: estimating them does no harm, and other causes are then judged better. Causes that
+/// are already estimated are not tested.
 std::optional<GnssMisfit> ExplainGnssMisfit(const FlightNetwork& network,
                                             const Marginals& marginals);
 
