@@ -21,9 +21,9 @@ constexpr double kGyroStepRadps = 30.0 / kDegPerRad / 3600.0;
 constexpr double kAccelStepMps2 = 5e-3 * kStandardGravityMps2;
 // The same unit for an effect, as a multiple of its typical sizes.
 constexpr double kEffectStep = 10.0;
-// The white noise of the increments to the epochs of a pair may also be counted in the inertial
-// edges if its share of the variance of the pair is at most this. The sum of squares is then too
-// small by at most this share.
+// Limit for counting white noise twice. Below this fraction of the variance of a pair, the white
+// noise of the increments to its epochs is also counted in the inertial edges. The sum of squares
+// is then too small by at most this fraction.
 constexpr double kNoiseCountedTwice = 1e-4;
 constexpr double kOnNodeS = 2e-6;
 // Pairs per batch; the increments of one batch need little memory compared with the network.

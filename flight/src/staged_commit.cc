@@ -36,8 +36,8 @@ void ExpectRoom(const fs::path& directory, const std::string& name) {
   }
 }
 
-// Saves a file that is about to be replaced under a second name (hard link), or moves it if the
-// file system has no hard links.
+// Saves a file before it is replaced: as a hard link, or by moving it if the file system has no
+// hard links.
 void Keep(const fs::path& file, const fs::path& kept) {
   if (!Exists(file)) return;
   fs::create_directories(kept.parent_path());

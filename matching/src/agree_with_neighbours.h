@@ -22,9 +22,9 @@ struct Agreement {
 
 /// Finds the shifts that agree with their neighbours. A plane over all shifts is subtracted, then
 /// each shift is compared with the median of its eight nearest neighbours, per axis. The residuals
-/// are divided by their sigma and by the robust scale of all residuals if that exceeds 1, because
-/// the strips bend relative to each other between neighbours. A shift with more than 3.5 such units
-/// in any axis does not agree. Fewer than four shifts all agree.
+/// are divided by their sigma, and by the robust scale of all residuals if that exceeds 1. That
+/// scale accounts for the bending of the strips between neighbours. A shift with more than 3.5 such
+/// units in any axis does not agree. Fewer than four shifts all agree.
 Agreement AgreeWithNeighbours(const std::vector<PlacedShift>& given);
 
 }  // namespace dn::internal

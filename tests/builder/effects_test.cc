@@ -193,8 +193,8 @@ INSTANTIATE_TEST_SUITE_P(Effects, LidarDerivatives,
                                            "lidar_scan_cone", "boresight_drift", "boresight_step"),
                          [](const auto& tested) { return std::string(tested.param); });
 
-// Applies the definition of each effect to a true laser vector in the scan plane, 30 deg from nadir
-// about the scan axis; the correction must return it.
+// Applies the definition of each effect to a true laser vector; the correction must return it. The
+// vector lies in the scan plane, 30 deg from nadir about the scan axis.
 TEST(Effects, TakeOutWhatTheScannerAdds) {
   const Vector3d axis = Vector3d::UnitY(), nadir = Vector3d::UnitX();
   const auto beam = [&](double range_m, double angle_rad) {

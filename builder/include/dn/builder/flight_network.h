@@ -103,7 +103,7 @@ class FlightNetwork {
   /// (Network::ReplaceFactor) stay unchanged.
   void Relinearise();
 
-  /// Returns the largest change of a bias or effect since the last preintegration, in units of 30
+  /// Returns the largest change of a bias or effect since the last preintegration. The units are 30
   /// deg/h (gyro), 5 mg (accelerometer) and ten typical sizes (effects). At a hundredth of such a
   /// unit, the error of the first-order correction is far below the noise of every increment.
   double BiasChange() const;

@@ -53,8 +53,9 @@ struct ChainNames {
 };
 
 /// Adds a chain: the blocks, the prior of the first block, and the transitions between neighbouring
-/// blocks, which are exact for every time step (GaussMarkovEdge, RandomWalkEdge). The prior sigma
-/// of a random walk is its growth over half an interval. All blocks start at the value `start`.
+/// blocks. The transitions are exact for every time step (GaussMarkovEdge, RandomWalkEdge). The
+/// prior sigma of a random walk is its growth over half an interval. All blocks start at the value
+/// `start`.
 ProcessChain AddProcessChain(const BiasProcess& process, const std::vector<HeldInterval>& intervals,
                              const ChainNames& names, const Eigen::Vector3d& start, Network* net);
 

@@ -47,12 +47,13 @@ struct Flight {
 };
 
 /// Reads a flight folder. The origin of the map frame is that of the configuration, else the first
-/// position of the GNSS file (even if GNSS is not requested), else the first trajectory position.
-/// If flight.yaml does not set the file names, trajectory.txt and lidar/*.txt are also accepted. A
-/// trajectory under its default name needs no section.
+/// position of the GNSS file, else the first trajectory position. The GNSS file is used even if
+/// GNSS is not requested. If flight.yaml does not set the file names, trajectory.txt and
+/// lidar/*.txt are also accepted. A trajectory under its default name needs no section.
 ///
-/// GNSS epochs outside time_span_s or the IMU data, pairs outside time_span_s, repeated pairs, and
-/// GNSS epochs and pairs in gaps of the IMU data or the trajectory are dropped and counted.
+/// Dropped and counted are GNSS epochs outside time_span_s or the IMU data, pairs outside
+/// time_span_s, and repeated pairs. So are GNSS epochs and pairs in gaps of the IMU data or the
+/// trajectory.
 ///
 /// Throws InvalidConfig if the folder, flight.yaml or a needed section is missing. Throws
 /// InvalidInput
@@ -81,8 +82,8 @@ std::vector<LidarPair> SelectPairs(const std::vector<LidarPair>& pairs,
                                    const PairSelection& selection);
 
 /// Returns the time intervals of the strips: those of the configuration, else clusters of the pair
-/// epochs (gaps of more than 5 s separate strips), else straight legs of the trajectory of at least
-/// 10 s. The clusters are those of all pairs if ReadFlight read them.
+/// epochs, else straight legs of the trajectory of at least 10 s. Gaps of more than 5 s separate
+/// clusters, which include all pairs if ReadFlight read them.
 std::vector<StripInterval> FindStrips(const Flight& flight);
 
 /// Returns the straight legs of a trajectory of at least 10 s.

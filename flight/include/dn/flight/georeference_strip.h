@@ -59,9 +59,9 @@ struct GeoreferencedStrip {
 ///
 ///   p = p_mb + R_mb (Exp([theta]x) T u + a)
 ///
-/// with the laser vectors u of the file. If the file has none, they are computed from its points p'
-/// with the trajectory and the mounting from which the points were made: u = T^T Exp(-[theta']x)
-/// (R'_mb^T (p' - p'_mb) - a'). Poses are interpolated with InterpolatePose.
+/// with the laser vectors u of the file. If the file has none, u = T^T Exp(-[theta']x) (R'_mb^T (p'
+/// - p'_mb) - a') for its points p'. The primed quantities are the trajectory and the mounting from
+/// which the points were computed. Poses are interpolated with InterpolatePose.
 class StripGeoreferencer {
  public:
   StripGeoreferencer(GeoreferenceOptions options, const LocalFrame& frame, const PointCrs& crs);

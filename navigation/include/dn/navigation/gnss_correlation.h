@@ -37,7 +37,7 @@ struct GnssCorrelation {
 /// stated does not cause an alarm, because the statistic is divided by y^T y.
 ///
 /// `process` is the process whose expected energies y^T K y at all tau are nearest to those of the
-/// data: a proposal, accurate to a factor of two in sigma^2 / tau.
+/// data. It is a proposal, accurate to a factor of two in sigma^2 / tau.
 ///
 /// `marginals` must belong to the INS/GNSS network at its solution, because errors of lidar pairs
 /// would distort the trajectory. Flights with fewer than 20 active positions are not tested.
