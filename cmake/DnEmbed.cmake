@@ -8,9 +8,13 @@ if(CMAKE_SCRIPT_MODE_FILE)
     list(POP_FRONT FILES name file)
     file(READ ${file} bytes HEX)
     string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
-    string(APPEND text "namespace {\nconst unsigned char ${name}_bytes[] = {${bytes}};\n}  // namespace\n"
+    string(APPEND text
+      "namespace {\n"
+      "const unsigned char ${name}_bytes[] = {${bytes}};\n"
+      "}  // namespace\n"
       "extern const std::string_view ${name};\n"
-      "const std::string_view ${name}(reinterpret_cast<const char*>(${name}_bytes), sizeof(${name}_bytes));\n\n")
+      "const std::string_view ${name}(\n"
+      "    reinterpret_cast<const char*>(${name}_bytes), sizeof(${name}_bytes));\n\n")
   endwhile()
   file(WRITE ${OUTPUT} "${text}}  // namespace dn::internal\n")
   return()

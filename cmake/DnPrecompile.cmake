@@ -5,7 +5,8 @@
 option(DN_PRECOMPILE "Precompile the heavy headers of the dependencies" ON)
 
 set(DN_HEAVY_HEADERS
-  <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <Eigen/SVD>
+  <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR>
+  <Eigen/SVD>
   <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <numeric>
   <optional> <sstream> <string> <utility> <vector>)
 

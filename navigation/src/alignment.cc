@@ -153,9 +153,8 @@ std::vector<Candidate> Candidates(const Flight& flight, const TimeInterval& span
   if (candidates.empty()) {
     throw InvalidInput(
         "alignment: no attitude can be found at the start of the flight: it is not at rest, and "
-        "too "
-        "few GNSS epochs have no gap in the GNSS or IMU data; begin time_span_s after the gaps, or "
-        "give initial_guess.txt");
+        "too few GNSS epochs have no gap in the GNSS or IMU data; begin time_span_s after the "
+        "gaps, or give initial_guess.txt");
   }
   return candidates;
 }
