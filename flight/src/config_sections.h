@@ -42,9 +42,9 @@ double ReadTimeOffset(const YamlValue& section);
 
 /// Keys and units of the bias processes of a sensor triad.
 struct ProcessKeys {
-  const char* sigma;  ///< random_constant, gauss_markov
+  const char* sigma;  ///< key for random_constant and gauss_markov
   ToSi sigma_to_si;
-  const char* walk;  ///< random_walk
+  const char* walk;  ///< key for random_walk
   ToSi walk_to_si;
   const char* white;
   ToSi white_to_si;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // allows axes written with three digits
 constexpr double kRoundOff = 4e-16;
-constexpr double kMaxCosineOfAxes = 1e-2;  // half a degree from a right angle
+constexpr double kMaxCosineOfAxes = 1e-2;  // allows half a degree from a right angle
 
 std::string Short(double value) {
   char text[32];

@@ -11,7 +11,7 @@ namespace dn::internal {
 struct CoarsePair {
   std::size_t strip_i = 0, strip_j = 0;
   double t_i_s = 0.0, t_j_s = 0.0;
-  Eigen::Vector3d x_i = Eigen::Vector3d::Zero();  ///< RawPoints::x
+  Eigen::Vector3d x_i = Eigen::Vector3d::Zero();  ///< in the form of RawPoints::x
   Eigen::Vector3d x_j = Eigen::Vector3d::Zero();
   Eigen::Vector3d difference_m = Eigen::Vector3d::Zero();  ///< p_i - p_j with the present alignment
 };

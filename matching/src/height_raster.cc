@@ -32,7 +32,7 @@ struct Sample {
 /// The residuals of the differences b - a at one shift.
 struct Difference {
   double mean_square_m2 = std::numeric_limits<double>::infinity();
-  double at_centre_m = 0.0;  ///< value of the plane of the differences
+  double at_centre_m = 0.0;  ///< value of the plane through the differences at the centre
 };
 
 Difference DifferenceAt(const HeightRaster& b, const std::vector<Sample>& piece,

@@ -45,7 +45,7 @@ constexpr double kMostRms_gsd = 1.0;
 constexpr double kMostSigma_gsd = 0.5;  // three-dimensional sigma of a pair
 
 constexpr int kCoarseHalf = 16;    // cells on each side of the centre of a coarse piece
-constexpr int kCoarseSearch = 16;  // cells
+constexpr int kCoarseSearch = 16;  // search radius in cells
 constexpr int kShadowCells = 6;    // cells of 3 GSD: width of the ground hidden by a house
 constexpr int kFineHalf = 8;
 constexpr int kFineSearch = 6;

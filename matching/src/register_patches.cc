@@ -25,7 +25,7 @@ constexpr int kPartsAcross = 5;
 constexpr int kFewestParts = 8;
 constexpr double kLeastEigenvalueRatio = 1e-5;
 constexpr double kPlaneMedians = 3.0;
-constexpr double kLeastCosine = 0.94;  // 20 deg between normals of partners
+constexpr double kLeastCosine = 0.94;  // at most 20 deg between the normals of partners
 
 /// The distance of a point from the plane of its partner and its derivative with respect to the
 /// shift.

@@ -11,7 +11,8 @@ namespace dn::internal {
 /// Points of a strip, about one per cell of a horizontal grid, for the coarse levels.
 struct StripSample {
   std::vector<double> t_s;
-  std::vector<Eigen::Vector3f> x;    ///< RawPoints::x; float holds it to 0.2 mm at 3 km
+  /// In the form of RawPoints::x; float has a resolution of 0.2 mm at 3 km.
+  std::vector<Eigen::Vector3f> x;
   std::vector<Eigen::Vector3d> p_m;  ///< with the present alignment (Place)
   StripCounts counts;
   double point_density_m2 = 0.0;  ///< points per square metre of the ground that the strip covers

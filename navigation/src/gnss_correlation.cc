@@ -94,9 +94,9 @@ Eigen::Array3d Lag1(const Eigen::Matrix3Xd& y) {
 /// The scores of one axis, for the data and for samples without time-correlated errors.
 struct Axis {
   double square = 0.0;       // y^T y
-  Eigen::ArrayXd energy;     // y^T K y per tau
-  Eigen::ArrayXd squares;    // per sample
-  Eigen::ArrayXXd energies;  // samples x taus
+  Eigen::ArrayXd energy;     // y^T K y of the data, per tau
+  Eigen::ArrayXd squares;    // y^T y of each sample
+  Eigen::ArrayXXd energies;  // y^T K y: samples x taus
 
   /// Returns the energy divided by its expectation for the noise level that y^T y indicates.
   Eigen::ArrayXd Ratios() const {

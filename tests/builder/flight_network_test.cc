@@ -111,7 +111,7 @@ TEST(FlightNetwork, TimeCorrelatedGnssErrorsAreStatesOfTheEpochs) {
 
 TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
   FlightNetworkOptions options;
-  options.bias_interval_per_tau = 0.01;  // 6 s of 600 s
+  options.bias_interval_per_tau = 0.01;  // 6 s for tau = 600 s
   Flight flight = Drone().flight;
   flight.config.imu->model.gyro.processes.push_back({BiasProcess::Type::kRandomWalk, 1e-7, 0.0});
   const FlightNetwork network = AtTruth(flight, options);
@@ -248,7 +248,7 @@ TEST(FlightNetwork, PairsCarryTheNoiseOfTheIncrementBetweenTheirNodes) {
   network.AddPairs(Drone().flight.pairs->pairs);
   const double white = Drone().flight.config.imu->model.gyro.white;
   const double sigma_p_m = Drone().flight.config.lidar->sigma_p_m;
-  constexpr double kTolerance = 0.1;  // lever arm, white accelerometer noise
+  constexpr double kTolerance = 0.1;  // allows for the lever arm and the white accelerometer noise
   for (const auto& edge : network.pair_edges) {
     ASSERT_TRUE(edge.bridge_i && edge.bridge_j);
     const auto variance = [&](std::size_t k, double t_s, const Eigen::Vector3d& u) {

@@ -11,7 +11,7 @@ using ::testing::HasSubstr;
 using testing::TempFolder;
 
 constexpr double kDeg = 3.14159265358979323846 / 180.0;
-constexpr double kRelative = 1e-14;  // a few roundings of a unit conversion
+constexpr double kRelative = 1e-14;  // allows for a few roundings of a unit conversion
 
 FlightConfig Parse(const std::string& text) { return ParseFlightConfig(text, "/flights/one"); }
 

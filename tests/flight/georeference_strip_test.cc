@@ -222,7 +222,7 @@ TEST_F(GeoreferenceStrip, PointsWithoutAPoseAreDroppedByReason) {
   GeoreferenceOptions options = survey_.Options();
   options.trajectory = Trajectory(points);
   options.time_span_s = Eigen::Vector2d(kBegin_s - 0.5, kEnd_s + 2.0);
-  folder_.Write("strip.txt", Text(Epochs(24, kBegin_s - 1.5, 1.0)));  // -1.5 .. 21.5 s
+  folder_.Write("strip.txt", Text(Epochs(24, kBegin_s - 1.5, 1.0)));  // from -1.5 to 21.5 s
   const GeoreferencedStrip strip = Run(options, "map", "strip.txt");
   EXPECT_EQ(strip.points, 24u);
   EXPECT_EQ(strip.kept, 16u);

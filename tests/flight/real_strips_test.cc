@@ -46,7 +46,7 @@ TEST_F(Leeward, TheSamePointsInUtmAndEcef) {
   ASSERT_EQ(b.size(), 1325u);
   const PointCrs from_utm("utm:11n", frame_), from_ecef("ecef", frame_);
   for (std::size_t i = 0; i < a.size(); ++i) {
-    // Both are rounded to 1 cm.
+    // The coordinates of both files are rounded to 1 cm.
     EXPECT_LT((from_utm.ToMap(a.p_c[i]) - from_ecef.ToMap(b.p_c[i])).norm(), 0.02);
     EXPECT_EQ(a.t_s[i], b.t_s[i]);
   }
@@ -124,7 +124,7 @@ TEST_F(Leeward, ThereAndBackThroughAnotherBoresight) {
   const StripCloud after = ReadAll(folder.path() / "b.las");
   for (std::size_t i = 0; i < before.size(); ++i) {
     EXPECT_LT((before.p_c[i] - after.p_c[i]).cwiseAbs().maxCoeff(),
-              0.0101);  // one step of the grid
+              0.0101);  // one step of the coordinate grid
     EXPECT_EQ(before.records.substr(i * 34 + 12, 22), after.records.substr(i * 34 + 12, 22));
   }
 }

@@ -191,7 +191,7 @@ TEST(AgreeWithNeighbours, LeavesOutTheWrongOneAndScalesTheRest) {
 
 TEST(AgreeWithNeighbours, WhatAnErrorOfAttitudeDoesIsNoDisagreement) {
   std::vector<PlacedShift> shifts = ScatteredShifts();
-  for (PlacedShift& shift : shifts) {  // half a metre between neighbours
+  for (PlacedShift& shift : shifts) {  // differences of half a metre between neighbours
     shift.shift_m.x() += 0.05 * shift.at_en_m.y();
     shift.shift_m.z() -= 0.05 * shift.at_en_m.x();
   }

@@ -27,7 +27,8 @@ class TriadMisalignment final : public ImuEffect {
     const Matrix3d R = Exp(phi).toRotationMatrix();
     x = R * x;
     J = R * J;
-    J.middleCols<3>(column) = -Skew(x) * RightJacobian(Vector3d(-phi));  // left Jacobian of phi
+    // RightJacobian(-phi) is the left Jacobian of phi.
+    J.middleCols<3>(column) = -Skew(x) * RightJacobian(Vector3d(-phi));
   }
 
  private:

@@ -16,7 +16,7 @@ struct NetworkDesign {
   /// Sorted by time, at least two, with velocities; InterpolatePose gives the pose between two of
   /// them.
   std::vector<MapPose> poses;
-  std::vector<double> node_t_s = {};                 ///< empty: FlightNodeTimes over NetworkSpan
+  std::vector<double> node_t_s = {};  ///< node times; empty: FlightNodeTimes over NetworkSpan
   std::optional<CalibrationState> calibration = {};  ///< absent: AssumedCalibration of the flight
   Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
   Eigen::Vector3d accel_bias_mps2 = Eigen::Vector3d::Zero();

@@ -58,7 +58,7 @@ struct PairModel {
   std::function<std::shared_ptr<const FactorBase>(const Flight&, const PairParts&)> make;
 };
 
-/// Options of a FlightNetwork.
+/// The options of a FlightNetwork.
 struct FlightNetworkOptions {
   /// Longest interval over which a Gauss-Markov process is constant, as a fraction of tau and in
   /// seconds. For a GNSS error whose sigma exceeds the white noise of the positions, the interval

@@ -9,8 +9,8 @@ namespace dn {
 
 /// The accuracy files that belong to a trajectory.
 struct AccuracyFiles {
-  std::optional<std::filesystem::path> covariance;  ///< for ReadTrajectoryCovariance
-  std::optional<std::filesystem::path> series;      ///< for AccuracySeries
+  std::optional<std::filesystem::path> covariance;  ///< file for ReadTrajectoryCovariance
+  std::optional<std::filesystem::path> series;      ///< file for AccuracySeries
   bool named = false;                               ///< named by trajectory.sigma_file
 };
 

@@ -12,7 +12,7 @@ namespace dn {
 /// The time during which an effect acts, GPS seconds of week: a window, a start, or neither for the
 /// whole flight.
 struct EffectTimes {
-  std::optional<std::pair<double, double>> window_s{};  ///< first and last
+  std::optional<std::pair<double, double>> window_s{};  ///< first and last time of the window
   std::optional<double> t0_s{};
 
   bool During(double t_s) const {

@@ -17,7 +17,7 @@ struct EstimateEntry {
   /// components, or empty for no prior.
   std::vector<double> sigma{};
   EffectTimes times{};
-  FileLocation where{};  ///< in flight.yaml
+  FileLocation where{};  ///< place of the entry in flight.yaml
 };
 
 /// Returns the prior sigmas of the components of an effect in SI; nullopt if the entry has no

@@ -24,8 +24,8 @@ enum class RobustKind { kNone, kHuber, kCauchy };
 struct ImuConfig {
   std::string file = "IMU.txt";
   ImuReadOptions read;               ///< includes the body axes and time_span_s of the top level
-  std::optional<std::string> grade;  ///< preset named in the file
-  ImuModel model;                    ///< resolved: preset overridden by explicit noise
+  std::optional<std::string> grade;  ///< name of the preset in the file
+  ImuModel model;                    ///< the preset, overridden by explicit noise values
 };
 
 /// Section `gnss`.
@@ -36,7 +36,8 @@ struct GnssConfig {
   std::string crs = "geographic";
   bool grid_north = false;     ///< velocities and sigmas refer to the axes of the UTM grid
   double time_offset_s = 0.0;  ///< offset of the time tags, tag = t + value; removed on reading
-  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();          ///< antenna in body, FRD
+  /// Position of the antenna in body, FRD.
+  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);  ///< if the file has no sigmas
   double sigma_scale = 1.0;
   std::optional<bool> use_velocity;    ///< absent: auto, used if the columns exist
@@ -81,7 +82,7 @@ struct TrajectoryConfig {
 
 /// Section `gh`: the Gauss-Helmert adjustment.
 struct GhConfig {
-  bool exponential = true;  ///< rotation: exp | small_angle
+  bool exponential = true;  ///< rotation: exp (true) or small_angle (false)
   bool libor_compat = false;
 };
 
@@ -110,7 +111,7 @@ struct FlightConfig {
   std::optional<Eigen::Vector2d> time_span_s;
   std::vector<StripInterval> strips;
   std::string strips_crs = "map";
-  std::optional<ImuConfig> imu;  ///< absent: no imu section
+  std::optional<ImuConfig> imu;  ///< absent: flight.yaml has no section imu
   std::optional<GnssConfig> gnss;
   std::optional<LidarConfig> lidar;
   std::optional<TrajectoryConfig> trajectory;

@@ -24,7 +24,8 @@ struct StripErrors {
   std::optional<AccuracySeries> series;
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d boresight_rad2 = Eigen::Matrix3d::Zero();  ///< left perturbation
+  /// Covariance of the boresight, perturbed from the left.
+  Eigen::Matrix3d boresight_rad2 = Eigen::Matrix3d::Zero();
   double sigma_range_m = 0.0;
   double sigma_beam_rad = 0.0;
 };

@@ -22,7 +22,7 @@ namespace dn {
 struct LaserVectors {
   std::vector<double> t_s;            ///< time on the scale of the trajectory
   std::vector<Eigen::Vector3d> u_s;   ///< laser vector in the sensor frame, m
-  std::vector<std::uint16_t> source;  ///< LAS point source id; empty where the file has none
+  std::vector<std::uint16_t> source;  ///< LAS point source id; empty if the file has none
 
   std::size_t size() const { return t_s.size(); }
 };
@@ -33,7 +33,7 @@ struct StripSourceOptions {
   /// Trajectory from which the points of a file without laser vectors were computed; absent:
   /// `trajectory`.
   std::optional<Trajectory> made_by;
-  Mounting made_with;  ///< boresight included
+  Mounting made_with;  ///< mounting of the scanner, including the boresight
   std::optional<Eigen::Vector2d> time_span_s;
   double time_offset_s = 0.0;  ///< offset of the time tags, tag = t + value
   PointFilter filter = {};

@@ -48,7 +48,7 @@ struct MatchedPair {
 
 /// The pairs of two strips and their number after each stage.
 struct StripPairMatch {
-  std::size_t i = 0, j = 0;    ///< strips
+  std::size_t i = 0, j = 0;    ///< indices of the strips
   double overlap_m2 = 0.0;     ///< area of the ground with points of both strips
   std::size_t candidates = 0;  ///< places with sufficient slopes
   std::size_t found = 0;       ///< places with a unique shift between the rasters

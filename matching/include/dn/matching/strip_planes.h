@@ -35,7 +35,7 @@ struct StripPlane {
   double rms_m = 0.0;                ///< rms of all its points about the plane
 };
 
-/// The planes of a flight's strips.
+/// The planes of the strips of a flight.
 struct StripPlanes {
   std::vector<std::vector<StripPlane>> strips;
   double spacing_m = 0.0;  ///< spacing of the points after thinning

@@ -31,14 +31,14 @@ struct FilterState {
 /// measurements.
 struct Innovation {
   double t_s = 0.0;
-  bool velocity = false;       ///< false: position
+  bool velocity = false;       ///< true for a velocity, false for a position
   Eigen::Vector3d normalised;  ///< per axis east, north, up: innovation / its predicted sigma
   double nis = 0.0;            ///< normalised innovation squared of the three axes together
 };
 
 /// The end of a filter run and the measurements and weights that it uses.
 struct FilterOptions {
-  double t_end_s = 1e300;  ///< stop after this epoch
+  double t_end_s = 1e300;  ///< time at which the filter stops
   /// Bound of the innovations in sigmas (root of NIS); 0: no bound. The weight of a larger
   /// innovation is reduced so that its influence is that of an innovation at the bound.
   double huber_sigmas = 0.0;
@@ -60,7 +60,7 @@ struct FilterRun {
       states;
   std::vector<Innovation> innovations;
   double log_likelihood = 0.0;  ///< up to a constant common to all initial states
-  FilterState last;             ///< with covariance
+  FilterState last;             ///< the last state, with its covariance
 };
 
 /// Runs an extended Kalman filter with the same factors as the network. The prediction uses the

@@ -14,7 +14,7 @@ namespace dn {
 struct GnssJump {
   std::size_t first = 0;  ///< indices into FlightNetwork::gnss_edges, both included
   std::size_t last = 0;
-  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< in m
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< map axes
   double statistic = 0.0;                              ///< chi-square of three
 };
 
@@ -35,7 +35,7 @@ struct GnssMisfit {
     kClockStep,  ///< `estimate`: delay of the GNSS tags from `first` on, s
   };
   Cause cause = Cause::kLeverArm;
-  Eigen::VectorXd estimate;  ///< to first order
+  Eigen::VectorXd estimate;  ///< first-order estimate, see Cause
   double statistic = 0.0;
   std::size_t first = 0;  ///< index into FlightNetwork::gnss_edges
 };
