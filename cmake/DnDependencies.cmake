@@ -1,5 +1,5 @@
-# Everything dn builds on, found once. dnConfig.cmake repeats the part that a user's link needs.
-# Debian has no CMake package for GeographicLib or OpenBLAS; SuiteSparse::CHOLMOD comes with Ceres.
+# Finds all dependencies of dn. dnConfig.cmake repeats those that a project linking dn needs. Debian
+# has no CMake package for GeographicLib or OpenBLAS; SuiteSparse::CHOLMOD comes with Ceres.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Ceres 2.1 REQUIRED)
 find_package(DnGeographicLib REQUIRED)

@@ -1,16 +1,20 @@
 # dn_embed_files(<target> OUTPUT <file.cc> FILES <name> <file> ...)
 #
-# Makes a source in which each file is a string_view dn::internal::<name>, and adds it to the target;
-# run as a script (-P) it writes that source.
+# Generates a source that contains each file as the string_view dn::internal::<name>, and adds it to
+# the target. Run as a script (cmake -P), this file writes that source.
 if(CMAKE_SCRIPT_MODE_FILE)
   set(text "#include <string_view>\n\nnamespace dn::internal {\n\n")
   while(FILES)
     list(POP_FRONT FILES name file)
     file(READ ${file} bytes HEX)
     string(REGEX REPLACE "(..)" "0x\\1," bytes "${bytes}")
-    string(APPEND text "namespace {\nconst unsigned char ${name}_bytes[] = {${bytes}};\n}  // namespace\n"
+    string(APPEND text
+      "namespace {\n"
+      "const unsigned char ${name}_bytes[] = {${bytes}};\n"
+      "}  // namespace\n"
       "extern const std::string_view ${name};\n"
-      "const std::string_view ${name}(reinterpret_cast<const char*>(${name}_bytes), sizeof(${name}_bytes));\n\n")
+      "const std::string_view ${name}(\n"
+      "    reinterpret_cast<const char*>(${name}_bytes), sizeof(${name}_bytes));\n\n")
   endwhile()
   file(WRITE ${OUTPUT} "${text}}  // namespace dn::internal\n")
   return()

@@ -1,8 +1,10 @@
-# dn_add_layer(<name> DIR <folder> SOURCES <files under folder/src> PUBLIC <targets> [PRIVATE <targets>])
+#   dn_add_layer(<name> DIR <folder> SOURCES <files under folder/src> PUBLIC <targets>
+#                [PRIVATE <targets>] [EXPORT <set>])
 #
-# One library per layer, each with its own include root, so that an include against the layer diagram
-# does not compile. Call it from the folder's own CMakeLists.txt; DIR is relative to the project root.
-# EXPORT names another set of exported targets than dnTargets, for a layer that a user asks for.
+# Adds the library of a layer. Each layer has its own include root, so that an include against the
+# layer diagram does not compile. Call it from the CMakeLists.txt of the folder; DIR is relative to
+# the project root. EXPORT is the set of exported targets, dnTargets by default; layers that users
+# request as a component have another set.
 function(dn_add_layer name)
   cmake_parse_arguments(A "" "DIR;EXPORT" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   if(NOT A_EXPORT)
@@ -28,13 +30,13 @@ function(dn_add_layer name)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${A_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
-# dn_add_test(<name> SOURCES <files> LINK <targets> [LABEL <unit|property|golden|example|cli|package|slow>]
-#             [INCLUDE <folders>])
+#   dn_add_test(<name> SOURCES <files> LINK <targets>
+#               [LABEL <unit|property|golden|example|cli|package|slow>] [INCLUDE <folders>])
 #
-# One GoogleTest program, of all sources of a folder that have one label; every TEST becomes a ctest
-# entry. The sources are compiled several at a time where CMAKE_UNITY_BUILD is set: each names what
-# it keeps to itself in a namespace after the file. INCLUDE: where the headers lie that only the
-# layer itself and its tests see.
+# Adds one GoogleTest program from all sources of a folder with the same label; every TEST becomes a
+# ctest entry. With CMAKE_UNITY_BUILD several sources are compiled together, so that each source
+# puts its own names into a namespace called after the file. INCLUDE: folders of headers that only
+# the layer itself and its tests use.
 function(dn_add_test name)
   cmake_parse_arguments(A "" "LABEL" "SOURCES;LINK;INCLUDE" ${ARGN})
   if(NOT A_LABEL)
@@ -48,7 +50,7 @@ function(dn_add_test name)
   target_link_libraries(${name} PRIVATE ${A_LINK} GTest::gmock GTest::gtest_main dn_dev_flags)
   dn_use_precompiled(${name} dn_test_headers)
   target_compile_definitions(${name} PRIVATE DN_SHARED_DATA_DIR="${DN_SHARED_DATA_DIR}")
-  if(A_LABEL STREQUAL slow)  # apart from those that .ci/run starts one by one
+  if(A_LABEL STREQUAL slow)  # .ci/run starts only the other programs one by one
     set_target_properties(${name} PROPERTIES
       RUNTIME_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/slow)
   endif()

@@ -1,4 +1,5 @@
-# The CMake package: after `cmake --install`, find_package(dn) gives the targets dn::<layer>.
+# Installs the CMake package: after `cmake --install`, find_package(dn) provides the targets
+# dn::<layer>.
 include(CMakePackageConfigHelpers)
 
 set(DN_CONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/dn)

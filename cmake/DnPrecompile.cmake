@@ -1,10 +1,12 @@
-# The heavy headers of the dependencies, compiled once for all layers, once for all programs and once
-# for all tests: half of the compile time. Headers of the project itself are never among them, so
-# that a wrong include remains an error. Off: every file must then include what it uses.
+# Precompiles the large headers of the dependencies: once for all layers, once for all programs and
+# once for all tests. This halves the compile time. Headers of the project itself are not
+# precompiled, so that a wrong include remains an error. If off, the build shows whether every file
+# includes the headers it uses.
 option(DN_PRECOMPILE "Precompile the heavy headers of the dependencies" ON)
 
 set(DN_HEAVY_HEADERS
-  <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <Eigen/SVD>
+  <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU> <Eigen/QR>
+  <Eigen/SVD>
   <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory> <numeric>
   <optional> <sstream> <string> <utility> <vector>)
 
@@ -22,7 +24,7 @@ function(dn_add_precompiled name)
   endif()
 endfunction()
 
-# dn_use_precompiled(<target> <name of dn_add_precompiled>)
+# dn_use_precompiled(<target> <name given to dn_add_precompiled>)
 function(dn_use_precompiled target name)
   if(DN_PRECOMPILE)
     target_precompile_headers(${target} REUSE_FROM ${name})

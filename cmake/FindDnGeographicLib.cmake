@@ -1,4 +1,4 @@
-# Imported target dn::GeographicLib for Debian's libgeographiclib-dev, which ships no CMake package.
+# Defines the imported target dn::GeographicLib. Debian's libgeographiclib-dev has no CMake package.
 find_path(DN_GEOGRAPHICLIB_INCLUDE_DIR GeographicLib/LocalCartesian.hpp)
 find_library(DN_GEOGRAPHICLIB_LIBRARY NAMES GeographicLib Geographic)
 include(FindPackageHandleStandardArgs)

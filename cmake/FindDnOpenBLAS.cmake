@@ -1,6 +1,7 @@
-# Imported target dn::OpenBLAS. Debian's Ceres drags in ATLAS, and CHOLMOD's dgemm_ binds to whichever
-# BLAS comes first: so OpenBLAS is put ahead of every library, and kept although nothing of ours calls
-# most of it. A test asserts that dgemm_ resolves to it.
+# Defines the imported target dn::OpenBLAS. Debian's Ceres links ATLAS, and CHOLMOD uses the dgemm_
+# of the first BLAS in the link order. OpenBLAS is therefore linked before all other libraries, and
+# kept although the project itself calls little of it. A test asserts that dgemm_ resolves to
+# OpenBLAS.
 find_library(DN_OPENBLAS_LIBRARY NAMES openblas)
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(DnOpenBLAS REQUIRED_VARS DN_OPENBLAS_LIBRARY)

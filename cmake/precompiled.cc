@@ -1,1 +1,1 @@
-// The precompiled headers need a file that they are compiled with.
+// Precompiled headers need a source file with which they are compiled.

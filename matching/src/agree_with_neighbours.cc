@@ -21,10 +21,11 @@ constexpr std::size_t kFewestForTrend = 8;
 constexpr double kHuberOfTrend = 1.345;  // 95 % efficiency for normal errors
 constexpr int kHuberIterations = 20;
 constexpr double kMostSigmas = 3.5;
-// Variance of the difference from the median of eight others of the same accuracy.
+// Variance of the difference between a value and the median of eight others of the same accuracy.
 constexpr double kWithMedian = 1.2;
 
-/// x of A x = value with standard deviations in proportion to sigma, their scale by the median.
+/// Solves A x = value with Huber's weights and standard deviations proportional to sigma; their
+/// scale is estimated from the median.
 Vector3d FitByHuber(const Eigen::MatrixX3d& A, const Eigen::VectorXd& value,
                     const Eigen::VectorXd& sigma) {
   Vector3d x = Vector3d::Zero();
@@ -40,8 +41,8 @@ Vector3d FitByHuber(const Eigen::MatrixX3d& A, const Eigen::VectorXd& value,
   return x;
 }
 
-/// The shifts less a plane over east and north, for each axis by Huber's weights: what a constant
-/// error of attitude between two strips does.
+/// Returns the shifts minus a plane over east and north, fitted per axis with Huber's weights. Such
+/// a plane is the effect of a constant attitude error between two strips.
 std::vector<PlacedShift> WithoutTrend(std::vector<PlacedShift> shifts) {
   if (shifts.size() < kFewestForTrend) return shifts;
   const auto n = static_cast<Eigen::Index>(shifts.size());
@@ -67,7 +68,7 @@ std::vector<PlacedShift> WithoutTrend(std::vector<PlacedShift> shifts) {
   return shifts;
 }
 
-/// Median of the shifts of the nearest others, by axis.
+/// Returns the median of the shifts of the nearest neighbours, per axis.
 Vector3d NeighboursOf(std::size_t i, const std::vector<PlacedShift>& shifts) {
   std::vector<std::size_t> others(shifts.size());
   std::iota(others.begin(), others.end(), std::size_t{0});

@@ -18,7 +18,7 @@ constexpr int kTrials = 2000;
 constexpr double kHuber = 2.5;
 constexpr std::size_t kFewestPairs = 3;
 
-/// A pair's difference about a boresight: w + A d.
+/// The difference of a pair, linearised at a boresight: w + A d.
 struct Line {
   Vector3d w;
   Matrix3d A;
@@ -62,7 +62,7 @@ std::vector<Line> Linearise(const GaussHelmertProblem& problem, const Vector3d& 
   return lines;
 }
 
-/// Change of the boresight by some of the pairs, held near zero by a weak prior.
+/// Returns the change of the boresight from some of the pairs, with a weak prior at zero.
 Vector3d Solve(const std::vector<Line>& lines, const std::vector<std::size_t>& which,
                double sigma_m, double prior_rad) {
   Matrix3d N = Matrix3d::Identity() / (prior_rad * prior_rad);
@@ -83,7 +83,7 @@ std::vector<std::size_t> Agreeing(const std::vector<Line>& lines, const Vector3d
   return which;
 }
 
-/// The pairs that agree with the best of many boresights.
+/// Returns the pairs that agree with the best of many boresights.
 std::vector<std::size_t> LargestConsensus(const std::vector<Line>& lines, double tolerance_m,
                                           const MatchOptions& options) {
   std::mt19937_64 engine(options.seed);

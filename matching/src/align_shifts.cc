@@ -8,8 +8,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The shift that most agree with: that of the pair with the most others near it, then the median
-/// of those, by axis.
+/// Returns the shift with which most differences agree: the median, per axis, of the differences
+/// near the one that has the most others near it.
 Vector3d Consensus(const std::vector<Vector3d>& differences_m, double tolerance_m) {
   std::vector<Vector3d> best;
   for (const Vector3d& centre_m : differences_m) {
@@ -28,7 +28,7 @@ AlignmentFit AlignShifts(const std::vector<CoarsePair>& pairs, double tolerance_
                          BareMatchSource* source) {
   AlignmentFit fit;
   double squares = 0.0;
-  // Each strip is brought to the first one before it that it has pairs with.
+  // Each strip is shifted to the first earlier strip with which it has pairs.
   std::vector<Vector3d> moved(source->strips().size(), Vector3d::Zero());
   for (std::size_t j = 1; j < source->strips().size(); ++j) {
     for (std::size_t i = 0; i < j; ++i) {

@@ -15,8 +15,8 @@ using Eigen::Vector2i;
 constexpr double kSteepestSlope = 1.0;
 constexpr double kLeastFilled = 0.7;
 
-/// Sums over the cells of a raster from its corner, so that those over any box cost four look-ups:
-/// number, slopes and their products.
+/// Cumulative sums over the cells of a raster (number, slopes and their products), so that the sums
+/// over any box need four look-ups.
 class SlopeSums {
  public:
   explicit SlopeSums(const HeightRaster& raster)
@@ -26,12 +26,12 @@ class SlopeSums {
     for (int y = 0; y < raster.grid.ny; ++y) {
       for (int x = 0; x < raster.grid.nx; ++x) {
         Row& sum = At(x + 1, y + 1);
-        sum = At(x, y + 1) + At(x + 1, y) - At(x, y) + Of(raster, x, y);
+        sum = At(x, y + 1) + At(x + 1, y) - At(x, y) + SlopeRow(raster, x, y);
       }
     }
   }
 
-  /// Number of slopes in a box about a cell, and their covariance.
+  /// Returns the number of slopes in a box about a cell, and their covariance.
   std::pair<double, Matrix2d> Over(const Vector2i& cell, int half) const {
     const int x0 = cell.x() - half, y0 = cell.y() - half;
     const int x1 = cell.x() + half + 1, y1 = cell.y() + half + 1;
@@ -53,7 +53,7 @@ class SlopeSums {
   }
   const Row& At(int x, int y) const { return const_cast<SlopeSums*>(this)->At(x, y); }
 
-  static Row Of(const HeightRaster& raster, int x, int y) {
+  static Row SlopeRow(const HeightRaster& raster, int x, int y) {
     const RasterGrid& grid = raster.grid;
     if (x < 1 || y < 1 || x + 1 >= grid.nx || y + 1 >= grid.ny) return Row::Zero();
     const double gx = (raster.Z(x + 1, y) - raster.Z(x - 1, y)) / (2.0 * grid.cell_m);
@@ -88,7 +88,7 @@ class Chooser {
   }
 
  private:
-  /// Best first.
+  /// Returns the candidates, the best first.
   std::vector<Patch> Candidates(int half) const {
     std::vector<Patch> found;
     const int step = std::max(1, half / 2);
@@ -143,7 +143,7 @@ class Chooser {
     }
   }
 
-  /// The best of each tile in turn until there are enough.
+  /// Keeps the best remaining patch of each tile in turn until there are enough.
   std::vector<Patch> SharedOut(std::vector<Patch> chosen) const {
     if (chosen.size() <= options_.most_patches) return chosen;
     std::map<std::pair<int, int>, std::vector<Patch>> tiles;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kFewestOfHole = 5;
 constexpr std::size_t kFewestOfRim = 3;
 
-/// The heights of the neighbours that have one, ascending.
+/// The heights of the neighbours with a height, ascending.
 class Neighbours {
  public:
   Neighbours(const std::vector<float>& z_m, int nx, int ny, int x, int y) {
@@ -34,7 +34,7 @@ class Neighbours {
   std::size_t count_ = 0;
 };
 
-/// One round; whether anything was filled.
+/// Runs one round; returns whether a cell was filled.
 template <class Value>
 bool FillOnce(int nx, int ny, std::size_t fewest, const Value& value, std::vector<float>* z_m) {
   const std::vector<float> before = *z_m;

@@ -4,10 +4,11 @@
 
 namespace dn::internal {
 
-/// Fills cells without a height (NaN) of a grid with nx columns: where at least five neighbours have
-/// one, with their median; then, in up to `passes` rounds from the rim inwards, with the lowest of
-/// at least three neighbours: what the scanner does not see behind a roof is as low as what lies
-/// beside it. Without the second step a roof moved toward its own shadow would cost nothing.
+/// Fills cells without a height (NaN) of a grid with nx columns. First, cells with at least five
+/// neighbours that have a height get their median. Then up to `passes` rounds from the rim inwards
+/// fill cells with at least three such neighbours; these get the lowest of them. The ground hidden
+/// behind a roof is as low as its surroundings. Without the second step, moving a roof toward its
+/// own shadow would not increase the height differences.
 void FillVoids(int nx, int ny, int passes, std::vector<float>* z_m);
 
 }  // namespace dn::internal

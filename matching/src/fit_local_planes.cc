@@ -13,7 +13,7 @@
 namespace dn {
 namespace {
 
-/// Neighbours on a line: the second eigenvalue is rounding, as seen from the first.
+/// Neighbours lie on a line if the second eigenvalue is a rounding error relative to the first.
 constexpr double kLineRatio = 1e-12;
 
 LocalPlane FitPlane(const std::vector<Eigen::Vector3d>& points_m,

@@ -11,7 +11,7 @@ using Eigen::Vector2d;
 using Eigen::Vector2i;
 using Eigen::Vector3d;
 
-/// Which discs a place lies in, by a grid of cells as large as the largest disc.
+/// Finds the discs that contain a place, with a grid of cells as large as the largest disc.
 class DiscIndex {
  public:
   explicit DiscIndex(const std::vector<Disc>& discs) : discs_(discs) {
@@ -65,7 +65,7 @@ class DiscIndex {
   std::vector<std::vector<std::size_t>> cells_;
 };
 
-/// Evenly spread in [0, 1): the golden ratio's multiples.
+/// Returns evenly distributed values in [0, 1): multiples of the golden ratio.
 double Share(std::uint64_t i) {
   const double x = 0.6180339887498949 * static_cast<double>(i);
   return x - std::floor(x);

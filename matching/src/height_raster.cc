@@ -20,19 +20,19 @@ constexpr double kLeastInCommon = 0.6;
 constexpr double kLeastSecondRatio = 1.5;
 constexpr int kApart = 4;
 constexpr double kMostSigmaCells = 0.5;
-// Neighbouring heights are not independent: a quarter of them counts (chosen).
+// Neighbouring heights are not independent: a quarter of them is counted (empirical).
 constexpr double kIndependentShare = 0.25;
 
-/// A cell of the piece, from its centre in cells, and its height.
+/// A cell of the piece: its offset from the centre in cells, and its height.
 struct Sample {
   int x, y;
   float z_m;
 };
 
-/// What is left of the differences b - a at one shift.
+/// The residuals of the differences b - a at one shift.
 struct Difference {
   double mean_square_m2 = std::numeric_limits<double>::infinity();
-  double at_centre_m = 0.0;  ///< value of the plane of the differences
+  double at_centre_m = 0.0;  ///< value of the plane through the differences at the centre
 };
 
 Difference DifferenceAt(const HeightRaster& b, const std::vector<Sample>& piece,
@@ -144,7 +144,8 @@ std::optional<Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
   const Vector2d rest = -H.ldlt().solve(g);
   if (rest.cwiseAbs().maxCoeff() > 1.0) return std::nullopt;
   const double independent = kIndependentShare * static_cast<double>(piece.size());
-  // Mean square m(s) = m0 + s^T H s / 2, of n independent differences: C = 2 m0 / n H^-1.
+  // The mean square of n independent differences is m(s) = m0 + s^T H s / 2, so that C = 2 m0 / n
+  // H^-1.
   const double sigma_cells =
       std::sqrt(2.0 * least.mean_square_m2 / independent / eigen.eigenvalues()[0]);
   if (sigma_cells > kMostSigmaCells) return std::nullopt;

@@ -9,7 +9,8 @@
 
 namespace dn::internal {
 
-/// Cells of a horizontal grid in m. Cell (x, y) has its centre at origin + cell (x + 1/2, y + 1/2).
+/// A horizontal grid in the map frame. Cell (x, y) has its centre at origin + cell (x + 1/2, y +
+/// 1/2).
 struct RasterGrid {
   Eigen::Vector2d origin_en_m = Eigen::Vector2d::Zero();
   double cell_m = 1.0;
@@ -28,26 +29,30 @@ struct RasterGrid {
   }
 };
 
-/// Heights of the highest points in each cell: walls are seen from one side only.
+/// Height of the highest point in each cell. The highest is used because each strip sees walls from
+/// one side only.
 struct HeightRaster {
   RasterGrid grid;
-  std::vector<float> z_m;           ///< NaN where there is none, and voids are not filled
+  std::vector<float> z_m;           ///< NaN in unfilled voids
   std::vector<std::int32_t> point;  ///< index of the point; -1: none
 
   float Z(int x, int y) const { return z_m[grid.Index(x, y)]; }
 };
 
-/// Heights of points on a grid; points outside are left out. Voids are filled (FillVoids), shadows of
-/// up to so many cells from their rim.
+/// Returns the heights of points on a grid; points outside are left out. Voids are filled by
+/// FillVoids with shadow_cells passes.
 HeightRaster MakeRaster(const RasterGrid& grid, const std::vector<Eigen::Vector3d>& points_m,
                         int shadow_cells);
 
-/// Where a piece of `a` fits best into `b`, on the same grid: the shift of a to b (east, north, up,
-/// m) for which the mean square of what is left of the differences of height after their plane (which
-/// misalignment tilts) is removed is least. Shifts of up to `search` cells; the piece has `half` cells on each side of its centre. None where fewer than
-/// 60 % of the piece's cells are in common, the least lies on the border of the search, the shift is
-/// not determined to half a cell, or another one 4 cells away or more fits nearly as well (mean
-/// square below 1.5 times the best).
+/// Finds the shift of `a` to `b` (east, north, up, m) at which a piece of `a` fits best into `b` on
+/// the same grid. The criterion is the mean square of the height differences after a plane through
+/// them is removed, because misalignment tilts them. Shifts of up to `search` cells are tried; the
+/// piece has `half` cells on each side of its centre. Returns nullopt if
+/// - fewer than 60 % of the cells of the piece are in common;
+/// - the minimum lies on the border of the search;
+/// - the shift is not determined to half a cell;
+/// - another shift at least 4 cells away fits nearly as well (mean square below 1.5 times the
+///   best).
 std::optional<Eigen::Vector3d> FindShift(const HeightRaster& a, const HeightRaster& b,
                                          const Eigen::Vector2i& centre, int half, int search);
 

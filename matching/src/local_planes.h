@@ -9,7 +9,7 @@
 
 namespace dn::internal {
 
-/// dn::FitLocalPlanes, with the tree of the points at hand and without its checks.
+/// Same as dn::FitLocalPlanes, with a given tree of the points and without its checks.
 std::vector<LocalPlane> FitLocalPlanes(const std::vector<Eigen::Vector3d>& points_m,
                                        const PointTree& tree, const std::vector<std::size_t>& at,
                                        double radius_m);

@@ -35,43 +35,44 @@ using internal::Registration;
 using internal::StripSample;
 
 // Lengths in ground sampling distances.
-constexpr double kSampleCell_gsd = 2.0;  // small enough for a moved raster to have few holes
+constexpr double kSampleCell_gsd = 2.0;  // so small that a shifted raster has few holes
 constexpr double kRasterCell_gsd = 3.0;
 constexpr double kReach_gsd = 3.0;
 constexpr double kTile_gsd = 400.0;
 constexpr double kNeighbourhood_gsd = 2.5;
 constexpr double kMostCorrection_gsd = 2.5;
 constexpr double kMostRms_gsd = 1.0;
-constexpr double kMostSigma_gsd = 0.5;  // of the pair, three-dimensional
+constexpr double kMostSigma_gsd = 0.5;  // three-dimensional sigma of a pair
 
-constexpr int kCoarseHalf = 16;    // cells of a coarse piece on each side of its centre
-constexpr int kCoarseSearch = 16;  // cells
-constexpr int kShadowCells = 6;    // of 3 GSD: what a house hides
+constexpr int kCoarseHalf = 16;    // cells on each side of the centre of a coarse piece
+constexpr int kCoarseSearch = 16;  // search radius in cells
+constexpr int kShadowCells = 6;    // cells of 3 GSD: width of the ground hidden by a house
 constexpr int kFineHalf = 8;
 constexpr int kFineSearch = 6;
-constexpr double kCoarsePlaces = 300.0;  // of a strip pair
+constexpr double kCoarsePlaces = 300.0;  // approximate number per strip pair
 constexpr double kToleranceCells = 2.5;
 constexpr double kShrink = 5.0;
 constexpr int kMostLevels = 12;
-constexpr double kMostCells = 4e8;  // of a raster: 3 GB
+constexpr double kMostCells = 4e8;  // cells of a raster, 3 GB
 constexpr double kMostPointsOfPatch = 3000.0;
 constexpr std::size_t kPatchesAtOnce = 800;
-// Slopes that determine a horizontal shift to twice the noise of the points.
+// Least information of the slopes: a horizontal shift is determined to twice the noise of the
+// points.
 constexpr double kLeastInformation = 0.3;
 constexpr double kLeastUsedShare = 0.4;
 constexpr std::size_t kFewestForFactor = 10;
 constexpr std::size_t kPosesOfLine = 60;
 
-/// A patch of two strips on its way to a pair.
+/// A patch of two strips, from the raster shift to the pair.
 struct Work {
   Patch patch;
   Vector2d centre_en_m;
-  std::optional<Vector3d> raster_shift_m;  ///< of a to b
+  std::optional<Vector3d> raster_shift_m;  ///< shift of a to b
   std::optional<Registration> registration;
   MatchedPair pair;
 };
 
-/// How many cells of a horizontal grid have points.
+/// Returns the number of cells of a horizontal grid that contain points.
 std::size_t CellsWithPoints(const std::vector<Vector3d>& p_m, double cell_m) {
   std::vector<std::pair<double, double>> cells;
   cells.reserve(p_m.size());
@@ -83,7 +84,8 @@ std::size_t CellsWithPoints(const std::vector<Vector3d>& p_m, double cell_m) {
 }
 
 double GsdOfDensity(const MatchSource& source, int threads) {
-  // Occupied cells of a coarse grid; coarse enough for most cells inside the strip to have points.
+  // The density follows from the number of occupied cells. The grid must be so coarse that most
+  // cells inside the strip contain points.
   constexpr double kFirstCell_m = 1.0;
   constexpr double kPointsPerCell = 30.0;
   const StripSample sample =
@@ -95,7 +97,7 @@ double GsdOfDensity(const MatchSource& source, int threads) {
     const double density_m2 = points / (cells * cell_m * cell_m);
     if (density_m2 * cell_m * cell_m >= kPointsPerCell) return 1.0 / std::sqrt(density_m2);
   }
-  throw InvalidInput("the points are too sparse to be matched: fewer than thirty in 128 m",
+  throw InvalidInput("the points are too sparse to be matched: fewer than 30 in a cell of 128 m",
                      {source.strips().front().files.front().string()});
 }
 
@@ -113,8 +115,8 @@ Box BoxOf(const StripSample& sample) {
   return box;
 }
 
-/// Cells of the part of a that b may cover when it is moved by up to margin_m; none where there is
-/// no such part.
+/// Returns a grid of the part of a that b may cover if it is shifted by up to margin_m; nullopt if
+/// there is no such part.
 std::optional<RasterGrid> CommonGrid(const StripSample& a, const StripSample& b, double cell_m,
                                      double margin_m) {
   const Box box_a = BoxOf(a), box_b = BoxOf(b);
@@ -125,9 +127,9 @@ std::optional<RasterGrid> CommonGrid(const StripSample& a, const StripSample& b,
   if (!(inner.minCoeff() > 0.0)) return std::nullopt;
   const Vector2d across = (high - low) / cell_m;
   if (across.x() * across.y() > kMostCells) {
-    throw InvalidInput(
-        fmt::format("two strips share an area of {:.1f} by {:.1f} km: is a stray point among them?",
-                    1e-3 * (high - low).x(), 1e-3 * (high - low).y()));
+    throw InvalidInput(fmt::format(
+        "two strips share an area of {:.1f} by {:.1f} km; remove stray points from them",
+        1e-3 * (high - low).x(), 1e-3 * (high - low).y()));
   }
   RasterGrid grid;
   grid.cell_m = cell_m;
@@ -143,11 +145,11 @@ class Matcher {
   Matcher(MatchSource* source, const MatchOptions& options) : source_(*source), options_(options) {}
   virtual ~Matcher() = default;
 
-  /// The stages from coarse to fine: changes the alignment of the source.
+  /// Runs the levels from coarse to fine; changes the alignment of the source.
   const MatchResult& BringTogether() {
     if (source_.strips().size() < 2) {
-      throw InvalidInput("correspondences need two strips or more, there " +
-                         std::string(source_.strips().size() == 1 ? "is one" : "are none"));
+      throw InvalidInput("correspondences need two strips or more, but there " +
+                         std::string(source_.strips().size() == 1 ? "is one" : "are 0"));
     }
     result_.gsd_m = options_.gsd_m ? *options_.gsd_m : GsdOfDensity(source_, options_.threads);
     ReadSamples();
@@ -169,11 +171,11 @@ class Matcher {
   }
 
  protected:
-  /// Of the coarsest search, m.
+  /// Returns the radius of the coarsest search, m.
   virtual double FirstSearch() const = 0;
   virtual AlignmentFit Align(const std::vector<CoarsePair>& pairs, double tolerance_m) = 0;
   virtual Vector3d Boresight() const { return Vector3d::Zero(); }
-  /// Calls `work` with the alignment that was given.
+  /// Calls `work` with the initial alignment.
   virtual void AsGiven(const std::function<void()>& work) = 0;
 
   const std::vector<StripSample>& samples() const { return samples_; }
@@ -192,8 +194,8 @@ class Matcher {
 
   [[noreturn]] void FailNoOverlap() const {
     throw InvalidInput(
-        "no two strips have ground in common: are they of one area, and strips_crs and the "
-        "trajectory those of the points?",
+        "no two strips have ground in common; check that they cover one area and that "
+        "strips_crs and the trajectory belong to the points",
         {source_.strips().front().files.front().string()});
   }
 
@@ -214,7 +216,7 @@ class Matcher {
     }
   }
 
-  /// Brings the strips together; returns the search radius that is left.
+  /// Runs one level of the alignment; returns the remaining search radius.
   double RunLevel(double search_m) {
     MatchLevel level;
     level.search_m = search_m;
@@ -334,7 +336,8 @@ class Matcher {
     return work;
   }
 
-  /// Where the rasters show no clear shift, that of the nearest places that show one is the start.
+  /// Places without a unique raster shift start with the median shift of the nearest places that
+  /// have one.
   static void StartLikeNeighbours(std::vector<Work>* work) {
     constexpr std::size_t kNeighboursOfStart = 5;
     std::vector<const Work*> clear;
@@ -364,7 +367,7 @@ class Matcher {
     for (const auto& [k, start_m] : starts) (*work)[k].raster_shift_m = start_m;
   }
 
-  /// Of the patches: the smallest that is wanted, and twice that.
+  /// Returns the half sizes of the patches: the requested one, and twice that.
   std::vector<int> HalfCells() const {
     const int smallest =
         std::max(1, static_cast<int>(std::lround(options_.patch_gsd / kRasterCell_gsd)));
@@ -424,7 +427,7 @@ class Matcher {
     Pair(i, disc, in_a, in_b, b, work);
   }
 
-  /// The pair nearest to the middle of the patches.
+  /// Sets the pair nearest to the centre of the patches.
   void Pair(std::size_t i, const Disc& disc, const DiscPoints& in_a, const DiscPoints& in_b,
             const internal::PatchSurface& b, Work* work) const {
     std::size_t at = 0;
@@ -444,7 +447,7 @@ class Matcher {
     pair.radius_m = disc.radius_m;
   }
 
-  /// Of the planes: mean of Registration::variance_ratio.
+  /// Returns the mean of Registration::variance_ratio, at least 1.
   double VarianceFactor() const {
     std::vector<double> ratios;
     for (const auto& work : registered_) {
@@ -455,7 +458,7 @@ class Matcher {
     }
     if (ratios.size() < kFewestForFactor) return 1.0;
     std::sort(ratios.begin(), ratios.end());
-    const std::size_t cut = ratios.size() / 20;  // the mean of the middle nine tenths
+    const std::size_t cut = ratios.size() / 20;  // for the mean of the middle nine tenths
     double sum = 0.0;
     for (std::size_t k = cut; k < ratios.size() - cut; ++k) sum += ratios[k];
     return std::max(1.0, sum / static_cast<double>(ratios.size() - 2 * cut));
@@ -486,7 +489,7 @@ class Matcher {
     PlacePairs();
   }
 
-  /// The pairs that are registered as well as is asked.
+  /// Adds the pairs whose registration is accurate enough.
   void TakeDetermined(std::size_t k) {
     StripPairMatch& match = result_.strip_pairs[k];
     const double most_m = kMostSigma_gsd * result_.gsd_m;
@@ -500,8 +503,8 @@ class Matcher {
     match.registered = match.pairs.size();
   }
 
-  /// Those that lie as their neighbours do, once the strips are brought together: without that, what
-  /// the boresight does from place to place would count as disagreement.
+  /// Keeps the pairs that agree with their neighbours. The strips must be aligned first; otherwise
+  /// the effect of the boresight, which varies with the position, would count as disagreement.
   void KeepAgreeing(StripPairMatch* match) const {
     std::vector<internal::PlacedShift> shifts;
     for (const MatchedPair& pair : match->pairs) {
@@ -530,7 +533,7 @@ class Matcher {
     Align(pairs, kToleranceCells * BaseCell());
   }
 
-  /// Where the pairs lie before and after.
+  /// Sets the positions and differences of the pairs before and after the alignment.
   void PlacePairs() {
     for (StripPairMatch& match : result_.strip_pairs) {
       for (MatchedPair& pair : match.pairs) pair.after_m = Apart(match, pair);
@@ -553,7 +556,7 @@ class Matcher {
   MatchSource& source_;
   const MatchOptions& options_;
   std::vector<StripSample> samples_;
-  std::vector<std::vector<Work>> registered_;  // of each of result_.strip_pairs
+  std::vector<std::vector<Work>> registered_;  // one per entry of result_.strip_pairs
   MatchResult result_;
 };
 
@@ -563,8 +566,8 @@ class FlightMatcher : public Matcher {
       : Matcher(source, options), source_(*source), given_rad_(source->mounting().boresight_rad) {}
 
  private:
-  /// Opposite strips move apart: twice what the angle does at the mean range, and half as much again
-  /// for the other angles.
+  /// Opposite strips move apart by twice the shift that the angle causes at the mean range. Half of
+  /// this shift is added for the other angles.
   double FirstSearch() const override {
     double sum_m = 0.0, count = 0.0;
     for (const StripSample& sample : samples()) {

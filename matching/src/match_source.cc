@@ -14,12 +14,12 @@ namespace {
 namespace fs = std::filesystem;
 using Eigen::Vector3d;
 
-/// Whether a point is the strip's.
+/// Returns whether a point belongs to the strip.
 bool IsOf(const MatchStrip& wanted, const std::vector<std::uint16_t>& source, std::size_t i) {
   return !wanted.source || (!source.empty() && source[i] == *wanted.source);
 }
 
-/// Adds what was read of a file, but for the points kept.
+/// Adds the counts of a file, except the kept points.
 void Join(const StripCounts& file, StripCounts* all) {
   const bool first = all->points == 0;
   all->own_vectors = file.own_vectors;

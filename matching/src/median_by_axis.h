@@ -8,7 +8,7 @@
 
 namespace dn::internal {
 
-/// Median of each coordinate; there must be a value.
+/// Returns the median of each coordinate; `values` must not be empty.
 inline Eigen::Vector3d MedianByAxis(const std::vector<Eigen::Vector3d>& values) {
   Eigen::Vector3d median;
   for (int axis = 0; axis < 3; ++axis) {

@@ -9,16 +9,16 @@
 
 namespace dn::internal {
 
-/// Points of one strip around a place, each with the plane of its neighbourhood.
+/// Points of a strip around a place, each with the plane of its neighbourhood.
 class PatchSurface {
  public:
-  /// radius_m: of the neighbourhoods. At least one point.
+  /// radius_m: radius of the neighbourhoods. Needs at least one point.
   PatchSurface(std::vector<Eigen::Vector3d> points_m, double radius_m);
 
   const std::vector<Eigen::Vector3d>& points_m() const { return points_m_; }
   const LocalPlane& plane(std::size_t i) const { return planes_[i]; }
 
-  /// The point nearest to p_m, and its distance.
+  /// Returns the point nearest to p_m and its distance.
   PointTree::Nearest NearestTo(const Eigen::Vector3d& p_m) const { return tree_.NearestTo(p_m); }
 
  private:

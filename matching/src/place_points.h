@@ -9,7 +9,8 @@
 
 namespace dn::internal {
 
-/// Positions of points of a strip by the present alignment. x: as of RawPoints, in float or double.
+/// Computes the positions of points of a strip with the present alignment. x: like RawPoints::x, in
+/// float or double.
 template <class Scalar>
 void PlacePoints(const MatchSource& source, std::size_t strip, const std::vector<double>& t_s,
                  const std::vector<Eigen::Matrix<Scalar, 3, 1>>& x, int threads,

@@ -19,9 +19,9 @@ namespace {
 using Eigen::Vector3d;
 using Indices = std::vector<std::size_t>;
 
-constexpr double kLeastPlanarity = 0.2;       // of a neighbourhood: no edge of a wall, no wire
-constexpr unsigned kNeighboursOfGrowth = 20;  // that growing looks at
-constexpr double kRoughestRms_m = 0.08;       // of a plane, however far its points are apart
+constexpr double kLeastPlanarity = 0.2;  // of a neighbourhood: excludes edges of walls and wires
+constexpr unsigned kNeighboursOfGrowth = 20;  // neighbours examined in region growing
+constexpr double kRoughestRms_m = 0.08;       // of a plane, whatever the spacing of its points
 constexpr double kTrimSigmas = 3.0;
 constexpr int kTrims = 3;
 constexpr std::size_t kUnknowns = 3;
@@ -33,7 +33,7 @@ std::vector<Vector3d> At(const std::vector<Vector3d>& points_m, const Indices& a
   return out;
 }
 
-/// Points with a flat neighbourhood, and their normals.
+/// The points with a flat neighbourhood and their normals.
 struct FlatPoints {
   Indices at;
   pcl::PointCloud<pcl::PointXYZ>::Ptr cloud = pcl::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
@@ -53,7 +53,7 @@ FlatPoints FindFlat(const std::vector<Vector3d>& points_m, const PlanarRegionOpt
     flat.cloud->emplace_back(p.x(), p.y(), p.z());
     const Eigen::Vector3f n = plane.normal.cast<float>();
     pcl::Normal normal(n.x(), n.y(), n.z());
-    normal.curvature = static_cast<float>(plane.rms_m);  // seeds: the flattest first
+    normal.curvature = static_cast<float>(plane.rms_m);  // the flattest points are the first seeds
     flat.normals->push_back(normal);
   }
   return flat;
@@ -68,7 +68,7 @@ std::vector<Indices> Grow(const FlatPoints& flat, const PlanarRegionOptions& opt
   growing.setInputNormals(flat.normals);
   growing.setSearchMethod(pcl::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
   growing.setNumberOfNeighbours(kNeighboursOfGrowth);
-  growing.setSmoothModeFlag(false);  // against the seed, not from point to point
+  growing.setSmoothModeFlag(false);  // normals are compared with the seed, not from point to point
   growing.setCurvatureTestFlag(false);
   growing.setSmoothnessThreshold(static_cast<float>(options.smoothness_rad));
   growing.setMinClusterSize(static_cast<pcl::uindex_t>(options.min_points));
@@ -83,7 +83,7 @@ std::vector<Indices> Grow(const FlatPoints& flat, const PlanarRegionOptions& opt
   return regions;
 }
 
-/// Squares on a grid that all strips share.
+/// Cuts a region into squares of a grid common to all strips.
 std::vector<Indices> Cut(const std::vector<Vector3d>& points_m, Indices region, double side_m) {
   Eigen::Array2d low = points_m[region.front()].head<2>(), high = low;
   for (const std::size_t i : region) {
@@ -164,7 +164,7 @@ PlanarRegion FitRegion(const std::vector<Vector3d>& points_m) {
   region.normal = eigen.eigenvectors().col(0);
   if (region.normal.z() < 0.0) region.normal = -region.normal;
   region.rms_m = std::sqrt(moments[0] / static_cast<double>(n - kUnknowns));
-  constexpr double kSideOfVariance = 12.0;  // of a uniform distribution: side^2 / 12
+  constexpr double kSideOfVariance = 12.0;  // a uniform distribution has the variance side^2 / 12
   const double scale = kSideOfVariance / static_cast<double>(n);
   region.short_side_m = std::sqrt(scale * moments[1]);
   region.long_side_m = std::sqrt(scale * moments[2]);

@@ -7,12 +7,12 @@
 
 namespace dn::internal {
 
-/// Nearest points of a cloud. FLANN is asked directly: through PCL every question opens and closes a
-/// team of OpenMP, which takes longer than the answer. Coordinates are held in single precision,
-/// counted from the first point.
+/// Search tree for the nearest points of a cloud. It uses FLANN directly, because PCL opens and
+/// closes a team of OpenMP threads for every query, which takes longer than the query. Coordinates
+/// are stored in single precision relative to the first point.
 class PointTree {
  public:
-  /// At least one point.
+  /// Needs at least one point.
   explicit PointTree(const std::vector<Eigen::Vector3d>& points_m);
   ~PointTree();
   PointTree(PointTree&&) noexcept;
@@ -23,7 +23,7 @@ class PointTree {
   };
   Nearest NearestTo(const Eigen::Vector3d& p_m) const;
 
-  /// Fills `found` with the points closer than radius_m, in no order.
+  /// Fills `found` with the points closer than radius_m in arbitrary order.
   void FindWithin(const Eigen::Vector3d& p_m, double radius_m,
                   std::vector<std::size_t>* found) const;
 

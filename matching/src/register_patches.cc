@@ -25,9 +25,10 @@ constexpr int kPartsAcross = 5;
 constexpr int kFewestParts = 8;
 constexpr double kLeastEigenvalueRatio = 1e-5;
 constexpr double kPlaneMedians = 3.0;
-constexpr double kLeastCosine = 0.94;  // 20 deg between normals of partners
+constexpr double kLeastCosine = 0.94;  // at most 20 deg between the normals of partners
 
-/// The distance of a point from the plane of its partner, and how it changes with the shift.
+/// The distance of a point from the plane of its partner and its derivative with respect to the
+/// shift.
 struct Distance {
   double r_m;
   Vector3d n;
@@ -83,8 +84,8 @@ class Registrar {
            plane.rms_m <= most_rms_m_;
   }
 
-  /// The distance of a point from its partner's plane, where both are of one surface: a wall that
-  /// one strip sees is no partner of the roof's edge in the other.
+  /// Adds the distance of a point from the plane of its partner if both are on one surface. A wall
+  /// seen by one strip must not be matched with the edge of the roof in the other.
   void Add(const LocalPlane& own, const PatchSurface& other, const Vector3d& p_m, double sign,
            int part, std::vector<Distance>* found) const {
     if (!IsPlane(own)) return;
@@ -123,7 +124,7 @@ bool LeavesADirectionFree(const Matrix3d& N) {
   return !(eigen.eigenvalues()[0] > kLeastEigenvalueRatio * eigen.eigenvalues()[2]);
 }
 
-/// Weighted mean square of the distances, m^2.
+/// Returns the weighted mean square of the distances, m^2.
 double MeanSquare(const std::vector<Distance>& distances) {
   double sum = 0.0, squares = 0.0;
   for (const Distance& d : distances) {
@@ -133,7 +134,7 @@ double MeanSquare(const std::vector<Distance>& distances) {
   return std::max(squares / sum, kLeastScale_m * kLeastScale_m);
 }
 
-/// Of a sum over parts that want g_k: see Registration::variance_ratio. 0: too few parts.
+/// Returns Registration::variance_ratio; 0 if there are too few parts.
 double VarianceRatio(const std::vector<Distance>& distances, double mean_square_m2, double trace) {
   std::array<Vector3d, kPartsAcross * kPartsAcross> wants;
   std::array<bool, kPartsAcross * kPartsAcross> filled{};

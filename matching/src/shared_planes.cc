@@ -16,10 +16,10 @@ namespace {
 
 using Eigen::Vector3d;
 using Strips = std::vector<std::vector<PlacedPlane>>;
-using Members = std::vector<long>;  // index of the plane by strip, -1: none
+using Members = std::vector<long>;  // index of the plane in each strip; -1: not in this strip
 
 constexpr int kExtractions = 2;
-constexpr int kSearches = 3;  // after each
+constexpr int kSearches = 3;  // after each extraction
 constexpr double kLeastNoiseM = 0.005;
 constexpr double kNearlyLevelRad = 5.0 * kRadPerDeg;
 constexpr double kGentleRad = 15.0 * kRadPerDeg;
@@ -45,7 +45,7 @@ std::vector<PlanarRegion> Place(const std::vector<PlacedPlane>& planes,
   return regions;
 }
 
-/// Squares of the ground with the planes whose centroids lie in them.
+/// A grid of ground squares with the planes whose centroids lie in them.
 class CentroidGrid {
  public:
   CentroidGrid(const std::vector<PlanarRegion>& regions, double side_m) : side_m_(side_m) {
@@ -54,7 +54,8 @@ class CentroidGrid {
     }
   }
 
-  /// Calls work(index) for the planes within a side in east and in north, and some more.
+  /// Calls work(index) for all planes within one side length in east and north, and for some
+  /// others.
   template <class Work>
   void ForNear(const Vector3d& p_m, const Work& work) const {
     for (long east = -1; east <= 1; ++east) {
@@ -81,7 +82,7 @@ struct Nearest {
   double distance_m = 0.0;
 };
 
-/// Of each plane of `a` the nearest of `b` that may be the same.
+/// Returns, for each plane of `a`, the nearest plane of `b` that may be the same.
 std::vector<Nearest> FindNearest(const std::vector<PlanarRegion>& a,
                                  const std::vector<PlanarRegion>& b, double search_m,
                                  double angle_rad) {
@@ -128,7 +129,7 @@ std::vector<Match> MutualMatches(const std::vector<std::vector<PlanarRegion>>& s
   return matches;
 }
 
-/// Groups of planes, one of each strip at most.
+/// Groups of planes with at most one plane of each strip.
 class Groups {
  public:
   explicit Groups(const Strips& strips) {
@@ -200,7 +201,7 @@ SeenPlane Join(const Strips& strips, const Members& members) {
   return plane;
 }
 
-/// 0: nearly level; else by aspect, the gentle ones first.
+/// Returns the bin of a normal: 0 if nearly level, else by aspect, gentle slopes first.
 std::size_t BinOf(const Vector3d& normal) {
   if (normal.z() > std::cos(kNearlyLevelRad)) return 0;
   const double turns = std::atan2(normal.y(), normal.x()) / (2.0 * std::numbers::pi) + 0.5;
@@ -208,7 +209,7 @@ std::size_t BinOf(const Vector3d& normal) {
   return 1 + aspect + (normal.z() > std::cos(kGentleRad) ? 0 : kAspects);
 }
 
-/// The largest of each bin.
+/// Keeps the largest planes of each bin.
 std::vector<SeenPlane> Balance(std::vector<SeenPlane> planes, const Vector3d& lever_arm_b_m,
                                const Vector3d& theta_rad, std::size_t most_of_bin) {
   struct Place {
@@ -269,7 +270,7 @@ MatchOptions AlignmentOf(const SharePlanesOptions& options) {
   return align;
 }
 
-/// The boresight of the planes; nothing where they do not determine it.
+/// Returns the boresight of the planes; nullopt if they do not determine it.
 std::optional<Vector3d> Improve(const Flight& flight, const std::vector<SeenPlane>& planes,
                                 const Vector3d& theta_rad, int threads) {
   PlaneProblem problem = MakePlaneProblem(flight, planes);

@@ -16,18 +16,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Square of the ground, by its numbers to the east and to the north.
+/// Indices of a ground square to the east and to the north.
 using SquareKey = std::pair<long, long>;
 
-constexpr std::size_t kSampleStep = 32;         // of the points that tell what a strip covers
-constexpr double kLeastOfTypical = 0.1;         // of the density: less is the edge of a strip
-constexpr double kGolden = 0.6180339887498949;  // spreads a share evenly over any sequence
+// Every 32nd point is used to find the ground that a strip covers.
+constexpr std::size_t kSampleStep = 32;
+// Fraction of the typical density; lower values are the edge of a strip.
+constexpr double kLeastOfTypical = 0.1;
+constexpr double kGolden = 0.6180339887498949;  // distributes a fraction evenly over any sequence
 
 SquareKey TileOf(const Vector3d& p_m, double side_m) {
   return {std::lround(std::floor(p_m.x() / side_m)), std::lround(std::floor(p_m.y() / side_m))};
 }
 
-using Counts = std::map<SquareKey, double>;  // points
+using Counts = std::map<SquareKey, double>;  // number of points
 
 Counts CountPoints(const MatchSource& source, std::size_t strip, double side_m) {
   Counts counts;
@@ -47,10 +49,10 @@ double Typical(const Counts& counts) {
   return values.empty() ? 0.0 : Median(std::move(values));
 }
 
-/// What of the ground is looked at.
+/// The part of the ground that is searched for planes.
 struct Selection {
   std::vector<SquareKey> tiles;  ///< sorted
-  double density_m2 = 0.0;       ///< of the thinnest strip
+  double density_m2 = 0.0;       ///< density of the sparsest strip
   double share = 1.0;
 };
 

@@ -26,7 +26,7 @@ struct CellHash {
   }
 };
 
-/// The point of a cell, and how far it lies from the cell's centre.
+/// The point of a cell and its distance from the centre of the cell.
 struct KeptPoint {
   std::uint32_t index;
   float squared_m2;

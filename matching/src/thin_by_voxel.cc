@@ -12,8 +12,8 @@
 namespace dn {
 namespace {
 
-// PCL numbers the cells of a cloud with an int and holds coordinates as float: tiles of 1024^3
-// cells stay inside the one and lose 6e-5 of a cell to the other.
+// PCL numbers the cells of a cloud with an int and stores coordinates as float. Tiles of 1024^3
+// cells avoid an overflow and limit the rounding of coordinates to 6e-5 of a cell.
 constexpr double kTileCells = 1024.0;
 constexpr double kMaxCells = 1e15;
 
@@ -24,7 +24,7 @@ Tile TileOf(const Eigen::Vector3d& cells) {
           std::floor(cells.z() / kTileCells)};
 }
 
-/// The points of a tile in units of a cell, from the tile's corner.
+/// Returns the points of a tile in units of a cell, relative to the corner of the tile.
 pcl::PointCloud<pcl::PointXYZ>::Ptr LocalCloud(const std::vector<Eigen::Vector3d>& points_m,
                                                const std::vector<std::size_t>& indices,
                                                const Tile& tile, double voxel_m) {
@@ -38,7 +38,7 @@ pcl::PointCloud<pcl::PointXYZ>::Ptr LocalCloud(const std::vector<Eigen::Vector3d
   return cloud;
 }
 
-/// Which points of a cloud in units of a cell are kept.
+/// Returns which points of a cloud (in units of a cell) are kept.
 std::vector<bool> Kept(const pcl::PointCloud<pcl::PointXYZ>::Ptr& cloud) {
   constexpr bool kRememberRemoved = true;
   pcl::UniformSampling<pcl::PointXYZ> sampling(kRememberRemoved);

@@ -154,7 +154,7 @@ TEST(CliOutputFolder, AFolderInTheWayOfAFileLeavesNothingElse) {
   const ProgramRun run =
       RunProgram({"calibrate", ShortFlight().string(), "--out", (folder.path() / "r").string()});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.err, HasSubstr("a folder is called"));
+  EXPECT_THAT(run.err, HasSubstr("has the name of a result file"));
   EXPECT_THAT(NamesIn(folder.path() / "r"), ElementsAre("report.json", "result.json"));
 }
 

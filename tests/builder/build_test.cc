@@ -24,7 +24,7 @@ const Solution& Solved() {
   return solution;
 }
 
-/// The true motion, at the rate of the inertial samples.
+/// Returns a design with the true motion at the rate of the inertial samples.
 NetworkDesign Plan() {
   NetworkDesign design;
   const ImuData& imu = *Drone().flight.imu;
@@ -35,7 +35,7 @@ NetworkDesign Plan() {
   return design;
 }
 
-/// The drone's flight without anything measured but the laser vectors.
+/// Returns the drone flight without measurements except the laser vectors.
 Flight WithoutData() {
   Flight flight = Drone().flight;
   flight.imu.reset();
@@ -48,8 +48,8 @@ Eigen::Vector3d BoresightSigma(const FlightNetwork& network) {
   return MarginalCovariance(network.net, network.boresight).diagonal().cwiseSqrt();
 }
 
-// The covariances of a plan are those of the flight that is then measured: they depend on neither
-// the noise of the measurements nor on their being there.
+// The covariances of a plan equal those of the flight that is measured later: they do not depend on
+// the measured values or on their noise.
 TEST(Build, APlanForetellsTheSigmasOfTheFlight) {
   const NetworkDesign design = Plan();
   Flight plan = WithoutData();
@@ -61,7 +61,8 @@ TEST(Build, APlanForetellsTheSigmasOfTheFlight) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(foretold[i] / found[i], 1.0, 0.02) << i;
 }
 
-// Poses, planned readings and the network's own equations belong together: nothing is left over.
+// The poses, the planned readings and the equations of the network are consistent: the residuals
+// vanish.
 TEST(Build, PlannedReadingsFitTheirPoses) {
   const NetworkDesign design = Plan();
   Flight plan = WithoutData();

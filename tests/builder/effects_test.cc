@@ -16,7 +16,7 @@ namespace dn::effects_test {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// A flight with a lidar that scans about y from x down, and pairs from 100 to 300 s.
+/// Returns a flight whose lidar scans about y from nadir x, with pairs from 100 to 300 s.
 Flight LidarFlight() {
   Flight flight;
   flight.config.lidar.emplace();
@@ -70,10 +70,10 @@ TEST(Effects, EveryFixedEffectIsEstimable) {
   EXPECT_EQ(EstimableEffects().size(), fixed);
 }
 
-class OfInertial : public ::testing::TestWithParam<const char*> {};
+class InertialDerivatives : public ::testing::TestWithParam<const char*> {};
 
-// d out / d value, and d out / d in for what an effect before this one does.
-TEST_P(OfInertial, DerivativesAgreeWithDifferences) {
+// Checks d out / d value, and d out / d in for the change that an earlier effect makes.
+TEST_P(InertialDerivatives, DerivativesAgreeWithDifferences) {
   constexpr double kStep = 1e-6;
   for (unsigned seed = 0; seed < 10; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -94,13 +94,14 @@ TEST_P(OfInertial, DerivativesAgreeWithDifferences) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Effects, OfInertial,
+INSTANTIATE_TEST_SUITE_P(Effects, InertialDerivatives,
                          ::testing::Values("gyro_scale_factor", "accel_scale_factor",
                                            "gyro_misalignment", "accel_misalignment",
                                            "gyro_g_sensitivity"),
                          [](const auto& tested) { return std::string(tested.param); });
 
-// The definitions: what the sensor measures of the true rate and force.
+// Applies the definition of each effect to the true rate and force; the correction must return
+// them.
 TEST(Effects, TakeOutWhatTheInertialSensorsAdd) {
   const Vector3d w(0.1, -0.2, 0.3), f(1.0, 2.0, -9.8), value(1e-3, -2e-3, 3e-3);
   const Vector3d scaled_w = w + value.cwiseProduct(w), scaled_f = f + value.cwiseProduct(f);
@@ -123,8 +124,8 @@ TEST(Effects, ScaleFactorThatTurnsTheSensorOverIsRefused) {
       InvalidInput);
 }
 
-// The chain undoes misalignment, scale, g-sensitivity in the order opposite to that of the sensor,
-// whatever the order in which they are inserted.
+// The corrections undo misalignment, scale and g-sensitivity in the reverse order of the sensor,
+// independent of the order of insertion.
 TEST(Effects, InertialCorrectionsUndoTheOrderOfTheSensor) {
   const Flight flight = LidarFlight();
   const Vector3d w(0.1, -0.2, 0.3), f(1.0, 2.0, -9.8);
@@ -146,9 +147,9 @@ TEST(Effects, InertialCorrectionsUndoTheOrderOfTheSensor) {
   EXPECT_LE((reading.w_b - w).norm(), 1e-15);
 }
 
-class OfLidar : public ::testing::TestWithParam<const char*> {};
+class LidarDerivatives : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(OfLidar, DerivativesAgreeWithDifferences) {
+TEST_P(LidarDerivatives, DerivativesAgreeWithDifferences) {
   constexpr double kStep = 1e-6;
   for (unsigned seed = 0; seed < 10; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -171,8 +172,8 @@ TEST_P(OfLidar, DerivativesAgreeWithDifferences) {
   }
 }
 
-// What an effect does to the derivatives of those before it, by a change of the laser vector.
-TEST_P(OfLidar, CarriesDerivativesAlong) {
+// An effect transforms the derivatives of earlier effects, here of a change of the laser vector.
+TEST_P(LidarDerivatives, CarriesDerivativesAlong) {
   constexpr double kStep = 1e-4;
   const Vector3d u_s(90.0, 5.0, -40.0), along(0.3, 0.5, -0.2);
   const Flight flight = LidarFlight();
@@ -186,14 +187,14 @@ TEST_P(OfLidar, CarriesDerivativesAlong) {
   EXPECT_LE((reading.J_u.col(0) - (plus - minus) / (2.0 * kStep)).norm(), 1e-8);
 }
 
-INSTANTIATE_TEST_SUITE_P(Effects, OfLidar,
+INSTANTIATE_TEST_SUITE_P(Effects, LidarDerivatives,
                          ::testing::Values("lidar_time_drift", "lidar_range_offset",
                                            "lidar_range_scale", "lidar_angle_scale",
                                            "lidar_scan_cone", "boresight_drift", "boresight_step"),
                          [](const auto& tested) { return std::string(tested.param); });
 
-// The definitions: what the scanner measures of a true laser vector in its plane, 30 deg from
-// nadir about the scan axis.
+// Applies the definition of each effect to a true laser vector; the correction must return it. The
+// vector lies in the scan plane, 30 deg from nadir about the scan axis.
 TEST(Effects, TakeOutWhatTheScannerAdds) {
   const Vector3d axis = Vector3d::UnitY(), nadir = Vector3d::UnitX();
   const auto beam = [&](double range_m, double angle_rad) {
@@ -213,7 +214,7 @@ TEST(Effects, TakeOutWhatTheScannerAdds) {
   EXPECT_LE((corrected("lidar_scan_cone", cone_rad, u_s) - left_plane).norm(), 1e-12);
 }
 
-// Pairs from 100 to 300 s: tag = t + value (t - 100 s); the middle is 200 s.
+// The pairs last from 100 to 300 s, so that tag = t + value (t - 100 s) and the middle is 200 s.
 TEST(Effects, ClockAndMountOfTheScannerMoveInTime) {
   const Vector3d u_s(100.0, 0.0, 0.0), value(0.01, -0.02, 0.03);
   const double t_s = 260.0, drift = 1e-3;
@@ -242,7 +243,7 @@ TEST(Effects, GnssStepsInItsWindowAndTagsAreLate) {
   }
 }
 
-// The epoch of a tag does not depend on how late the first one is.
+// The epoch of a tag does not depend on the delay of the first epoch.
 TEST(Effects, AnOffsetAndADriftOfTheGnssClockUndoTheTag) {
   Flight flight = LidarFlight();
   MapGnssEpoch first;
@@ -260,7 +261,7 @@ TEST(Effects, AnOffsetAndADriftOfTheGnssClockUndoTheTag) {
   EXPECT_NEAR(reading.J_delay[1], 500.0 / (1.0 + 200e-6), 1e-9);
 }
 
-// North and east of the map's origin, where its axes are those of ENU.
+// North and east at the origin of the map, where the map axes are the ENU axes.
 TEST(Effects, GravityGainsTowardNorthAndEast) {
   const Flight flight = LidarFlight();
   const Vector3d origin = Vector3d::Zero();

@@ -33,7 +33,7 @@ const SimulatedFlight& Drone() {
   return sim;
 }
 
-/// A network of the drone flight, started at the truth.
+/// Returns a network of the drone flight with the truth as initial values.
 FlightNetwork AtTruth(const Flight& flight, const FlightNetworkOptions& options = {}) {
   const TimeInterval span = NetworkSpan(flight, true);
   const std::vector<double> times = NodeTimes(*flight.imu, span, GnssTimes(flight, span), {}, {});
@@ -85,9 +85,10 @@ TEST(FlightNetwork, GroupsHaveTheirCounts) {
   EXPECT_EQ(counts[""], 0) << "every factor is in a group";
 }
 
-// 2 Hz; 120 s are held for 3 s where the sigma is that of the white noise, and for a ninth of that
-// where it is three times as large, which is less than an epoch.
-TEST(FlightNetwork, LastingErrorsOfGnssAreStatesOfItsEpochs) {
+// GNSS has 2 Hz. For tau = 120 s the error is constant over 3 s if its sigma equals the white
+// noise. If it is three times as large, the interval is a ninth of that, which is less than one
+// epoch.
+TEST(FlightNetwork, TimeCorrelatedGnssErrorsAreStatesOfTheEpochs) {
   Flight flight = Drone().flight;
   flight.config.gnss->processes = {{{0.015, 0.0, 0.03}, 120.0}, {{0.0, 0.0, 0.09}, 120.0}};
   FlightNetwork network = AtTruth(flight);
@@ -110,7 +111,7 @@ TEST(FlightNetwork, LastingErrorsOfGnssAreStatesOfItsEpochs) {
 
 TEST(FlightNetwork, BiasIntervalsCoverTheFlightAndKeepTheirLength) {
   FlightNetworkOptions options;
-  options.bias_interval_per_tau = 0.01;  // 6 s of 600 s
+  options.bias_interval_per_tau = 0.01;  // 6 s for tau = 600 s
   Flight flight = Drone().flight;
   flight.config.imu->model.gyro.processes.push_back({BiasProcess::Type::kRandomWalk, 1e-7, 0.0});
   const FlightNetwork network = AtTruth(flight, options);
@@ -156,7 +157,8 @@ TEST(FlightNetwork, ResidualsAtTheTruthOfANoiseFreeFlightVanish) {
   FlightNetwork network = AtTruth(sim.flight);
   network.AddPairs(sim.flight.pairs->pairs);
   network.net.SetValue(network.boresight, Exp(sim.boresight_rad));
-  // Coning and sculling within a sample, and the georeferencing between two: parts of sigma.
+  // Coning and sculling within a sample and the interpolation of the georeferencing are fractions
+  // of a sigma.
   constexpr double kPerEdge = 1e-3;
   EXPECT_LT(EvaluateCost(network.net).cost, kPerEdge * network.net.num_factors());
   EXPECT_LT(network.PairDifference(0).norm(), 1e-3);
@@ -230,7 +232,8 @@ TEST(FlightNetwork, PairsWithinOneNodeAreCountedAndLeftOut) {
   EXPECT_EQ(network.pair_edges.size(), 1U);
 }
 
-/// Whitening of a pair: its derivative with respect to the position of a node.
+/// Returns the whitening matrix of a pair, which is the derivative of its residual with respect to
+/// the position of a node.
 Eigen::Matrix3d Whitening(const FlightNetwork& network, const FlightNetwork::PairEdge& edge) {
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
@@ -238,14 +241,14 @@ Eigen::Matrix3d Whitening(const FlightNetwork& network, const FlightNetwork::Pai
   return J[1];
 }
 
-// White gyro noise turns the arm from the node to the epoch, less what the node after it tells:
-// 2 n^2 t (D - t) / D |u|^2 over the three axes.
+// White gyro noise turns the arm from the node to the epoch. Given the rotation at the next node,
+// the variance over the three axes is 2 n^2 t (D - t) / D |u|^2.
 TEST(FlightNetwork, PairsCarryTheNoiseOfTheIncrementBetweenTheirNodes) {
   FlightNetwork network = AtTruth(Drone().flight);
   network.AddPairs(Drone().flight.pairs->pairs);
   const double white = Drone().flight.config.imu->model.gyro.white;
   const double sigma_p_m = Drone().flight.config.lidar->sigma_p_m;
-  constexpr double kTolerance = 0.1;  // lever arm, white accelerometer noise
+  constexpr double kTolerance = 0.1;  // allows for the lever arm and the white accelerometer noise
   for (const auto& edge : network.pair_edges) {
     ASSERT_TRUE(edge.bridge_i && edge.bridge_j);
     const auto variance = [&](std::size_t k, double t_s, const Eigen::Vector3d& u) {
@@ -269,7 +272,7 @@ TEST(FlightNetwork, NoBridgeWhereTheNoiseDoesNotCount) {
   for (const auto& edge : network.pair_edges) EXPECT_FALSE(edge.bridge_i || edge.bridge_j);
 }
 
-/// Of all pairs, some whose ends fall into intervals of the nodes that no other end falls into.
+/// Returns pairs whose ends lie in node intervals without other pair ends.
 std::vector<LidarPair> OnePerInterval(const Flight& flight, const std::vector<double>& node_t_s) {
   std::set<std::size_t> taken;
   std::vector<LidarPair> pairs;
@@ -282,12 +285,13 @@ std::vector<LidarPair> OnePerInterval(const Flight& flight, const std::vector<do
   return pairs;
 }
 
-// A node at every epoch is the exact network. Eliminated from it, such a node leaves the bridge.
+// A node at every epoch gives the exact network. Eliminating such a node must give the same result
+// as the bridge.
 TEST(FlightNetwork, BridgesAreNodesAtTheEpochsEliminated) {
   Flight flight = Drone().flight;
   ImuModel& model = flight.config.imu->model;
   model.gyro.white *= 20.0;   // 0.1 m at the ground within a second
-  model.accel.white *= 10.0;  // so that no tilt within an interval shows in the velocities
+  model.accel.white *= 10.0;  // tilts within an interval then do not affect the velocities
   model.gyro.processes = {{BiasProcess::Type::kRandomConstant, 1e-5, 0.0}};
   model.accel.processes = {{BiasProcess::Type::kRandomConstant, 1e-2, 0.0}};
   const TimeInterval span = NetworkSpan(flight, true);
@@ -328,7 +332,7 @@ TEST(FlightNetwork, BridgesAreNodesAtTheEpochsEliminated) {
   EXPECT_NEAR(bridged.cost / exact.cost, 1.0, 1e-3);
 }
 
-/// The plain factor of a pair with a shift of its second point, an unknown of its own.
+/// The plain factor of a pair with an additional unknown, a shift of its second point.
 class ShiftedPair final : public DynamicAutoFactor<ShiftedPair>, public PointPairFactor {
  public:
   ShiftedPair(const LocalFrame& frame, const PairParts& parts)
@@ -401,7 +405,7 @@ TEST(FlightNetwork, OwnFactorsOfPairsAreSolvedAndRenewed) {
   EXPECT_LE(network.PairDifference(0).norm(), 0.5);
 }
 
-// What effects would do to a pair whose factor does not say is what they do to that of the library.
+// The sensitivity of a pair whose factor does not provide it equals that of the library's factor.
 TEST(FlightNetwork, OwnFactorsOfPairsNeedNotSayWhatEffectsDo) {
   Block<Vec<3>> shift;
   FlightNetwork network = AtTruth(Drone().flight, WithShift(&shift));
@@ -433,7 +437,7 @@ TEST(FlightNetwork, OwnFactorsOfPairsMustSayTheirPoints) {
   };
   FlightNetwork network = AtTruth(Drone().flight, options);
   testing::ExpectInvalid([&] { network.AddPairs(Drone().flight.pairs->pairs); },
-                         "is no PointPairFactor", 0);
+                         "is not a PointPairFactor", 0);
 }
 
 TEST(FlightNetwork, OwnFactorsOfPairsExcludeEstimatedEffectsOnPairs) {
@@ -442,7 +446,7 @@ TEST(FlightNetwork, OwnFactorsOfPairsExcludeEstimatedEffectsOnPairs) {
   Block<Vec<3>> shift;
   FlightNetwork network = AtTruth(flight, WithShift(&shift));
   testing::ExpectInvalid([&] { network.AddPairs(flight.pairs->pairs); },
-                         "know nothing of 'lidar_range_offset'", 0);
+                         "cannot estimate 'lidar_range_offset'", 0);
 }
 
 TEST(FlightNetwork, AReplacedFactorStays) {
@@ -494,7 +498,7 @@ TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
 
   Eigen::VectorXd r;
   ASSERT_TRUE(network.net.EvaluateFactor(id, &r));
-  const FlightNetwork::StateBetween at = network.StateAt(t_s);  // integrated anew
+  const FlightNetwork::StateBetween at = network.StateAt(t_s);  // integrated again
   const MapPose node = network.NodePose(at.node);
   const KinematicState<double> state = at.state.At<double>(node.q_mb, node.p_mb, node.v_m);
   EXPECT_LE((0.5 * r.head<3>() - Log(state.q_mb)).norm(), 1e-8);
@@ -509,7 +513,7 @@ TEST(FlightNetwork, AFactorBetweenNodesFollowsTheBiases) {
       "outside its nodes", 0);
 }
 
-TEST(FlightNetwork, DerivativesByMeansStandBesideTheIncrementsInUse) {
+TEST(FlightNetwork, DerivativesFromMeansKeepTheIncrementsInUse) {
   constexpr double kUsualScale = 3e-4;
   const FlightNetwork network = AtTruth(Drone().flight);
   CalibrationState with_scale = network.Calibration();
@@ -544,7 +548,7 @@ TEST(FlightNetwork, NumberOfStartingPosesMustMatch) {
       "2 starting poses for 3 nodes", 0);
 }
 
-TEST(FlightNetwork, RelinearisingAConvergedNetworkChangesNothing) {
+TEST(FlightNetwork, RepreintegratingAConvergedNetworkChangesNothing) {
   Calibration calibration(Drone().flight);
   FlightNetwork& network = *calibration.adjustment.network;
   const double cost = EvaluateCost(network.net).cost;
@@ -555,7 +559,7 @@ TEST(FlightNetwork, RelinearisingAConvergedNetworkChangesNothing) {
   const SolveReport report = Solve(network.net);
   EXPECT_TRUE(report.converged);
   const Eigen::Vector3d moved = Log(network.net.Value(network.boresight) * before.conjugate());
-  constexpr double kOfSigma = 1e-3;  // the tolerance of the last solution: 1e-10 of the cost
+  constexpr double kOfSigma = 1e-3;  // the last solution has a tolerance of 1e-10 of the cost
   EXPECT_LT(moved.cwiseQuotient(calibration.boresight.sigma_rad()).norm(), kOfSigma);
 }
 
@@ -570,7 +574,7 @@ TEST(FlightNetwork, GnssCovarianceIsTheFilesElseTheDefaultScaled) {
   epoch.covariance_enu_m2 = Eigen::Matrix3d::Identity();
   EXPECT_LT((GnssPositionCovariance(epoch, config) - 4.0 * Eigen::Matrix3d::Identity()).norm(),
             kRounding);
-  // A quarter of the Earth to the east, up is east.
+  // At 90 deg east on the equator, up is the direction east of the map frame.
   epoch.covariance_enu_m2 = Eigen::Matrix3d(Eigen::Vector3d(1.0, 2.0, 3.0).asDiagonal());
   const LocalFrame equator{Geodetic{}};
   GnssData east;
@@ -593,7 +597,8 @@ TEST(FlightNetwork, VelocitiesAreUsedWithTheirSigmasUnlessSwitchedOff) {
   EXPECT_FALSE(UsesVelocity(epoch, config));
 }
 
-/// r = (height of the body - reading - offset) / sigma, for an own sensor with an own unknown.
+/// r = (height of the body - reading - offset) / sigma, for a user-defined sensor with its own
+/// unknown.
 struct Altimeter : AutoFactor<Altimeter, 1, Vec<3>, Vec<1>> {
   double reading_m = 0.0, sigma_m = 1.0;
   template <class T>
@@ -603,7 +608,7 @@ struct Altimeter : AutoFactor<Altimeter, 1, Vec<3>, Vec<1>> {
   }
 };
 
-/// r = (a - b) / 1: leaves the sum free.
+/// r = (a - b) / 1, which leaves the sum of both undetermined.
 struct Tie : AutoFactor<Tie, 1, Vec<1>, Vec<1>> {
   template <class T>
   bool Residual(const T* a, const T* b, T* r) const {

@@ -8,9 +8,9 @@ namespace dn::node_grid_test {
 using ::testing::DoubleNear;
 using ::testing::Pointwise;
 
-constexpr double kRounding = 1e-12;  // of times of order ten
+constexpr double kRounding = 1e-12;  // rounding of times of about 10 s
 
-/// Samples every dt_s from 0 to end_s.
+/// Returns samples every dt_s from 0 to end_s.
 ImuData EvenImu(double end_s, double dt_s) {
   ImuData imu;
   imu.nominal_dt_s = dt_s;

@@ -16,8 +16,8 @@ ProcessChain AddTo(Network* net, const BiasProcess& process,
                          Eigen::Vector3d::Zero(), net);
 }
 
-// Intervals of 3 s hold three epochs of 1 Hz; none spans the outage; a hold shorter than an epoch
-// gives each its own.
+// An interval of 3 s contains three epochs of 1 Hz, and intervals do not span the outage. If the
+// length is shorter than an epoch, each epoch has its own interval.
 TEST(ProcessChain, IntervalsHoldEpochs) {
   const std::vector<double> t_s{0.0, 1.0, 2.0, 3.0, 4.0, 60.0, 61.0, 62.0, 63.0};
   const std::vector<HeldInterval> three = HoldOverEpochs(t_s, 3.0);
@@ -32,7 +32,7 @@ TEST(ProcessChain, IntervalsHoldEpochs) {
   for (std::size_t k = 0; k < each.size(); ++k) EXPECT_EQ(each[k].t_mid_s, t_s[k]);
 }
 
-// Without measurements the states of a Gauss-Markov process have its stationary covariance: sigma^2
+// Without measurements the states of a Gauss-Markov process have its stationary covariance sigma^2
 // exp(-dt / tau), whatever the intervals are.
 TEST(ProcessChain, HasTheCovarianceOfItsProcess) {
   constexpr double kSigma = 0.02, kTauS = 40.0;

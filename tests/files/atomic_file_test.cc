@@ -14,7 +14,7 @@ using testing::ExpectInvalid;
 using testing::TempFolder;
 namespace fs = std::filesystem;
 
-std::string ContentOf(const fs::path& file) {
+std::string ReadText(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -31,7 +31,7 @@ TEST(WriteFileAtomically, WritesEveryByteAndNothingElse) {
   const TempFolder folder;
   const std::string content("a\0b\n", 4);
   WriteFileAtomically(folder.path() / "x.bin", content);
-  EXPECT_EQ(ContentOf(folder.path() / "x.bin"), content);
+  EXPECT_EQ(ReadText(folder.path() / "x.bin"), content);
   EXPECT_EQ(NamesIn(folder.path()), std::set<std::string>{"x.bin"});
 }
 
@@ -39,7 +39,7 @@ TEST(WriteFileAtomically, ReplacesAFile) {
   const TempFolder folder;
   folder.Write("x.txt", "a longer old content");
   WriteFileAtomically(folder.path() / "x.txt", "new");
-  EXPECT_EQ(ContentOf(folder.path() / "x.txt"), "new");
+  EXPECT_EQ(ReadText(folder.path() / "x.txt"), "new");
 }
 
 TEST(WriteFileAtomically, NamesThePathThatCannotBeWritten) {
@@ -70,8 +70,8 @@ TEST(OutputDirectory, ShowsNothingBeforeCommitAndEverythingAfter) {
     EXPECT_FALSE(fs::exists(out / "lidar"));
     results.Commit();
   }
-  EXPECT_EQ(ContentOf(out / "result.json"), "{}");
-  EXPECT_EQ(ContentOf(out / "lidar" / "1_2.txt"), "1");
+  EXPECT_EQ(ReadText(out / "result.json"), "{}");
+  EXPECT_EQ(ReadText(out / "lidar" / "1_2.txt"), "1");
   EXPECT_EQ(NamesIn(out), (std::set<std::string>{"lidar", "result.json"}));
 }
 
@@ -79,7 +79,7 @@ TEST(OutputDirectory, DropsWhatWasNotCommitted) {
   const TempFolder folder;
   folder.Write("out/result.json", "old");
   { OutputDirectory(folder.path() / "out").Add("result.json", "new"); }
-  EXPECT_EQ(ContentOf(folder.path() / "out" / "result.json"), "old");
+  EXPECT_EQ(ReadText(folder.path() / "out" / "result.json"), "old");
   EXPECT_EQ(NamesIn(folder.path() / "out"), std::set<std::string>{"result.json"});
 }
 
@@ -98,7 +98,7 @@ TEST(OutputDirectory, KeepsTheLastOfTwoFilesOfOneName) {
   results.Add("a.txt", "1");
   results.Add("a.txt", "2");
   results.Commit();
-  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "2");
+  EXPECT_EQ(ReadText(folder.path() / "a.txt"), "2");
 }
 
 TEST(OutputDirectory, CommitsTwice) {
@@ -108,8 +108,8 @@ TEST(OutputDirectory, CommitsTwice) {
   results.Commit();
   results.Add("b.txt", "2");
   results.Commit();
-  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "1");
-  EXPECT_EQ(ContentOf(folder.path() / "b.txt"), "2");
+  EXPECT_EQ(ReadText(folder.path() / "a.txt"), "1");
+  EXPECT_EQ(ReadText(folder.path() / "b.txt"), "2");
 }
 
 TEST(OutputDirectory, RejectsNamesThatLeaveIt) {
@@ -130,7 +130,7 @@ TEST(OutputDirectory, CommitsAllOrNothing) {
     for (const char* name : {"a.txt", "b.txt", "lidar/1_2.txt", "z.txt"}) results.Add(name, "new");
     EXPECT_THROW(results.Commit(), UnusableOutput);
   }
-  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "of the user");
+  EXPECT_EQ(ReadText(folder.path() / "a.txt"), "of the user");
   EXPECT_EQ(NamesIn(folder.path()), (std::set<std::string>{"a.txt", "z.txt"}));
 }
 
@@ -141,7 +141,7 @@ TEST(OutputDirectory, AFileThatCannotBeMovedTakesTheOthersBack) {
   for (const char* name : {"a.txt", "lidar/1_2.txt", "z.txt"}) results.Add(name, "new");
   fs::remove(results.staging() / "z.txt");  // as if the disk had failed
   EXPECT_THROW(results.Commit(), fs::filesystem_error);
-  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "of the user");
+  EXPECT_EQ(ReadText(folder.path() / "a.txt"), "of the user");
   EXPECT_FALSE(fs::exists(folder.path() / "lidar"));
 }
 
@@ -154,7 +154,7 @@ TEST(OutputDirectory, ALinkIsNoFolderForResults) {
   results.Add("lidar/1_2.txt", "new");
   EXPECT_THROW(results.Commit(), UnusableOutput);
   results.Remove({"lidar/1_2.txt"});
-  EXPECT_EQ(ContentOf(folder.path() / "elsewhere/1_2.txt"), "of the user");
+  EXPECT_EQ(ReadText(folder.path() / "elsewhere/1_2.txt"), "of the user");
 }
 
 TEST(OutputDirectory, ASecondRunIsRefusedWhileTheFirstOneLives) {
@@ -165,7 +165,7 @@ TEST(OutputDirectory, ASecondRunIsRefusedWhileTheFirstOneLives) {
     EXPECT_THROW(OutputDirectory{folder.path()}, UnusableOutput);
     first.Commit();
   }
-  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "1");
+  EXPECT_EQ(ReadText(folder.path() / "a.txt"), "1");
   EXPECT_NO_THROW(OutputDirectory{folder.path()});
 }
 
@@ -178,7 +178,7 @@ TEST(OutputDirectory, WhatAKilledRunStagedIsSwept) {
   { const OutputDirectory results(folder.path()); }
   EXPECT_EQ(NamesIn(folder.path()),
             (std::set<std::string>{".dn-staging-link00", ".dn-staging-short", "elsewhere"}));
-  EXPECT_EQ(ContentOf(folder.path() / "elsewhere/a.txt"), "of the user");
+  EXPECT_EQ(ReadText(folder.path() / "elsewhere/a.txt"), "of the user");
 }
 
 TEST(OutputDirectory, AHalfCommitOfAKilledRunIsUndone) {
@@ -192,8 +192,8 @@ TEST(OutputDirectory, AHalfCommitOfAKilledRunIsUndone) {
   folder.Write("z.txt", "of the user");
   { const OutputDirectory results(folder.path()); }
   EXPECT_EQ(NamesIn(folder.path()), (std::set<std::string>{"a.txt", "z.txt"}));
-  EXPECT_EQ(ContentOf(folder.path() / "a.txt"), "of the user");
-  EXPECT_EQ(ContentOf(folder.path() / "z.txt"), "of the user");
+  EXPECT_EQ(ReadText(folder.path() / "a.txt"), "of the user");
+  EXPECT_EQ(ReadText(folder.path() / "z.txt"), "of the user");
 }
 
 TEST(OutputDirectory, StagesWhereNobodyElseMayEnter) {

@@ -15,7 +15,7 @@ namespace dn::file_content_test {
 
 using testing::TempFolder;
 
-/// `count` rows, the first value of which is t, step_s apart.
+/// Returns `count` rows whose first value is a time, step_s apart.
 std::string Rows(double t_s, double step_s, const std::string& rest, int count = 30) {
   std::string text;
   for (int i = 0; i < count; ++i) text += FormatDouble(t_s + step_s * i) + ", " + rest + "\n";
@@ -74,7 +74,8 @@ TEST(FileContent, PairsAndTrajectories) {
 
 using Attitude = TrajectoryColumns::Attitude;
 
-/// Quaternion or angles of a level body that heads so, drifting a little to the side.
+/// Returns the quaternion or angles of a level body with this heading, with a small drift to the
+/// side.
 std::string AttitudeText(double heading_rad, Attitude attitude, bool flu) {
   const double heading_deg = (heading_rad + 0.1) * kDegPerRad;
   if (attitude == Attitude::kRollPitchHeading) return fmt::format("1, -2, {}", heading_deg);
@@ -97,7 +98,7 @@ std::string PositionText(const std::string& crs, double east_m, double north_m) 
   return fmt::format("{:.3f}, {:.3f}, {:.3f}", p.x(), p.y(), p.z());
 }
 
-/// Some time on the ground, then a curve of 60 m/s.
+/// Returns a trajectory that is at rest on the ground and then flies a curve at 60 m/s.
 std::string TrajectoryText(const std::string& crs, Attitude attitude, bool flu, int still = 0) {
   std::string text;
   double east_m = 10.0, north_m = 20.0;
@@ -132,7 +133,7 @@ TEST(FileContent, CoordinatesAndAttitudeOfATrajectory) {
   }
 }
 
-// More rows than are looked at otherwise.
+// The trajectory has more rows at rest than the rows that are normally read.
 TEST(FileContent, ATrajectoryThatStandsAtFirst) {
   const FileContent content = Look(TrajectoryText("utm:", Attitude::kRollPitchYawEnu, false, 5000));
   ASSERT_EQ(content.kind, FileKind::kTrajectory);
@@ -152,7 +153,8 @@ TEST(FileContent, PointClouds) {
 }
 
 TEST(FileContent, TimeSince1980And1970) {
-  // Week 2347 begins at 1419465600 s since 1980; 18 leap seconds lie between it and Unix time.
+  // Week 2347 begins 1419465600 s after the start of 1980; GPS time is 18 leap seconds ahead of
+  // Unix time.
   const std::string rest = "0.01, 0.02, 0.3, 0.1, 0.2, -9.8";
   EXPECT_EQ(Look(Rows(100, 0.01, rest)).time_offset_s, 0.0);
   EXPECT_EQ(Look(Rows(1419465700, 0.01, rest)).time_offset_s, 1419465600.0);

@@ -42,7 +42,8 @@ TEST(FindStrips, PrefersTheStripsOfAllPairsToThoseOfASelection) {
   EXPECT_EQ(FindStrips(flight).size(), 1u);
 }
 
-// East for 60 s, a half turn at 6 deg/s, west for 60 s; 10 Hz, 50 m/s.
+// The flight goes east for 60 s, makes a half turn at 6 deg/s, and goes west for 60 s, at 10 Hz and
+// 50 m/s.
 TEST(FindStrips, FindsTheStraightLegsOfATrajectory) {
   const double deg = std::acos(-1.0) / 180.0;
   std::vector<NavPoint> points;

@@ -1,4 +1,4 @@
-// One test per way in which flight.yaml can be wrong: the message and the line.
+// Each test has one error of flight.yaml and checks the message and its line.
 #include <dn/flight/flight_config.h>
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace dn::flight_config_errors_test {
 using testing::ExpectInvalid;
 using testing::TempFolder;
 
-/// Expects InvalidConfig, with the file's name, from a text whose fault is on `line`.
+/// Expects InvalidConfig with the name of the file for a text with an error on `line`.
 void ExpectBad(const std::string& text, const std::string& what, long line) {
   SCOPED_TRACE(text);
   const auto parse = [&] { ParseFlightConfig(text, "/f"); };
@@ -75,10 +75,10 @@ TEST(FlightConfigErrors, OutOfRange) {
   ExpectBad("frame: {origin_deg_m: [0, 400, 0]}\n", "longitude", 1);
   ExpectBad("time_span_s: [2, 1]\n", "must begin before it ends", 1);
   ExpectBad("trajectory: {sigma_rp_deg: -1}\n", "trajectory.sigma_rp_deg: must be greater", 1);
-  ExpectBad("trajectory: {crs: utm:61n}\n", "is none of geographic, map, utm:ZONEn", 1);
-  ExpectBad("gnss: {crs: utm:61n}\n", "is none of geographic, map, utm:ZONEn", 1);
+  ExpectBad("trajectory: {crs: utm:61n}\n", "is not one of geographic, map, utm:ZONEn", 1);
+  ExpectBad("gnss: {crs: utm:61n}\n", "is not one of geographic, map, utm:ZONEn", 1);
   ExpectBad("gnss: {north: grid}\n", "grid needs positions in a grid", 1);
-  ExpectBad("gnss: {format: rtklib, crs: utm:32n}\n", "say themselves", 1);
+  ExpectBad("gnss: {format: rtklib, crs: utm:32n}\n", "define their coordinates themselves", 1);
   ExpectBad("trajectory: {north: grid}\n", "grid needs positions in a grid", 1);
   ExpectBad("network: {node_rate_hz: -1}\n", "greater than 0", 1);
   ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: max, count: 0}}\n", "at least 1", 1);
@@ -89,7 +89,7 @@ TEST(FlightConfigErrors, OutOfRange) {
 TEST(FlightConfigErrors, UnknownWord) {
   ExpectBad("body: FRU\n", "body: 'FRU' is not one of FRD, FLU", 1);
   ExpectBad("gnss: {robust: hubber}\n", "did you mean 'huber'", 1);
-  ExpectBad("strips_crs: utm:61n\n", "'utm:61n' is none of", 1);
+  ExpectBad("strips_crs: utm:61n\n", "'utm:61n' is not one of", 1);
   ExpectBad("lidar: {gsd_m: 1, pairs: {strategy: some}}\n", "all, max, freq, time_window", 1);
 }
 
@@ -173,7 +173,7 @@ TEST(FlightConfigErrors, SelectionWithoutItsParameter) {
 
 TEST(FlightConfigErrors, Estimate) {
   ExpectBad("estimate:\n  - boresight\n  - gyro_bias_process\n", "state it in the noise", 3);
-  ExpectBad("estimate: [gnss_outage]\n", "a fault of the data, which no unknown models", 1);
+  ExpectBad("estimate: [gnss_outage]\n", "a fault of the data and cannot be estimated", 1);
   ExpectBad("estimate: [boresight_step]\n", "'boresight_step' needs t0_s", 1);
   ExpectBad("estimate: [{unknown: boresight_step}]\n", "t0_s: is missing", 1);
   ExpectBad("estimate: [{unknown: gnss_position_step, window_s: [3, 2]}]\n", "begin before end", 1);
@@ -188,7 +188,7 @@ TEST(FlightConfigErrors, Estimate) {
   ExpectBad("estimate: [{sigma: 1}]\n", "estimate[0].unknown: expected a word", 1);
 }
 
-/// True when the text parses, false when it is refused as it should be; anything else escapes.
+/// Returns whether the text is valid. Exceptions other than InvalidConfig are not caught.
 bool Parses(const std::string& text) {
   try {
     ParseFlightConfig(text, "/f");
@@ -231,7 +231,7 @@ TEST(FlightConfigErrors, DamagedTextIsReadOrRefusedButNothingElse) {
     if (i % 3 == 0) text.resize(random() % text.size());
     EXPECT_NO_THROW(refused += Parses(text) ? 0 : 1) << text;
   }
-  EXPECT_GT(refused, 1000);  // most places matter
+  EXPECT_GT(refused, 1000);  // damage matters at most places
 }
 
 TEST(FlightConfigErrors, HostileValuesOfEveryKeyAreReadOrRefusedWithTheirPlace) {

@@ -11,11 +11,11 @@ using ::testing::HasSubstr;
 using testing::TempFolder;
 
 constexpr double kDeg = 3.14159265358979323846 / 180.0;
-constexpr double kRelative = 1e-14;  // a few roundings of a unit conversion
+constexpr double kRelative = 1e-14;  // allows for a few roundings of a unit conversion
 
 FlightConfig Parse(const std::string& text) { return ParseFlightConfig(text, "/flights/one"); }
 
-/// Every key away from its default.
+/// Every key with a value other than its default.
 const char* const kEveryKey = R"(
 name: "a \"quoted\" name"
 body: FRD
@@ -73,7 +73,8 @@ lidar:
   gsd_m: 0.2
   sigma_p_m: 0.057735
   robust: cauchy
-trajectory: {file: t.txt, crs: "utm:32n", attitude: roll_pitch_heading_deg, north: grid, sigma_xy_m: 0.0022, sigma_z_m: 0.0039, sigma_rp_deg: 0.00022, sigma_y_deg: 0.00058}
+trajectory: {file: t.txt, crs: "utm:32n", attitude: roll_pitch_heading_deg, north: grid,
+             sigma_xy_m: 0.0022, sigma_z_m: 0.0039, sigma_rp_deg: 0.00022, sigma_y_deg: 0.00058}
 gh: {rotation: small_angle, libor_compat: true}
 estimate: [boresight, {unknown: gnss_lever_arm, sigma: 0.05}, lidar_time_offset,
            {unknown: boresight_step, t0_s: 381500, sigma: [0.01, 0.02, 0.03]},
@@ -396,7 +397,7 @@ TEST(FlightConfig, TheAnnotatedExampleShowsTheDefaults) {
   const FlightConfig shown = ReadFlightConfig(DN_REFERENCE_DIR);
   FlightConfig plain =
       ParseFlightConfig("{name: lar3, gnss: {}, lidar: {gsd_m: 0.2}, trajectory: {}}", "/f");
-  plain.imu = shown.imu;  // has no defaults for its noise
+  plain.imu = shown.imu;  // its noise has no default
   ExpectSameSensors(shown, plain);
   ExpectSameLidar(*shown.lidar, *plain.lidar);
   ExpectSameRest(shown, plain);

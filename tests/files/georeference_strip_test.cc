@@ -28,7 +28,7 @@ constexpr double kBegin_s = 381000.0, kEnd_s = 381020.0;
 constexpr double kGridM = 1e-4;
 const auto kNoProgress = [](std::uint64_t) {};
 
-/// Twenty seconds of a survey aircraft that looks at the ground below.
+/// Twenty seconds of a survey aircraft with a scanner that looks at the ground below.
 struct Survey {
   EarthMotion motion = testing::PlaneMotion();
   Mounting mounting;
@@ -54,7 +54,7 @@ struct Survey {
     return {700.0 + 5.0 * std::sin(t_s), 3.0, 300.0 * std::sin(7.0 * t_s)};
   }
 
-  /// The ground point, by matrices: independent of the library's equation.
+  /// Computes the ground point with matrices, independent of the equation of the library.
   Vector3d Ground(double t_s, const Vector3d& boresight_rad) const {
     const MapPose pose = motion.Pose(t_s - kBegin_s);
     const double angle = boresight_rad.norm();
@@ -79,7 +79,7 @@ std::vector<double> Epochs(int count, double from_s = kBegin_s + 1.0, double ste
   return t_s;
 }
 
-/// A LAS file without laser vectors.
+/// Returns a LAS file without laser vectors.
 std::string Las(const Survey& survey, const PointCrs& crs, const std::vector<double>& epochs_s) {
   LasBytes las;
   las.minor = 4;
@@ -98,7 +98,7 @@ std::string Las(const Survey& survey, const PointCrs& crs, const std::vector<dou
   return las.Build();
 }
 
-/// A text file with laser vectors and useless coordinates.
+/// Returns a text file with laser vectors and meaningless coordinates.
 std::string Text(const std::vector<double>& epochs_s) {
   std::string text;
   for (const double t_s : epochs_s) {
@@ -164,7 +164,7 @@ TEST_F(GeoreferenceStrip, TextHasItsOwnVectors) {
   const std::vector<double> epochs_s = Epochs(20);
   folder_.Write("strip.txt", Text(epochs_s));
   GeoreferenceOptions options = survey_.Options();
-  options.made_with = Mounting();  // has no part in it
+  options.made_with = Mounting();  // has no influence
   const GeoreferencedStrip strip = Run(options, "map", "strip.txt");
   EXPECT_TRUE(strip.own_vectors);
   const StripCloud points = ReadAll(Out("strip.txt"));
@@ -222,7 +222,7 @@ TEST_F(GeoreferenceStrip, PointsWithoutAPoseAreDroppedByReason) {
   GeoreferenceOptions options = survey_.Options();
   options.trajectory = Trajectory(points);
   options.time_span_s = Eigen::Vector2d(kBegin_s - 0.5, kEnd_s + 2.0);
-  folder_.Write("strip.txt", Text(Epochs(24, kBegin_s - 1.5, 1.0)));  // -1.5 .. 21.5 s
+  folder_.Write("strip.txt", Text(Epochs(24, kBegin_s - 1.5, 1.0)));  // from -1.5 to 21.5 s
   const GeoreferencedStrip strip = Run(options, "map", "strip.txt");
   EXPECT_EQ(strip.points, 24u);
   EXPECT_EQ(strip.kept, 16u);
@@ -267,7 +267,7 @@ TEST_F(GeoreferenceStrip, TheCovarianceIsInTheAxesOfThePoints) {
   Run(options, "ecef", "strip.las");
   const StripCloud points = ReadAll(Out("strip.las"));
   for (std::size_t i = 0; i < epochs_s.size(); ++i) {
-    // By differences of the attitude's angles, instead of the library's Jacobian.
+    // Computed from differences of the attitude angles, instead of the library's Jacobian.
     const MapPose pose = survey_.motion.Pose(epochs_s[i] - kBegin_s);
     const Vector3d u_s = Survey::Beam(epochs_s[i]);
     const Matrix3d R_mn = survey_.motion.frame.R_mn(pose.p_mb);
@@ -329,7 +329,7 @@ TEST_F(GeoreferenceStrip, AnEndLeavesNoFile) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
 }
 
-/// What a StripSource gives of a file.
+/// The output of a StripSource for a file.
 struct SourcedStrip {
   LaserVectors vectors;
   StripCounts counts;

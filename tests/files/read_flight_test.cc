@@ -28,7 +28,7 @@ std::string Row(const std::vector<double>& values) {
   return row + "\n";
 }
 
-/// A still, level body facing north, 50 Hz.
+/// Returns IMU data of a level body at rest that faces north, 50 Hz.
 std::string StillImu(double t0_s, double t1_s) {
   std::string text;
   for (int i = 0; t0_s + 0.02 * i <= t1_s; ++i) {
@@ -53,7 +53,8 @@ std::string StillTrajectory(double t0_s, double t1_s) {
 
 std::string Pair(double t_i_s, double t_j_s) { return Row({t_i_s, t_j_s, 1, 2, 30, 3, 4, 30}); }
 
-/// A complete small flight: IMU 100..140 s, GNSS 95..145 s, trajectory 100..140 s, two pairs.
+/// Writes a complete small flight: IMU 100..140 s, GNSS 95..145 s, trajectory 100..140 s, two
+/// pairs.
 void WriteFlight(const TempFolder& folder, const std::string& yaml = kYaml) {
   folder.Write("flight.yaml", yaml);
   folder.Write("IMU.txt", StillImu(100.0, 140.0));
@@ -112,7 +113,7 @@ TEST(ReadFlight, ReadsTheReferenceBesideTheRest) {
             ReadFlight(folder.path(), kDn).reference->points().size());
   folder.Write("reference.txt", "100, 46.6\n");
   ExpectInvalidIn([&] { ReadFlight(folder.path(), needs); }, "columns", "reference.txt");
-  folder.Write("IMU.txt", "1 2 3\n");  // comes first
+  folder.Write("IMU.txt", "1 2 3\n");  // this error is reported first
   ExpectInvalidIn([&] { ReadFlight(folder.path(), needs); }, "columns", "IMU.txt");
 }
 
@@ -123,7 +124,7 @@ TEST(ReadFlight, RemovesKnownOffsetsOfTheTags) {
               "lidar: {gsd_m: 0.2, time_offset_s: 2}\n");
   const Flight flight = ReadFlight(folder.path(), kDn);
   EXPECT_NEAR(flight.imu->t_end_s(), 139.5, 1e-9);
-  EXPECT_EQ(flight.gnss->epochs.front().t_s, 113.0);  // of the first tag, 95
+  EXPECT_EQ(flight.gnss->epochs.front().t_s, 113.0);  // the first tag is 95
   EXPECT_EQ(flight.pairs->pairs[0].t_i_s, 103.0);
   EXPECT_EQ(flight.pairs->pairs[0].t_j_s, 123.0);
 }
@@ -220,7 +221,7 @@ TEST(ReadFlight, BringsStripsAcrossAWeekRollover) {
   EXPECT_EQ(strips[0].t0_s, 604785.0);
   EXPECT_EQ(strips[0].t1_s, 604795.0);
   EXPECT_EQ(strips[1].t0_s, 604805.0);
-  EXPECT_EQ(strips[1].t1_s, 604825.0);  // beyond the data, but of one piece
+  EXPECT_EQ(strips[1].t1_s, 604825.0);  // later than the data, but the strip stays in one piece
 }
 
 TEST(ReadFlight, OptionalLeavesOutWhatIsNotThere) {
@@ -351,8 +352,8 @@ TEST(ReadFlight, BridgesALostRowWithAllItsPairs) {
   ExpectInvalid([&] { ReadFlight(folder.path(), kDn); }, "imu.max_gap_s is 0.01 s, shorter", 2);
 }
 
-// From a microsecond inside to a microsecond outside; the IMU data begin one interval before the
-// first tag.
+// Epochs go from a microsecond inside to a microsecond outside. The IMU data begin one interval
+// before the first tag.
 TEST(ReadFlight, KeepsTheGnssEpochsThatTheImuDataCoverToTheLastBit) {
   const TempFolder folder;
   WriteFlight(folder);
@@ -388,10 +389,10 @@ TEST(ReadFlightErrors, MostPairsInHoles) {
   folder.Write("LiDAR_p2p.txt", Pair(105, 115) + Pair(105, 125) + Pair(106, 126));
   folder.Write("IMU.txt", StillImu(100.0, 120.0) + StillImu(128.0, 140.0));
   ExpectInvalid([&] { ReadFlight(folder.path(), kDn); },
-                "2 of 3 pairs have an epoch in a hole of the IMU data", 2);
+                "2 of 3 pairs have an epoch in a gap of the IMU data", 2);
   folder.Write("trajectory.txt", StillTrajectory(100.0, 120.0) + StillTrajectory(128.0, 140.0));
   ExpectInvalid([&] { ReadFlight(folder.path(), kGh); },
-                "in a hole of the trajectory, the first in 120.000000 .. 128.000000 s", 2);
+                "in a gap of the trajectory, the first in 120.000000 .. 128.000000 s", 2);
 }
 
 TEST(ReadFlightErrors, AFileInMillisecondsIsNamed) {

@@ -1,4 +1,4 @@
-// Real flight folders, outside this project; skipped where they are absent.
+// Real flight folders outside this project; the tests are skipped if they are absent.
 #include <dn/flight/flight.h>
 #include <dn/imu/noise_check.h>
 #include <gmock/gmock.h>
@@ -49,8 +49,9 @@ TEST_F(RealData, PsinsCar) {
   ExpectRoundTrip(flight.config);
 }
 
-// Engines, hands and roads shake more than a sensor's noise, more at lower frequencies, and not
-// alike at all times: no white noise, of whatever size, is a good account.
+// Engines, hands and roads cause more vibration than the noise of a sensor, more at low
+// frequencies, and not equally at all times. White noise of any size therefore does not describe
+// the data.
 TEST_F(RealData, InertialNoiseIsNotWhite) {
   for (const char* name : {"thor75", "walk", "psins-car"}) {
     SCOPED_TRACE(name);

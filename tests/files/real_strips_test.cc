@@ -1,4 +1,4 @@
-// Measured point clouds, outside this project; skipped where they are absent.
+// Measured point clouds outside this project; the tests are skipped if they are absent.
 #include <dn/flight/georeference_strip.h>
 #include <dn/flight/strip_files.h>
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ class Leeward : public ::testing::Test {
 TEST_F(Leeward, TheSamePointsInUtmAndEcef) {
   const auto utm = OpenStrip(Data("leeward/points.las"));
   const auto ecef = OpenStrip(Data("leeward/points_ecef.las"));
-  EXPECT_EQ(utm->crs().name, "utm:11n");  // a projection of its own, whose code says the zone
+  EXPECT_EQ(utm->crs().name, "utm:11n");  // a user-defined projection whose code contains the zone
   EXPECT_EQ(ecef->crs().name, "ecef");
   StripCloud a, b;
   ASSERT_TRUE(utm->Next(&a));
@@ -46,13 +46,13 @@ TEST_F(Leeward, TheSamePointsInUtmAndEcef) {
   ASSERT_EQ(b.size(), 1325u);
   const PointCrs from_utm("utm:11n", frame_), from_ecef("ecef", frame_);
   for (std::size_t i = 0; i < a.size(); ++i) {
-    // Both are rounded to 1 cm.
+    // The coordinates of both files are rounded to 1 cm.
     EXPECT_LT((from_utm.ToMap(a.p_c[i]) - from_ecef.ToMap(b.p_c[i])).norm(), 0.02);
     EXPECT_EQ(a.t_s[i], b.t_s[i]);
   }
 }
 
-/// Slope and offset of the line through points, and what is left of it.
+/// Slope and offset of the line through points, and the rms of the residuals.
 struct Line {
   double offset = 0.0, slope = 0.0, rms = 0.0;
 };
@@ -77,8 +77,8 @@ Line FitLine(const std::vector<Eigen::Vector2d>& points) {
   return line;
 }
 
-// What the data can say of the trajectory, the frames and the inverse equation: seen from the
-// aircraft, the points lie in the plane of a scanner, at the scan angles that the file has.
+// Checks trajectory, frames and the inverse equation with the data. Seen from the aircraft, the
+// points must lie in the plane of a scanner, at the scan angles of the file.
 TEST_F(Leeward, TheBeamsLieInOnePlaneAtTheirScanAngles) {
   const StripCloud points = ReadAll(Data("leeward/points_ecef.las"));
   const PointCrs crs("ecef", frame_);
@@ -100,7 +100,7 @@ TEST_F(Leeward, TheBeamsLieInOnePlaneAtTheirScanAngles) {
   EXPECT_LT(std::abs(sum_deg), 0.15);
   EXPECT_LT(std::sqrt(sum2_deg2), 0.35);
   const Line line = FitLine(slopes);
-  EXPECT_NEAR(std::atan(line.slope) * kDegPerRad, -14.0, 0.2);  // the scan line lies askew
+  EXPECT_NEAR(std::atan(line.slope) * kDegPerRad, -14.0, 0.2);  // the scan line is oblique
   EXPECT_LT(std::abs(line.offset), 0.002);
   EXPECT_LT(line.rms * kDegPerRad, 0.006);
 }
@@ -124,7 +124,7 @@ TEST_F(Leeward, ThereAndBackThroughAnotherBoresight) {
   const StripCloud after = ReadAll(folder.path() / "b.las");
   for (std::size_t i = 0; i < before.size(); ++i) {
     EXPECT_LT((before.p_c[i] - after.p_c[i]).cwiseAbs().maxCoeff(),
-              0.0101);  // one step of the grid
+              0.0101);  // one step of the coordinate grid
     EXPECT_EQ(before.records.substr(i * 34 + 12, 22), after.records.substr(i * 34 + 12, 22));
   }
 }

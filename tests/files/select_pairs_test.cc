@@ -10,7 +10,7 @@ namespace dn::select_pairs_test {
 using testing::ExpectInvalid;
 using Strategy = PairSelection::Strategy;
 
-/// `count` pairs of a file, one every `step_s` from t0_s on.
+/// Appends `count` pairs of a file, one every `step_s` from t0_s on.
 void Append(int file, int count, double t0_s, double step_s, std::vector<LidarPair>& pairs) {
   for (int i = 0; i < count; ++i) {
     LidarPair pair;
@@ -100,7 +100,7 @@ TEST(SelectPairs, FreqKeepsThePairsNearestToTheRaster) {
   PairSelection selection;
   selection.strategy = Strategy::kFreq;
   selection.freq_hz = 1.0;
-  // Ticks 10, 11, 12 (none within half a second), 13, 14; kept in the order of the file.
+  // Ticks 10, 11, 12 (no pair within half a second), 13, 14; the pairs keep the order of the file.
   EXPECT_EQ(Times(SelectPairs(pairs, selection)), (std::vector<double>{10.0, 11.05, 14.2, 12.6}));
 }
 
@@ -109,7 +109,7 @@ TEST(SelectPairs, FreqWorksPerFile) {
   selection.strategy = Strategy::kFreq;
   selection.freq_hz = 1.0;
   const std::map<int, int> counts = CountByFile(SelectPairs(ThreeFiles(), selection));
-  EXPECT_NEAR(counts.at(0), 100, 1);  // the last tick may lie beyond the last pair
+  EXPECT_NEAR(counts.at(0), 100, 1);  // the last tick may be later than the last pair
   EXPECT_EQ(counts.at(1), 20);
   EXPECT_NEAR(counts.at(2), 100, 1);
 }

@@ -8,10 +8,12 @@
 
 namespace dn::fit_local_planes_test {
 
-// Coordinates of 1e3 m are good to 1e-13 m; a normal over metres, to 1e-12 with room.
+// Coordinates of 1e3 m have a rounding of 1e-13 m, so that a normal over some metres is accurate to
+// 1e-12; the rest is margin.
 constexpr double kRounding = 1e-10;
 
-/// A grid of (2 half + 1)^2 points 0.5 m apart on the plane through `centre_m` with unit normal n.
+/// Returns a grid of (2 half + 1)^2 points 0.5 m apart on the plane through `centre_m` with unit
+/// normal n.
 std::vector<Eigen::Vector3d> PlaneGrid(const Eigen::Vector3d& centre_m, const Eigen::Vector3d& n,
                                        int half) {
   const Eigen::Vector3d a = n.unitOrthogonal(), b = n.cross(a);
@@ -38,8 +40,8 @@ TEST(FitLocalPlanes, RecoversARoofFarFromTheOrigin) {
     EXPECT_EQ(planes[0].neighbours, 37u);  // lattice points within 3.5 steps
     EXPECT_LE((planes[0].normal - n).norm(), kRounding);
     EXPECT_LE((planes[0].centroid_m - centre_m).norm(), kRounding);
-    EXPECT_LE(planes[0].rms_m, 1e-6);                  // sqrt of a rounding of 1e-13 m^2
-    EXPECT_NEAR(planes[0].planarity, 1.0, kRounding);  // the lattice's symmetry makes l1 = l2
+    EXPECT_LE(planes[0].rms_m, 1e-6);                  // square root of a rounding of 1e-13 m^2
+    EXPECT_NEAR(planes[0].planarity, 1.0, kRounding);  // the symmetry of the lattice gives l1 = l2
   }
 }
 

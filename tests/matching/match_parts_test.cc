@@ -35,7 +35,7 @@ TEST(FillVoids, AHoleGetsTheMedianAndAShadowTheLowestOfItsNeighbours) {
   FillVoids(3, 3, 0, &hole);
   EXPECT_EQ(hole[4], 6.0F);
 
-  // A roof of 8 m, its shadow, the ground.
+  // The row has a roof of 8 m, its shadow, and the ground.
   const int n = 8;
   std::vector<float> row;
   for (int y = 0; y < 3; ++y) {
@@ -88,7 +88,7 @@ TEST(FindShift, IsNotTakenWhereThePatternRepeats) {
   EXPECT_FALSE(FindShift(waves(1), waves(2), {50, 50}, 12, 8));
 }
 
-/// The points of a town within a radius of a place.
+/// Returns the points of a town within a radius of a place.
 std::vector<Vector3d> Around(const std::vector<Vector3d>& points_m, const Vector2d& at_en_m,
                              double radius_m) {
   std::vector<Vector3d> kept;
@@ -124,7 +124,7 @@ TEST(RegisterPatches, FindTheShiftWithinItsCovariance) {
 
 TEST(RegisterPatches, SayWhenADirectionIsFree) {
   const auto flat = RegisterTown(RoughTown(true), 1);
-  if (flat) {  // noise gives the normals some tilt; what that tells is little
+  if (flat) {  // the noise tilts the normals a little, which gives little information
     EXPECT_GT(std::sqrt(flat->Covariance(flat->variance_ratio).trace()), 0.02);
   }
 }
@@ -163,7 +163,7 @@ TEST(ChoosePatches, AreSharedOutWhereThereAreTooMany) {
   EXPECT_THAT(south, ::testing::AllOf(::testing::Ge(3), ::testing::Le(7)));
 }
 
-/// Shifts on a grid, twice as bad as they say.
+/// Returns shifts on a grid with twice their stated sigmas.
 std::vector<PlacedShift> ScatteredShifts() {
   std::mt19937_64 engine(5);
   std::normal_distribution<double> normal;
@@ -191,7 +191,7 @@ TEST(AgreeWithNeighbours, LeavesOutTheWrongOneAndScalesTheRest) {
 
 TEST(AgreeWithNeighbours, WhatAnErrorOfAttitudeDoesIsNoDisagreement) {
   std::vector<PlacedShift> shifts = ScatteredShifts();
-  for (PlacedShift& shift : shifts) {  // half a metre between neighbours
+  for (PlacedShift& shift : shifts) {  // differences of half a metre between neighbours
     shift.shift_m.x() += 0.05 * shift.at_en_m.y();
     shift.shift_m.z() -= 0.05 * shift.at_en_m.x();
   }

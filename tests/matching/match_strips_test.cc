@@ -110,12 +110,12 @@ TEST_F(BareStrips, AStrayPointIsNamedAndNoRasterOfItsSizeMade) {
   BareMatchSource source = Source();
   MatchOptions options;
   options.gsd_m = 0.4;
-  testing::ExpectInvalidIn([&] { MatchBareStrips(&source, options); }, "is a stray point", "");
+  testing::ExpectInvalidIn([&] { MatchBareStrips(&source, options); }, "remove stray points", "");
 }
 
-/// Heights of the points of a strip that are used, and what was dropped.
-std::pair<std::vector<double>, StripCounts> HeightsOf(const std::filesystem::path& file,
-                                                      const PointFilter& filter) {
+/// Returns the heights of the used points of a strip and the counts of dropped points.
+std::pair<std::vector<double>, StripCounts> UsedHeights(const std::filesystem::path& file,
+                                                        const PointFilter& filter) {
   const BareMatchSource source(FindMatchStrips({file}), filter);
   std::vector<double> heights_m;
   const StripCounts counts = source.Read(0, [&](const RawPoints& points) {
@@ -131,13 +131,13 @@ TEST_F(BareStrips, ReturnsAndClassesAreChosen) {
                 {5000, 0, 3000, 2.0, 0, 1, 1, "", 1, 6}};
   folder_.Write("1.las", las.Build());
   const auto file = folder_.path() / "1.las";
-  EXPECT_EQ(HeightsOf(file, {}).first, (std::vector<double>{20.0, 1.0, 3.0}));
-  const auto [last, counts] = HeightsOf(file, {.last_returns = true, .classes = {}});
+  EXPECT_EQ(UsedHeights(file, {}).first, (std::vector<double>{20.0, 1.0, 3.0}));
+  const auto [last, counts] = UsedHeights(file, {.last_returns = true, .classes = {}});
   EXPECT_EQ(last, (std::vector<double>{1.0, 3.0}));
   EXPECT_EQ(counts.points, 3u);
   EXPECT_EQ(counts.kept, 2u);
   EXPECT_EQ(counts.dropped.at("not the last return of its pulse"), 1u);
-  const auto [ground, by_class] = HeightsOf(file, {.last_returns = true, .classes = {2}});
+  const auto [ground, by_class] = UsedHeights(file, {.last_returns = true, .classes = {2}});
   EXPECT_EQ(ground, (std::vector<double>{1.0}));
   EXPECT_EQ(by_class.dropped.at("of another class"), 1u);
 }

@@ -17,7 +17,7 @@ using testing::SurfaceHeight;
 constexpr double kSpacingM = 0.4;
 constexpr double kNoiseM = 0.02;
 
-/// A cloud over 60 x 60 m of a surface with noise.
+/// Returns a cloud over 60 x 60 m of a surface with noise.
 template <class Height>
 std::vector<Vector3d> Scan(const Height& height, unsigned seed) {
   std::mt19937 rng(seed);
@@ -47,7 +47,7 @@ TEST(GrowPlanarRegions, FindsBothSidesOfAGable) {
     const double slope = std::acos(region.normal.z());
     EXPECT_LT(region.rms_m, 1.3 * kNoiseM);
     EXPECT_TRUE(std::is_sorted(region.points.begin(), region.points.end()));
-    if (slope < 0.1) continue;  // the ground
+    if (slope < 0.1) continue;  // a region of the ground
     ++sides;
     EXPECT_NEAR(slope, 0.6, 0.01);
     EXPECT_GT(region.short_side_m, 4.0);
@@ -60,7 +60,7 @@ TEST(GrowPlanarRegions, CutsTheGroundAndAcceptsNoPointTwice) {
   const std::vector<Vector3d> points_m = Scan([](double, double) { return 0.0; }, 2);
   PlanarRegionOptions options = PlanarRegionOptions::ForSpacing(kSpacingM);
   const auto regions = GrowPlanarRegions(points_m, options);
-  EXPECT_GE(regions.size(), 16u);  // 60 m over 15 m
+  EXPECT_GE(regions.size(), 16u);  // (60 m / 15 m)^2
   std::vector<int> used(points_m.size(), 0);
   for (const PlanarRegion& region : regions) {
     EXPECT_LT(region.long_side_m, 1.1 * options.max_extent_m);

@@ -9,7 +9,8 @@ namespace dn::shared_planes_test {
 
 using Eigen::Vector3d;
 
-/// The planes of a made-up flight as each strip sees them, in another order; truth: which plane.
+/// The planes of a simulated flight as each strip sees them, in a different order per strip; truth:
+/// index of the true plane.
 struct Strips {
   std::vector<std::vector<PlacedPlane>> planes{3};
   std::vector<std::vector<std::size_t>> truth{3};
@@ -31,7 +32,7 @@ Strips Part(const PlaneProblem& problem) {
   return strips;
 }
 
-/// Shares of the matches that are right, and of all planes that were matched.
+/// Returns the fraction of correct matches and the fraction of matched planes.
 std::pair<double, double> Score(const Strips& strips, const std::vector<std::vector<long>>& found,
                                 std::size_t planes) {
   double right = 0.0;

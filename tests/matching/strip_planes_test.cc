@@ -16,10 +16,10 @@ constexpr double kSpacingM = 0.5;
 constexpr double kNoiseM = 0.02;
 constexpr double kSlopeRad = 0.5;
 
-/// Strips over a village, in memory: x is the position.
+/// Strips over a village in memory; x is the position.
 class Village : public MatchSource {
  public:
-  /// first_m: where each strip begins; all are 200 m long and wide.
+  /// first_m: start of each strip; all strips are 200 m long and wide.
   explicit Village(const std::vector<double>& first_m) {
     for (double e = 20.0; e < 480.0; e += 33.0) {
       for (double n = 17.0; n < 200.0; n += 41.0) {

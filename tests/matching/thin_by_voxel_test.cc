@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 
 using Cell = std::tuple<long, long, long>;
 
-Cell CellOf(const Eigen::Vector3d& p_m, double voxel_m) {
+Cell CellIndices(const Eigen::Vector3d& p_m, double voxel_m) {
   return {std::lround(std::floor(p_m.x() / voxel_m)), std::lround(std::floor(p_m.y() / voxel_m)),
           std::lround(std::floor(p_m.z() / voxel_m))};
 }
@@ -26,8 +26,8 @@ double DistanceToCentre(const Eigen::Vector3d& p_m, double voxel_m) {
   return (p_m.array() - (cell + 0.5) * voxel_m).matrix().norm();
 }
 
-/// Random points that keep away from the faces of the cells, where the cell is not defined to
-/// better than 1e-4.
+/// Returns random points away from the faces of the cells, because the cell of a point is only
+/// defined to 1e-4.
 std::vector<Eigen::Vector3d> PointsInsideCells(unsigned seed, int n,
                                                const Eigen::Vector3d& extent_m, double voxel_m) {
   std::mt19937 rng(seed);
@@ -51,11 +51,11 @@ TEST(ThinByVoxel, KeepsThePointNearestToTheCentre) {
 
 TEST(ThinByVoxel, NoPointsGiveNone) { EXPECT_TRUE(ThinByVoxel({}, 1.0).empty()); }
 
-// An independent count with a plain map, over a strip that is far larger than PCL's own limit of
-// 2^31 cells, and far from the origin of the frame.
+// Checks against an independent count with a plain map. The strip is far larger than the limit of
+// 2^31 cells of PCL, and far from the origin of the frame.
 TEST(ThinByVoxel, OnePointPerOccupiedCellOverALargeStrip) {
   constexpr double kVoxel_m = 0.25;
-  // Coordinates of 1e3 cells in float leave 6e-5 cells; squared distances to 1e-4.
+  // Coordinates of 1e3 cells in float have a rounding of 6e-5 cells, squared distances of 1e-4.
   constexpr double kTieTolerance_m = 2e-4 * kVoxel_m;
   for (unsigned seed = 0; seed < 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -70,7 +70,7 @@ TEST(ThinByVoxel, OnePointPerOccupiedCellOverALargeStrip) {
     std::map<Cell, double> nearest_m;
     for (const Eigen::Vector3d& p_m : points_m) {
       const double d_m = DistanceToCentre(p_m, kVoxel_m);
-      const auto [it, inserted] = nearest_m.emplace(CellOf(p_m, kVoxel_m), d_m);
+      const auto [it, inserted] = nearest_m.emplace(CellIndices(p_m, kVoxel_m), d_m);
       if (!inserted) it->second = std::min(it->second, d_m);
     }
 
@@ -80,7 +80,7 @@ TEST(ThinByVoxel, OnePointPerOccupiedCellOverALargeStrip) {
     EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
     std::map<Cell, int> count;
     for (const std::size_t i : kept) {
-      const Cell cell = CellOf(points_m[i], kVoxel_m);
+      const Cell cell = CellIndices(points_m[i], kVoxel_m);
       EXPECT_EQ(++count[cell], 1);
       EXPECT_NEAR(DistanceToCentre(points_m[i], kVoxel_m), nearest_m.at(cell), kTieTolerance_m);
     }

@@ -14,9 +14,9 @@ namespace dn::alignment_test {
 using testing::AircraftScenario;
 using testing::DroneScenario;
 
-// Of the last state, by the filter's own covariance.
+// Bound of the error of the last state, in sigmas of the filter.
 constexpr double kSigmas = 4.0;
-// The start is only where the filter begins: good enough when the network converges from there.
+// The alignment only starts the filter: it is good enough if the network converges from it.
 constexpr double kStartHeadingRad = 5.0 * kRadPerDeg;
 
 SimulatedFlight Fly(Scenario scenario, std::uint64_t seed) {
@@ -26,7 +26,7 @@ SimulatedFlight Fly(Scenario scenario, std::uint64_t seed) {
   return Simulate(scenario, options);
 }
 
-/// Rotation about the vertical from the true to the estimated attitude.
+/// Returns the rotation about the vertical from the true to the estimated attitude.
 double HeadingError(const MapPose& pose, const TruthTrajectory& truth) {
   return Log(Eigen::Quaterniond(pose.q_mb * truth.Pose(pose.t_s).q_mb.conjugate())).z();
 }
@@ -61,7 +61,7 @@ TEST(Alignment, MovingStartWithoutAnyGuess) {
   }
 }
 
-/// The true trajectory with its heading turned, as a guess.
+/// Returns the true trajectory with a wrong heading as an initial guess.
 Trajectory TurnedTruth(const SimulatedFlight& sim, double turn_rad) {
   std::vector<NavPoint> points;
   for (double t_s = sim.truth->t_begin_s(); t_s < sim.truth->t_end_s(); t_s += 1.0) {
@@ -89,7 +89,8 @@ TEST(Alignment, ComparesAGoodInitialGuessWithItsOwn) {
   ExpectAligned(sim.flight, *sim.truth, alignment);
 }
 
-/// At rest for still_s at a heading of 70 deg, then off at 2 m/s^2 and around in circles.
+/// Returns a flight that is at rest for still_s at a heading of 70 deg, then accelerates with 2
+/// m/s^2 and flies in circles.
 SimulatedFlight TakeOff(const std::string& preset, double still_s, double end_s) {
   constexpr double kStepS = 1.0, kHeading = 70.0 * kRadPerDeg, kAccel = 2.0, kMaxSpeed = 15.0,
                    kTurnRadps = 0.15, kTurnAfterS = 15.0;

@@ -16,9 +16,9 @@ using testing::DroneScenario;
 constexpr double kSigmaAttitudeRad = 0.05;
 constexpr double kSigmaPositionM = 0.05;
 constexpr double kSigmaVelocityMps = 0.3;
-// A chi-square of n degrees of freedom has variance 2 n; beyond four sigmas lies 6e-5.
+// A chi-square with n degrees of freedom has the variance 2 n; 6e-5 is outside of four sigmas.
 constexpr double kSigmas = 4.0;
-// Quantile of chi-square with nine degrees of freedom that leaves 6e-5 outside.
+// Quantile of chi-square with nine degrees of freedom; 6e-5 is above it.
 constexpr double kNavBound = 34.5;
 
 class ForwardFilter : public ::testing::Test {
@@ -38,7 +38,7 @@ class ForwardFilter : public ::testing::Test {
     return options;
   }
 
-  /// A start that is wrong by as much as it says.
+  /// Returns an initial state with errors drawn from its covariance.
   FilterState Start() const {
     Random random(11, "start");
     MapPose pose = sim_.truth->Pose(times_.front());
@@ -50,7 +50,7 @@ class ForwardFilter : public ::testing::Test {
                            kSigmaVelocityMps);
   }
 
-  /// Attitude (right), position, velocity: estimated minus true.
+  /// Returns estimated minus true attitude (right), position and velocity.
   Eigen::Matrix<double, 9, 1> NavError(const FilterState& state) const {
     const MapPose truth = sim_.truth->Pose(state.pose.t_s);
     Eigen::Matrix<double, 9, 1> e;
@@ -63,7 +63,7 @@ class ForwardFilter : public ::testing::Test {
   std::vector<double> times_;
 };
 
-/// Mean square of the normalised innovations, per axis.
+/// Returns the mean square of the normalised innovations, per axis.
 double MeanSquare(const FilterRun& run) {
   double nis = 0.0;
   for (const Innovation& innovation : run.innovations) nis += innovation.nis;
@@ -97,9 +97,10 @@ TEST_F(ForwardFilter, InnovationsAreWhiteAndOfUnitVariance) {
   EXPECT_NEAR(lagged / n, 0.0, kSigmas * std::sqrt(1.0 / n));
 }
 
-// Errors of 20 s, twice as large as the white noise: as states they leave white innovations of unit
-// variance, and positions within their covariance; untold they do not.
-TEST_F(ForwardFilter, InnovationsAreWhiteBesideLastingErrorsOfGnss) {
+// Time-correlated errors of 20 s are twice as large as the white noise. With them as states, the
+// innovations are white with unit variance, and the positions agree with their covariance. Without
+// them they are not.
+TEST_F(ForwardFilter, InnovationsAreWhiteWithTimeCorrelatedGnssErrors) {
   Scenario scenario = WithoutPairs();
   scenario.gnss.processes = {{{0.03, 0.03, 0.06}, 20.0}};
   SimulatedFlight sim = Simulate(scenario, Seeded(5));
@@ -140,7 +141,7 @@ TEST_F(ForwardFilter, ConvergesToTheTruthAsItsCovarianceSays) {
   EXPECT_LT(gyro_error.head<2>().norm(), gyro_constant) << "the level gyros are calibrated";
 }
 
-// From the end of the flight, with a start as wrong as that of the forward filter.
+// Runs from the end of the flight, with initial errors as large as those of the forward filter.
 TEST_F(ForwardFilter, ReverseFilterConvergesToTheTruthAsItsCovarianceSays) {
   Random random(12, "start");
   MapPose pose = sim_.truth->Pose(times_.back());
@@ -173,7 +174,7 @@ TEST_F(ForwardFilter, StopsAtTheEndTime) {
   EXPECT_EQ(run.last.pose.t_s, times_[10]);
 }
 
-TEST_F(ForwardFilter, HuberKeepsAGrossErrorFromPulling) {
+TEST_F(ForwardFilter, HuberLimitsTheInfluenceOfAnOutlier) {
   const std::size_t bad = times_.size() / 2;
   for (MapGnssEpoch& epoch : sim_.flight.gnss->epochs) {
     if (epoch.t_s == times_[bad]) epoch.p_m += 30.0 * epoch.R_m_enu.col(2);

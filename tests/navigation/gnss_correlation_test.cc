@@ -28,7 +28,8 @@ GnssCorrelation Tested(const Scenario& scenario, std::uint64_t seed, double sigm
   return Adjust(sim.flight, options).gnss_correlation;
 }
 
-// Its level is a thousandth of the flights; sigmas that are stated wrong are no errors that last.
+// The false-alarm rate is 0.001 per flight. Wrong sigmas of white noise must not be taken for
+// time-correlated errors.
 TEST(GnssCorrelation, IsSilentOnWhiteNoise) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -41,9 +42,9 @@ TEST(GnssCorrelation, IsSilentOnWhiteNoise) {
   }
 }
 
-// The simulator shares no formula with the test. A flight of six minutes tells sigmas to a factor of
-// two and times to one of three.
-TEST(GnssCorrelation, FindsErrorsThatLast) {
+// The simulator shares no formula with the test. A flight of six minutes determines sigmas to a
+// factor of two and correlation times to a factor of three.
+TEST(GnssCorrelation, FindsTimeCorrelatedErrors) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const GnssCorrelation test = Tested(AircraftScenario(kErrors), seed);

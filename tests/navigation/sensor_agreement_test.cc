@@ -20,7 +20,7 @@ Flight Fly(Scenario scenario) {
   return Simulate(scenario, options).flight;
 }
 
-/// The flight with its inertial data in other axes: x_file = R^T x_body.
+/// Returns the flight with its inertial data in other axes: x_file = R^T x_body.
 Flight InAxes(Flight flight, const Eigen::Matrix3d& R_file_to_body) {
   for (ImuSample& sample : flight.imu->samples) {
     sample.w_ib_b_radps = R_file_to_body.transpose() * sample.w_ib_b_radps;
@@ -58,7 +58,7 @@ TEST(SensorAgreement, NamesTheAxesOfTheInertialData) {
   }
 }
 
-// Without a course the axes are turned by gravity alone, by the smaller turn.
+// Without a course, gravity alone determines the smallest turn of the axes.
 TEST(SensorAgreement, GravityAloneKeepsForward) {
   BodyDirections directions;
   directions.down_b = -Eigen::Vector3d::UnitZ();
@@ -108,7 +108,7 @@ TEST(SensorAgreement, NothingIsComparedAtRest) {
   EXPECT_FALSE(FindBodyDirections(flight).course_b);
 }
 
-// Epochs that are not evenly spaced align as well.
+// Unevenly spaced epochs give the same alignment.
 TEST(SensorAgreement, AlignsFromUnevenEpochs) {
   Scenario scenario = DroneScenario();
   scenario.gnss.rate_hz = 5.0;

@@ -29,12 +29,12 @@ MapGnss PlannedGnss(const LocalFrame& frame, const std::vector<MapPose>& poses,
   return gnss;
 }
 
-std::vector<double> NodesOf(const Flight& flight, const NetworkDesign& design) {
+std::vector<double> DesignNodeTimes(const Flight& flight, const NetworkDesign& design) {
   if (!design.node_t_s.empty()) return design.node_t_s;
   if (!flight.gnss) {
     throw InvalidInput(
-        "network design: the flight has no GNSS epochs to span the network; give it planned ones "
-        "(PlanMeasurements) or the times of the nodes");
+        "network design: the flight has no GNSS epochs that define the time span of the network; "
+        "call PlanMeasurements first or set the node times");
   }
   return FlightNodeTimes(flight, NetworkSpan(flight, HasPairs(flight)), HasPairs(flight));
 }
@@ -45,9 +45,9 @@ FlightNetwork Build(const Flight& flight, const NetworkDesign& design,
                     const FlightNetworkOptions& options) {
   if (!flight.imu) {
     throw InvalidInput(
-        "network design: the flight has no inertial data; PlanMeasurements makes those of a plan");
+        "network design: the flight has no inertial data; for a plan, call PlanMeasurements first");
   }
-  const std::vector<double> node_t_s = NodesOf(flight, design);
+  const std::vector<double> node_t_s = DesignNodeTimes(flight, design);
   InitialStates initial{{}, design.gyro_bias_radps, design.accel_bias_mps2, design.calibration};
   for (const double t_s : node_t_s) initial.nodes.push_back(InterpolatePose(design.poses, t_s));
   FlightNetwork network(flight, node_t_s, initial, options);
@@ -62,7 +62,8 @@ void PlanMeasurements(const NetworkDesign& design, const PlannedRates& rates, Fl
   flight->gnss =
       PlannedGnss(flight->frame, design.poses, calibration.gnss_lever_arm_b_m, rates.gnss_hz);
   if (flight->gnss->epochs.empty()) {
-    throw InvalidInput("plan: the poses are too short for a single GNSS epoch");
+    throw InvalidInput(
+        "plan: the poses are too short for a single GNSS epoch; give poses over a longer time");
   }
 }
 

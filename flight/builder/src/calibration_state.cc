@@ -7,7 +7,7 @@
 namespace dn {
 namespace {
 
-/// Place in the order of corrections; effects of a user's own come last.
+/// Returns the place of an effect in the order of corrections; user-defined effects come last.
 std::size_t Rank(const std::string& name) {
   const std::vector<EstimableEffect>& all = EstimableEffects();
   const auto at = std::find_if(all.begin(), all.end(),

@@ -21,7 +21,7 @@ constexpr const char* kCheckPair =
 constexpr double kEpochRoundingS = 1e-7;
 
 template <class Effect>
-std::vector<std::shared_ptr<const Effect>> Of(const CalibrationState& state) {
+std::vector<std::shared_ptr<const Effect>> SharedEffects(const CalibrationState& state) {
   std::vector<std::shared_ptr<const Effect>> effects;
   ForEachEffect<std::shared_ptr<const Effect>>(
       state,
@@ -30,7 +30,7 @@ std::vector<std::shared_ptr<const Effect>> Of(const CalibrationState& state) {
 }
 
 template <class Effect>
-std::vector<const double*> ValuesOf(const CalibrationState& state) {
+std::vector<const double*> EffectValues(const CalibrationState& state) {
   std::vector<const double*> values;
   ForEachEffect<std::shared_ptr<const Effect>>(
       state, [&](const auto&, const Eigen::VectorXd& value, std::size_t) {
@@ -39,11 +39,11 @@ std::vector<const double*> ValuesOf(const CalibrationState& state) {
   return values;
 }
 
-ImuCorrection CorrectionOf(const CalibrationState& state, const ImuCorrection& biases) {
+ImuCorrection CorrectionWith(const CalibrationState& state, const ImuCorrection& biases) {
   return state.ImuAt(biases.gyro_bias_radps, biases.accel_bias_mps2);
 }
 
-GnssEffects LastingErrors(const Flight& flight, const MapGnssEpoch& epoch) {
+GnssEffects TimeCorrelatedErrors(const Flight& flight, const MapGnssEpoch& epoch) {
   GnssEffects errors;
   for (const GnssProcess& process : flight.config.gnss->processes) {
     errors.push_back(std::make_shared<GnssError>(process, epoch.R_m_enu));
@@ -51,8 +51,9 @@ GnssEffects LastingErrors(const Flight& flight, const MapGnssEpoch& epoch) {
   return errors;
 }
 
-MotionAtTag MotionOf(const Flight& flight, const MapGnssEpoch& epoch, const CalibrationState& state,
-                     const GnssEdgeInput& input, const Preintegrated& here) {
+MotionAtTag MotionAtEpoch(const Flight& flight, const MapGnssEpoch& epoch,
+                          const CalibrationState& state, const GnssEdgeInput& input,
+                          const Preintegrated& here) {
   const Eigen::Vector3d w_ie_m = flight.frame.w_ie_m();
   const MapPose& pose = input.pose;
   const Eigen::Vector3d a_m = pose.q_mb * here.f_end_b_mps2 + flight.frame.Gravity(pose.p_mb) +
@@ -60,10 +61,10 @@ MotionAtTag MotionOf(const Flight& flight, const MapGnssEpoch& epoch, const Cali
   return {epoch.t_s, here.w_end_b_radps, w_ie_m, a_m, epoch.t_s - pose.t_s};
 }
 
-/// An end of a pair with what its covariance is made of.
+/// A pair end with the quantities that its covariance depends on.
 struct PreparedEnd {
   LidarEnd end;
-  Eigen::Vector3d arm_b;  // lever arm and laser vector, in body
+  Eigen::Vector3d arm_b;  // lever arm plus laser vector, body axes, m
 };
 
 PreparedEnd PrepareEnd(const Flight& flight, const PairCalibration& calibration,
@@ -122,8 +123,8 @@ double TypicalGnssSigma(const Flight& flight) {
 }
 
 double GnssEpochTime(const CalibrationState& calibration, double tag_s) {
-  const std::vector<const double*> values = ValuesOf<GnssEffect>(calibration);
-  return tag_s - Corrected(Of<GnssEffect>(calibration), values.data(), tag_s).delay_s;
+  const std::vector<const double*> values = EffectValues<GnssEffect>(calibration);
+  return tag_s - Corrected(SharedEffects<GnssEffect>(calibration), values.data(), tag_s).delay_s;
 }
 
 bool UsesVelocity(const MapGnssEpoch& epoch, const GnssConfig& config) {
@@ -138,13 +139,13 @@ std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
   const Noise<3> noise =
       MeasurementNoise(GnssPositionCovariance(epoch, *flight.config.gnss) + input.added_covariance,
                        "the GNSS position", epoch.t_s, kCheckGnss);
-  GnssEffects effects = LastingErrors(flight, epoch);
-  for (auto& effect : Of<GnssEffect>(calibration)) effects.push_back(std::move(effect));
+  GnssEffects effects = TimeCorrelatedErrors(flight, epoch);
+  for (auto& effect : SharedEffects<GnssEffect>(calibration)) effects.push_back(std::move(effect));
   if (effects.empty()) return std::make_shared<GnssPosition>(epoch.p_m, noise);
   const Preintegrated here =
-      IdentityIncrement(*flight.imu, input.pose.t_s, CorrectionOf(calibration, input.biases));
+      IdentityIncrement(*flight.imu, input.pose.t_s, CorrectionWith(calibration, input.biases));
   return std::make_shared<GnssAntenna>(GnssAntenna::Quantity::kPosition, epoch.p_m,
-                                       MotionOf(flight, epoch, calibration, input, here),
+                                       MotionAtEpoch(flight, epoch, calibration, input, here),
                                        std::move(effects), noise);
 }
 
@@ -159,13 +160,13 @@ std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
                                           epoch.t_s, kCheckGnss);
   const Eigen::Vector3d z_m = epoch.R_m_enu * *epoch.velocity_enu_mps;
   const Preintegrated here =
-      IdentityIncrement(*flight.imu, input.pose.t_s, CorrectionOf(calibration, input.biases));
-  GnssEffects effects = Of<GnssEffect>(calibration);
+      IdentityIncrement(*flight.imu, input.pose.t_s, CorrectionWith(calibration, input.biases));
+  GnssEffects effects = SharedEffects<GnssEffect>(calibration);
   if (effects.empty()) {
     return std::make_shared<GnssVelocity>(z_m, here.w_end_b_radps, flight.frame.w_ie_m(), noise);
   }
   return std::make_shared<GnssAntenna>(GnssAntenna::Quantity::kVelocity, z_m,
-                                       MotionOf(flight, epoch, calibration, input, here),
+                                       MotionAtEpoch(flight, epoch, calibration, input, here),
                                        std::move(effects), noise);
 }
 
@@ -180,8 +181,8 @@ std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration
 }
 
 PairCalibration::PairCalibration(const CalibrationState& state)
-    : state_(state), lidar_(Of<LidarEffect>(state)) {
-  const std::vector<const double*> values = ValuesOf<LidarEffect>(state);
+    : state_(state), lidar_(SharedEffects<LidarEffect>(state)) {
+  const std::vector<const double*> values = EffectValues<LidarEffect>(state);
   std::vector<std::shared_ptr<const LidarEffect>> not_zero;
   for (std::size_t k = 0; k < values.size(); ++k) {
     const auto past = values[k] + lidar_[k]->components();
@@ -197,7 +198,7 @@ EndIncrements::EndIncrements(const ImuData& imu, const CalibrationState& calibra
                              const ImuCorrection& biases)
     : imu_(imu),
       node_t_s_(node_t_s),
-      correction_(CorrectionOf(calibration, biases)),
+      correction_(CorrectionWith(calibration, biases)),
       growing_(imu_, node_t_s, correction_, noise) {}
 
 Preintegrated EndIncrements::To(double epoch_s) {

@@ -42,8 +42,8 @@ const FactorGroup& PairGroup() {
 }
 
 const FactorGroup& BiasProcessGroup(bool gyro) {
-  static const FactorGroup of_gyro = BiasProcess("gyro"), of_accel = BiasProcess("accel");
-  return gyro ? of_gyro : of_accel;
+  static const FactorGroup gyro_group = BiasProcess("gyro"), accel_group = BiasProcess("accel");
+  return gyro ? gyro_group : accel_group;
 }
 
 const FactorGroup& GnssErrorGroup() {

@@ -4,7 +4,7 @@
 
 namespace dn::internal {
 
-/// The groups of the factors of a flight, as reports name them.
+/// Return the factor groups of a flight under their names in reports.
 const FactorGroup& InertialGroup();
 const FactorGroup& GnssPositionGroup();
 const FactorGroup& GnssVelocityGroup();

@@ -15,16 +15,18 @@
 namespace dn {
 namespace {
 
-// One bias step beyond which the first-order bias correction of an increment is worth replacing.
+// Units of FlightNetwork::BiasChange: a bias change of one unit makes the first-order correction of
+// an increment inaccurate.
 constexpr double kGyroStepRadps = 30.0 / kDegPerRad / 3600.0;
 constexpr double kAccelStepMps2 = 5e-3 * kStandardGravityMps2;
-// The same of an effect, in its usual sizes.
+// The same unit for an effect, as a multiple of its typical sizes.
 constexpr double kEffectStep = 10.0;
-// Share of a pair's variance up to which the white noise of the increments to its epochs may be
-// counted in the inertial edges, too: it is the share by which the sum of squares would be low.
+// Limit for counting white noise twice. Below this fraction of the variance of a pair, the white
+// noise of the increments to its epochs is also counted in the inertial edges. The sum of squares
+// is then too small by at most this fraction.
 constexpr double kNoiseCountedTwice = 1e-4;
 constexpr double kOnNodeS = 2e-6;
-// So many at a time need little memory beside the network.
+// Pairs per batch; the increments of one batch need little memory compared with the network.
 constexpr std::size_t kPairsAtOnce = 1 << 15;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -46,7 +48,7 @@ BlockId AddVectorBlock(const std::string& name, const Eigen::VectorXd& value, Ne
       return net->AddVector<3>(name, value).id;
     default:
       throw InvalidInput("effect '" + name + "' has " + std::to_string(value.size()) +
-                         " values, one to three can be estimated");
+                         " values, but only effects with one to three values can be estimated");
   }
 }
 
@@ -64,8 +66,8 @@ FactorId AddPrior(BlockId block, const Eigen::VectorXd& center, const Eigen::Vec
   return AddPriorOfSize<3>(block, center, sigma, net);
 }
 
-/// Of an effect of the table, else of a user's own.
-BlockLabel LabelOf(const std::string& name, Eigen::Index size) {
+/// Returns the label of an effect of the effect table, or a plain label for a user-defined effect.
+BlockLabel EffectLabel(const std::string& name, Eigen::Index size) {
   const EffectSpec* spec = FindEffect(name);
   const EstimableEffect* effect = FindEstimable(name);
   if (spec == nullptr || effect == nullptr) return Label(name, {}, "", 1.0);
@@ -76,8 +78,9 @@ BlockLabel LabelOf(const std::string& name, Eigen::Index size) {
                1.0 / spec->components[0].to_si);
 }
 
-/// Largest component of a change in usual sizes; of a user's own effect in units of its value.
-double InUsualSizes(const CalibrationValue& before, const Eigen::VectorXd& now) {
+/// Returns the largest component of a change in typical sizes of the effect; for a user-defined
+/// effect in units of its value.
+double InTypicalSizes(const CalibrationValue& before, const Eigen::VectorXd& now) {
   const EffectSpec* spec = FindEffect(before.name);
   double largest = 0.0;
   for (Eigen::Index k = 0; k < now.size(); ++k) {
@@ -88,17 +91,17 @@ double InUsualSizes(const CalibrationValue& before, const Eigen::VectorXd& now) 
   return largest;
 }
 
-/// An end of a pair with the node before it.
-struct HungEnd {
+/// A pair end with the node to which it is attached.
+struct AttachedEnd {
   FlightNetwork::EndOfPair end;
   std::size_t node;
   double epoch_s;
 };
 
-/// By node, then by time.
-std::vector<HungEnd> EndsInOrder(std::span<const FlightNetwork::PairEdge> edges,
-                                 const PairCalibration& calibration) {
-  std::vector<HungEnd> ends;
+/// Returns the pair ends sorted by node, then by time.
+std::vector<AttachedEnd> EndsInOrder(std::span<const FlightNetwork::PairEdge> edges,
+                                     const PairCalibration& calibration) {
+  std::vector<AttachedEnd> ends;
   ends.reserve(2 * edges.size());
   const auto epoch = [&](double tag_s, const Eigen::Vector3d& u_s) {
     return calibration.EpochOf(calibration.Read(tag_s, u_s));
@@ -109,18 +112,18 @@ std::vector<HungEnd> EndsInOrder(std::span<const FlightNetwork::PairEdge> edges,
     ends.push_back({{k, End::kI}, edges[k].node_i, epoch(pair.t_i_s, pair.u_i_s)});
     ends.push_back({{k, End::kJ}, edges[k].node_j, epoch(pair.t_j_s, pair.u_j_s)});
   }
-  std::sort(ends.begin(), ends.end(), [](const HungEnd& a, const HungEnd& b) {
+  std::sort(ends.begin(), ends.end(), [](const AttachedEnd& a, const AttachedEnd& b) {
     return std::tie(a.node, a.epoch_s) < std::tie(b.node, b.epoch_s);
   });
   return ends;
 }
 
-/// Calls use(end, its increments), those of different nodes side by side. from_node(node): the
-/// EndIncrements of a node.
+/// Calls use(end, increments) for all ends; ends of different nodes are processed in parallel.
+/// from_node(node) returns the EndIncrements of a node.
 template <class FromNode, class Use>
-void ForEnds(const std::vector<HungEnd>& ends, int threads, const FromNode& from_node,
+void ForEnds(const std::vector<AttachedEnd>& ends, int threads, const FromNode& from_node,
              const Use& use) {
-  std::vector<std::size_t> firsts;  // of each node
+  std::vector<std::size_t> firsts;  // index of the first end of each node
   for (std::size_t k = 0; k < ends.size(); ++k) {
     if (k == 0 || ends[k].node != ends[k - 1].node) firsts.push_back(k);
   }
@@ -178,7 +181,7 @@ void FlightNetwork::AddMounting(const CalibrationState& calibration) {
 void FlightNetwork::AddEffects(const CalibrationState& calibration) {
   for (const CalibrationValue& one : calibration.effects) {
     const BlockId id = AddVectorBlock(one.name, one.value, &net);
-    net.SetLabel(id, LabelOf(one.name, one.value.size()));
+    net.SetLabel(id, EffectLabel(one.name, one.value.size()));
     net.Hold(id, !Estimated(one.name));
     effects.push_back({one.name, one.action, id});
   }
@@ -249,7 +252,7 @@ void FlightNetwork::AddBiases(const InitialStates& initial) {
       names.name = triad + std::to_string(chains->size());
       chains->push_back(AddProcessChain(process, HoldOverNodes(node_t_s_, HoldingLength(process)),
                                         names, start, &net));
-      start.setZero();  // the first process takes the whole starting value
+      start.setZero();  // the first process has the whole initial value
     }
   };
   const FactorGroup& prior = internal::PriorGroup();
@@ -372,7 +375,7 @@ std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorByMean
 
 void FlightNetwork::AddInertialEdges() {
   const CalibrationState calibration = Calibration();
-  const std::vector<std::size_t> of_edge = EffectsOfInertial(calibration);
+  const std::vector<std::size_t> effect_indices = EffectsOfInertial(calibration);
   for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
     if (HasGap(*flight_->imu, node_t_s_[i], node_t_s_[i + 1])) continue;
     inertial_edges.push_back({i, -1});
@@ -385,7 +388,7 @@ void FlightNetwork::AddInertialEdges() {
     std::vector<BlockId> blocks = StateBlocks(i);
     blocks.insert(blocks.begin() + 3,
                   {nodes[i + 1].q_mb.id, nodes[i + 1].p_mb.id, nodes[i + 1].v_m.id});
-    AppendEffects(of_edge, &blocks);
+    AppendEffects(effect_indices, &blocks);
     inertial_edges[e].id = AddEdge(factors[e], blocks, internal::InertialGroup(), node_t_s_[i]);
   }
 }
@@ -417,27 +420,28 @@ std::shared_ptr<const FactorBase> FlightNetwork::GnssVelocityFactor(
 void FlightNetwork::AddGnssEdges() {
   if (!flight_->gnss) return;
   const CalibrationState calibration = Calibration();
-  const std::vector<std::size_t> of_edge = EffectsOfGnss(calibration);
+  const std::vector<std::size_t> effect_indices = EffectsOfGnss(calibration);
   const GnssConfig& config = *flight_->config.gnss;
   const auto& epochs = flight_->gnss->epochs;
   for (std::size_t e = 0; e < epochs.size(); ++e) {
     const MapGnssEpoch& epoch = epochs[e];
     const double t_s = GnssEpochTime(calibration, epoch.t_s);
     const std::size_t k = NodeBefore(node_t_s_, t_s + 1e-6);
-    if (std::abs(node_t_s_[k] - t_s) > kOnNodeS) continue;  // outside the network's span
+    // The epoch is outside the time span of the network.
+    if (std::abs(node_t_s_[k] - t_s) > kOnNodeS) continue;
     GnssEdge edge{k, e, -1, -1};
     std::vector<BlockId> position{nodes[k].q_mb.id, nodes[k].p_mb.id, gnss_lever_arm.id};
     std::vector<BlockId> velocity{nodes[k].q_mb.id, nodes[k].v_m.id, gnss_lever_arm.id};
     const std::vector<BlockId> antenna{nodes[k].q_mb.id, nodes[k].p_mb.id, gnss_lever_arm.id,
                                        nodes[k].v_m.id};
-    if (!of_edge.empty() || !gnss_error.empty()) {
+    if (!effect_indices.empty() || !gnss_error.empty()) {
       position = antenna;
       for (const ProcessChain& chain : gnss_error) position.push_back(chain.At(epoch.t_s).id);
-      AppendEffects(of_edge, &position);
+      AppendEffects(effect_indices, &position);
     }
-    if (!of_edge.empty()) {
+    if (!effect_indices.empty()) {
       velocity = antenna;
-      AppendEffects(of_edge, &velocity);
+      AppendEffects(effect_indices, &velocity);
     }
     edge.position = AddEdge(GnssPositionFactor(edge, calibration), position,
                             internal::GnssPositionGroup(), epoch.t_s);
@@ -452,7 +456,7 @@ void FlightNetwork::AddGnssEdges() {
 std::shared_ptr<const PreintegratedInertial> FlightNetwork::InertialFactorInUse(
     const InertialEdge& edge) const {
   auto in_use = std::dynamic_pointer_cast<const PreintegratedInertial>(net.factor(edge.id).factor);
-  return in_use ? in_use : InertialFactor(edge, linearised_);  // replaced from outside
+  return in_use ? in_use : InertialFactor(edge, linearised_);  // the caller has replaced the factor
 }
 
 std::vector<FlightNetwork::PairIncrements> FlightNetwork::IncrementsOf(
@@ -492,18 +496,18 @@ PairEdgeInput FlightNetwork::InputOf(const PairEdge& edge, const PairIncrements&
 template <class Work>
 void FlightNetwork::ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
                              const Work& work) const {
-  const PairCalibration of_pairs(calibration);
+  const PairCalibration pair_calibration(calibration);
   for (std::size_t first = 0; first < edges.size(); first += kPairsAtOnce) {
     const auto some = edges.subspan(first, std::min(kPairsAtOnce, edges.size() - first));
-    const std::vector<PairIncrements> increments = IncrementsOf(some, of_pairs);
+    const std::vector<PairIncrements> increments = IncrementsOf(some, pair_calibration);
     std::vector<std::shared_ptr<const FactorBase>> made(pair_model_ ? 0 : some.size());
     ParallelFor(static_cast<int>(made.size()), options_.threads, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
-      made[k] = PairFactor(some[k], of_pairs, increments[k]);
+      made[k] = PairFactor(some[k], pair_calibration, increments[k]);
     });
     for (std::size_t k = 0; k < some.size(); ++k) {
       work(some[k], [&] {
-        return pair_model_ ? PairFactorOfModel(some[k], of_pairs, increments[k])
+        return pair_model_ ? PairFactorOfModel(some[k], pair_calibration, increments[k])
                            : std::move(made[k]);
       });
     }
@@ -524,7 +528,7 @@ std::shared_ptr<const FactorBase> FlightNetwork::PairFactorOfModel(
   if (dynamic_cast<const PointPairFactor*>(factor.get()) == nullptr) {
     throw InvalidInput(
         "pair model: the factor of the pair at t = " + std::to_string(edge.pair.t_i_s) +
-        " s is no PointPairFactor; derive it from that class, too");
+        " s is not a PointPairFactor; derive its class from PointPairFactor");
   }
   return factor;
 }
@@ -532,10 +536,10 @@ std::shared_ptr<const FactorBase> FlightNetwork::PairFactorOfModel(
 void FlightNetwork::AskForPairModel() {
   if (!options_.pair_model || pair_model_) return;
   pair_model_ = options_.pair_model(*this);
-  const std::vector<std::size_t> effects_of_pairs = EffectsOfPairs(Calibration());
-  if (effects_of_pairs.empty()) return;
-  throw InvalidInput("pair model: the factors of pairs are one's own, and know nothing of '" +
-                     effects[effects_of_pairs.front()].name + "', which `estimate` names");
+  const std::vector<std::size_t> pair_effects = EffectsOfPairs(Calibration());
+  if (pair_effects.empty()) return;
+  throw InvalidInput("pair model: factors of a pair model cannot estimate '" +
+                     effects[pair_effects.front()].name + "'; remove it from `estimate`");
 }
 
 bool FlightNetwork::MovesLidarEpochs() const {
@@ -555,7 +559,8 @@ FlightNetwork::PairEdge FlightNetwork::HangOnNodes(const LidarPair& pair, double
   return edge;
 }
 
-// Ends with one node in common would be bridged over each other: these pairs stay without.
+// The noise of an end must not be conditioned on the attitude of the node of the other end. Pairs
+// whose ends follow neighbouring nodes therefore have no bridge.
 void FlightNetwork::Bridge(PairEdge* edge) const {
   const auto [first, second] = std::minmax(edge->node_i, edge->node_j);
   if (second - first < 2) return;
@@ -596,7 +601,7 @@ std::vector<BlockId> FlightNetwork::PairBlocks(const PairEdge& edge) const {
 void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
   const double margin_s = MovesLidarEpochs() ? kLidarTimeMarginS : -1e-7;
   const CalibrationState calibration = Calibration();
-  const std::vector<std::size_t> of_edge = EffectsOfPairs(calibration);
+  const std::vector<std::size_t> effect_indices = EffectsOfPairs(calibration);
   AskForPairModel();
   std::vector<PairEdge> edges;
   for (const LidarPair& pair : pairs) {
@@ -615,7 +620,7 @@ void FlightNetwork::AddPairs(const std::vector<LidarPair>& pairs) {
   }
   ForPairs(edges, calibration, [&](PairEdge& edge, const auto& make) {
     std::vector<BlockId> blocks = PairBlocks(edge);
-    AppendEffects(of_edge, &blocks);
+    AppendEffects(effect_indices, &blocks);
     edge.id = AddEdge(make(), blocks, internal::PairGroup(), edge.pair.t_i_s);
     pair_edges.push_back(edge);
   });
@@ -632,8 +637,8 @@ double FlightNetwork::BiasChange() const {
   }
   const CalibrationState now = Calibration();
   for (std::size_t k = 0; k < now.effects.size(); ++k) {
-    change =
-        std::max(change, InUsualSizes(linearised_.effects[k], now.effects[k].value) / kEffectStep);
+    change = std::max(change,
+                      InTypicalSizes(linearised_.effects[k], now.effects[k].value) / kEffectStep);
   }
   return change;
 }
@@ -652,9 +657,9 @@ template <class Make>
 void FlightNetwork::Renew(FactorId id, const Make& make) {
   std::weak_ptr<const FactorBase>& made = made_[id];
   if (made.lock() != net.factor(id).factor) return;
-  std::shared_ptr<const FactorBase> anew = make();
-  made = anew;
-  net.ReplaceFactor(id, std::move(anew));
+  std::shared_ptr<const FactorBase> factor = make();
+  made = factor;
+  net.ReplaceFactor(id, std::move(factor));
 }
 
 void FlightNetwork::Relinearise() {
@@ -684,8 +689,8 @@ void FlightNetwork::Relinearise() {
 FlightNetwork::StateBetween FlightNetwork::StateAt(double t_s) const {
   constexpr double kSameNodeS = 1e-7;
   if (t_s < node_t_s_.front() - kSameNodeS || t_s > node_t_s_.back() + kSameNodeS) {
-    throw InvalidInput("flight network: t = " + std::to_string(t_s) +
-                       " s lies outside its nodes, " + std::to_string(node_t_s_.front()) + " to " +
+    throw InvalidInput("flight network: t = " + std::to_string(t_s) + " s is outside its nodes, " +
+                       std::to_string(node_t_s_.front()) + " to " +
                        std::to_string(node_t_s_.back()) + " s");
   }
   const std::size_t k = NodeBefore(node_t_s_, t_s + kSameNodeS);
@@ -722,7 +727,7 @@ PointSensitivity FlightNetwork::SensitivityOfEnd(const EndOfPair& end) const {
     return points->SensitivityAt(end.end, x.data());
   };
   if (const auto point = by(*net.factor(edge.id).factor)) return *point;
-  // The blocks of a factor of one's own come after those of the library's.
+  // The blocks of a user-defined factor come after the blocks of the library's factor.
   const CalibrationState calibration = Calibration();
   const PairCalibration of_pair(calibration);
   return *by(*PairFactor(edge, of_pair, IncrementsOf({&edge, 1}, of_pair).front()));
@@ -733,9 +738,9 @@ Eigen::Vector3d FlightNetwork::PairDifference(std::size_t k) const {
   const std::vector<const double*> x = ValuesOfPair(k);
   const auto* points = dynamic_cast<const PointPairFactor*>(record.factor.get());
   if (points == nullptr) {
-    throw InvalidInput("flight network: the factor that replaced that of the pair at t = " +
+    throw InvalidInput("flight network: the replacement of the pair factor at t = " +
                        std::to_string(pair_edges[k].pair.t_i_s) +
-                       " s is no PointPairFactor; derive it from that class, too");
+                       " s is not a PointPairFactor; derive its class from PointPairFactor");
   }
   const auto [x_i, x_j] = points->Points(x.data());
   return x_i - x_j;

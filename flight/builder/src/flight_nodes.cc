@@ -14,7 +14,7 @@ constexpr double kStripJoinS = 5.0;
 constexpr double kStripMarginS = 0.5;
 constexpr double kLowestRateHz = 1.0;
 
-std::vector<TimeInterval> StripsOfPairs(const Flight& flight) {
+std::vector<TimeInterval> PairStrips(const Flight& flight) {
   std::vector<double> t_s;
   for (const LidarPair& pair : flight.pairs->pairs) {
     t_s.push_back(pair.t_i_s);
@@ -23,7 +23,7 @@ std::vector<TimeInterval> StripsOfPairs(const Flight& flight) {
   return ClusterEpochs(std::move(t_s), kStripJoinS);
 }
 
-/// Angle random walk, rad/sqrt(s), with the strongest vibration that a strip has.
+/// Returns the angle random walk, rad/sqrt(s), including the strongest vibration within a strip.
 double LargestGyroWhite(const Flight& flight, const std::vector<TimeInterval>& strips) {
   const ImuModel& model = flight.config.imu->model;
   double added = 0.0;
@@ -51,8 +51,9 @@ TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
     ++inside;
   }
   if (inside < 3) {
-    throw InvalidInput("the IMU data cover " + std::to_string(inside) +
-                       " GNSS epochs, at least three are needed");
+    throw InvalidInput(
+        "the IMU data cover " + std::to_string(inside) +
+        " GNSS epochs, but at least three are needed; check the times of imu.file and gnss.file");
   }
   if (with_pairs && flight.pairs) {
     for (const LidarPair& pair : flight.pairs->pairs) {
@@ -74,21 +75,22 @@ std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
 }
 
 double AutoNodeRateHz(const Flight& flight) {
-  // A share s lowers no sigma by more than s/2 of itself; measured
-  // (docs/validation/benchmarks.md), at 5 Hz and more by a
-  // twentieth of it, as there the trajectory decides.
+  // A shared noise of the fraction s lowers a sigma by at most s/2 of itself. Measured
+  // (docs/benchmarks.md): from 5 Hz on by a twentieth of s only, because the trajectory dominates
+  // there.
   struct Rung {
     double rate_hz, shared;
   };
   constexpr Rung kLadder[] = {{kLowestRateHz, 0.02}, {2.0, 0.02}, {5.0, 0.1}, {10.0, 0.1}};
   constexpr double kHighestRateHz = 20.0;
   constexpr double kShortestStripS = 1.0;
-  // Of the variance of the mean of a random walk over an interval, what is left with its end known.
+  // Remaining fraction of the variance of the mean of a random walk over an interval if its end is
+  // known.
   constexpr double kBridged = 0.25;
   if (!flight.config.lidar || !flight.pairs || flight.pairs->pairs.empty()) return kLowestRateHz;
   const auto ends = 2.0 * static_cast<double>(flight.pairs->pairs.size());
   double strips_s = kShortestStripS;
-  const std::vector<TimeInterval> strips = StripsOfPairs(flight);
+  const std::vector<TimeInterval> strips = PairStrips(flight);
   for (const TimeInterval& strip : strips) strips_s += strip.t1_s - strip.t0_s;
   const double noise_m_per_sqrt_s =
       LargestGyroWhite(flight, strips) * MeanRange(flight.pairs->pairs);
@@ -115,7 +117,7 @@ std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& sp
       inertial.value_or(flight.config.network.inertial) == NetworkConfig::Inertial::kRaw;
   std::vector<TimeInterval> dense{span};
   if (with_pairs) {
-    dense = StripsOfPairs(flight);
+    dense = PairStrips(flight);
     for (TimeInterval& interval : dense) {
       interval.t0_s -= kStripMarginS;
       interval.t1_s += kStripMarginS;

@@ -10,7 +10,7 @@ bool SamePair(const LidarPair& a, const LidarPair& b) {
   return a.t_i_s == b.t_i_s && a.t_j_s == b.t_j_s && a.u_i_s == b.u_i_s && a.u_j_s == b.u_j_s;
 }
 
-/// Both networks have their pairs in the order of the flight.
+/// Requires that both networks have their pairs in the order of the flight.
 void KeepPairs(const FlightNetwork& other, FlightNetwork* network) {
   std::size_t theirs = 0;
   for (const FlightNetwork::PairEdge& edge : network->pair_edges) {
@@ -25,15 +25,15 @@ void KeepPairs(const FlightNetwork& other, FlightNetwork* network) {
 }  // namespace
 
 void KeepInUse(const FlightNetwork& other, FlightNetwork* network) {
-  std::map<std::size_t, const FlightNetwork::GnssEdge*> of_epoch;
-  for (const FlightNetwork::GnssEdge& edge : other.gnss_edges) of_epoch[edge.epoch] = &edge;
+  std::map<std::size_t, const FlightNetwork::GnssEdge*> by_epoch;
+  for (const FlightNetwork::GnssEdge& edge : other.gnss_edges) by_epoch[edge.epoch] = &edge;
   const auto keep = [&](FactorId theirs, FactorId ours) {
     if (ours >= 0) network->net.SetActive(ours, theirs >= 0 && other.net.factor(theirs).active);
   };
   for (const FlightNetwork::GnssEdge& edge : network->gnss_edges) {
-    const auto found = of_epoch.find(edge.epoch);
-    keep(found == of_epoch.end() ? -1 : found->second->position, edge.position);
-    keep(found == of_epoch.end() ? -1 : found->second->velocity, edge.velocity);
+    const auto found = by_epoch.find(edge.epoch);
+    keep(found == by_epoch.end() ? -1 : found->second->position, edge.position);
+    keep(found == by_epoch.end() ? -1 : found->second->velocity, edge.velocity);
   }
   KeepPairs(other, network);
 }

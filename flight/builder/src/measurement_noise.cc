@@ -9,7 +9,7 @@ Noise<3> MeasurementNoise(const Eigen::Matrix3d& covariance, const std::string& 
     return Noise<3>::Covariance(covariance);
   } catch (const InvalidInput&) {
     throw InvalidInput(fmt::format("the covariance of {} at t = {:.3f} s is {}; {}", what, t_s,
-                                   covariance.allFinite() ? "not positive definite" : "no number",
+                                   covariance.allFinite() ? "not positive definite" : "not finite",
                                    check));
   }
 }

@@ -8,14 +8,14 @@
 namespace dn {
 namespace {
 
-// Two nodes closer than this are one: far below an IMU interval, far above the resolution of the
+// Nodes closer than this are merged: far below an IMU interval, far above the resolution of the
 // time.
 constexpr double kSameNodeS = 1e-6;
 
-// A node with its edges takes some kB.
+// Limit of the memory: a node with its edges needs several kB.
 constexpr double kMostNodes = 2e6;
 
-// Between the last sample before a gap and the first after it nothing joins a node to the others.
+// A node inside a gap would not be connected to the others by inertial data.
 bool InsideGap(const ImuData& imu, double t_s) {
   return std::any_of(imu.gaps.begin(), imu.gaps.end(), [t_s](const ImuGap& gap) {
     return t_s > gap.t_begin_s + kSameNodeS && t_s < gap.t_end_s - kSameNodeS;
@@ -49,7 +49,8 @@ bool Overlaps(const std::vector<TimeInterval>& intervals, double t0_s, double t1
   });
 }
 
-/// Equal divisions of the interval between two forced times: a whole number, at least one.
+/// Returns the number of equal parts of the interval between two forced times: an integer, at least
+/// one.
 double Parts(const ImuData& imu, double t0_s, double t1_s, const std::vector<TimeInterval>& dense,
              const NodeGridOptions& options) {
   const double length_s = t1_s - t0_s;
@@ -61,7 +62,7 @@ double Parts(const ImuData& imu, double t0_s, double t1_s, const std::vector<Tim
 }
 
 [[noreturn]] void ThrowTooMany(double nodes) {
-  throw InvalidConfig("the network would have " + FormatDouble(nodes) + " nodes, at most " +
+  throw InvalidConfig("the network would have " + FormatDouble(nodes) + " nodes, but at most " +
                       FormatDouble(kMostNodes) +
                       " fit into memory; lower network.node_rate_hz, set network.inertial: "
                       "preintegrated, or limit time_span_s");
@@ -80,7 +81,7 @@ std::vector<double> NodeTimes(const ImuData& imu, const TimeInterval& span,
     throw InvalidInput("node grid: the time span of the network is empty");
   }
   const std::vector<double> forced = ForcedTimes(imu, span, gnss_t_s, options);
-  std::vector<double> parts;  // of each interval between forced times
+  std::vector<double> parts;  // one per interval between forced times
   double nodes_in_all = 1.0;
   for (std::size_t i = 1; i < forced.size(); ++i) {
     parts.push_back(Parts(imu, forced[i - 1], forced[i], dense, options));

@@ -19,7 +19,8 @@ std::string Lower(std::string text) {
   return text;
 }
 
-/// POSPac's smrmsg in a folder: of "sbet_<name>.out" it is "smrmsg_<name>.out", else the only one.
+/// Returns the smrmsg file of POSPac in a folder: for "sbet_<name>.out" it is "smrmsg_<name>.out",
+/// otherwise the only smrmsg file.
 std::optional<fs::path> FindSmrmsg(const fs::path& trajectory) {
   std::string partner = Lower(trajectory.filename().string());
   const std::size_t at = partner.find("sbet");
@@ -34,7 +35,7 @@ std::optional<fs::path> FindSmrmsg(const fs::path& trajectory) {
     found.push_back(entry.path());
   }
   if (found.size() > 1) {
-    throw InvalidInput("several files named smrmsg lie beside the trajectory " +
+    throw InvalidInput("several smrmsg files are in the folder of the trajectory " +
                            trajectory.string() + "; name the one that belongs to it with the key " +
                            "trajectory.sigma_file",
                        FileLocation{folder.string(), 0, 0});

@@ -8,7 +8,7 @@
 
 namespace dn::internal {
 
-/// The words of flight.yaml and what they stand for.
+/// The words of flight.yaml and their values.
 template <class T>
 using Words = std::vector<std::pair<std::string, T>>;
 
@@ -16,12 +16,12 @@ const Words<RobustKind>& RobustWords();
 const Words<PairSelection::Strategy>& StrategyWords();
 const Words<ImuFormat>& ImuFormatWords();
 const Words<ImuSampling>& ImuSamplingWords();
-/// Units of an IMU file in SI: rates (or angles), forces (or velocities).
+/// Units of an IMU file in SI: rates or angles, and forces or velocities.
 const Words<double>& RateUnitWords();
 const Words<double>& ForceUnitWords();
 const Words<GnssFormat>& GnssFormatWords();
 const Words<BiasProcess::Type>& ProcessWords();
-/// The kinds of process that an error of GNSS positions may be.
+/// The types of process allowed for GNSS errors.
 const Words<BiasProcess::Type>& GnssProcessWords();
 const Words<bool>& GhRotationWords();
 const Words<TrajectoryColumns::Attitude>& AttitudeWords();
@@ -29,7 +29,7 @@ const Words<bool>& NorthWords();
 const Words<bool>& BodyWords();
 const Words<NetworkConfig::Inertial>& InertialWords();
 
-/// The word of a value.
+/// Returns the word for a value; empty if no word has this value.
 template <class T>
 std::string WordOf(const T& value, const Words<T>& words) {
   for (const auto& [word, meaning] : words) {

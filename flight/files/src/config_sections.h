@@ -9,22 +9,22 @@
 
 namespace dn::internal {
 
-/// The least standard deviation [m], as of every number that must be positive.
+/// Least standard deviation, m; the same limit holds for every number that must be positive.
 inline constexpr double kLeastSigmaM = 1e-12;
 
-/// Forward-right-down from forward-left-up, and back: a half turn about x.
+/// Converts between forward-right-down and forward-left-up: a half turn about x.
 inline Eigen::Vector3d FlipBody(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 
-/// The same of a rotation to body. Without negative zeros, which would be written.
+/// Converts a rotation to body in the same way. Avoids negative zeros, which would appear in files.
 inline void FlipBody(Eigen::Matrix3d* R_b) {
   R_b->bottomRows<2>().array() = 0.0 - R_b->bottomRows<2>().array();
 }
 
-/// Sections of flight.yaml. body_is_flu: body quantities of the file are forward-left-up.
+/// Read the sections of flight.yaml. body_is_flu: body quantities of the file are forward-left-up.
 ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu);
-/// A coordinate system of a text file.
+/// Reads the coordinate system of a text file.
 std::string ReadTextCrs(const YamlValue& crs);
-/// True: the north of a grid, which the positions must be in.
+/// Reads the key `north`. Returns true for grid north, which requires positions in a grid.
 bool ReadNorth(const YamlValue& north, const std::string& crs);
 
 GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu);
@@ -32,18 +32,19 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu);
 TrajectoryConfig ReadTrajectorySection(const YamlValue& section);
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section);
 
-/// A rotation matrix, made exact. Throws InvalidConfig for what is none.
+/// Reads a rotation matrix and makes it orthonormal. Throws InvalidConfig if the matrix is not a
+/// rotation.
 Eigen::Matrix3d ReadRotation(const YamlValue& value);
 
-/// `time_offset_s` of a sensor's section, tag = t + value; 0 where it is absent. Throws InvalidConfig
-/// for more than 4e9 s, which no time since 1970 has.
+/// Reads `time_offset_s` of a sensor section, tag = t + value; 0 if it is absent. Throws
+/// InvalidConfig for more than 4e9 s, which exceeds every time since 1970.
 double ReadTimeOffset(const YamlValue& section);
 
-/// How the bias processes of one sensor triad are spelt.
+/// Keys and units of the bias processes of a sensor triad.
 struct ProcessKeys {
-  const char* sigma;  ///< random_constant, gauss_markov
+  const char* sigma;  ///< key for random_constant and gauss_markov
   ToSi sigma_to_si;
-  const char* walk;  ///< random_walk
+  const char* walk;  ///< key for random_walk
   ToSi walk_to_si;
   const char* white;
   ToSi white_to_si;

@@ -18,11 +18,12 @@ const EffectSpec& FixedEffect(const YamlValue& value, const std::string& name) {
     value.Fail("unknown name '" + name + "'; did you mean '" + NearestName(name, known) + "'?");
   }
   if (effect->kind == EffectKind::kStochastic) {
-    value.Fail("'" + name +
-               "' is random, which no unknown models: state it in the noise of its sensor");
+    value.Fail(
+        "'" + name +
+        "' is random and cannot be estimated as an unknown; state it in the noise of its sensor");
   }
   if (effect->kind == EffectKind::kFault) {
-    value.Fail("'" + name + "' is a fault of the data, which no unknown models");
+    value.Fail("'" + name + "' is a fault of the data and cannot be estimated as an unknown");
   }
   return *effect;
 }
@@ -89,7 +90,7 @@ std::optional<Eigen::VectorXd> PriorSigma(const EstimateEntry& entry) {
   if (entry.sigma.empty()) return std::nullopt;
   const EffectSpec* effect = FindEffect(entry.unknown);
   if (effect == nullptr || effect->kind != EffectKind::kFixed) {
-    throw InvalidInput("estimate: '" + entry.unknown + "' is no fixed effect", entry.where);
+    throw InvalidInput("estimate: '" + entry.unknown + "' is not a fixed effect", entry.where);
   }
   const std::size_t count = effect->components.size();
   if (entry.sigma.size() != 1 && entry.sigma.size() != count) {

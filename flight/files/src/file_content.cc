@@ -23,18 +23,20 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kRowsLookedAt = 4000;
 constexpr double kMostSigmaM = 1000.0;
-// No GNSS receiver writes more rows, no inertial sensor fewer.
+// Limit between GNSS receivers and inertial sensors: the former have at most this rate, the latter
+// a higher one.
 constexpr double kMostGnssHz = 25.0;
-// Of a specific force that is 1 g, with what flight adds to its mean.
+// Limits of a mean specific force of 1 g, including the motion of a flight.
 constexpr double kLeastForce = 7.0, kMostForce = 14.0;
 constexpr double kMostRmsRateRadps = 2.0;
 
 constexpr std::array<std::size_t, 4> kGnssColumns{4, 7, 10, 13};
 
-/// GPS seconds of the zero of Unix time, and how far UTC is behind GPS time.
+/// Seconds from the Unix epoch to the GPS epoch, and GPS time minus UTC.
 constexpr double kUnixBeforeGps_s = 315964800.0;
 constexpr double kLeapSeconds_s = 18.0;
-// Seconds since 1980 reach it in September 2030, those since 1970 did in September 2020.
+// Least time that is taken for seconds since 1970, reached in September 2020; seconds since 1980
+// reach it in September 2030.
 constexpr double kLeastUnix_s = 1.6e9;
 
 double TimeOffset(double t_s) {
@@ -43,7 +45,7 @@ double TimeOffset(double t_s) {
   return since_1970_s + kWeekS * std::floor((t_s - since_1970_s) / kWeekS);
 }
 
-/// Median step between the times of the rows.
+/// Returns the median time step of the rows.
 double StepOf(const TextTable& table) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < table.rows(); ++i) {
@@ -76,7 +78,8 @@ bool ArePositive(const double* values, std::size_t count) {
   return std::all_of(values, values + count, [](double x) { return x > 0.0 && x < kMostSigmaM; });
 }
 
-/// Latitude and longitude in deg, or exchanged, or in radians: they move no faster than anything does.
+/// Returns whether columns 2 to 4 can be latitude, longitude (deg or rad, in any order) and height
+/// with a plausible speed.
 bool AreCoordinates(const TextTable& table) {
   double lat = table.row(0)[1], lon = table.row(0)[2];
   return EveryRow(table, [&](const double* row) {
@@ -102,7 +105,7 @@ void DescribeGnss(const TextTable& table, FileContent* content) {
   content->kind = FileKind::kGnss;
   content->has_velocity = table.columns >= 10;
   content->has_sigma = table.columns == 7 || table.columns == 13;
-  // Of the two orders of 13 columns, one begins with the sigmas, the other with the velocity.
+  // In one of the two formats with 13 columns the sigmas come first, in the other the velocity.
   const bool sigma_first =
       EveryRow(table, [](const double* row) { return ArePositive(row + 4, 3); });
   const bool sigma_later = table.columns == 13 && EveryRow(table, [](const double* row) {
@@ -146,7 +149,7 @@ std::string Beginning(const fs::path& file, std::size_t bytes) {
   return text;
 }
 
-/// Whether a file is binary, as far as its beginning tells.
+/// Returns whether the beginning of a file looks like binary data.
 bool IsBinary(const std::string& beginning) {
   return beginning.find('\0') != std::string::npos ||
          std::count_if(beginning.begin(), beginning.end(), [](char c) {
@@ -168,7 +171,7 @@ void DescribeBinary(const std::string& beginning, std::uintmax_t size, FileConte
   const auto small = [&](std::size_t index, double limit) {
     return std::abs(value(index)) <= limit;
   };
-  content->why = "no SBET and no smrmsg";
+  content->why = "binary, but neither an SBET nor an smrmsg file";
   if (beginning.size() < 8 * kSbetValues) return;
   constexpr double kPi = std::numbers::pi;
   if (size % (8 * kSbetValues) == 0 && IsSecondsOfWeek(value(0)) && small(1, kPi / 2) &&
@@ -180,7 +183,7 @@ void DescribeBinary(const std::string& beginning, std::uintmax_t size, FileConte
   const std::string extension = content->file.extension().string();
   if (content->kind != FileKind::kUnknown && extension != ".out" && extension != ".sbet") {
     content->kind = FileKind::kUnknown;
-    content->why = "an SBET or smrmsg, which must be named *.out";
+    content->why = "an SBET or smrmsg file, whose name must end in .out";
   }
 }
 
@@ -200,11 +203,11 @@ void DescribeText(FileContent* content) {
   } else if (table.columns >= 4 && IsGnss(table, step_s)) {
     DescribeGnss(table, content);
   } else if (!take_trajectory(table) && !DescribeImu(table, step_s, content) &&
-             // The first rows may stand on the ground, where no course is.
+             // The first rows may be at rest on the ground, without a course.
              !take_trajectory(ReadTextTable(content->file, {}))) {
-    content->why = std::to_string(table.columns) + " columns, of no kind that is known";
+    content->why = std::to_string(table.columns) + " columns, which match no known kind of file";
     if (table.columns >= 4 && internal::CoordinatesOf(table) == "utm:") {
-      content->why += "; GNSS positions in a grid are declared by gnss.file and gnss.crs";
+      content->why += "; for GNSS positions in a grid, set gnss.file and gnss.crs";
     }
   }
 }

@@ -7,7 +7,7 @@
 namespace dn {
 namespace {
 
-constexpr int kNeighbours = 4;  // two roundings: the exact preimage lies within two ulp
+constexpr int kNeighbours = 4;  // after two roundings the exact inverse lies within two ulp
 
 double Step(double value, int ulps) {
   const double toward =

@@ -7,9 +7,10 @@ namespace dn {
 namespace {
 
 constexpr double kHoleBetweenStripsS = 5.0;
-constexpr double kHalfWindowS = 5.0;         // course is compared over twice this
-constexpr double kMaxCourseChangeRad = 0.1;  // in the window; a turn of 3 deg/s changes 0.5
-constexpr double kMinSpeedMps = 0.5;         // below it there is no course
+constexpr double kHalfWindowS = 5.0;  // the course is compared over twice this time
+// Within the window; a turn of 3 deg/s changes it by 0.5.
+constexpr double kMaxCourseChangeRad = 0.1;
+constexpr double kMinSpeedMps = 0.5;  // a slower body has no defined course
 constexpr double kMinStripS = 10.0;
 
 std::vector<StripInterval> Named(std::vector<StripInterval> strips) {
@@ -17,7 +18,7 @@ std::vector<StripInterval> Named(std::vector<StripInterval> strips) {
   return strips;
 }
 
-/// Intervals of sorted epochs without a hole.
+/// Returns intervals of sorted epochs without gaps.
 std::vector<StripInterval> Clusters(const std::vector<double>& t_s) {
   std::vector<StripInterval> strips;
   for (const double t : t_s) {
@@ -40,7 +41,7 @@ std::vector<StripInterval> FromPairs(const std::vector<LidarPair>& pairs) {
   return Named(Clusters(t_s));
 }
 
-/// Angle between two horizontal velocities, rad; pi when one has no direction.
+/// Returns the angle between two horizontal velocities, rad; pi if one of them is too slow.
 double CourseChange(const NavPoint& a, const NavPoint& b) {
   const Eigen::Vector2d u = a.v_ned_mps.head<2>();
   const Eigen::Vector2d v = b.v_ned_mps.head<2>();
@@ -48,7 +49,7 @@ double CourseChange(const NavPoint& a, const NavPoint& b) {
   return std::abs(std::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v)));
 }
 
-/// Epochs around which the course stays the same.
+/// Returns the epochs around which the course is constant.
 std::vector<double> StraightEpochs(const std::vector<NavPoint>& points) {
   std::vector<double> t_s;
   std::size_t first = 0;

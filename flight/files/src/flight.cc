@@ -33,7 +33,7 @@ GnssData ReadGnssFile(const FlightConfig& config) {
   return ReadGnss(config.folder / gnss.file, gnss.format, gnss.time_offset_s, columns);
 }
 
-/// Reads the parts of one folder into one Flight.
+/// Reads the parts of a flight folder into a Flight.
 class FolderReader {
  public:
   FolderReader(FlightConfig config, const FlightNeeds& needs) : needs_(needs) {
@@ -57,7 +57,8 @@ class FolderReader {
  private:
   fs::path InFolder(const fs::path& file) const { return flight_.config.folder / file; }
 
-  /// True when the section is there; false when it is not, which only optional reading allows.
+  /// Returns whether the section exists. Throws InvalidConfig if it is missing and reading is not
+  /// optional.
   bool HasSection(bool present, const char* section) const {
     if (!present && !needs_.optional) {
       throw InvalidConfig(
@@ -67,13 +68,14 @@ class FolderReader {
     return present;
   }
 
-  /// True when something is there under the name of a section's file; likewise. Its reader says so
-  /// when it is no regular file.
+  /// Returns whether a path with the name of the section's file exists. Throws InvalidInput if it
+  /// is missing and reading is not optional. The reader of the file reports a path that is not a
+  /// regular file.
   bool HasFile(const fs::path& path, const char* key) const {
     const bool present = internal::IsThere(path);
     if (!present && !needs_.optional) {
       throw InvalidInput("the data file " + path.string() + " does not exist; the key " + key +
-                         " of flight.yaml names it");
+                         " of flight.yaml gives its name");
     }
     return present;
   }
@@ -110,7 +112,7 @@ class FolderReader {
     if (!HasFile(file, "gnss.file")) return;
     GnssData gnss = ReadGnssFile(flight_.config);
     if (gnss.epochs.empty()) {
-      throw InvalidInput("no GNSS epoch in the file", FileLocation{file.string(), 0, 0});
+      throw InvalidInput("the GNSS file has no epochs", FileLocation{file.string(), 0, 0});
     }
     first_gnss_ = gnss.epochs.front().antenna;
     Count("gnss repeated rows", gnss.repeated_rows_dropped);
@@ -133,7 +135,9 @@ class FolderReader {
               return covered.HoleAt(epoch.t_s) != nullptr;
             })));
       if (gnss.epochs.empty()) {
-        throw InvalidInput("every GNSS epoch lies in a hole of the IMU data", {file.string()});
+        throw InvalidInput(
+            "every GNSS epoch lies in a gap of the IMU data; check the time systems of both files",
+            {file.string()});
       }
     }
   }
@@ -161,7 +165,7 @@ class FolderReader {
     }
   }
 
-  /// The trajectory file: that of the section, else one with a default name.
+  /// Sets the trajectory file to that of the section, or to a default name that exists.
   void ResolveTrajectoryFile() {
     std::optional<TrajectoryConfig>& section = flight_.config.trajectory;
     const std::string usual = TrajectoryConfig().file;
@@ -183,7 +187,7 @@ class FolderReader {
     Count("trajectory repeated rows", flight_.trajectory->notes().repeated_rows_dropped);
   }
 
-  /// The strips of flight.yaml in the week of the data, as their pairs.
+  /// Moves the strips of flight.yaml to the week of the data, like the pairs.
   void AlignStrips() {
     if (!flight_.imu && !flight_.trajectory) return;
     const CoveredTime covered =
@@ -196,7 +200,7 @@ class FolderReader {
     }
   }
 
-  /// True when every pattern of lidar.p2p names a file.
+  /// Returns whether every pattern of lidar.p2p matches a file.
   bool HasPairFiles() {
     std::vector<std::string>& patterns = flight_.config.lidar->p2p;
     const std::vector<std::string> usual = LidarConfig().p2p;
@@ -209,7 +213,7 @@ class FolderReader {
       return true;
     } catch (const InvalidInput& e) {
       if (needs_.optional) return false;
-      throw InvalidInput(std::string(e.what()) + "; the key lidar.p2p of flight.yaml names it");
+      throw InvalidInput(std::string(e.what()) + "; check the key lidar.p2p of flight.yaml");
     }
   }
 
@@ -246,8 +250,8 @@ class FolderReader {
     }
   }
 
-  /// Pairs must lie inside what was read, those in its holes are left out; with optional reading
-  /// they must lie inside one of the two, and both are only counted.
+  /// Requires that pairs are inside the data that were read, and drops those in gaps. With optional
+  /// reading they must be inside one of the two data sets, and both cases are only counted.
   void CheckPairsCovered() {
     std::vector<CoveredTime> coverages;
     if (flight_.imu) coverages.push_back(internal::Cover(*flight_.imu));
@@ -280,7 +284,7 @@ class FolderReader {
     return std::nullopt;
   }
 
-  /// The same whatever was asked for, so that all commands share one mapping frame.
+  /// Returns the same origin for all FlightNeeds, so that all commands share one map frame.
   Geodetic Origin() const {
     const FlightConfig& config = flight_.config;
     if (config.origin) return *config.origin;

@@ -12,19 +12,18 @@
 namespace dn {
 namespace {
 
-// A place of the data, with names of strips, and a shape.
+// Characters of `unexplained`: a part of the data with names of strips, and a shape.
 constexpr std::size_t kLongestUnexplained = 1000;
 
 namespace fs = std::filesystem;
 
-/// The file of a flight folder, or the file itself.
+/// Returns flight.yaml of a flight folder, or the given file.
 fs::path ConfigFile(const fs::path& folder_or_file) {
   if (fs::is_directory(folder_or_file)) {
     fs::path file = folder_or_file / "flight.yaml";
     if (internal::IsThere(file)) return file;
-    throw InvalidConfig(
-        "the flight folder has no flight.yaml; docs/reference/flight.yaml is a model",
-        FileLocation{file.string(), 0, 0});
+    throw InvalidConfig("the flight folder has no flight.yaml; docs/flight.yaml is an example",
+                        FileLocation{file.string(), 0, 0});
   }
   if (internal::IsThere(folder_or_file)) return folder_or_file;
   throw InvalidConfig("there is no flight folder '" + folder_or_file.string() + "'");
@@ -70,7 +69,7 @@ StripInterval ReadStrip(const YamlValue& item) {
 std::string ReadCrs(const YamlValue& value) {
   std::string crs = value.Name();
   if (!IsPointCrsName(crs)) {
-    value.Fail("'" + crs + "' is none of map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef, none");
+    value.Fail("'" + crs + "' is not one of map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef, none");
   }
   return crs;
 }
@@ -111,19 +110,19 @@ void ReadSensors(const YamlValue& root, FlightConfig& config) {
   }
 }
 
-/// Whether the first data file that is named lies in the folder.
+/// Returns whether the first data file of the configuration is in the folder.
 bool HoldsData(const fs::path& folder, const FlightConfig& config) {
   if (config.imu) return internal::IsThere(folder / config.imu->file);
   if (config.gnss) return internal::IsThere(folder / config.gnss->file);
   return !config.trajectory || internal::IsThere(folder / config.trajectory->file);
 }
 
-/// Where the data of a file in `folder` lie.
+/// Returns the folder of the data for a configuration file in `folder`.
 fs::path DataFolder(const YamlValue& key, const fs::path& folder, const FlightConfig& config) {
   return key && !HoldsData(folder, config) ? folder / key.Text() : folder;
 }
 
-// A folder may be called anything.
+// Removes control characters, which the name of a folder may have.
 std::string NameOfFolder(const fs::path& folder) {
   const fs::path full = fs::weakly_canonical(folder);
   return WithoutControls(full.filename().string());

@@ -28,7 +28,7 @@ std::string Matrix(const Eigen::Matrix3d& M) {
 
 std::string Boolean(bool value) { return value ? "true" : "false"; }
 
-/// Lines of YAML, two blanks per level.
+/// Writes lines of YAML, indented by two blanks per level.
 class Writer {
  public:
   void Line(int level, const std::string& text) {
@@ -194,8 +194,8 @@ void WriteEstimate(const std::vector<EstimateEntry>& entries, Writer& out) {
 void WriteBegin(const FlightConfig& config, Writer& out) {
   if (config.body_is_flu) {
     out.Line(0,
-             "# Resolved from 'body: FLU': here in FRD; the flight's data files remain FLU, text "
-             "trajectories too.");
+             "# Resolved from 'body: FLU' to FRD; the data files remain FLU, text trajectories "
+             "included.");
   }
   out.Key(0, "name", QuoteYaml(config.name));
   out.Key(0, "body", "FRD");
@@ -203,7 +203,7 @@ void WriteBegin(const FlightConfig& config, Writer& out) {
 
 void WriteBeginOfFile(const FlightConfig& config, Writer& out) {
   out.Key(0, "name", QuoteYaml(config.name));
-  out.Line(0, "# Where the data are looked for if they do not lie beside this file.");
+  out.Line(0, "# Folder of the data, used if they are not in the folder of this file.");
   const std::filesystem::path folder = std::filesystem::absolute(config.folder);
   out.Key(0, "data_folder", QuoteYaml(folder.lexically_normal().string()));
   out.Key(0, "body", WordOf(config.body_is_flu, internal::BodyWords()));
@@ -221,7 +221,7 @@ void WriteHead(const FlightConfig& config, Writer& out) {
   out.Key(0, "strips_crs", QuoteYaml(config.strips_crs));
 }
 
-/// Body quantities in forward-left-up.
+/// Returns the configuration with body quantities in forward-left-up.
 FlightConfig WithBodyFlipped(FlightConfig config) {
   using internal::FlipBody;
   if (config.imu) FlipBody(&config.imu->read.R_imu_to_body);

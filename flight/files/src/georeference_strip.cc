@@ -31,7 +31,7 @@ struct StripGeoreferencer::Setup {
         frame(map),
         crs(points),
         paths(options.trajectory, options.made_by, options.time_span_s, frame) {
-    options.trajectory = Trajectory();  // its poses are kept
+    options.trajectory = Trajectory();  // the poses are stored in `paths`
     options.made_by.reset();
   }
 
@@ -56,7 +56,7 @@ struct StripGeoreferencer::Setup {
   internal::StripPaths paths;
 };
 
-/// One strip on its way from file to file.
+/// The work on one strip, from the input to the output file.
 class StripGeoreferencer::Work {
  public:
   Work(const Setup& setup, const fs::path& in) : setup_(setup), in_(in), reader_(OpenStrip(in)) {

@@ -51,7 +51,7 @@ GnssConfig ReadGnssSection(const YamlValue& section, bool body_is_flu) {
   if (section["north"]) gnss.grid_north = ReadNorth(section["north"], gnss.crs);
   const bool own = gnss.format == GnssFormat::kRtklib || gnss.format == GnssFormat::kNmea;
   if (own && gnss.crs != "geographic") {
-    section["crs"].Fail("files of rtklib and nmea say themselves what their coordinates are");
+    section["crs"].Fail("files of rtklib and nmea define their coordinates themselves; remove crs");
   }
   gnss.time_offset_s = ReadTimeOffset(section);
   if (section["lever_arm_m"]) {

@@ -35,7 +35,7 @@ BiasProcess ReadProcess(const YamlValue& item, const ProcessKeys& keys) {
   return process;
 }
 
-/// Overrides what the section gives explicitly; white noise comes from a preset or from here.
+/// Overrides the preset with the values of the section. The white noise must come from one of them.
 void ReadSensor(const YamlValue& section, const ProcessKeys& keys, const YamlValue& preset,
                 SensorNoise& noise) {
   if (section) {

@@ -5,7 +5,7 @@
 
 namespace dn::internal {
 
-/// Whether the path names anything, also what cannot be read.
+/// Returns whether the path exists, including files that cannot be read.
 inline bool IsThere(const std::filesystem::path& path) {
   std::error_code none;
   return std::filesystem::status(path, none).type() != std::filesystem::file_type::not_found;

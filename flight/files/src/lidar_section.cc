@@ -9,9 +9,9 @@
 namespace dn::internal {
 namespace {
 
-constexpr double kUnitTolerance = 1e-3;  // axes typed with three digits
+constexpr double kUnitTolerance = 1e-3;  // allows axes written with three digits
 constexpr double kRoundOff = 4e-16;
-constexpr double kMaxCosineOfAxes = 1e-2;  // half a degree from a right angle
+constexpr double kMaxCosineOfAxes = 1e-2;  // allows half a degree from a right angle
 
 std::string Short(double value) {
   char text[32];
@@ -45,7 +45,7 @@ Eigen::Vector3d ReadUnitVector(const YamlValue& value) {
   const Eigen::Vector3d axis = value.Vector3();
   const double length = axis.norm();
   if (std::abs(length - 1.0) > kUnitTolerance) {
-    value.Fail("must be a unit vector, has length " + Short(length));
+    value.Fail("must be a unit vector, but has length " + Short(length));
   }
   return std::abs(length - 1.0) <= kRoundOff ? axis : Eigen::Vector3d(axis / length);
 }

@@ -47,7 +47,7 @@ bool IsRealDirectory(const fs::path& path) {
   throw fs::filesystem_error(what, path, std::error_code(errno, std::generic_category()));
 }
 
-/// A descriptor of the directory that holds its lock; -1 on a file system without locks.
+/// Locks a directory and returns its descriptor; -1 on a file system without locks.
 int Lock(const fs::path& directory) {
   const int fd = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) ThrowErrno("cannot open", directory);
@@ -65,7 +65,7 @@ bool IsMine(const fs::path& path) {
          status.st_uid == ::geteuid();
 }
 
-/// What runs that were killed left behind: under the lock no other run is alive.
+/// Removes the files that killed runs left. While this run has the lock, no other run is active.
 void Sweep(const fs::path& directory) {
   std::vector<fs::path> left;
   for (const auto& entry : fs::directory_iterator(directory)) {
@@ -122,7 +122,7 @@ fs::path OutputDirectory::Stage(const std::string& name) {
                         " would replace the input " + input.string() + "; give another --out");
   }
   fs::path staged = staging_ / name;
-  // Never the staging directory itself: an end by force may have removed it.
+  // The staging directory itself is not created again: a forced end may have removed it.
   if (staged.parent_path() != staging_) fs::create_directory(staged.parent_path());
   if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
   return staged;

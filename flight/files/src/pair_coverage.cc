@@ -34,7 +34,7 @@ FileLocation PlaceOf(const LidarPair& pair, const PairData& data) {
       PlaceOf(pair, data));
 }
 
-/// The hole that an epoch of the pair lies in, null when there is none.
+/// Returns the gap that contains an epoch of the pair; null if there is none.
 const ImuGap* HoleOf(const LidarPair& pair, const CoveredTime& covered) {
   const ImuGap* hole = covered.HoleAt(pair.t_i_s);
   return hole != nullptr ? hole : covered.HoleAt(pair.t_j_s);
@@ -46,9 +46,9 @@ const ImuGap* HoleOf(const LidarPair& pair, const CoveredTime& covered) {
   });
   const ImuGap& hole = *HoleOf(*first, covered);
   throw InvalidInput(std::to_string(count) + " of " + std::to_string(data.pairs.size()) +
-                         " pairs have an epoch in a hole of " + covered.what + ", the first in " +
+                         " pairs have an epoch in a gap of " + covered.what + ", the first in " +
                          SpanText(hole.t_begin_s, hole.t_end_s) +
-                         "; check the time system of the pair file, and what is missing",
+                         "; check the time system of the pair file and the gaps of the data",
                      PlaceOf(*first, data));
 }
 

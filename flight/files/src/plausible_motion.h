@@ -2,9 +2,9 @@
 
 namespace dn::internal {
 
-/// Nothing that surveys moves faster, m/s.
+/// Upper limit for the speed of a survey vehicle, m/s.
 constexpr double kMostSpeedMps = 1000.0;
-/// Of a degree of latitude.
+/// Length of one degree of latitude, m.
 constexpr double kMetresPerDeg = 111000.0;
 
 }  // namespace dn::internal

@@ -12,7 +12,7 @@ namespace {
 using Indices = std::vector<std::size_t>;
 using Random = std::mt19937_64;
 
-/// The indices of each file's pairs, in order of t_i.
+/// Returns the indices of the pairs of each file, in order of t_i.
 std::vector<Indices> ByFile(const std::vector<LidarPair>& pairs) {
   std::map<int, Indices> groups;
   for (std::size_t i = 0; i < pairs.size(); ++i) groups[pairs[i].file].push_back(i);
@@ -25,13 +25,14 @@ std::vector<Indices> ByFile(const std::vector<LidarPair>& pairs) {
   return files;
 }
 
-/// Uniform in [first, last), the same on every platform.
+/// Draws uniformly from [first, last), with the same result on every platform.
 std::size_t Draw(std::size_t first, std::size_t last, Random& random) {
   const double unit = static_cast<double>(random() >> 11) * 0x1.0p-53;
   return first + static_cast<std::size_t>(unit * static_cast<double>(last - first));
 }
 
-/// Equal shares of `count` for the files; what a small file cannot use goes to the others.
+/// Returns equal shares of `count` for the files; pairs that a small file lacks are taken from the
+/// others.
 std::vector<std::size_t> Shares(const std::vector<Indices>& files, std::size_t count) {
   std::vector<std::size_t> order(files.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -46,7 +47,7 @@ std::vector<std::size_t> Shares(const std::vector<Indices>& files, std::size_t c
   return shares;
 }
 
-/// One pair at random out of each of `share` equal parts of the file's pairs in time order.
+/// Keeps one random pair of each of `share` equal parts of the file's pairs in time order.
 void KeepSpread(const Indices& indices, std::size_t share, Random& random, Indices& kept) {
   for (std::size_t k = 0; k < share; ++k) {
     const std::size_t first = k * indices.size() / share;
@@ -55,7 +56,7 @@ void KeepSpread(const Indices& indices, std::size_t share, Random& random, Indic
   }
 }
 
-/// The pair nearest to each tick of the raster that starts at the file's first pair.
+/// Keeps the pair nearest to each tick of the raster that starts at the first pair of the file.
 void KeepRaster(const std::vector<LidarPair>& pairs, const Indices& indices, double freq_hz,
                 Indices& kept) {
   const double t0_s = pairs[indices.front()].t_i_s;
@@ -77,7 +78,7 @@ void KeepRaster(const std::vector<LidarPair>& pairs, const Indices& indices, dou
   }
 }
 
-/// One pair at random out of each window that holds any.
+/// Keeps one random pair of each window that contains pairs.
 void KeepOnePerWindow(const std::vector<LidarPair>& pairs, const Indices& indices, double window_s,
                       Random& random, Indices& kept) {
   const double t0_s = pairs[indices.front()].t_i_s;

@@ -11,7 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// In the staging directory: the names of a commit under way, and what it has replaced so far.
+// Entries of the staging directory: the names of a commit in progress, and the files replaced so
+// far.
 constexpr const char* kJournal = ".commit";
 constexpr const char* kReplaced = ".replaced";
 
@@ -24,18 +25,19 @@ void ExpectRoom(const fs::path& directory, const std::string& name) {
   const fs::path target = directory / name;
   std::error_code none;
   if (fs::is_directory(fs::symlink_status(target, none))) {
-    throw UnusableOutput("a folder is called " + target.string() +
-                         ", as a file of the results is; rename it, or give another --out");
+    throw UnusableOutput("the folder " + target.string() +
+                         " has the name of a result file; rename it, or give another --out");
   }
   const fs::path parent = target.parent_path();
   const bool below = parent != directory;
   if (below && Exists(parent) && !fs::is_directory(fs::symlink_status(parent, none))) {
-    throw UnusableOutput("a file or link is called " + parent.string() +
-                         ", as a folder of the results is; rename it, or give another --out");
+    throw UnusableOutput("the file or link " + parent.string() +
+                         " has the name of a result folder; rename it, or give another --out");
   }
 }
 
-// A second name of a file that is about to be replaced; moved there where names cannot be shared.
+// Saves a file before it is replaced: as a hard link, or by moving it if the file system has no
+// hard links.
 void Keep(const fs::path& file, const fs::path& kept) {
   if (!Exists(file)) return;
   fs::create_directories(kept.parent_path());
@@ -60,7 +62,8 @@ void UndoOne(const fs::path& staging, const std::string& name) {
     fs::remove(target, none);
   }
   const fs::path folder = fs::path(name).parent_path();
-  if (!folder.empty()) ::rmdir((staging.parent_path() / folder).c_str());  // where it is empty
+  // Only succeeds if it is empty.
+  if (!folder.empty()) ::rmdir((staging.parent_path() / folder).c_str());
 }
 
 }  // namespace

@@ -6,12 +6,12 @@
 
 namespace dn::internal {
 
-/// Moves files from a staging directory into the directory above it. When one of them cannot be
-/// moved, those before it are moved back and what they replaced is restored. Throws UnusableOutput
-/// before anything is changed where a folder stands in the way of a file.
+/// Moves files from a staging directory into the directory above it. If a file cannot be moved, the
+/// earlier ones are moved back and the replaced files are restored. Throws UnusableOutput before
+/// any change if a folder has the name of a file.
 void CommitStaged(const std::filesystem::path& staging, const std::vector<std::string>& names);
 
-/// Undoes a commit into the directory above that was cut off. Nothing to do without one.
+/// Undoes an interrupted commit into the directory above; does nothing if there is no such commit.
 void UndoCommit(const std::filesystem::path& staging);
 
 }  // namespace dn::internal

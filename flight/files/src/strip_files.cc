@@ -61,12 +61,12 @@ std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
         where);
   }
   if (said.heights_from_geoid) {
-    return "the heights of " + file.filename().string() +
-           " are from a vertical datum, by its header; they are taken as ellipsoidal";
+    return "by the header of " + file.filename().string() +
+           ", its heights refer to a vertical datum; they are used as ellipsoidal heights";
   }
   if (said.name.empty() && said.epsg) {
-    return "the points of " + file.filename().string() + " are in " + NameOf(said) +
-           ", by its header; they are taken as " + strips_crs;
+    return "by the header of " + file.filename().string() + ", its points are in " + NameOf(said) +
+           "; they are used as " + strips_crs;
   }
   return {};
 }

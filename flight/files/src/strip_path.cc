@@ -58,7 +58,7 @@ std::string NothingLeft(const std::string& reason, double t_begin_s, double t_en
   return "no point can be georeferenced, all lie " + reason + ": the strip covers " +
          SpanText(t_begin_s, t_end_s) + ", the trajectory " +
          SpanText(covered.t_begin_s, covered.t_end_s) +
-         (unit.empty() ? "; is the kind of GPS time in the file right?" : unit);
+         (unit.empty() ? "; check the type of GPS time in the file" : unit);
 }
 
 }  // namespace dn::internal

@@ -13,7 +13,7 @@
 
 namespace dn::internal {
 
-/// A trajectory in the mapping frame, and the time that it covers.
+/// A trajectory in the map frame and the time that it covers.
 struct StripPath {
   StripPath(const Trajectory& trajectory, const LocalFrame& frame)
       : poses(trajectory.InMap(frame)), covered(Cover(trajectory)) {}
@@ -24,23 +24,25 @@ struct StripPath {
   CoveredTime covered;
 };
 
-/// What a trajectory means for a point.
+/// Whether a point can be used, and otherwise the reason.
 enum class PointFate { kKept, kBefore, kAfter, kInGap, kOutsideMaker, kOutsideSpan };
 
-/// Why a point is left out, as counts name it.
+/// Returns the name of the reason in counts.
 const char* ReasonOf(PointFate fate);
 
-/// The trajectory that points are wanted on, and the one that they were made with.
+/// The trajectory for the new points, and the one from which the points of the file were computed.
 class StripPaths {
  public:
-  /// made_by: absent, the same trajectory. time_span_s: of the points that are wanted.
+  /// made_by: absent if it is the same trajectory. time_span_s: the time span of the requested
+  /// points.
   StripPaths(const Trajectory& trajectory, const std::optional<Trajectory>& made_by,
              const std::optional<Eigen::Vector2d>& time_span_s, const LocalFrame& frame);
 
   const StripPath& wanted() const { return wanted_; }
   const StripPath& maker() const { return other_maker_ ? *other_maker_ : wanted_; }
 
-  /// own_vectors: the file has laser vectors, so what made its points does not count.
+  /// Returns whether a point can be used. own_vectors: the file has laser vectors, so that the
+  /// trajectory of its coordinates is not needed.
   PointFate FateOf(double t_s, bool own_vectors) const;
 
  private:
@@ -49,10 +51,10 @@ class StripPaths {
   CoveredTime span_;
 };
 
-/// Throws InvalidInput where the points of a file have no GPS time.
+/// Throws InvalidInput if the points of a file have no GPS time.
 void ExpectTimes(const StripReader& reader, const std::filesystem::path& file);
 
-/// Why nothing of a strip is left: `reason`, and both spans.
+/// Returns the message for a strip without remaining points: `reason` and both spans.
 std::string NothingLeft(const std::string& reason, double t_begin_s, double t_end_s,
                         const CoveredTime& covered);
 

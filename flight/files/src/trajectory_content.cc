@@ -16,15 +16,16 @@ namespace {
 
 using Attitude = TrajectoryColumns::Attitude;
 
-// What moves slower has no course.
+// A slower body has no defined course.
 constexpr double kLeastSpeedMps = 3.0;
 constexpr double kLeastMoveM = 1.0;
-// A heading is within this of the course, wind and sensor mounting included, in most of the rows.
+// The heading differs from the course by at most this (wind and mounting of the sensor included) in
+// at least this share of the rows.
 constexpr double kNearCourse = std::numbers::pi / 4.0, kMostRows = 0.7;
 constexpr std::size_t kFewestRows = 20;
 constexpr double kMostHeightM = 2e4;
 constexpr double kLeastEarthRadiusM = 6.33e6, kMostEarthRadiusM = 6.40e6;
-// Eastings of UTM have six digits before the point, northings six or seven.
+// UTM eastings have six digits before the point, northings up to seven.
 constexpr double kLeastEastingM = 1e5, kMostEastingM = 9e5, kMostNorthingM = 1e7;
 constexpr double kMostMapM = 1e5;
 
@@ -32,7 +33,8 @@ Eigen::Vector3d Position(const TextTable& table, std::size_t i) {
   return Eigen::Map<const Eigen::Vector3d>(table.row(i) + 1);
 }
 
-/// What is added to a position, in metres east, north, up, for the systems that a trajectory may have.
+/// Returns the motion from one position to another, m, east, north, up, for each coordinate system
+/// of a trajectory.
 Eigen::Vector3d MoveEnu(const std::string& crs, const Eigen::Vector3d& from,
                         const Eigen::Vector3d& to) {
   Eigen::Vector3d by = to - from;
@@ -46,7 +48,7 @@ Eigen::Vector3d MoveEnu(const std::string& crs, const Eigen::Vector3d& from,
   return {by.dot(east), by.dot(up.cross(east)), by.dot(up)};
 }
 
-/// Whether all positions have the size that they have in a system.
+/// Returns whether a position has a plausible size for a coordinate system.
 bool HasSizeOf(const std::string& crs, const Eigen::Vector3d& p) {
   if (crs == "ecef") return p.norm() > kLeastEarthRadiusM && p.norm() < kMostEarthRadiusM;
   if (std::abs(p.z()) > kMostHeightM) return false;
@@ -70,7 +72,7 @@ bool IsPossible(const std::string& crs, const TextTable& table) {
   return !speeds_mps.empty() && Median(speeds_mps) < kMostSpeedMps;
 }
 
-/// Forward in east and north by the attitude of a row.
+/// Returns the forward direction in east and north from the attitude of a row.
 Eigen::Vector2d ForwardEn(const double* attitude, Attitude convention) {
   constexpr double kRad = std::numbers::pi / 180.0;
   if (convention == Attitude::kRollPitchHeading) {
@@ -85,7 +87,8 @@ Eigen::Vector2d ForwardEn(const double* attitude, Attitude convention) {
   return {forward.y(), forward.x()};
 }
 
-/// Share of the rows that move whose forward axis is near the course; nothing where too few move.
+/// Returns the share of the moving rows whose forward axis is near the course; nullopt if too few
+/// rows move.
 std::optional<double> ShareNearCourse(const TextTable& table, const std::string& crs,
                                       Attitude convention) {
   std::size_t moving = 0, near = 0, from = 0;
@@ -113,7 +116,8 @@ bool EndsWithUnitQuaternion(const TextTable& table) {
   return true;
 }
 
-/// The one of two conventions that the course agrees with.
+/// Returns the convention for which the attitude agrees better with the course; nullopt if it
+/// agrees for none of the two.
 std::optional<Attitude> ByCourse(const TextTable& table, const std::string& crs,
                                  const std::array<Attitude, 2>& conventions) {
   double most = kMostRows;

@@ -8,15 +8,16 @@
 
 namespace dn::internal {
 
-/// The system of columns 2 to 4 of a text by their size and by speeds that are possible: "geographic",
-/// "ecef", "utm:" (of any zone) or "map".
+/// Returns the coordinate system of columns 2 to 4 of a text: "geographic", "ecef", "utm:" (any
+/// zone) or "map". It follows from the size of the values and from plausible speeds. Returns
+/// nullopt if no system fits.
 std::optional<std::string> CoordinatesOf(const TextTable& table);
 
-/// What the columns of a text are, if they are a trajectory: 8 that end with a unit quaternion, or 7
-/// that end with three angles of which the heading follows the course in most of the rows that move.
-/// Coordinates are told by their size and by speeds that are possible; the zone of a grid cannot be:
-/// "utm:". The convention of a quaternion is that by which the body moves forward, north-east-down
-/// where nothing moves; its body is FLU where its z axis points up.
+/// Returns the columns of a text if it is a trajectory: 8 columns that end with a unit quaternion,
+/// or 7 that end with three angles. The heading must follow the course in most of the moving rows.
+/// The coordinate system is that of CoordinatesOf; the zone of a grid cannot be determined
+/// ("utm:"). The convention of a quaternion is the one for which the body moves forward, or
+/// north-east-down without motion. The body is FLU if its z axis points up.
 std::optional<TrajectoryColumns> TrajectoryColumnsOf(const TextTable& table);
 
 }  // namespace dn::internal

@@ -8,7 +8,8 @@ namespace dn::internal {
 std::string ReadTextCrs(const YamlValue& crs) {
   std::string name = crs.Name();
   if (!TextCoordinates::IsName(name)) {
-    crs.Fail("'" + name + "' is none of geographic, map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef");
+    crs.Fail("'" + name +
+             "' is not one of geographic, map, utm:ZONEn, utm:ZONEs (as utm:32n), ecef");
   }
   return name;
 }
@@ -16,7 +17,7 @@ std::string ReadTextCrs(const YamlValue& crs) {
 bool ReadNorth(const YamlValue& north, const std::string& crs) {
   const bool grid = north.Choice(NorthWords());
   if (grid && crs.rfind("utm:", 0) != 0) {
-    north.Fail("grid needs positions in a grid: crs: utm:ZONEn or utm:ZONEs");
+    north.Fail("grid needs positions in a grid; set crs to utm:ZONEn or utm:ZONEs");
   }
   return grid;
 }

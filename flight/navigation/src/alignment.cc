@@ -16,16 +16,16 @@ using internal::Antenna;
 using internal::AntennaTrack;
 using internal::InFlight;
 
-// Window of the in-flight alignment: long enough for a turn, short enough for the drift of the
-// gyros.
+// Limits of the window of the in-flight alignment: it must be long enough for a turn and short
+// enough for the drift of the gyros.
 constexpr double kLongestWindowS = 180.0;
 constexpr double kDriftLimitRad = 5.0 * kRadPerDeg;
-// Sum of velocity changes after which a heading hypothesis has been put to the test.
+// Sum of velocity changes that is sufficient to decide between heading hypotheses.
 constexpr double kEnoughVelocityChangeMps = 60.0;
 constexpr double kMinDecisionS = 120.0;
 constexpr double kHuberSigmas = 4.0;
-// Floors of the filter's measurement sigmas while headings are compared, and in each refinement
-// after it.
+// Floors of the measurement sigmas of the filter: the first while headings are compared, the others
+// in the refinements.
 constexpr double kCoarseFloor[] = {0.5, 0.1, 0.02};
 
 double TypicalBias(const SensorNoise& sensor) {
@@ -43,8 +43,8 @@ struct StillStart {
   Eigen::Vector3d mean_f_b = Eigen::Vector3d::Zero();
 };
 
-// At rest as long as no second departs from the first ones by more than handling or an engine would
-// make it.
+// The vehicle is at rest as long as no second differs from the previous mean by more than handling
+// or a running engine can cause.
 StillStart FindStillStart(const Flight& flight, double t0_s) {
   constexpr double kFirstS = 2.0, kMinS = 5.0, kGyroRadps = 0.02, kAccelMps2 = 0.2;
   const ImuData& imu = *flight.imu;
@@ -83,7 +83,7 @@ StillStart FindStillStart(const Flight& flight, double t0_s) {
   return result;
 }
 
-// Body -> map from two pairs of directions, the first one kept exactly.
+// Returns the rotation body -> map from two pairs of directions; the first pair is matched exactly.
 Eigen::Quaterniond FromTwoDirections(const Eigen::Vector3d& up_b, const Eigen::Vector3d& other_b,
                                      const Eigen::Vector3d& up_m, const Eigen::Vector3d& other_m) {
   const auto triad = [](const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
@@ -152,9 +152,9 @@ std::vector<Candidate> Candidates(const Flight& flight, const TimeInterval& span
   }
   if (candidates.empty()) {
     throw InvalidInput(
-        "alignment: no attitude can be found at the start of the flight: too few GNSS epochs "
-        "without a gap of theirs or of the IMU data, and not at rest; limit time_span_s to begin "
-        "where both are whole, or give initial_guess.txt");
+        "alignment: no attitude can be found at the start of the flight: it is not at rest, and "
+        "too few GNSS epochs have no gap in the GNSS or IMU data; begin time_span_s after the "
+        "gaps, or give initial_guess.txt");
   }
   return candidates;
 }
@@ -207,7 +207,8 @@ FilterState StartState(const Flight& flight, const TimeInterval& span, const Can
                          3.0 * sigma_m, 5.0 + 2.0 * sigma_m);
 }
 
-// The attitude at the start that the filter's last attitude implies, through the gyros alone.
+// Returns the attitude at the start that follows from the last attitude of the filter, integrated
+// back with the gyros alone.
 Eigen::Quaterniond BackToStart(const Flight& flight, const FilterState& last, double t0_s) {
   const ImuCorrection bias{last.TotalGyroBias(), last.TotalAccelBias()};
   const InertialIncrements whole = IntegrateMotion(*flight.imu, t0_s, last.pose.t_s, bias);

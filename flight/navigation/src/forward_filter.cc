@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kNav = 9;  // attitude, position, velocity
 
-// What may have happened in a hole of the inertial data, per second of it: attitude and velocity.
+// Largest changes assumed during a gap in the inertial data: angular rate of the attitude and
+// acceleration.
 constexpr double kGapAttitudeRadps = 0.3;
 constexpr double kGapAccelMps2 = 5.0;
 
@@ -25,7 +26,7 @@ Eigen::Vector3d SumOf(const std::vector<Eigen::Vector3d>& biases) {
   return sum;
 }
 
-/// An inertial edge at two poses, linearised: the whitened residual and its derivatives.
+/// An inertial edge linearised at two poses: the whitened residual and its derivatives.
 struct LinearEdge {
   Eigen::VectorXd r;
   Eigen::Matrix<double, kNav, kNav> J_begin;  ///< attitude (right), position, velocity
@@ -75,7 +76,7 @@ class Filter {
     state_.pose.t_s = t_s;
   }
 
-  /// With the measurements of the epoch at this time, if there is one.
+  /// Updates the state with the GNSS epoch at this time, if there is one.
   void UseEpochAt(double t_s) {
     const std::vector<MapGnssEpoch>& epochs = flight_.gnss->epochs;
     const auto at = std::lower_bound(
@@ -116,13 +117,14 @@ class Filter {
     return {state_.pose, {state_.TotalGyroBias(), state_.TotalAccelBias()}, added_covariance};
   }
 
-  /// A part of the state and where it stands there.
+  /// A part of the state and its row in the covariance.
   struct StatePart {
     const double* value;
     Eigen::Index row;
   };
 
-  /// `measured`: the part that a factor without effects takes; `errors`: the processes that last.
+  /// `measured`: the part of the state that a factor without effects depends on. `errors`: the
+  /// time-correlated errors.
   void UpdateGnss(const FactorBase& factor, const StatePart& measured,
                   const std::vector<Eigen::Vector3d>& errors, bool velocity) {
     const std::vector<std::size_t> effects = EffectsOfGnss(calibration_);
@@ -150,7 +152,7 @@ class Filter {
   }
 
   void PredictOverGap(double t_s) {
-    const double dt_s = t_s - state_.pose.t_s;  // negative on the way back
+    const double dt_s = t_s - state_.pose.t_s;  // negative for the reverse filter
     state_.pose.p_mb += dt_s * state_.pose.v_m;
     auto diagonal = state_.covariance.diagonal();
     diagonal.segment<3>(0).array() += std::pow(kGapAttitudeRadps * dt_s, 2);
@@ -189,8 +191,8 @@ class Filter {
                         noise_);
   }
 
-  // e(x_known, x, b) = 0 linearised: d x = -J^-1 (J_known d x_known + J_b d b + white), all from the
-  // edge itself.
+  // The linearised edge e(x_known, x, b) = 0 gives d x = -J^-1 (J_known d x_known + J_b d b + white
+  // noise).
   void CarryCovariance(const Eigen::Matrix<double, kNav, kNav>& J_known,
                        const Eigen::Matrix<double, kNav, kNav>& J,
                        const Eigen::MatrixXd& J_biases) {
@@ -213,7 +215,8 @@ class Filter {
   }
 
   void RetraceInertially(double t_s) {
-    constexpr int kSteps = 4;  // of Newton; nearly linear, so that the last is one of rounding
+    // Newton steps; the problem is nearly linear, so that the last step is at rounding level.
+    constexpr int kSteps = 4;
     const Preintegrated increment = IncrementBetween(t_s, state_.pose.t_s);
     const MapPose& end = state_.pose;
     MapPose begin{t_s, (end.q_mb * increment.delta_q.conjugate()).normalized(),
@@ -258,7 +261,7 @@ class Filter {
     }
   }
 
-  // rows: where each block of the factor stands in the state; -1: known.
+  // rows: row of each block of the factor in the state; -1: the block is known.
   void Update(const FactorBase& factor, const std::vector<const double*>& x,
               const std::vector<Eigen::Index>& rows, bool velocity) {
     Eigen::VectorXd r;

@@ -18,11 +18,12 @@ constexpr std::size_t kFewestPositions = 20;
 constexpr double kShortestInEpochs = 2.0;
 constexpr double kLongestShareOfFlight = 0.2;
 
-/// One position in use and how an error along its axes enters its residuals.
+/// An active position with the derivative of its residuals with respect to an error along east,
+/// north, up.
 struct PositionInUse {
   double t_s;
   int first_row;
-  Eigen::Matrix3d L;  // d residual / d error, east, north, up
+  Eigen::Matrix3d L;  // d residual / d error (east, north, up)
 };
 
 std::vector<PositionInUse> PositionsInUse(const FlightNetwork& network,
@@ -43,7 +44,7 @@ std::vector<PositionInUse> PositionsInUse(const FlightNetwork& network,
   return positions;
 }
 
-/// y of every axis (rows) and position (columns).
+/// Returns the scores y for every axis (rows) and position (columns).
 Eigen::Matrix3Xd Scores(const std::vector<PositionInUse>& positions,
                         const Eigen::Ref<const Eigen::VectorXd>& residual) {
   Eigen::Matrix3Xd y(3, positions.size());
@@ -69,7 +70,7 @@ std::vector<double> Taus(const std::vector<PositionInUse>& positions) {
   return taus_s;
 }
 
-/// y^T K y of each axis: K is exp(-dt / tau), which a recursion over the epochs sums up.
+/// Returns y^T K y for each axis with K = exp(-dt / tau), summed by a recursion over the epochs.
 Eigen::Array3d Energy(const std::vector<PositionInUse>& positions, const Eigen::Matrix3Xd& y,
                       double tau_s) {
   Eigen::Array3d before = Eigen::Array3d::Zero(), sum = Eigen::Array3d::Zero();
@@ -90,14 +91,14 @@ Eigen::Array3d Lag1(const Eigen::Matrix3Xd& y) {
          y.array().square().rowwise().sum();
 }
 
-/// The scores of one axis: of the data, and of samples without lasting errors.
+/// The scores of one axis, for the data and for samples without time-correlated errors.
 struct Axis {
   double square = 0.0;       // y^T y
-  Eigen::ArrayXd energy;     // y^T K y per tau
-  Eigen::ArrayXd squares;    // per sample
-  Eigen::ArrayXXd energies;  // samples x taus
+  Eigen::ArrayXd energy;     // y^T K y of the data, per tau
+  Eigen::ArrayXd squares;    // y^T y of each sample
+  Eigen::ArrayXXd energies;  // y^T K y: samples x taus
 
-  /// Energy over its expectation where the noise is as large as y^T y says.
+  /// Returns the energy divided by its expectation for the noise level that y^T y indicates.
   Eigen::ArrayXd Ratios() const {
     return energy / square * squares.mean() / energies.colwise().mean().transpose();
   }
@@ -105,14 +106,14 @@ struct Axis {
     return (energies.colwise() / squares * squares.mean()).rowwise() / energies.colwise().mean();
   }
 
-  /// By how much the energies exceed that expectation.
+  /// Returns the excess of the energies over that expectation.
   Eigen::ArrayXd Excess() const {
     return energy - square / squares.mean() * energies.colwise().mean().transpose();
   }
 
-  /// The excess that a process of unit variance and of the tau at `of` has. With D the covariance of
-  /// y without it, y^T A y has tr(A D K D) more by the process, which is half the covariance of
-  /// y^T A y and y^T K y.
+  /// Returns the excess caused by a process of unit variance with the tau at index `of`. Let D be
+  /// the covariance of y without the process. The process increases E[y^T A y] by tr(A D K D),
+  /// which is half the covariance of y^T A y and y^T K y.
   Eigen::ArrayXd ExcessOfProcess(Eigen::Index of) const {
     const Eigen::ArrayXd deviation = energies.col(of) - energies.col(of).mean();
     const double of_square = Half(squares, deviation);
@@ -130,13 +131,14 @@ struct Axis {
   }
 };
 
-/// A process on one axis and how badly its excess fits.
+/// A process on one axis and the misfit of its excess.
 struct Fit {
   double variance_m2 = 0.0;
   double misfit = 0.0;
 };
 
-/// Least squares over the energies at all tau, which err by as much as they are large.
+/// Fits the variance by least squares over the energies at all tau, with sigmas proportional to the
+/// energies.
 Fit FitProcess(const Axis& axis, Eigen::Index of) {
   const Eigen::ArrayXd excess = axis.Excess(), unit = axis.ExcessOfProcess(of);
   const Eigen::ArrayXd spread =
@@ -178,7 +180,8 @@ class Tester {
  private:
   Eigen::Index NumTaus() const { return static_cast<Eigen::Index>(taus_s_.size()); }
 
-  /// Of the largest ratio of all tau, for the family of every axis and all together.
+  /// Returns the p-value of the largest ratio of all tau, corrected for the family of every axis
+  /// and all together.
   double PValue(const Eigen::ArrayXd& ratios, const Eigen::ArrayXXd& of_samples) const {
     double least = 1.0;
     for (Eigen::Index i = 0; i < ratios.size(); ++i) {

@@ -9,7 +9,7 @@
 namespace dn {
 namespace {
 
-// Epochs to either side among which only the worst are taken out in one pass.
+// Number of epochs on each side of a measurement that form its neighbourhood.
 constexpr std::size_t kNeighbours = 10;
 constexpr double kShareOfWorst = 0.5;
 
@@ -57,7 +57,7 @@ std::vector<FactorId> GnssScreening::WorstPositions(std::size_t count) const {
   return ids;
 }
 
-// Among those in use: the others do not spoil their neighbours.
+// Considers active measurements only, because the others do not influence their neighbours.
 double GnssScreening::WorstNearby(const std::vector<Judged>& judged, std::size_t k) {
   const std::size_t first = k > kNeighbours ? k - kNeighbours : 0;
   const std::size_t past = std::min(judged.size(), k + kNeighbours + 1);

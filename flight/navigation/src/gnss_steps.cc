@@ -13,11 +13,12 @@
 namespace dn {
 namespace {
 
-// chi-square beyond which one of some thousand tests is true: 6e-7 of three, 2e-8 of one.
+// chi-square threshold for a decisive result among some thousand tests: probability 6e-7 for three
+// degrees of freedom, 2e-8 for one.
 constexpr double kCertain = 31.8;
-// Size in sigmas of one epoch beyond which an offset is no noise.
+// Size of an offset, in sigmas of one epoch, that noise does not explain.
 constexpr double kRealSigmas = 4.0;
-// Of the excess of the squares of all residuals.
+// Fraction of the excess of the squared residuals that a cause must explain.
 constexpr double kExplainedShare = 0.5;
 constexpr std::size_t kShortestRun = 4;
 constexpr std::size_t kClockSteps = 60;
@@ -44,7 +45,7 @@ std::vector<ActivePosition> ActivePositions(const FlightNetwork& network,
   return positions;
 }
 
-/// What the squares of all residuals have too much.
+/// Returns the excess of the sum of squared residuals over its expectation.
 double Excess(const LinearizedNetwork& linearized) {
   return linearized.residual().squaredNorm() -
          static_cast<double>(linearized.rows() - linearized.parameters());
@@ -57,10 +58,10 @@ double Scale(const std::vector<ActivePosition>& positions) {
 }
 
 struct Run {
-  std::size_t first, past;  // of the positions
+  std::size_t first, past;  // indices into the positions
 };
 
-// Runs between any two of the places before and after the given positions.
+// Returns the runs between any two of the boundaries before and after the given positions.
 std::vector<Run> RunsBetween(const std::vector<ActivePosition>& positions,
                              const std::vector<FactorId>& ends) {
   std::set<std::size_t> places;
@@ -85,7 +86,8 @@ bool IsUnknown(const FlightNetwork& network, const std::string& effect) {
                      [&](const EffectBlock& one) { return one.name == effect; });
 }
 
-/// Derivatives of the GNSS edges by an offset and a drift of the clock at their present values.
+/// Derivatives of the GNSS edges with respect to an offset and a drift of the clock at their
+/// present values.
 class ClockModel {
  public:
   explicit ClockModel(const FlightNetwork& network)
@@ -103,10 +105,10 @@ class ClockModel {
     }
   }
 
-  /// Columns offset, drift.
+  /// Returns the model of both; columns: offset, drift.
   const EffectModel& both() const { return model_; }
 
-  /// An offset from an edge on.
+  /// Returns the model of an offset that begins at an edge.
   EffectModel OffsetFrom(std::size_t edge) const {
     EffectModel late;
     for (std::size_t k = 0; k < model_.size(); ++k) {
@@ -148,7 +150,7 @@ class ClockModel {
   const FlightNetwork& network_;
   CalibrationState state_;
   EffectModel model_;
-  std::vector<std::size_t> edge_;  // of each part
+  std::vector<std::size_t> edge_;  // index of the edge of each part of model_
 };
 
 EffectModel LeverArm(const std::vector<ActivePosition>& positions) {
@@ -159,7 +161,7 @@ EffectModel LeverArm(const std::vector<ActivePosition>& positions) {
   return effect;
 }
 
-/// Causes to be tested, each with how far it would move a typical position by its estimate.
+/// Causes to be tested with the models of their effects.
 struct Suspects {
   std::vector<GnssMisfit> causes;
   std::vector<EffectModel> effects;
@@ -184,14 +186,14 @@ Suspects AllSuspects(const FlightNetwork& network, const std::vector<ActivePosit
   return suspects;
 }
 
-// Root mean square, in sigmas, of what the estimate adds to the residuals.
+// Returns the root mean square of the change that the estimate makes to the residuals, in sigmas.
 double Moved(const EffectModel& effect, const Eigen::VectorXd& estimate) {
   double sum = 0.0;
   for (const EffectPart& part : effect) sum += (part.L * estimate).squaredNorm();
   return std::sqrt(sum / static_cast<double>(effect.size()));
 }
 
-// The same of an offset of the positions of a run.
+// Returns the same for an offset of the positions of a run.
 double Moved(const std::vector<ActivePosition>& positions, const Run& run,
              const Eigen::Vector3d& offset_m) {
   double sum = 0.0;
@@ -201,8 +203,9 @@ double Moved(const std::vector<ActivePosition>& positions, const Run& run,
   return std::sqrt(sum / static_cast<double>(run.past - run.first));
 }
 
-/// Tests of a common offset of the positions of each run. An offset during a run is one from its
-/// begin on less one from its end on: of n places the n offsets answer for all n (n - 1) / 2 runs.
+/// Tests for a common offset of the positions of each run. The offset of a run is an offset from
+/// its start on minus one from its end on. The offsets from n places therefore suffice for all n (n
+/// - 1) / 2 runs.
 class OffsetsFromPlaces {
  public:
   OffsetsFromPlaces(const Marginals& marginals, const std::vector<ActivePosition>& positions,
@@ -236,11 +239,11 @@ class OffsetsFromPlaces {
   }
 
  private:
-  std::map<std::size_t, Eigen::Index> component_;  // the first of a place
+  std::map<std::size_t, Eigen::Index> component_;  // first component of a place
   JointScore of_offsets_;
 };
 
-/// The run whose common offset is the most significant one.
+/// Searches the run with the most significant common offset.
 class JumpSearch {
  public:
   JumpSearch(const Marginals& marginals, const std::vector<ActivePosition>& positions,
@@ -263,7 +266,8 @@ class JumpSearch {
     }
   }
 
-  // Moves both ends by halved steps as long as that makes the offset more significant.
+  // Moves both ends, with the step halved each time, as long as the offset becomes more
+  // significant.
   void Refine() {
     if (!best_) return;
     for (std::size_t step = (run_.past - run_.first) / 2; step > 0; step /= 2) {

@@ -10,9 +10,9 @@
 namespace dn::internal {
 namespace {
 
-// Acceleration noise of the second differences that is aimed at by choosing their spacing.
+// Noise of the second differences, as an acceleration, for which their spacing is chosen.
 constexpr double kSecondDifferenceMps2 = 0.1;
-// Of neighbouring spacings, the largest ratio at which the noise aimed at still holds.
+// Largest ratio of neighbouring spacings for which this noise is still a good approximation.
 constexpr double kMostUneven = 2.0;
 
 }  // namespace
@@ -52,7 +52,8 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
     while (j < track.size() && track[j].t_s - track[i].t_s < spacing_s - 1e-3) ++j;
     return j;
   };
-  // Of the leg that begins with an element of the track: that which a step ends with begins the next.
+  // The increments of the leg that begins at i0; the second leg of a step is the first leg of the
+  // next one.
   std::optional<InertialIncrements> first;
   while (i0 < track.size()) {
     const std::size_t i1 = later(i0);

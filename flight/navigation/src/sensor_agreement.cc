@@ -21,16 +21,16 @@ using internal::Antenna;
 
 constexpr double kShortestWindowS = 30.0;
 constexpr double kMostSigmaHeadingRad = 15.0 * kRadPerDeg;
-// A slower body has no course of its own: it may be carried sideways.
+// A slower body is not assumed to move forward: it may be carried sideways.
 constexpr double kLeastSpeedMps = 2.0;
-// A course that the noise turns by more is none.
+// A course with a larger noise is not used.
 constexpr double kMostCourseNoiseRad = 0.1;
 constexpr double kLeastTurnS = 2.0;
 constexpr double kMostLagS = 40.0;
 constexpr double kLagStepS = 0.25;
-constexpr double kAngleSpacingS = 0.05;  // a turn lasts kLeastTurnS and more
+constexpr double kAngleSpacingS = 0.05;  // turns last at least kLeastTurnS
 
-/// Velocity of the antenna in m over the step that begins at an element of the track.
+/// Mean velocity of the antenna over a time step, map axes.
 struct Leg {
   double t_begin_s;
   double t_end_s;
@@ -48,7 +48,7 @@ std::vector<Leg> LegsOf(const std::vector<Antenna>& track, double length_s) {
   return legs;
 }
 
-/// Median of the speeds of those that move, m/s; kLeastSpeedMps where none does.
+/// Returns the median speed of the moving legs, m/s; kLeastSpeedMps if no leg moves.
 double UsualSpeed(const std::vector<Leg>& legs) {
   std::vector<double> speeds;
   for (const Leg& leg : legs) {
@@ -58,7 +58,7 @@ double UsualSpeed(const std::vector<Leg>& legs) {
   return speeds.empty() ? kLeastSpeedMps : Median(speeds);
 }
 
-/// Legs so long that the noise of the positions turns the course by kMostCourseNoiseRad at most.
+/// Returns legs that are long enough for a course noise of at most kMostCourseNoiseRad.
 std::vector<Leg> Legs(const Flight& flight, const std::vector<Antenna>& track, double shortest_s) {
   const double noise_s_mps = std::numbers::sqrt2 * TypicalGnssSigma(flight) / kMostCourseNoiseRad;
   const double usual_mps =
@@ -70,7 +70,7 @@ std::vector<Antenna> WholeTrack(const Flight& flight) {
   return internal::AntennaTrack(flight, {flight.imu->t_begin_s(), flight.imu->t_end_s()});
 }
 
-/// Legs of a course, half a window apart or more.
+/// Returns the moving legs, at least half a window apart.
 std::vector<Leg> LegsOfWindows(const Flight& flight, double window_s) {
   std::vector<Leg> spaced;
   for (const Leg& leg : Legs(flight, WholeTrack(flight), 1.0)) {
@@ -81,8 +81,8 @@ std::vector<Leg> LegsOfWindows(const Flight& flight, double window_s) {
   return spaced;
 }
 
-/// The course of a leg in body, from the window that begins with it; absent where that does not tell
-/// its attitude.
+/// Returns the course of a leg in body axes from an alignment over the window that begins with the
+/// leg. Returns nullopt if the window does not determine the attitude.
 std::optional<Vector3d> CourseInBody(const Flight& flight, const Leg& leg, double window_s) {
   const internal::InFlight start =
       internal::AlignInFlight(flight, {leg.t_begin_s, leg.t_begin_s + window_s}, {});
@@ -121,7 +121,7 @@ BodyDirections DownOf(const ImuData& imu) {
   return result;
 }
 
-/// Angle turned about an axis since the first sample, at ends of samples.
+/// Angle turned about an axis since the first sample, at the ends of samples.
 struct TurnedAngle {
   std::vector<double> t_s, angle_rad;
 
@@ -138,7 +138,7 @@ struct TurnedAngle {
   bool Covers(double t) const { return t >= t_s.front() && t <= t_s.back(); }
 };
 
-/// Angles at times none of which is earlier than that before.
+/// Interpolates angles at times in ascending order.
 class AngleCursor {
  public:
   explicit AngleCursor(const TurnedAngle& gyro) : gyro_(gyro) {}
@@ -155,7 +155,7 @@ class AngleCursor {
 
  private:
   const TurnedAngle& gyro_;
-  std::size_t k_ = 0;  // the first that is not earlier
+  std::size_t k_ = 0;  // index of the first entry that is not earlier than t
   bool placed_ = false;
 };
 
@@ -179,7 +179,8 @@ std::vector<Turn> TurnsOfCourse(const Flight& flight) {
   return turns;
 }
 
-/// Correlation of turns with those of the gyros. A bias of the gyros leaves it as it is.
+/// Correlation of the turns of the course with those of the gyros. A constant gyro bias has no
+/// influence.
 class TurnCorrelation {
  public:
   void Add(double x, double y) {
@@ -205,7 +206,8 @@ constexpr int kLags = static_cast<int>(2.0 * kMostLagS / kLagStepS) + 1;
 
 double LagOf(int step) { return kMostLagS - step * kLagStepS; }
 
-/// The turns against those of the gyros that are earlier by each lag, the longest first.
+/// Returns the correlation of the turns with those of the gyros for each lag, the longest lag
+/// first.
 std::vector<TurnCorrelation> CorrelationsByLag(const std::vector<Turn>& turns,
                                                const TurnedAngle& gyro) {
   std::vector<TurnCorrelation> by_lag(kLags);
@@ -228,7 +230,7 @@ double TiltTo(const Eigen::Matrix3d& R, const BodyDirections& directions) {
   return std::max(down, std::acos(std::clamp((R * *directions.course_b).x(), -1.0, 1.0)));
 }
 
-/// The 24 rotations that take axes to axes, the identity first.
+/// Returns the 24 rotations that map axes to axes, the identity first.
 std::vector<Eigen::Matrix3d> AxisRotations() {
   std::vector<Eigen::Matrix3d> rotations{Eigen::Matrix3d::Identity()};
   for (int x = 0; x < 6; ++x) {
@@ -263,7 +265,8 @@ AxesFit FitAxes(const BodyDirections& directions) {
   for (const Eigen::Matrix3d& R : AxisRotations()) {
     const double distance = TiltTo(R, directions);
     const bool nearer = distance < best.distance_rad - 1e-9;
-    // Without a course many do: the smallest turn, and of those that which keeps x.
+    // Without a course several rotations fit. The smallest one is chosen, and among equals the one
+    // that keeps x.
     const bool as_near = std::abs(distance - best.distance_rad) <= 1e-9;
     const auto kept = [](const Eigen::Matrix3d& M) { return M.trace() + 1e-3 * M(0, 0); };
     if (nearer || (as_near && kept(R) > kept(best.R_turn))) best = {R, distance};

@@ -5,7 +5,8 @@
 namespace dn::internal {
 namespace {
 
-/// true boresight = boresight + value (t - middle) or, from a time on, + value.
+/// Drift: true boresight = boresight + value (t - middle). Step: true boresight = boresight + value
+/// from a given time on.
 class BoresightMotion final : public LidarEffect {
  public:
   BoresightMotion(bool drift, double t0_s) : drift_(drift), t0_s_(t0_s) {}

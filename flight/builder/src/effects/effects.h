@@ -6,7 +6,7 @@
 
 namespace dn::internal {
 
-/// One function for every effect, named like it; see EstimableEffect::make.
+/// Each function makes the effect of the same name; see EstimableEffect::make.
 EffectAction AccelScaleFactor(const EffectSite& site);
 EffectAction AccelMisalignment(const EffectSite& site);
 EffectAction GyroGSensitivity(const EffectSite& site);
@@ -25,7 +25,7 @@ EffectAction LidarScanCone(const EffectSite& site);
 EffectAction BoresightDrift(const EffectSite& site);
 EffectAction BoresightStep(const EffectSite& site);
 
-/// First and last epoch of the flight's pairs, s; both 0 without pairs.
+/// Returns the first and last time tag of the pairs, s; both are 0 without pairs.
 std::pair<double, double> LidarSpan(const Flight& flight);
 
 }  // namespace dn::internal

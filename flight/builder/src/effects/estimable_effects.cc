@@ -6,17 +6,16 @@ namespace dn {
 namespace {
 
 constexpr const char* kSensor =
-    "the data sheet or a laboratory calibration of the sensor has it; correct imu.file, or "
-    "estimate it";
+    "take it from the data sheet or a laboratory calibration and correct imu.file, or estimate it";
 constexpr const char* kAxes =
     "check imu.R_imu_to_body and the axes of imu.file; correct imu.file, or estimate it";
 constexpr const char* kGravity =
-    "gravity departs from the normal one there; estimate it, or give accelerometers a process that "
-    "covers it";
+    "gravity differs from normal gravity there; estimate it, or give the accelerometers a bias "
+    "process large enough to cover it";
 constexpr const char* kRanges =
     "correct the ranges of the pair files (lidar.p2p) and their unit, or estimate it";
 constexpr const char* kMount =
-    "the scanner moves against the inertial unit: fix its mount, or estimate it";
+    "the scanner moves relative to the inertial unit: fix its mount, or estimate it";
 
 }  // namespace
 
@@ -37,11 +36,11 @@ const std::vector<EstimableEffect>& EstimableEffects() {
        "estimate gnss_time_offset",
        GnssTimeOffset},
       {"gnss_time_drift", "GNSS time drift",
-       "the clocks of gnss.file and imu.file run apart: correct the time tags, or estimate "
+       "the clocks of gnss.file and imu.file drift apart: correct the time tags, or estimate "
        "gnss_time_offset and gnss_time_drift",
        GnssTimeDrift},
       {"gnss_position_step", "step of the GNSS positions",
-       "leave the epochs of the window out, or estimate it", GnssPositionStep},
+       "leave out the epochs of the window, or estimate it", GnssPositionStep},
       {"lidar_time_offset", "lidar time offset",
        "check the time tags of the pair files against those of imu.file, or estimate "
        "lidar_time_offset",

@@ -5,7 +5,7 @@
 namespace dn::internal {
 namespace {
 
-/// A constant offset (east, north, up) of the positions during a window.
+/// A constant offset (east, north, up) of the positions during a time window.
 class PositionStep final : public GnssEffect {
  public:
   PositionStep(const Eigen::Matrix3d& R_m_enu, const std::pair<double, double>& window_s)
@@ -26,8 +26,9 @@ class PositionStep final : public GnssEffect {
   std::pair<double, double> window_s_;
 };
 
-/// The axes at the middle of the flight: over 10 km they turn by 2 mrad, a step of a metre by 2 mm.
-Eigen::Matrix3d AxesOf(const Flight& flight) {
+/// Returns the ENU axes at the middle of the flight. Over 10 km they turn by 2 mrad, which changes
+/// a step of one metre by 2 mm.
+Eigen::Matrix3d MiddleEnuAxes(const Flight& flight) {
   if (!flight.gnss || flight.gnss->epochs.empty()) return flight.frame.R_m_enu({0.0, 0.0, 0.0});
   const auto& epochs = flight.gnss->epochs;
   return epochs[epochs.size() / 2].R_m_enu;
@@ -37,9 +38,9 @@ Eigen::Matrix3d AxesOf(const Flight& flight) {
 
 EffectAction GnssPositionStep(const EffectSite& site) {
   if (!site.times.window_s) {
-    throw InvalidConfig("estimate: gnss_position_step needs the window in which it is there");
+    throw InvalidConfig("estimate: gnss_position_step needs the time window of the step");
   }
-  return std::make_shared<PositionStep>(AxesOf(site.flight), *site.times.window_s);
+  return std::make_shared<PositionStep>(MiddleEnuAxes(site.flight), *site.times.window_s);
 }
 
 }  // namespace dn::internal

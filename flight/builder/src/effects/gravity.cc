@@ -2,8 +2,8 @@
 
 namespace dn::internal {
 
-// The gravity vector gains g times the value toward north and east. It is the attraction that
-// carries the difference: the centrifugal part is that of the Earth's rotation alone.
+// Adds g times the value toward north and east to the gravity vector. The change is assigned to
+// gravitation, because the centrifugal part depends only on the rotation of the Earth.
 EffectAction GravityTilt(const EffectSite& site) {
   return AttractionField([frame = site.flight.frame](const Eigen::Vector3d& p_m) {
     Eigen::Matrix<double, 3, 2> north_east;
@@ -12,7 +12,7 @@ EffectAction GravityTilt(const EffectSite& site) {
   });
 }
 
-// Added to the magnitude of normal gravity, which points down.
+// Adds the value to the magnitude of normal gravity, which points down.
 EffectAction GravityDisturbance(const EffectSite& site) {
   return AttractionField([frame = site.flight.frame](const Eigen::Vector3d& p_m) {
     return AttractionBasis(frame.Gravity(p_m).normalized());

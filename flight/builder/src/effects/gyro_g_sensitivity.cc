@@ -3,7 +3,7 @@
 namespace dn::internal {
 namespace {
 
-/// The rate gains value (rad/s per m/s^2) times the specific force of the same axis.
+/// Adds value (rad/s per m/s^2) times the specific force along the same axis to each angular rate.
 class GSensitivity final : public ImuEffect {
  public:
   int components() const override { return 3; }

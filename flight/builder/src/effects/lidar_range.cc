@@ -3,7 +3,8 @@
 namespace dn::internal {
 namespace {
 
-/// measured range = (1 + scale) true + offset: one of the two is the value.
+/// measured range = (1 + scale) true range + offset, where the value is either the scale or the
+/// offset.
 class Range final : public LidarEffect {
  public:
   explicit Range(bool scale) : scale_(scale) {}

@@ -12,7 +12,8 @@ using Eigen::Matrix3d;
 using Eigen::RowVector3d;
 using Eigen::Vector3d;
 
-/// Axis and zero direction of the scan in the sensor frame.
+/// Scan axis and directions of the scan plane in the scanner frame: nadir has scan angle 0, side 90
+/// deg.
 struct Scan {
   Vector3d axis, nadir, side;
 
@@ -22,7 +23,7 @@ struct Scan {
         side(axis.cross(nadir)) {}
 };
 
-/// measured scan angle = (1 + value) true, about the scan axis from nadir.
+/// measured scan angle = (1 + value) true scan angle, about the scan axis, from nadir.
 class AngleScale final : public LidarEffect {
  public:
   explicit AngleScale(const LidarConfig& lidar) : scan_(lidar) {}
@@ -33,7 +34,7 @@ class AngleScale final : public LidarEffect {
                LidarReading* reading) const override {
     const double along = scan_.nadir.dot(reading->u_s), across = scan_.side.dot(reading->u_s);
     const double angle = std::atan2(across, along);
-    const double turn = -value[0] / (1.0 + value[0]);  // of the measured angle
+    const double turn = -value[0] / (1.0 + value[0]);  // as a fraction of the measured angle
     const Vector3d phi = turn * angle * scan_.axis;
     const RowVector3d d_angle =
         (along * scan_.side - across * scan_.nadir).transpose() / (along * along + across * across);
@@ -48,9 +49,9 @@ class AngleScale final : public LidarEffect {
   Scan scan_;
 };
 
-/// The beam leaves the scan plane by the value toward the scan axis, and the file says by nothing:
-/// the true direction stands that much nearer to the axis. `toward_axis` u is the direction of the
-/// turn.
+/// The beam leaves the scan plane by the angle `value` toward the scan axis, but the file has it in
+/// the plane. The correction turns the laser vector toward the axis by this angle; `toward_axis` u
+/// is the derivative of u with respect to the turn.
 class ScanCone final : public LidarEffect {
  public:
   explicit ScanCone(const LidarConfig& lidar) : scan_(lidar) {}
@@ -79,19 +80,19 @@ class ScanCone final : public LidarEffect {
   Scan scan_;
 };
 
-const LidarConfig& LidarOf(const Flight& flight) {
+const LidarConfig& RequireLidar(const Flight& flight) {
   if (flight.config.lidar) return *flight.config.lidar;
-  throw InvalidConfig("estimate: an effect of the lidar needs the section lidar in flight.yaml");
+  throw InvalidConfig("estimate: an effect on the lidar needs the section lidar in flight.yaml");
 }
 
 }  // namespace
 
 EffectAction LidarAngleScale(const EffectSite& site) {
-  return std::make_shared<AngleScale>(LidarOf(site.flight));
+  return std::make_shared<AngleScale>(RequireLidar(site.flight));
 }
 
 EffectAction LidarScanCone(const EffectSite& site) {
-  return std::make_shared<ScanCone>(LidarOf(site.flight));
+  return std::make_shared<ScanCone>(RequireLidar(site.flight));
 }
 
 }  // namespace dn::internal

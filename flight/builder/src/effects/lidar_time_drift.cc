@@ -5,7 +5,7 @@
 namespace dn::internal {
 namespace {
 
-/// tag = t + value (t - first), that is t = (tag + value first) / (1 + value).
+/// tag = t + value (t - first), so that t = (tag + value first) / (1 + value).
 class LidarTagDrift final : public LidarEffect {
  public:
   explicit LidarTagDrift(double first_s) : first_s_(first_s) {}

@@ -8,7 +8,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// measured = Exp(-[value]x) true, of the gyros or of the accelerometers.
+/// measured = Exp(-[value]x) true, for the gyros or for the accelerometers.
 class TriadMisalignment final : public ImuEffect {
  public:
   explicit TriadMisalignment(bool gyro) : gyro_(gyro) {}
@@ -27,7 +27,8 @@ class TriadMisalignment final : public ImuEffect {
     const Matrix3d R = Exp(phi).toRotationMatrix();
     x = R * x;
     J = R * J;
-    J.middleCols<3>(column) = -Skew(x) * RightJacobian(Vector3d(-phi));  // left Jacobian of phi
+    // RightJacobian(-phi) is the left Jacobian of phi.
+    J.middleCols<3>(column) = -Skew(x) * RightJacobian(Vector3d(-phi));
   }
 
  private:

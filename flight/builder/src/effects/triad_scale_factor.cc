@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// measured = (1 + value) true, per axis of the gyros or of the accelerometers.
+/// measured = (1 + value) true, for each axis of the gyros or of the accelerometers.
 class TriadScaleFactor final : public ImuEffect {
  public:
   explicit TriadScaleFactor(bool gyro) : gyro_(gyro) {}

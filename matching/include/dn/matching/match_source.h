@@ -14,10 +14,11 @@
 
 namespace dn {
 
-/// Points of a strip in the form that a MatchSource keeps them: what it computes positions from.
+/// Points of a strip in the form that a MatchSource stores; it computes positions from them.
 struct RawPoints {
   std::vector<double> t_s;
-  std::vector<Eigen::Vector3d> x;  ///< m; of a flight the laser vector, of bare strips the position
+  /// M; for a flight the laser vector, for bare strips the position.
+  std::vector<Eigen::Vector3d> x;
 
   std::size_t size() const { return t_s.size(); }
   void Clear() {
@@ -30,41 +31,43 @@ struct RawPoints {
   }
 };
 
-/// A strip to be matched: the points of its files, all or those with one LAS point source id.
+/// A strip to be matched: all points of its files, or those with one LAS point source id.
 struct MatchStrip {
   std::string name;
   std::vector<std::filesystem::path> files;
   std::optional<std::uint16_t> source = {};
 };
 
-/// The strips in the files: where one of them holds points of two source ids or more, each id is a
-/// strip (files are tiles then), else each file is one. Throws InvalidInput as OpenStrip.
+/// Returns the strips in the files. If a file has points of two or more source ids, the files are
+/// tiles and each id is a strip; otherwise each file is a strip. Throws InvalidInput like
+/// OpenStrip.
 std::vector<MatchStrip> FindMatchStrips(const std::vector<std::filesystem::path>& files);
 
-/// Strips, and where their points lie by the present alignment.
+/// Strips and the positions of their points with the present alignment.
 class MatchSource {
  public:
   virtual ~MatchSource() = default;
 
   virtual const std::vector<MatchStrip>& strips() const = 0;
 
-  /// Gives `take` the points of a strip in chunks; `take` may throw to end the reading.
+  /// Passes the points of a strip to `take` in chunks; `take` may throw to stop the reading.
   virtual StripCounts Read(std::size_t strip,
                            const std::function<void(const RawPoints&)>& take) const = 0;
 
-  /// Position of a point in m, by the present alignment. Thread-safe.
+  /// Returns the position of a point in the map frame with the present alignment. Thread-safe.
   virtual Eigen::Vector3d Position(std::size_t strip, double t_s,
                                    const Eigen::Vector3d& x) const = 0;
 
-  /// Place of the body; nothing for strips without a trajectory. Thread-safe.
+  /// Returns the position of the body; nullopt for strips without a trajectory. Thread-safe.
   virtual std::optional<Eigen::Vector3d> PlaceOfBody(double /*t_s*/) const { return std::nullopt; }
 
-  /// What x has to be for the point to lie at p_m.
+  /// Returns the x for which the point has the position p_m.
   virtual Eigen::Vector3d RawAt(std::size_t strip, double t_s,
                                 const Eigen::Vector3d& p_m) const = 0;
 };
 
-/// The strips of a flight: x is the laser vector in the sensor frame, the alignment the boresight.
+/// The strips of a flight: x is the laser vector in the scanner frame, the alignment is the
+/// boresight.
 class FlightMatchSource : public MatchSource {
  public:
   FlightMatchSource(const StripSourceOptions& options, const LocalFrame& frame,
@@ -91,11 +94,12 @@ class FlightMatchSource : public MatchSource {
   std::vector<MatchStrip> strips_;
 };
 
-/// Strips without a trajectory: x is the position of the file, the alignment a shift of each strip
-/// after the first. m is the coordinate system of the files, counted from a point near the first.
+/// Strips without a trajectory: x is the position in the file, the alignment is a shift of each
+/// strip after the first. The frame m is the coordinate system of the files with its origin at a
+/// point near the first one.
 class BareMatchSource : public MatchSource {
  public:
-  /// Throws InvalidInput as OpenStrip.
+  /// Throws InvalidInput like OpenStrip.
   explicit BareMatchSource(std::vector<MatchStrip> strips, PointFilter filter = {});
 
   const std::vector<MatchStrip>& strips() const override { return strips_; }
@@ -104,7 +108,7 @@ class BareMatchSource : public MatchSource {
   Eigen::Vector3d Position(std::size_t strip, double t_s, const Eigen::Vector3d& x) const override;
   Eigen::Vector3d RawAt(std::size_t strip, double t_s, const Eigen::Vector3d& p_m) const override;
 
-  /// Of m in the files' system.
+  /// Returns the origin of m in the coordinate system of the files.
   const Eigen::Vector3d& origin_c_m() const { return origin_c_m_; }
   const Eigen::Vector3d& shift_m(std::size_t strip) const { return shifts_m_[strip]; }
   void SetShift(std::size_t strip, const Eigen::Vector3d& shift_m) { shifts_m_[strip] = shift_m; }

@@ -17,36 +17,38 @@
 
 namespace dn {
 
-/// The attraction (m/s^2, map axes) per unit of an effect's values at a point of the map.
+/// Returns the gravitation per unit of each value of an effect at a point of the map, map axes,
+/// m/s^2 per unit.
 using AttractionField = std::function<AttractionBasis(const Eigen::Vector3d& p_m)>;
 
-/// How the values of an effect (SI) change what a sensor reports.
+/// The way in which the values of an effect (SI) change the readings of a sensor.
 using EffectAction =
     std::variant<std::shared_ptr<const ImuEffect>, std::shared_ptr<const LidarEffect>,
                  std::shared_ptr<const GnssEffect>, AttractionField>;
 
-/// The flight that an effect is in, and when it is there.
+/// The flight in which an effect acts, and the times at which it acts.
 struct EffectSite {
   const Flight& flight;
   EffectTimes times{};
 };
 
-/// An effect that the estimator knows. Names, units, components and usual sizes are those of the
-/// effect table (FindEffect).
+/// An effect that the estimator can estimate. Its names, units, components and typical sizes are in
+/// the effect table (FindEffect).
 struct EstimableEffect {
   const char* name;
-  const char* quantity;  ///< in the words of reports: "gyro scale factor"
-  const char* remedy;    ///< what to correct where the data show it
-  /// Null for an effect that is a block of every network: lever arms, lidar time offset. Throws
-  /// InvalidConfig where the site lacks its time, or the flight the section of its sensor.
+  const char* quantity;  ///< name in reports: "gyro scale factor"
+  const char* remedy;    ///< advice for the user if the data indicate this effect
+  /// Null for an effect that is a block of every network: lever arms and lidar time offset. Throws
+  /// InvalidConfig if the site lacks the time of the effect, or the flight lacks the section of its
+  /// sensor.
   EffectAction (*make)(const EffectSite& site);
 };
 
-/// Every fixed effect, in the order in which the corrections are applied: the last of the sensor
-/// first.
+/// Returns every fixed effect in the order in which the corrections are applied: the effect that
+/// acts last in the sensor is corrected first.
 const std::vector<EstimableEffect>& EstimableEffects();
 
-/// The effect of this name; null where the estimator has none.
+/// Returns the effect with this name; null if the estimator has no such effect.
 const EstimableEffect* FindEstimable(std::string_view name);
 
 }  // namespace dn

@@ -13,34 +13,37 @@
 
 namespace dn {
 
-/// The value of one effect, SI.
+/// The value of one effect in SI units.
 struct CalibrationValue {
   std::string name;
   EffectAction action;
   Eigen::VectorXd value;
 };
 
-/// All calibration values of a flight: what filter, increments, factors and the trajectory between
-/// the nodes correct the data with.
+/// All calibration values of a flight. The filter, the preintegrated increments, the factors and
+/// the trajectory between the nodes correct the data with them.
 struct CalibrationState {
-  Eigen::Quaterniond q_boresight = Eigen::Quaterniond::Identity();  ///< Exp(theta), left of T_bs
+  /// Exp(theta), multiplies T_bs from the left
+  Eigen::Quaterniond q_boresight = Eigen::Quaterniond::Identity();
   Eigen::Vector3d gnss_lever_arm_b_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d lidar_lever_arm_b_m = Eigen::Vector3d::Zero();
   double lidar_time_offset_s = 0.0;
   std::vector<CalibrationValue> effects;  ///< in the order of EstimableEffects
 
-  /// Adds an effect at a value, in its place.
+  /// Inserts an effect with its value at its place in the order of EstimableEffects; user-defined
+  /// effects come last.
   void Insert(CalibrationValue value);
 
-  /// The correction of the raw inertial samples.
+  /// Returns the correction of the raw inertial samples: these biases and the effects on the IMU.
   ImuCorrection ImuAt(const Eigen::Vector3d& gyro_bias_radps,
                       const Eigen::Vector3d& accel_bias_mps2) const;
 
-  /// Attraction beyond the normal one at p_m, m/s^2, map axes.
+  /// Returns the gravitation that the effects add to normal gravity at p_m, m/s^2, map axes.
   Eigen::Vector3d AttractionAt(const Eigen::Vector3d& p_m) const;
 };
 
-/// Calls visit(action, value, index) for the effects that act in one way, in their order.
+/// Calls visit(action, value, index) for every effect whose action has the type `Action`, in the
+/// order of `effects`.
 template <class Action, class Visit>
 void ForEachEffect(const CalibrationState& state, const Visit& visit) {
   for (std::size_t k = 0; k < state.effects.size(); ++k) {
@@ -49,19 +52,20 @@ void ForEachEffect(const CalibrationState& state, const Visit& visit) {
   }
 }
 
-/// Indices into CalibrationState::effects in the order in which the factors of one kind have them
-/// as blocks, after their other blocks.
+/// Return indices into CalibrationState::effects of the effects that act on one kind of factor. The
+/// order is that of the blocks of the factor; these blocks come after its other blocks.
 std::vector<std::size_t> EffectsOfInertial(
-    const CalibrationState& state);  ///< inertial, attraction
+    const CalibrationState& state);  ///< effects on the IMU, then on gravitation
 std::vector<std::size_t> EffectsOfGnss(const CalibrationState& state);
 std::vector<std::size_t> EffectsOfPairs(
-    const CalibrationState& state);  ///< lidar, inertial, attraction
+    const CalibrationState& state);  ///< effects on the lidar, the IMU, then on gravitation
 
-/// What the flight's configuration says, with the effects of `estimate` at zero. Throws
+/// Returns the calibration of the configuration, with the effects of `estimate` at zero. Throws
 /// InvalidConfig for an effect that lacks its time.
 CalibrationState AssumedCalibration(const Flight& flight);
 
-/// The same of one unknown of `estimate` that is a vector, SI: corrections are counted from it.
+/// Returns the configured value of one vector unknown of `estimate`, SI. Reports give its
+/// correction relative to this value.
 Eigen::VectorXd AssumedValue(const Flight& flight, const std::string& unknown);
 
 }  // namespace dn

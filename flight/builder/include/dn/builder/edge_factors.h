@@ -16,81 +16,87 @@
 
 namespace dn {
 
-/// Noise of a GNSS epoch's position in the mapping frame: the file's covariance or the flight's
-/// default, scaled, rotated from the ENU of the point.
+/// Returns the covariance of a GNSS position in the map frame, m^2. It is the covariance of the
+/// file or else the default of the flight, scaled by sigma_scale^2 and rotated from local ENU axes.
 Eigen::Matrix3d GnssPositionCovariance(const MapGnssEpoch& epoch, const GnssConfig& config);
 
-/// The processes of gnss.processes as those of a chain: of unit sigma, see GnssError.
+/// Returns gnss.processes as processes of a chain with sigma 1: the blocks are in units of the
+/// configured sigmas (see GnssError).
 std::vector<BiasProcess> GnssProcessesInSigmas(const GnssConfig& config);
 
-/// Largest sigma of a GNSS position along an axis, by the flight's first epoch: white noise and
-/// processes together, m.
+/// Returns the largest sigma of a GNSS position along an axis, m. It includes the white noise of
+/// the first epoch and the time-correlated processes.
 double TypicalGnssSigma(const Flight& flight);
 
-/// Whether the velocity of an epoch is used: by the configuration, else when it is there with its
-/// sigma.
+/// Returns whether the velocity of an epoch is used: it and its covariance are present, and
+/// gnss.use_velocity does not exclude it.
 bool UsesVelocity(const MapGnssEpoch& epoch, const GnssConfig& config);
 
-/// The time of an epoch with this tag: the tag less the delays that the calibration knows.
+/// Returns the time of an epoch with this time tag: the tag minus the delays of the calibration.
 double GnssEpochTime(const CalibrationState& calibration, double tag_s);
 
-/// What an edge of a GNSS epoch is made with.
+/// Input to the factors of a GNSS epoch.
 struct GnssEdgeInput {
-  MapPose pose;          ///< of a node near the epoch, from where the antenna has its way
-  ImuCorrection biases;  ///< biases there, for the angular rate
-  /// Added to the covariance of the file, map axes, m^2 or (m/s)^2.
+  MapPose pose;  ///< pose of a node near the epoch; the motion of the antenna starts from it
+  ImuCorrection biases;  ///< biases at that node, used for the angular rate
+  /// Added to the covariance of the file, map axes, m^2 for a position and (m/s)^2 for a velocity.
   Eigen::Matrix3d added_covariance = Eigen::Matrix3d::Zero();
 };
 
-/// Position edge of an epoch. Without lasting errors and GNSS effects a GnssPosition on (q_mb, p_mb,
-/// a_b), else a GnssAntenna on (q_mb, p_mb, a_b, v_m), the values of gnss.processes (GnssError) and
-/// the effects in the order of EffectsOfGnss. Throws InvalidInput naming the epoch where its
-/// covariance is none.
+/// Returns the position factor of an epoch. Without time-correlated errors and GNSS effects it is a
+/// GnssPosition on (q_mb, p_mb, a_b). Otherwise it is a GnssAntenna on (q_mb, p_mb, a_b, v_m), the
+/// values of gnss.processes (GnssError), and the effects in the order of EffectsOfGnss. Throws
+/// InvalidInput with the time of the epoch if its covariance is not finite and positive definite.
 std::shared_ptr<const FactorBase> MakeGnssPositionFactor(const Flight& flight,
                                                          const MapGnssEpoch& epoch,
                                                          const CalibrationState& calibration,
                                                          const GnssEdgeInput& input);
 
-/// Velocity edge of an epoch that has one: a GnssVelocity on (q_mb, v_m, a_b), or where there are GNSS
-/// effects a GnssAntenna as above, without the lasting errors, which are those of positions.
+/// Returns the velocity factor of an epoch that has a velocity. Without GNSS effects it is a
+/// GnssVelocity on (q_mb, v_m, a_b). Otherwise it is a GnssAntenna as above, but without the
+/// time-correlated errors, which affect positions only. Throws InvalidInput like
+/// MakeGnssPositionFactor.
 std::shared_ptr<const FactorBase> MakeGnssVelocityFactor(const Flight& flight,
                                                          const MapGnssEpoch& epoch,
                                                          const CalibrationState& calibration,
                                                          const GnssEdgeInput& input);
 
-/// The attraction of every effect on it at p_m, in the order of the factors' blocks.
+/// Returns the Jacobian of the gravitation at p_m for every effect on gravitation, in the order of
+/// the blocks of the factors.
 std::vector<AttractionBasis> AttractionBases(const CalibrationState& calibration,
                                              const Eigen::Vector3d& p_m);
 
-/// How an end of a pair hangs on its node.
+/// Input that attaches one end of a pair to its node.
 struct PairEndInput {
   MapPose node;
   ImuCorrection biases;
-  /// Inertial edge that begins at the node, under the same calibration: a bridge to the attitude of
-  /// its other node; null: none.
+  /// Inertial factor that starts at the node, under the same calibration. The noise of the end is
+  /// then conditioned on the rotation to the next node (NodeBridge). Null: no conditioning.
   std::shared_ptr<const PreintegratedInertial> inertial = {};
-  /// From the node to the epoch of the end; null: integrated here.
+  /// Preintegrated increments from the node to the epoch of the end. Null: they are integrated
+  /// here.
   const Preintegrated* partial = nullptr;
 };
 
-/// A pair with how its ends hang on their nodes.
+/// A pair and the nodes to which its ends are attached.
 struct PairEdgeInput {
   LidarPair pair;
   PairEndInput i, j;
 };
 
-/// What the factor of a pair is made of.
+/// The parts from which the factor of a pair is made.
 struct PairParts {
-  LidarEnd i, j;  ///< their partial increments end at the epochs that the calibration says
-  double tag_i_s = 0.0, tag_j_s = 0.0;  ///< of the file
+  LidarEnd i, j;  ///< the partial increments end at the epochs under this calibration
+  double tag_i_s = 0.0, tag_j_s = 0.0;  ///< time tags in the pair file
   Eigen::Matrix3d T_bs_nominal = Eigen::Matrix3d::Identity();
-  double dt_nominal_s = 0.0;  ///< delay of the tags with which the increments were cut
-  /// Of the difference of the two points, map axes: that of the pair and of its increments.
+  double dt_nominal_s = 0.0;  ///< delay of the time tags used for the partial increments, s
+  /// Noise of the difference of the two points, map axes: the noise of the pair and of its partial
+  /// increments.
   Noise<3> noise_m;
 };
 
-/// A calibration, which must outlive it, as many pairs take it: what corrects their readings is
-/// looked up once.
+/// A calibration prepared for the readings of many pairs: the effects on the lidar are looked up
+/// once. The CalibrationState must outlive this object.
 class PairCalibration {
  public:
   explicit PairCalibration(const CalibrationState& state);
@@ -98,11 +104,11 @@ class PairCalibration {
   const CalibrationState& state() const { return state_; }
   const LidarEffects& lidar() const { return lidar_; }
 
-  /// Without derivatives.
+  /// Returns a reading corrected for the effects on the lidar, without derivatives.
   LidarReading Read(double tag_s, const Eigen::Vector3d& u_s) const {
     return Corrected(not_zero_, values_.data(), tag_s, u_s);
   }
-  /// When the beam of a reading left, s.
+  /// Returns the emission time of the beam of a reading, s.
   double EpochOf(const LidarReading& reading) const {
     return reading.tag_s - (state_.lidar_time_offset_s + reading.delay_s);
   }
@@ -110,11 +116,12 @@ class PairCalibration {
  private:
   const CalibrationState& state_;
   LidarEffects lidar_;
-  LidarEffects not_zero_;              // those that change a reading
-  std::vector<const double*> values_;  // of each of them
+  LidarEffects not_zero_;              // effects with a value other than zero
+  std::vector<const double*> values_;  // one per effect of not_zero_
 };
 
-/// The increments from a node to the epochs of ends that hang on it, in the order of time.
+/// Preintegrated increments from a node to the epochs of pair ends attached to it. The epochs must
+/// come in ascending order of time.
 class EndIncrements {
  public:
   EndIncrements(const ImuData& imu, const CalibrationState& calibration,
@@ -129,19 +136,21 @@ class EndIncrements {
   GrowingIncrements growing_;
 };
 
-/// Throws InvalidInput when an epoch falls before its node.
+/// Returns the parts of the factor of a pair. Throws InvalidInput if an epoch is earlier than its
+/// node.
 PairParts MakePairParts(const Flight& flight, const PairCalibration& calibration,
                         const PreintegrationNoise& noise, const PairEdgeInput& input);
 
-/// Edge of a pair. Without bridges and effects on pairs a PointToPoint, else a
-/// PointToPointBetweenNodes with the effects in the order of EffectsOfPairs. Throws InvalidInput as
-/// MakePairParts.
+/// Returns the factor of a pair. Without NodeBridge and without effects on pairs it is a
+/// PointToPoint. Otherwise it is a PointToPointBetweenNodes with the effects in the order of
+/// EffectsOfPairs. Throws InvalidInput like MakePairParts.
 std::shared_ptr<const FactorBase> MakePairFactor(const Flight& flight,
                                                  const PairCalibration& calibration,
                                                  const PreintegrationNoise& noise,
                                                  const PairEdgeInput& input);
 
-/// With a time of the lidar free, pairs attach to a node at least this far before their tag, s.
+/// Least time from the node of a pair end to its time tag if a time parameter of the lidar is
+/// estimated, s. Estimates up to this delay then stay after the node.
 inline constexpr double kLidarTimeMarginS = 0.05;
 
 }  // namespace dn

@@ -24,7 +24,7 @@
 
 namespace dn {
 
-/// Blocks of one trajectory node.
+/// The blocks of one trajectory node.
 struct NodeBlocks {
   double t_s = 0.0;
   Block<Rotation> q_mb;
@@ -39,7 +39,7 @@ struct EffectBlock {
   BlockId id = -1;
 };
 
-/// Starting values of the trajectory, of the biases and of the calibration.
+/// Initial values of the trajectory, of the biases and of the calibration.
 struct InitialStates {
   std::vector<MapPose> nodes;  ///< one per node time
   Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
@@ -49,95 +49,99 @@ struct InitialStates {
 
 class FlightNetwork;
 
-/// A pair's factor of one's own, instead of MakePairFactor.
+/// A user-defined factor for point pairs that replaces MakePairFactor.
 struct PairModel {
-  /// Unknowns of its own: the factor's blocks are the nine of PointToPoint, then these.
+  /// Additional unknowns. The blocks of the factor are the nine blocks of PointToPoint, then these.
   std::vector<BlockId> blocks;
-  /// Called for every pair, and again whenever its increments are integrated anew. The factor must
-  /// be a PointPairFactor, too.
+  /// Makes the factor of a pair. Called for every pair, and again whenever its increments are
+  /// integrated again. The factor must also derive from PointPairFactor.
   std::function<std::shared_ptr<const FactorBase>(const Flight&, const PairParts&)> make;
 };
 
-/// Options of a FlightNetwork.
+/// The options of a FlightNetwork.
 struct FlightNetworkOptions {
-  /// Longest interval over which a Gauss-Markov process is held, as a fraction of tau and in seconds.
-  /// That of a GNSS error is shorter where its sigma exceeds the white one of the positions, so that
-  /// what the error changes by within an interval stays far below the white noise; and never shorter
-  /// than one epoch.
+  /// Longest interval over which a Gauss-Markov process is constant, as a fraction of tau and in
+  /// seconds. For a GNSS error whose sigma exceeds the white noise of the positions, the interval
+  /// is shortened by the ratio of the variances. The change of the error within an interval then
+  /// stays far below the white noise. An interval has at least one epoch.
   double bias_interval_per_tau = 1.0 / 40.0;
   double bias_interval_max_s = 5.0;
-  double position_floor_m = 1e-6;  ///< of one inertial increment, see PreintegrationNoise
-  /// Called once, before the first pairs are added, to add unknowns to the network and say how the
-  /// factor of a pair is made. Pairs then go without bridges, and without effects of `estimate`.
+  double position_floor_m = 1e-6;  ///< added to each inertial increment, see PreintegrationNoise
+  /// Called once, before the first pairs are added. It adds unknowns to the network and returns the
+  /// way to make the factor of a pair. Pairs are then built without NodeBridge and without the
+  /// effects of `estimate`.
   std::function<PairModel(FlightNetwork&)> pair_model = {};
-  int threads = 1;  ///< of the increments of inertial edges and pairs; no result depends on it
+  /// for the preintegration of inertial edges and pairs; results do not depend on it
+  int threads = 1;
 };
 
-/// The network of one flight: what `dn smooth` and `dn calibrate` solve. `net` is an ordinary
-/// Network: add blocks and factors of your own to it before solving, they are treated like every
-/// other.
+/// The network of one flight, which `dn smooth` and `dn calibrate` solve. `net` is an ordinary
+/// Network: you can add your own blocks and factors before solving, and they are treated like all
+/// others.
 ///
 /// Block names: "q_mb/<k>", "p_mb/<k>", "v_m/<k>"; "gyro_bias/<process>/<k>", "accel_bias/...",
-/// "gnss_error/..."; "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", and every other effect of
-/// `estimate` by its name.
-/// Factor groups: "inertial", "gnss position", "gnss velocity", "lidar p2p", "bias process",
-/// "gnss error process", "prior".
+/// "gnss_error/..."; "boresight", "gnss_lever_arm", "lidar_lever_arm", "lidar_time_offset", and
+/// every other effect of `estimate` by its name. Factor groups: "inertial", "gnss position", "gnss
+/// velocity", "lidar p2p", "bias process", "gnss error process", "prior".
 class FlightNetwork {
  public:
-  /// Builds the inertial, GNSS and bias part, with nodes at node_t_s. A GNSS epoch is attached to
-  /// the node at its time under the starting calibration (GnssEpochTime); one without a node there
-  /// is left out. The flight must outlive the network. Throws InvalidInput when the IMU data do not
-  /// cover the nodes.
+  /// Builds the inertial, GNSS and bias parts with nodes at node_t_s. A GNSS epoch is attached to
+  /// the node at its time under the initial calibration (GnssEpochTime); an epoch without such a
+  /// node is left out. The flight must outlive the network. Throws InvalidInput if the IMU data do
+  /// not cover the nodes.
   FlightNetwork(const Flight& flight, const std::vector<double>& node_t_s,
                 const InitialStates& initial, const FlightNetworkOptions& options = {});
 
-  /// Adds one edge for every pair, attached to the node before each of its epochs. Call it with a
-  /// trajectory that is good already: the noise of the partial increments is evaluated once. Throws
-  /// InvalidInput where a PairModel makes no PointPairFactor, or effects of `estimate` act on pairs
-  /// beside it.
+  /// Adds one factor per pair, attached to the node before each of its epochs. Call it with a
+  /// trajectory that is already good, because the noise of the partial increments is evaluated only
+  /// once. Throws InvalidInput if a PairModel returns a factor that is not a PointPairFactor, or if
+  /// effects of `estimate` act on pairs that have a PairModel.
   void AddPairs(const std::vector<LidarPair>& pairs);
 
-  /// Integrates every increment anew at the present biases and calibration, and moves the gravity
-  /// expansion to the present positions. A factor that was replaced from outside
-  /// (Network::ReplaceFactor) is left as it is.
+  /// Integrates all increments again at the present biases and calibration, and moves the expansion
+  /// point of gravity to the present positions. Factors replaced by the caller
+  /// (Network::ReplaceFactor) stay unchanged.
   void Relinearise();
 
-  /// The largest change of a bias or an effect since the increments were integrated, in units of 30
-  /// deg/h (gyro), 5 mg (accelerometer) and ten usual sizes (effects): a hundredth of it is far
-  /// below the noise of any increment.
+  /// Returns the largest change of a bias or effect since the last preintegration. The units are 30
+  /// deg/h (gyro), 5 mg (accelerometer) and ten typical sizes (effects). At a hundredth of such a
+  /// unit, the error of the first-order correction is far below the noise of every increment.
   double BiasChange() const;
 
-  /// All calibration values at present.
+  /// Returns the present calibration values.
   CalibrationState Calibration() const;
 
-  /// Sum of the processes of an axis at t_s.
+  /// Return the sum of the bias processes at t_s for each axis, rad/s and m/s^2.
   Eigen::Vector3d GyroBias(double t_s) const;
   Eigen::Vector3d AccelBias(double t_s) const;
 
-  /// Sum of the lasting errors of a GNSS position at t_s, local east, north, up, m.
+  /// Returns the sum of the time-correlated errors of a GNSS position at t_s, local east, north,
+  /// up, m.
   Eigen::Vector3d GnssErrorEnu(double t_s) const;
 
   MapPose NodePose(std::size_t k) const;
 
   /// The state at any time as a function of the node before it, at the present biases and
-  /// calibration: to look at. A factor of it would hold the biases, see AddAt.
+  /// calibration. Use it to inspect a state; a factor made from it would treat the biases as
+  /// constants, so use AddAt for factors.
   struct StateBetween {
-    std::size_t node = 0;      ///< its blocks are the factor's
-    StateAfterNode state;      ///< from theirs
-    Preintegrated increments;  ///< with the covariance that their white noise adds
+    std::size_t node = 0;      ///< node whose blocks a factor of this state has
+    StateAfterNode state;      ///< computes the state from the blocks of the node
+    Preintegrated increments;  ///< from the node to t_s, with the covariance of their white noise
   };
-  /// Throws InvalidInput when t_s lies outside the nodes, or no inertial data lead to it.
+  /// Returns the state at t_s. Throws InvalidInput if t_s is outside the nodes, or the inertial
+  /// data between the node and t_s are missing.
   StateBetween StateAt(double t_s) const;
 
   /// Adds a factor on the state at any time, r = W f(state, own blocks):
   ///
   ///   flight.AddAt(t_s, [](const auto& state) { return state.v_m; }, dn::Noise<3>::Sigma(0.02));
   ///
-  /// `function` takes a KinematicState<T>, then one `const auto&` per block of one's own, and
-  /// returns R numbers as in Network::Add. The state follows the node before t_s and the biases
-  /// that hold there: within one interval a tilt and an accelerometer bias undo each other, and
-  /// both are unknown. The white noise of the increments from the node to t_s does not count beside
-  /// `noise`. Throws as StateAt.
+  /// `function` takes a KinematicState<T>, then one `const auto&` per additional block, and returns
+  /// R numbers as in Network::Add. The state depends on the node before t_s and on the biases of
+  /// that interval. The biases must be unknowns of the factor: within one interval a tilt and an
+  /// accelerometer bias compensate each other. The white noise of the increments from the node to
+  /// t_s is neglected relative to `noise`. Throws like StateAt.
   template <class Function, int R, class... Own>
   FactorId AddAt(double t_s, Function function, const Noise<R>& noise, Block<Own>... own) {
     const StateBetween at = StateAt(t_s);
@@ -149,15 +153,16 @@ class FlightNetwork {
                          blocks);
   }
 
-  /// The factor of an edge for another calibration, at the present trajectory and biases: with its
-  /// blocks, then the effects of the calibration in the order of EffectsOf...
+  /// Return the factor of an edge for another calibration at the present trajectory and biases. Its
+  /// blocks are those of the edge, then the effects of the calibration in the order of
+  /// EffectsOfInertial or EffectsOfGnss.
   struct InertialEdge;
   struct GnssEdge;
   struct PairEdge;
   std::shared_ptr<const PreintegratedInertial> InertialFactor(
       const InertialEdge& edge, const CalibrationState& calibration) const;
-  /// The same about the increments in use, which stay as they are: the derivatives by the effects
-  /// alone are integrated, over the samples of `imu` (MeansOver).
+  /// Returns the same factor with the increments that are in use. Only the derivatives with respect
+  /// to the effects are integrated, over the averaged samples `imu` (MeansOver).
   std::shared_ptr<const PreintegratedInertial> InertialFactorByMeans(
       const InertialEdge& edge, const CalibrationState& calibration, const ImuData& imu) const;
   std::shared_ptr<const FactorBase> GnssPositionFactor(const GnssEdge& edge,
@@ -165,27 +170,29 @@ class FlightNetwork {
   std::shared_ptr<const FactorBase> GnssVelocityFactor(const GnssEdge& edge,
                                                        const CalibrationState& calibration) const;
 
-  /// An end of pair edge k.
+  /// One end of pair edge k.
   struct EndOfPair {
     std::size_t k = 0;
     PointPairFactor::End end = PointPairFactor::End::kI;
   };
-  /// By how much the residual of the pair moves with what effects do to the point, at the present
-  /// unknowns; where its factor does not say, as that of the library would.
+  /// Returns the sensitivity of the pair residual to a shift of the point of one end, at the
+  /// present unknowns. If the factor of the pair does not provide it, the factor of the library is
+  /// used instead.
   PointSensitivity SensitivityOfEnd(const EndOfPair& end) const;
 
-  /// Calls use(end, increments) for all ends of pairs: from their node to their epoch for that
-  /// calibration, without noise, over the samples of `imu` (MeansOver). Ends of different nodes come
-  /// side by side.
+  /// Calls use(end, increments) for all pair ends. The increments go from the node to the epoch of
+  /// the end under the given calibration, without noise, over the averaged samples `imu`
+  /// (MeansOver). Ends of different nodes are visited in parallel, so that `use` must be
+  /// thread-safe.
   using UseOfEnd = std::function<void(const EndOfPair&, const Preintegrated&)>;
   void ForPairEnds(const CalibrationState& calibration, const ImuData& imu, int threads,
                    const UseOfEnd& use) const;
 
-  /// The two points of pair edge k in m with the present unknowns: p_i - p_j, m. Throws
-  /// InvalidInput where its factor was replaced by one that is no PointPairFactor.
+  /// Returns the difference p_i - p_j of the two points of pair edge k at the present unknowns, m,
+  /// map axes. Throws InvalidInput if the factor was replaced by one that is not a PointPairFactor.
   Eigen::Vector3d PairDifference(std::size_t k) const;
 
-  /// Blocks of a PairModel at the end of every pair; 0 without one.
+  /// Returns the number of blocks that a PairModel appends to every pair; 0 without a PairModel.
   std::size_t num_own_pair_blocks() const { return pair_model_ ? pair_model_->blocks.size() : 0; }
 
   const Flight& flight() const { return *flight_; }
@@ -195,7 +202,8 @@ class FlightNetwork {
   std::vector<NodeBlocks> nodes;
   std::vector<ProcessChain> gyro_bias;
   std::vector<ProcessChain> accel_bias;
-  /// One per gnss.processes: east, north, up in units of the process's sigmas (see GnssError).
+  /// One chain per entry of gnss.processes: east, north, up in units of the sigmas of the process
+  /// (see GnssError).
   std::vector<ProcessChain> gnss_error;
   Block<LeftRotation> boresight;
   Block<Vec<3>> gnss_lever_arm;
@@ -211,14 +219,14 @@ class FlightNetwork {
     std::size_t node = 0;
     std::size_t epoch = 0;  ///< index into flight().gnss->epochs
     FactorId position = -1;
-    FactorId velocity = -1;  ///< -1: none
+    FactorId velocity = -1;  ///< -1: the velocity is not used
   };
   struct PairEdge {
     LidarPair pair;
     std::size_t node_i = 0;
     std::size_t node_j = 0;
-    /// Inertial edges over which the ends are bridged (NodeBridge); absent: the white noise of the
-    /// increments to the epochs does not count beside the noise of the pair.
+    /// Indices of the inertial edges that condition the noise of the ends (NodeBridge). Absent: the
+    /// white noise of the partial increments is negligible relative to the noise of the pair.
     std::optional<std::size_t> bridge_i = {};
     std::optional<std::size_t> bridge_j = {};
     FactorId id = -1;
@@ -226,15 +234,16 @@ class FlightNetwork {
   std::vector<InertialEdge> inertial_edges;
   std::vector<GnssEdge> gnss_edges;
   std::vector<PairEdge> pair_edges;
-  long pairs_within_one_node = 0;  ///< left out: both ends attach to the same node
-  long pairs_in_imu_gaps = 0;      ///< left out: no inertial data lead to one of their epochs
+  long pairs_within_one_node = 0;  ///< pairs left out because both ends attach to the same node
+  /// Pairs left out because an IMU gap lies between an end and its node.
+  long pairs_in_imu_gaps = 0;
 
  private:
-  /// Node k's, then those of the biases that hold there.
+  /// Returns the blocks of node k, then the bias blocks that apply there.
   std::vector<BlockId> StateBlocks(std::size_t k) const;
-  /// Of node k, without effects.
+  /// Returns the biases at node k, without effects.
   ImuCorrection BiasesAt(std::size_t k) const;
-  /// Of the blocks of pair edge k.
+  /// Returns pointers to the values of the blocks of pair edge k.
   std::vector<const double*> ValuesOfPair(std::size_t k) const;
   void AddMounting(const CalibrationState& calibration);
   void AddNodes(const InitialStates& initial);
@@ -251,30 +260,31 @@ class FlightNetwork {
   PairEdge HangOnNodes(const LidarPair& pair, double margin_s) const;
   void Bridge(PairEdge* edge) const;
   std::vector<BlockId> PairBlocks(const PairEdge& edge) const;
-  /// Of all inertial edges.
+  /// Returns the factors of all inertial edges for this calibration.
   std::vector<std::shared_ptr<const PreintegratedInertial>> InertialFactors(
       const CalibrationState& calibration) const;
   std::shared_ptr<const PreintegratedInertial> InertialFactorInUse(const InertialEdge& edge) const;
   std::shared_ptr<const PreintegratedInertial> InertialFactorOn(
       const Preintegrated& increments, const InertialEdge& edge,
       const CalibrationState& calibration) const;
-  /// From their nodes to the epochs of both ends.
+  /// Increments from the nodes to the epochs of both ends of a pair.
   struct PairIncrements {
     Preintegrated i, j;
   };
-  /// Of some pair edges, at the present biases; the samples after a node are integrated once.
+  /// Integrates the increments of these pair edges at the present biases. Samples that several ends
+  /// of a node share are integrated once.
   std::vector<PairIncrements> IncrementsOf(std::span<const PairEdge> edges,
                                            const PairCalibration& calibration) const;
   PairEdgeInput InputOf(const PairEdge& edge, const PairIncrements& increments) const;
-  /// As it is without a PairModel.
+  /// Returns the factor of a pair as it is without a PairModel.
   std::shared_ptr<const FactorBase> PairFactor(const PairEdge& edge,
                                                const PairCalibration& calibration,
                                                const PairIncrements& increments) const;
   std::shared_ptr<const FactorBase> PairFactorOfModel(const PairEdge& edge,
                                                       const PairCalibration& calibration,
                                                       const PairIncrements& increments) const;
-  /// Calls work(edge, make) for all pair edges, in their order; make(), called once at most, is the
-  /// edge's factor. A PairModel is asked by one thread.
+  /// Calls work(edge, make) for all pair edges in their order. make() returns the factor of the
+  /// edge and may be called once. A PairModel is called from one thread only.
   template <class Work>
   void ForPairs(std::span<PairEdge> edges, const CalibrationState& calibration,
                 const Work& work) const;
@@ -288,11 +298,13 @@ class FlightNetwork {
   std::vector<double> node_t_s_;
   FlightNetworkOptions options_;
   PreintegrationNoise noise_;
-  std::vector<Eigen::Vector3d> linearised_gyro_bias_;  ///< per inertial edge
+  /// Biases at the last preintegration, one per inertial edge.
+  std::vector<Eigen::Vector3d> linearised_gyro_bias_;
   std::vector<Eigen::Vector3d> linearised_accel_bias_;
   CalibrationState linearised_;
   std::optional<PairModel> pair_model_;
-  std::map<FactorId, std::weak_ptr<const FactorBase>> made_;  // the factors of the edges
+  // The factors that this class made for the edges.
+  std::map<FactorId, std::weak_ptr<const FactorBase>> made_;
 };
 
 }  // namespace dn

@@ -9,30 +9,33 @@
 
 namespace dn {
 
-/// The part of the flight that a network can span: from the first to the last GNSS epoch or pair
-/// epoch that the IMU data cover. Throws InvalidInput when fewer than three GNSS epochs lie inside
-/// the IMU data. The GNSS epochs are those that the calibration makes of the tags (GnssEpochTime).
+/// Returns the time span of a network: from the first to the last GNSS or pair epoch that the IMU
+/// data cover. The GNSS epochs are the time tags corrected by the calibration (GnssEpochTime).
+/// Throws InvalidInput if fewer than three GNSS epochs lie inside the IMU data.
 TimeInterval NetworkSpan(const Flight& flight, bool with_pairs,
                          const CalibrationState& calibration = {});
 
-/// Times of the GNSS epochs inside the span.
+/// Returns the times of the GNSS epochs inside the span, s.
 std::vector<double> GnssTimes(const Flight& flight, const TimeInterval& span,
                               const CalibrationState& calibration = {});
 
-/// Node rate within the strips for `node_rate_hz: auto`: the lowest of 1, 2, 5, 10 and 20 Hz at
-/// which the angle random walk of one interval, less what the bridge to its end takes of it, seen at
-/// the mean laser range, has a small share of the variance of the mean of the pairs in that interval:
-/// a fiftieth at 1 and 2 Hz, a tenth from 5 Hz on. The pairs of an interval have that noise in
-/// common, which the network takes as independent; no sigma falls by more than 1 %. The strongest
-/// vibration of a strip counts as if all strips had it. Without pairs 1 Hz.
+/// Returns the node rate within the strips for `node_rate_hz: auto`, Hz: the lowest rate of 1, 2,
+/// 5, 10 and 20 Hz at which the angle random walk of one interval is small. Without pairs the rate
+/// is 1 Hz.
+///
+/// The random walk is conditioned on the rotation to the end of the interval (NodeBridge) and taken
+/// at the mean laser range. Its limit is a fraction of the variance of the mean of the pairs in the
+/// interval: a fiftieth at 1 and 2 Hz, a tenth from 5 Hz. The pairs of an interval share this
+/// noise, but the network treats it as independent. With these limits no sigma decreases by more
+/// than one percent. The strongest vibration of any strip is assumed for all strips.
 double AutoNodeRateHz(const Flight& flight);
 
-/// The rate of the nodes, Hz: within strips, and without pairs over the whole span. That of the
-/// configuration, else AutoNodeRateHz; at least 1 Hz, the rate everywhere else.
+/// Returns the node rate within strips, or without pairs over the whole span, Hz. It is that of the
+/// configuration or else AutoNodeRateHz, and at least 1 Hz, the rate outside of strips.
 double NodeRateHz(const Flight& flight, bool with_pairs);
 
-/// The nodes of a flight's network over a span, at NodeRateHz; with `inertial: raw` at every IMU
-/// epoch. `inertial`: instead of the configuration's.
+/// Returns the node times of a flight over a span, at NodeRateHz or with `inertial: raw` at every
+/// IMU epoch. The argument `inertial` overrides the configuration.
 std::vector<double> FlightNodeTimes(const Flight& flight, const TimeInterval& span, bool with_pairs,
                                     const CalibrationState& calibration = {},
                                     std::optional<NetworkConfig::Inertial> inertial = {});

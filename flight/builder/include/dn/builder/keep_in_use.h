@@ -4,8 +4,8 @@
 
 namespace dn {
 
-/// Leaves out the GNSS epochs and pairs of a network that are left out in another network of the same
-/// flight, or that the other does not have, as pairs both of whose epochs follow one of its nodes.
+/// Deactivates the GNSS epochs and pairs of a network that are inactive or missing in another
+/// network of the same flight. A pair is missing there if both of its epochs follow the same node.
 void KeepInUse(const FlightNetwork& other, FlightNetwork* network);
 
 }  // namespace dn

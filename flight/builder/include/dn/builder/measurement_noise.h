@@ -6,8 +6,8 @@
 
 namespace dn::internal {
 
-/// The noise of one measurement. Throws InvalidInput naming `what`, its time and what to check when
-/// the covariance is not finite, or not symmetric and positive definite.
+/// Returns the noise of one measurement. Throws InvalidInput with `what`, its time and the advice
+/// `check` if the covariance is not finite, or not symmetric and positive definite.
 Noise<3> MeasurementNoise(const Eigen::Matrix3d& covariance, const std::string& what, double t_s,
                           const std::string& check);
 

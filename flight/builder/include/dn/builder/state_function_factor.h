@@ -13,8 +13,8 @@
 
 namespace dn {
 
-/// Function of the state between nodes, and of blocks of one's own: r = W f(state, own...),
-/// differentiated automatically. See FlightNetwork::AddAt.
+/// Factor on a function of the state between nodes and of additional blocks, r = W f(state,
+/// own...), differentiated automatically. See FlightNetwork::AddAt.
 ///
 ///   block     | symbol | stored | tangent | meaning
 ///   ----------|--------|--------|---------|-------------------------------------------------
@@ -23,9 +23,10 @@ namespace dn {
 ///     2       | v_m    |   3    |    3    | its velocity with respect to the Earth in map, m/s
 ///     3 ..    | b_g    |   3    |    3    | one per gyro bias process, body, rad/s
 ///     then    | b_a    |   3    |    3    | one per accelerometer bias process, body, m/s^2
-///     last    |        |        |         | the blocks of one's own
+///     last    |        |        |         | the additional blocks
 ///
-/// The increments follow the biases to first order, by the derivatives of Preintegrated.
+/// The increments are corrected for the biases to first order with the derivatives of
+/// Preintegrated.
 template <class Function, int R, class... Own>
 class StateFunctionFactor final
     : public DynamicAutoFactor<StateFunctionFactor<Function, R, Own...>> {
@@ -79,7 +80,7 @@ class StateFunctionFactor final
         Vec3(at.delta_p.template cast<T>() + times(at.J_p_bg, d_bg) + times(at.J_p_ba, d_ba)));
   }
 
-  /// Of bias blocks, less the value at which the increments were integrated.
+  /// Returns the sum of the bias blocks minus the bias at which the increments were integrated.
   template <class T>
   static Eigen::Matrix<T, 3, 1> Sum(const T* const* x, std::size_t count,
                                     const Eigen::Vector3d& linearisation) {

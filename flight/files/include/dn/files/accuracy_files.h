@@ -7,17 +7,17 @@
 
 namespace dn {
 
-/// What a trajectory's smoother wrote about it.
+/// The accuracy files that belong to a trajectory.
 struct AccuracyFiles {
-  std::optional<std::filesystem::path> covariance;  ///< for ReadTrajectoryCovariance
-  std::optional<std::filesystem::path> series;      ///< for AccuracySeries
-  bool named = false;                               ///< by the configuration
+  std::optional<std::filesystem::path> covariance;  ///< file for ReadTrajectoryCovariance
+  std::optional<std::filesystem::path> series;      ///< file for AccuracySeries
+  bool named = false;                               ///< named by trajectory.sigma_file
 };
 
-/// The file that trajectory.sigma_file names, else those that lie beside the trajectory:
-/// trajectory_covariance.txt, and trajectory_sigma.txt or POSPac's smrmsg. The section `trajectory`
-/// is there. Throws InvalidInput where several smrmsg lie there and none is called after the
-/// trajectory.
+/// Returns the file named by trajectory.sigma_file, or else the files in the folder of the
+/// trajectory: trajectory_covariance.txt, and trajectory_sigma.txt or the smrmsg file of POSPac.
+/// The configuration must have the section `trajectory`. Throws InvalidInput if the folder has
+/// several smrmsg files and none has the name of the trajectory.
 AccuracyFiles FindAccuracyFiles(const FlightConfig& config);
 
 }  // namespace dn

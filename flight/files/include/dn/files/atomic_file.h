@@ -9,52 +9,52 @@
 namespace dn {
 
 /// Writes a file so that it appears complete or not at all: to a temporary name in the same
-/// directory, flushed to disk, then renamed. Throws std::filesystem::filesystem_error naming the
-/// path (disk full, not writable); nothing is left behind then.
+/// directory, flushed to disk, then renamed. On failure (disk full, not writable) throws
+/// std::filesystem::filesystem_error with the path and leaves no file.
 void WriteFileAtomically(const std::filesystem::path& path, std::string_view content);
 
-/// A directory cannot take results: another run writes into it, or a folder stands where a file
-/// should go.
+/// Thrown if a directory cannot take results: another run is writing into it, or a folder has the
+/// name of a result file.
 class UnusableOutput : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Collects the files of a result directory and publishes them together, all or none: Add stages a
-/// file, Commit renames all of them; without Commit the destructor removes what was staged.
+/// Collects the files of a result directory and publishes them together, all or none. Add stages a
+/// file, Commit renames all of them; without Commit the destructor removes the staged files.
 ///
-/// One run at a time: the directory is locked as long as the object lives (where its file system
-/// knows locks). Files are staged in a directory inside it that only this user may enter and whose
-/// name nobody can foresee; what a killed run left there, also half committed, is undone by the
-/// next one.
+/// Only one run may write at a time: the directory is locked as long as the object exists, if the
+/// file system supports locks. Files are staged in a subdirectory that only this user may enter and
+/// whose name is random. Staged files of a killed run, also half committed ones, are removed by the
+/// next run.
 class OutputDirectory {
  public:
-  /// Makes the directory if absent. Throws UnusableOutput when another run holds it,
-  /// std::filesystem::filesystem_error when it cannot be made or written.
+  /// Creates the directory if it does not exist. Throws UnusableOutput if another run has locked
+  /// it, std::filesystem::filesystem_error if it cannot be created or written.
   explicit OutputDirectory(std::filesystem::path directory);
   ~OutputDirectory();
   OutputDirectory(const OutputDirectory&) = delete;
   OutputDirectory& operator=(const OutputDirectory&) = delete;
 
-  /// Files that Add must not replace, under whatever name.
+  /// Sets the input files that Add must not replace, under whatever name.
   void Protect(std::vector<std::filesystem::path> inputs) { inputs_ = std::move(inputs); }
 
-  /// Stages a file; `name` may contain one level of sub-directory ("lidar/1_2.txt"). Throws
-  /// InvalidInput for another name, InvalidConfig where it would replace a protected file.
+  /// Stages a file; `name` may contain one level of subdirectory ("lidar/1_2.txt"). Throws
+  /// InvalidInput for other names, InvalidConfig if the file would replace a protected one.
   void Add(const std::string& name, std::string_view content);
 
-  /// Path at which a file of this name is to be written before Commit, for one that is too large
-  /// for memory. Throws as Add.
+  /// Returns the path to which a file that is too large for memory is to be written before Commit.
+  /// Throws like Add.
   std::filesystem::path Stage(const std::string& name);
 
-  /// Makes every staged file visible. Throws with nothing changed when one cannot be.
+  /// Publishes all staged files. If this fails, throws and leaves the directory unchanged.
   void Commit();
 
-  /// Forgets what was staged.
+  /// Removes the staged files.
   void Discard();
 
-  /// Removes files, and the sub-directories that become empty thereby. What is absent, no file, or
-  /// reached through a symbolic link is left alone.
+  /// Removes result files and the subdirectories that become empty. Ignores names that are absent,
+  /// are not a file, or are reached through a symbolic link.
   void Remove(const std::vector<std::string>& names) const;
 
   const std::filesystem::path& path() const { return directory_; }

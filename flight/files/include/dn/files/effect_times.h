@@ -9,10 +9,10 @@
 
 namespace dn {
 
-/// When an effect is there, in GPS seconds of week: as its timing says, a window, a start, or
-/// neither for the whole flight.
+/// The time during which an effect acts, GPS seconds of week: a window, a start, or neither for the
+/// whole flight.
 struct EffectTimes {
-  std::optional<std::pair<double, double>> window_s{};  ///< first and last
+  std::optional<std::pair<double, double>> window_s{};  ///< first and last time of the window
   std::optional<double> t0_s{};
 
   bool During(double t_s) const {
@@ -21,14 +21,15 @@ struct EffectTimes {
   }
 };
 
-/// A window in time, [begin, end]. Throws InvalidConfig unless it begins before it ends.
+/// Reads a time window [begin, end]. Throws InvalidConfig unless it begins before it ends.
 std::pair<double, double> ReadWindow(const YamlValue& value);
 
-/// The keys `window_s` and `t0_s` beside an effect. Throws InvalidConfig where the effect needs one
-/// that is missing, has one that does not belong to it, or a window ends before it begins.
+/// Reads the keys `window_s` and `t0_s` of an effect. Throws InvalidConfig if a key that the effect
+/// needs is missing, if a key does not belong to the effect, or if a window ends before it begins.
 EffectTimes ReadEffectTimes(const YamlValue& entry, const EffectSpec& effect);
 
-/// ", window_s: [begin, end]" or ", t0_s: start", as ReadEffectTimes reads them; empty for neither.
+/// Returns ", window_s: [begin, end]" or ", t0_s: start" in the form that ReadEffectTimes reads;
+/// empty without times.
 std::string FormatEffectTimes(const EffectTimes& times);
 
 }  // namespace dn

@@ -10,17 +10,19 @@
 
 namespace dn {
 
-/// One entry of `estimate:`: the boresight, or a fixed effect.
+/// An entry of `estimate:`: the boresight or a fixed effect.
 struct EstimateEntry {
   std::string unknown;
-  /// Prior in the effect's unit: one number per component, one for all of them, or none.
+  /// Prior sigma in the unit of the effect: one number per component, one number for all
+  /// components, or empty for no prior.
   std::vector<double> sigma{};
   EffectTimes times{};
-  FileLocation where{};  ///< in flight.yaml
+  FileLocation where{};  ///< place of the entry in flight.yaml
 };
 
-/// The prior of an effect's components in SI; nothing where the entry has none. Throws InvalidInput
-/// where it is no fixed effect, or the number of sigmas is neither one nor that of its components.
+/// Returns the prior sigmas of the components of an effect in SI; nullopt if the entry has no
+/// prior. Throws InvalidInput if it is not a fixed effect, or if the number of sigmas is neither
+/// one nor the number of components.
 std::optional<Eigen::VectorXd> PriorSigma(const EstimateEntry& entry);
 
 }  // namespace dn

@@ -12,45 +12,45 @@
 
 namespace dn {
 
-/// What a data file may hold.
+/// The kinds of data files.
 enum class FileKind { kUnknown, kImu, kGnss, kPairs, kTrajectory, kSmrmsg, kPointCloud };
 
-/// What the first rows of a file show, whatever its name.
+/// The content of a file, determined from its first rows and not from its name.
 struct FileContent {
   std::filesystem::path file;
   FileKind kind = FileKind::kUnknown;
-  std::string why;  ///< of a file of unknown kind: what keeps it from being read
+  std::string why;  ///< for kUnknown: why the file cannot be read
   std::size_t columns = 0;
   ImuFormat imu_format = ImuFormat::kOdyn;
-  bool rates_in_deg = false;  ///< of kImu: deg/s or deg, not rad/s or rad
-  bool forces_in_g = false;   ///< of kImu: g, not m/s^2
+  bool rates_in_deg = false;  ///< for kImu: rates in deg/s or angles in deg
+  bool forces_in_g = false;   ///< for kImu: forces in g
   GnssFormat gnss_format = GnssFormat::kOdyn;
-  bool has_sigma = false;     ///< of kGnss: of the positions
-  bool has_velocity = false;  ///< of kGnss
-  /// Of text of kTrajectory. The zone of a grid does not show: crs "utm:".
+  bool has_sigma = false;     ///< for kGnss: the positions have sigmas
+  bool has_velocity = false;  ///< for kGnss: the file has velocities
+  /// For text of kTrajectory. The zone of a grid cannot be determined; its crs is "utm:".
   std::optional<TrajectoryColumns> trajectory = {};
-  /// Of text: known error of the tags, where they are seconds since 1980 or 1970 instead of GPS seconds
-  /// of week: tag = t + value.
+  /// For text: offset of the time tags, tag = t + value, if they are seconds since 1980 or 1970
+  /// instead of GPS seconds of week.
   double time_offset_s = 0.0;
 };
 
-/// Tells the kinds of files by their columns, sizes and steps:
+/// Determines the kind of a file from its number of columns and the size and step of its values:
 ///
 ///   kImu         7 columns (8 with an odometer): |columns 5-7| is gravity, in m/s^2 or g, or times
 ///                the step between the rows
-///   kGnss        4, 7, 10 or 13 columns with latitude, longitude and positive sigmas; or a header of
-///                RTKLIB, or sentences of NMEA
+///   kGnss        4, 7, 10 or 13 columns with latitude, longitude and positive sigmas; or a header
+///                of RTKLIB, or sentences of NMEA
 ///   kPairs       8 or 14 columns that begin with two times
-///   kTrajectory  8 columns that end with a unit quaternion, or 7 that end with three angles of which
-///                the last follows the course; or records of an SBET
+///   kTrajectory  8 columns that end with a unit quaternion, or 7 that end with three angles, the
+///                last of them near the course; or records of an SBET
 ///   kPointCloud  the signature of LAS or LAZ
 ///   kSmrmsg      records of POSPac's smrmsg
 ///
-/// Never throws for what a file holds.
+/// Does not throw for any content of the file.
 FileContent LookAtFile(const std::filesystem::path& file);
 
-/// What the regular files of a folder hold, in order of their names; those of hidden files, YAML and
-/// JSON are left out.
+/// Returns the content of the regular files of a folder, sorted by name. Hidden files and the
+/// project's own files (YAML, JSON, pages, results) are left out.
 std::vector<FileContent> LookAtFolder(const std::filesystem::path& folder);
 
 }  // namespace dn

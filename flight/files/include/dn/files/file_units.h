@@ -2,15 +2,15 @@
 
 namespace dn {
 
-/// Conversion from the unit of a configuration key to SI.
+/// A conversion from the unit of a configuration key to SI.
 using ToSi = double (*)(double);
 
-/// rad from deg.
+/// Converts deg to rad.
 double RadFromDeg(double deg);
 
-/// The value in the key's unit that `to_si` converts to exactly `si`, the shortest one in decimal
-/// when there are several. `to_si` is a multiplication by a constant. Where no double converts
-/// exactly the nearest one is returned.
+/// Returns the value in the unit of the key that `to_si` converts exactly to `si`. If there are
+/// several, it is the one with the fewest decimal digits; if there is none, the nearest value.
+/// `to_si` must be a multiplication by a constant.
 double InUnit(double si, ToSi to_si);
 
 }  // namespace dn

@@ -17,33 +17,35 @@
 
 namespace dn {
 
-/// The robust loss of a sensor.
+/// The robust loss function of a sensor.
 enum class RobustKind { kNone, kHuber, kCauchy };
 
 /// Section `imu`.
 struct ImuConfig {
   std::string file = "IMU.txt";
-  ImuReadOptions read;               ///< the axes and the span with those of the top level
-  std::optional<std::string> grade;  ///< preset named in the file
-  ImuModel model;                    ///< resolved: preset overridden by explicit noise
+  ImuReadOptions read;               ///< includes the body axes and time_span_s of the top level
+  std::optional<std::string> grade;  ///< name of the preset in the file
+  ImuModel model;                    ///< the preset, overridden by explicit noise values
 };
 
 /// Section `gnss`.
 struct GnssConfig {
   std::string file = "GPS.txt";
   GnssFormat format = GnssFormat::kOdyn;
-  std::string crs = "geographic";  ///< of the positions of kOdyn and kObGins, as TextCoordinates
-  bool grid_north = false;         ///< velocities and sigmas are along the UTM grid
-  double time_offset_s = 0.0;      ///< of the file's tags, tag = t + value; removed on reading
-  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();          ///< antenna in body, FRD
-  Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);  ///< where the file has none
+  /// Coordinates of the positions for kOdyn and kObGins, see TextCoordinates.
+  std::string crs = "geographic";
+  bool grid_north = false;     ///< velocities and sigmas refer to the axes of the UTM grid
+  double time_offset_s = 0.0;  ///< offset of the time tags, tag = t + value; removed on reading
+  /// Position of the antenna in body, FRD.
+  Eigen::Vector3d lever_arm_b_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_enu_m = Eigen::Vector3d(0.03, 0.03, 0.05);  ///< if the file has no sigmas
   double sigma_scale = 1.0;
-  std::optional<bool> use_velocity;    ///< absent: auto, when the columns are there
-  std::vector<GnssProcess> processes;  ///< errors of the positions that last, their sum
+  std::optional<bool> use_velocity;    ///< absent: auto, used if the columns exist
+  std::vector<GnssProcess> processes;  ///< time-correlated errors of the positions; they add up
   RobustKind robust = RobustKind::kNone;
 };
 
-/// Which pairs of the files are used; see SelectPairs.
+/// The selection of pairs from the files; see SelectPairs.
 struct PairSelection {
   enum class Strategy { kAll, kMax, kFreq, kTimeWindow };
   Strategy strategy = Strategy::kAll;
@@ -56,22 +58,22 @@ struct PairSelection {
 /// Section `lidar`.
 struct LidarConfig {
   std::vector<std::string> p2p{"LiDAR_p2p.txt"};
-  double time_offset_s = 0.0;  ///< of the pairs' epochs, tag = t + value; removed on reading
+  double time_offset_s = 0.0;  ///< offset of the time tags, tag = t + value; removed on reading
   PairSelection pairs;
-  Mounting mounting;                                   ///< FRD; boresight: initial value
-  std::optional<Eigen::Vector3d> boresight_sigma_rad;  ///< prior; absent: free
+  Mounting mounting;  ///< in FRD; the boresight is the initial value
+  std::optional<Eigen::Vector3d> boresight_sigma_rad;  ///< prior; absent: no prior
   Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
   Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();
   std::optional<double> gsd_m;
-  double sigma_p_m = 0.0;  ///< resolved: given, or gsd / 2 / sqrt(3)
+  double sigma_p_m = 0.0;  ///< as given, or else gsd / 2 / sqrt(3)
   RobustKind robust = RobustKind::kNone;
 };
 
-/// Section `trajectory`: a given trajectory and what is known of its accuracy.
+/// Section `trajectory`: a given trajectory and its accuracy.
 struct TrajectoryConfig {
   std::string file = "trajectory.out";
-  std::string sigma_file;     ///< of its accuracy; empty: what lies beside the trajectory
-  TrajectoryColumns columns;  ///< as declared; see TextColumns
+  std::string sigma_file;     ///< accuracy file; empty: see FindAccuracyFiles
+  TrajectoryColumns columns;  ///< as configured; see TextColumns
   double sigma_xy_m = 0.03;
   double sigma_z_m = 0.05;
   double sigma_rp_rad = 0.003 * 3.14159265358979323846 / 180.0;
@@ -80,11 +82,11 @@ struct TrajectoryConfig {
 
 /// Section `gh`: the Gauss-Helmert adjustment.
 struct GhConfig {
-  bool exponential = true;  ///< rotation: exp | small_angle
+  bool exponential = true;  ///< rotation: exp (true) or small_angle (false)
   bool libor_compat = false;
 };
 
-/// A strip by name and time.
+/// A strip with its name and time interval.
 struct StripInterval {
   std::string name;
   double t0_s = 0.0;
@@ -98,54 +100,56 @@ struct NetworkConfig {
   std::optional<double> node_rate_hz;  ///< absent: auto
 };
 
-/// flight.yaml, checked, converted to SI, radian and forward-right-down, with defaults filled in.
+/// The content of flight.yaml, checked, with defaults, converted to SI, radian and
+/// forward-right-down.
 struct FlightConfig {
-  std::filesystem::path folder;  ///< of the data
-  std::filesystem::path file;    ///< that this was read from, for messages
+  std::filesystem::path folder;  ///< folder of the data
+  std::filesystem::path file;    ///< file from which this was read, for messages
   std::string name;
   bool body_is_flu = false;
   std::optional<Geodetic> origin;
   std::optional<Eigen::Vector2d> time_span_s;
   std::vector<StripInterval> strips;
   std::string strips_crs = "map";
-  std::optional<ImuConfig> imu;  ///< absent: no imu section
+  std::optional<ImuConfig> imu;  ///< absent: flight.yaml has no section imu
   std::optional<GnssConfig> gnss;
   std::optional<LidarConfig> lidar;
   std::optional<TrajectoryConfig> trajectory;
   GhConfig gh;
   std::vector<EstimateEntry> estimate{{.unknown = "boresight"}};
   NetworkConfig network;
-  /// What a diagnosis found in the data that this configuration does not model; empty: nothing.
+  /// A model deficiency that a diagnosis found and this configuration does not describe; empty if
+  /// there is none.
   std::string unexplained;
 };
 
-/// The columns of a text trajectory of the flight, as `trajectory` declares them, with the body and
-/// the origin of the flight.
+/// Returns the columns of a text trajectory as the section `trajectory` describes them, with the
+/// body axes and the origin of the flight.
 TrajectoryColumns TextColumns(const FlightConfig& config);
 
 /// Reads and checks flight.yaml of a flight folder, or a file of that kind under another name. The
-/// data lie beside it, else in its `data_folder`. Throws InvalidConfig with file:line for a missing
-/// file, bad YAML, an unknown key (naming the nearest known one), a value of the wrong type, shape
-/// or range, an unknown preset, what is no fixed effect under `estimate`. A missing section is not
-/// an error here: the command that needs it says so.
-/// `changes` are "key.of.keys=value" with a YAML value each, made before it is read. Throws
-/// InvalidConfig for one without "=".
+/// data are in the folder of this file, or else in its `data_folder`. Throws InvalidConfig with
+/// file:line for a missing file, bad YAML, an unknown key (with the nearest known one), a value of
+/// the wrong type, shape or range, an unknown preset, and an entry of `estimate` that is not a
+/// fixed effect. A missing section is not an error here; the command that needs it reports it.
+/// `changes` are "key.of.keys=value" with a YAML value each, applied before reading. Throws
+/// InvalidConfig for a change without "=".
 FlightConfig ReadFlightConfig(const std::filesystem::path& folder_or_file,
                               const std::vector<std::string>& changes = {});
 
-/// The same for a text: that of `folder`/flight.yaml, which need not exist.
+/// Reads and checks the text of `folder`/flight.yaml, which need not exist.
 FlightConfig ParseFlightConfig(const std::string& text, const std::filesystem::path& folder);
 
-/// The resolved configuration as YAML (config.resolved.yaml): reading it
-/// back gives the same configuration. Body quantities are written in FRD with `body: FRD`, as all
-/// results are.
+/// Returns the resolved configuration as YAML (config.resolved.yaml). Reading it gives the same
+/// configuration. Body quantities are in FRD with `body: FRD`, like all results.
 std::string FormatFlightConfig(const FlightConfig& config);
 
-/// The same as a file that commands run on wherever it lies: body quantities in the axes of the
-/// data files, and the folder of these.
+/// Returns the configuration as a file that commands accept in any folder: body quantities are in
+/// the axes of the data files, and `data_folder` is set.
 std::string FormatFlightFile(const FlightConfig& config);
 
-/// An element of gnss.processes: "{type: gauss_markov, sigma_enu_m: [0.01, 0.01, 0.02], tau_s: 120}".
+/// Returns an element of gnss.processes: "{type: gauss_markov, sigma_enu_m: [0.01, 0.01, 0.02],
+/// tau_s: 120}".
 std::string FormatGnssProcess(const GnssProcess& process);
 
 }  // namespace dn

@@ -18,59 +18,64 @@
 
 namespace dn {
 
-/// What the covariance of a point is made of (PointCovariance).
+/// The errors that contribute to the covariance of a point (PointCovariance).
 struct StripErrors {
-  std::optional<AccuracySeries> series;  ///< of the trajectory; absent: the two below
+  /// Sigmas of the trajectory over time; absent: the two below.
+  std::optional<AccuracySeries> series;
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d boresight_rad2 = Eigen::Matrix3d::Zero();  ///< left perturbation
+  /// Covariance of the boresight, perturbed from the left.
+  Eigen::Matrix3d boresight_rad2 = Eigen::Matrix3d::Zero();
   double sigma_range_m = 0.0;
   double sigma_beam_rad = 0.0;
 };
 
 struct GeoreferenceOptions {
-  Trajectory trajectory;  ///< of the new points
+  Trajectory trajectory;  ///< trajectory for the new points
   Mounting mounting;
-  /// With which the points of a file without laser vectors were made; absent: the same trajectory.
+  /// Trajectory from which the points of a file without laser vectors were computed; absent: the
+  /// same trajectory.
   std::optional<Trajectory> made_by;
   Mounting made_with;
   std::optional<Eigen::Vector2d> time_span_s;  ///< points outside are dropped
-  double time_offset_s = 0.0;                  ///< of the points' tags, tag = t + value; they stay
-  std::optional<StripErrors> errors;           ///< absent: no covariances
+  /// Offset of the time tags, tag = t + value; the tags are not changed.
+  double time_offset_s = 0.0;
+  std::optional<StripErrors> errors;  ///< absent: no covariances
   int threads = 1;
 };
 
-/// What became of the points of a strip.
+/// The result for the points of a strip.
 struct GeoreferencedStrip {
   std::uint64_t points = 0;
   std::uint64_t kept = 0;
-  std::map<std::string, std::uint64_t> dropped;  ///< by reason
+  std::map<std::string, std::uint64_t> dropped;  ///< number of dropped points by reason
   bool own_vectors = false;
-  double t_begin_s = 0.0, t_end_s = 0.0;  ///< of all points
-  double shift_rms_m = 0.0;               ///< by which the points that were kept moved
+  double t_begin_s = 0.0, t_end_s = 0.0;  ///< first and last time tag of all points
+  double shift_rms_m = 0.0;               ///< shift of the remaining points by the new coordinates
   double shift_max_m = 0.0;
-  Swath swath;  ///< by the new coordinates; without the name
+  Swath swath;  ///< outline of the new points; the name is empty
 };
 
-/// Computes points anew:
+/// Recomputes the coordinates of points:
 ///
 ///   p = p_mb + R_mb (Exp([theta]x) T u + a)
 ///
-/// with the laser vectors u of the file, else those that led to its points, u = T^T Exp(-[theta']x)
-/// (R'_mb^T (p' - p'_mb) - a') by the trajectory and the mounting that they were made with.
-/// Poses are interpolated as InterpolatePose does.
+/// with the laser vectors u of the file. If the file has none, u = T^T Exp(-[theta']x) (R'_mb^T (p'
+/// - p'_mb) - a') for its points p'. The primed quantities are the trajectory and the mounting from
+/// which the points were computed. Poses are interpolated with InterpolatePose.
 class StripGeoreferencer {
  public:
   StripGeoreferencer(GeoreferenceOptions options, const LocalFrame& frame, const PointCrs& crs);
   ~StripGeoreferencer();
 
-  /// Reads a strip and writes it with new coordinates, in the same format and coordinate system;
-  /// all else of it is kept. Points outside the trajectory, in its gaps (FlightNeeds) or outside the
-  /// time span are dropped and counted. `progress` is told the points that were read, after each
-  /// chunk, and may throw to end the work: then no file appears. Memory does not grow with the file.
+  /// Reads a strip and writes it with new coordinates in the same format and coordinate system; all
+  /// other content is kept. Points outside the trajectory, in its gaps or outside the time span are
+  /// dropped and counted. `progress` is called with the number of points read after each chunk. It
+  /// may throw to stop the work; then there is no output file. The memory does not grow with the
+  /// file.
   ///
-  /// Throws InvalidInput as OpenStrip, for a file without points or without GPS time, coordinates
-  /// that are none of the system, and where no point is left, naming both spans.
+  /// Throws InvalidInput like OpenStrip, for a file without points or without GPS time, for
+  /// coordinates outside the coordinate system, and if no point remains (with both spans).
   GeoreferencedStrip Run(const std::filesystem::path& in, const std::filesystem::path& out,
                          const std::function<void(std::uint64_t)>& progress) const;
 

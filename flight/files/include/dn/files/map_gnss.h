@@ -9,14 +9,15 @@
 
 namespace dn {
 
-/// A GNSS solution in the mapping frame m; covariances and the velocity stay in the local
-/// east-north-up of the antenna.
+/// A GNSS solution in the map frame m; its covariances and velocity are in local east-north-up axes
+/// at the antenna.
 struct MapGnssEpoch {
-  double t_s = 0.0;                                       ///< GPS seconds of week
-  Eigen::Vector3d p_m = Eigen::Vector3d::Zero();          ///< antenna, m
-  Eigen::Matrix3d R_m_enu = Eigen::Matrix3d::Identity();  ///< from the antenna's east-north-up
+  double t_s = 0.0;                               ///< GPS seconds of week
+  Eigen::Vector3d p_m = Eigen::Vector3d::Zero();  ///< antenna position, m
+  /// From east-north-up at the antenna to m.
+  Eigen::Matrix3d R_m_enu = Eigen::Matrix3d::Identity();
   std::optional<Eigen::Matrix3d>
-      covariance_enu_m2;  ///< of the position; absent: the flight's default
+      covariance_enu_m2;  ///< Covariance of the position; absent: the default of the flight.
   std::optional<Eigen::Vector3d> velocity_enu_mps;
   std::optional<Eigen::Matrix3d> velocity_covariance_enu;  ///< (m/s)^2
   long line = 0;

@@ -6,8 +6,8 @@
 
 namespace dn {
 
-/// Scan angle of a laser vector in the sensor frame, rad: atan2(u . (scan_axis x nadir_axis),
-/// u . nadir_axis), by projection where the beam leaves the scan plane.
+/// Returns the scan angle of a laser vector in the scanner frame, rad: atan2(u . (scan_axis x
+/// nadir_axis), u . nadir_axis). A beam outside of the scan plane is projected onto it.
 double ScanAngle(const LidarConfig& lidar, const Eigen::Vector3d& u_s);
 
 }  // namespace dn

@@ -8,16 +8,16 @@
 
 namespace dn {
 
-/// The point clouds of a flight: the .las, .laz and .txt files in the folder `strips` of its data,
-/// sorted by name; none where there is no such folder.
+/// Returns the point clouds of a flight sorted by name: the .las, .laz and .txt files in the folder
+/// `strips` of its data. The list is empty if there is no such folder.
 std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& flight_folder);
 
-/// The same; throws InvalidInput where there are none.
+/// Returns the same files; throws InvalidInput if there are none.
 std::vector<std::filesystem::path> NeedStripFiles(const std::filesystem::path& flight_folder);
 
-/// Compares what a strip's file says of its coordinate system with strips_crs of flight.yaml.
-/// Throws InvalidConfig where they contradict each other, saying what to write. Returns what a user
-/// should know beside it; empty: nothing.
+/// Compares the coordinate system in the header of a strip with strips_crs of flight.yaml. Throws
+/// InvalidConfig if they contradict each other, with the value to write. Returns a note for the
+/// user; empty if there is nothing to note.
 std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
                           const std::filesystem::path& file);
 

@@ -18,54 +18,56 @@
 
 namespace dn {
 
-/// Points of a strip as the scanner measured them, an element of each array per point.
+/// Points of a strip as the scanner measured them; each array has one element per point.
 struct LaserVectors {
-  std::vector<double> t_s;            ///< epoch on the trajectory's scale
+  std::vector<double> t_s;            ///< time on the scale of the trajectory
   std::vector<Eigen::Vector3d> u_s;   ///< laser vector in the sensor frame, m
-  std::vector<std::uint16_t> source;  ///< LAS point source id; empty where the file has none
+  std::vector<std::uint16_t> source;  ///< LAS point source id; empty if the file has none
 
   std::size_t size() const { return t_s.size(); }
 };
 
-/// Where the points of a flight's strips come from.
+/// The trajectory, mounting and filter for reading the strips of a flight.
 struct StripSourceOptions {
-  Trajectory trajectory;  ///< of the flight
-  /// With which the points of a file without laser vectors were made; absent: `trajectory`.
+  Trajectory trajectory;  ///< trajectory of the flight
+  /// Trajectory from which the points of a file without laser vectors were computed; absent:
+  /// `trajectory`.
   std::optional<Trajectory> made_by;
-  Mounting made_with;  ///< boresight included
+  Mounting made_with;  ///< mounting of the scanner, including the boresight
   std::optional<Eigen::Vector2d> time_span_s;
-  double time_offset_s = 0.0;  ///< of the points' tags, tag = t + value
+  double time_offset_s = 0.0;  ///< offset of the time tags, tag = t + value
   PointFilter filter = {};
 };
 
-/// What was read of a strip.
+/// Numbers of points read from a strip.
 struct StripCounts {
   std::uint64_t points = 0;
   std::uint64_t kept = 0;
-  std::map<std::string, std::uint64_t> dropped;  ///< by reason
-  bool own_vectors = false;                      ///< else computed from the coordinates
-  double t_begin_s = 0.0, t_end_s = 0.0;         ///< of the points kept, without the offset
+  std::map<std::string, std::uint64_t> dropped;  ///< number of dropped points by reason
+  bool own_vectors = false;  ///< laser vectors of the file; false: computed from the coordinates
+  /// First and last time of the kept points, offset removed.
+  double t_begin_s = 0.0, t_end_s = 0.0;
 };
 
-/// Reads the laser vectors of strips that belong to a trajectory: those of the file, else
-/// u = T^T Exp(-[theta']x) (R'_mb^T (p' - p'_mb) - a) of its points p', by the trajectory and the
-/// mounting that they were made with.
+/// Reads the laser vectors of strips that belong to a trajectory. They are those of the file, or
+/// else u = T^T Exp(-[theta']x) (R'_mb^T (p' - p'_mb) - a) of its points p'. The primed quantities
+/// are the trajectory and the mounting from which the points were computed.
 class StripSource {
  public:
-  /// Throws InvalidInput for a trajectory without epochs, InvalidConfig for a name of a coordinate
-  /// system that PointCrs does not take.
+  /// Throws InvalidInput for a trajectory without epochs, InvalidConfig for the name of a
+  /// coordinate system that PointCrs does not support.
   StripSource(const StripSourceOptions& options, const LocalFrame& frame,
               const std::string& strips_crs);
   ~StripSource();
 
-  /// Gives `take` the points in chunks of at most 65536, those without a pose left out and
-  /// counted. `take` may throw to end the reading. Throws InvalidInput as OpenStrip, for a file
-  /// without points or GPS time, coordinates that are none of the system, and where no point is
-  /// left, naming both spans.
+  /// Passes the points to `take` in chunks of at most 65536. Points without a pose are left out and
+  /// counted. `take` may throw to stop the reading. Throws InvalidInput like OpenStrip, for a file
+  /// without points or GPS time, for coordinates outside the coordinate system, and if no point
+  /// remains (with both spans).
   StripCounts Read(const std::filesystem::path& file,
                    const std::function<void(const LaserVectors&)>& take) const;
 
-  /// Pose of the trajectory, as InterpolatePose gives it. Thread-safe.
+  /// Returns the pose of the trajectory, interpolated with InterpolatePose. Thread-safe.
   MapPose PoseAt(double t_s) const;
 
  private:

@@ -6,8 +6,8 @@
 
 namespace dn {
 
-/// boresight_deg of FOLDER/truth.yaml, which a simulated flight carries; only ever used to print
-/// errors. Nothing where there is no such file or no such entry.
+/// Returns boresight_deg of FOLDER/truth.yaml, which simulated flights contain; nullopt without
+/// this file or entry. It is only used to print errors.
 std::optional<Eigen::Vector3d> ReadTrueBoresightDeg(const std::filesystem::path& folder);
 
 }  // namespace dn

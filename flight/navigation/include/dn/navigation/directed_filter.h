@@ -8,18 +8,19 @@ namespace dn {
 
 enum class FilterDirection { kForward, kReverse };
 
-/// A run with how well each state knows its heading.
+/// A filter run with the heading sigma of each state.
 struct DirectedRun : FilterRun {
-  std::vector<double> sigma_heading_rad;  ///< per state, of its attitude about the vertical
+  /// One per state: sigma of the rotation about the vertical.
+  std::vector<double> sigma_heading_rad;
 };
 
-/// RunForwardFilter, or the same filter from the end of the flight to its begin: the edges solved
-/// for their earlier pose, the processes stepped back. A Gauss-Markov process looks alike in both
-/// directions; the variance of a random walk in the start of a reverse run must be that of its value
-/// at the end.
+/// Runs RunForwardFilter, or the same filter from the end of the flight to its start. In reverse,
+/// the inertial edges are solved for their earlier pose and the processes are predicted backwards.
+/// A Gauss-Markov process has the same statistics in both directions. For a random walk, the
+/// variance in the start of a reverse run must be that of its value at the end.
 ///
-/// times: rising, for either direction. A reverse run leaves out those after start.pose.t_s, and has
-/// its states in the order of falling time; options.t_end_s has no meaning for it.
+/// times: ascending for both directions. A reverse run leaves out the times after start.pose.t_s
+/// and returns its states in descending order of time; it ignores options.t_end_s.
 DirectedRun RunFilter(const Flight& flight, const std::vector<double>& times,
                       const FilterState& start, FilterDirection direction,
                       const FilterOptions& options = {});

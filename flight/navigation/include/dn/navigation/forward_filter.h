@@ -12,7 +12,7 @@
 
 namespace dn {
 
-/// State of the forward filter: pose, and the value of every process.
+/// State of the forward filter: the pose and the value of every process.
 ///
 /// Covariance order: attitude (right, rad), position (m), velocity (m/s), gyro processes (3 each),
 /// then accelerometer processes, then processes of GNSS errors.
@@ -20,55 +20,60 @@ struct FilterState {
   MapPose pose;
   std::vector<Eigen::Vector3d> gyro_bias;   ///< per process, rad/s
   std::vector<Eigen::Vector3d> accel_bias;  ///< per process, m/s^2
-  std::vector<Eigen::Vector3d> gnss_error;  ///< per process, in its sigmas, see GnssError
+  std::vector<Eigen::Vector3d> gnss_error;  ///< per process, in units of its sigmas, see GnssError
   Eigen::MatrixXd covariance;
 
   Eigen::Vector3d TotalGyroBias() const;
   Eigen::Vector3d TotalAccelBias() const;
 };
 
-/// One measurement's innovation (measured against predicted from all earlier measurements).
+/// The innovation of one measurement: the measured value minus the value predicted from all earlier
+/// measurements.
 struct Innovation {
   double t_s = 0.0;
-  bool velocity = false;       ///< false: position
+  bool velocity = false;       ///< true for a velocity, false for a position
   Eigen::Vector3d normalised;  ///< per axis east, north, up: innovation / its predicted sigma
   double nis = 0.0;            ///< normalised innovation squared of the three axes together
 };
 
-/// How far the filter runs and what it uses.
+/// The end of a filter run and the measurements and weights that it uses.
 struct FilterOptions {
-  double t_end_s = 1e300;  ///< stop after this epoch
-  /// Innovations beyond this many sigmas (root of NIS) are de-weighted so that they pull no more
-  /// than one at the bound; 0: never.
+  double t_end_s = 1e300;  ///< time at which the filter stops
+  /// Bound of the innovations in sigmas (root of NIS); 0: no bound. The weight of a larger
+  /// innovation is reduced so that its influence is that of an innovation at the bound.
   double huber_sigmas = 0.0;
-  /// Added in quadrature to the sigmas of the measurements: while the attitude is still degrees
-  /// off, the linearisation of the filter errs by more than a good receiver does.
+  /// Added in quadrature to the sigmas of the measurements. As long as the attitude error is
+  /// several degrees, the linearisation error of the filter exceeds the noise of a good receiver.
   double position_floor_m = 0.0;
   double velocity_floor_mps = 0.0;
-  std::vector<std::size_t> skipped_epochs;  ///< not used; indices into Flight::gnss, rising
-  std::function<bool()> interrupted = {};   ///< polled at every time; true throws Interrupted
+  /// Epochs that are not used: ascending indices into Flight::gnss.
+  std::vector<std::size_t> skipped_epochs;
+  /// Polled at every time; if it returns true, Interrupted is thrown.
+  std::function<bool()> interrupted = {};
   std::optional<CalibrationState> calibration = {};  ///< absent: AssumedCalibration of the flight
 };
 
 /// The states and innovations of a filtered flight.
 struct FilterRun {
   std::vector<FilterState>
-      states;  ///< one per requested time, after its measurements; covariance left empty
+      /// One per requested time, after the update with its measurements; the covariance is empty.
+      states;
   std::vector<Innovation> innovations;
-  double log_likelihood = 0.0;  ///< up to a constant that is common to all starts
-  FilterState last;             ///< with covariance
+  double log_likelihood = 0.0;  ///< up to a constant common to all initial states
+  FilterState last;             ///< the last state, with its covariance
 };
 
-/// Extended Kalman filter over the very factors of the network: prediction by the preintegrated
-/// inertial edge (its Jacobians give transition and process noise), update by the GNSS position and
-/// velocity edges. Used to start the network and to test innovations.
+/// Runs an extended Kalman filter with the same factors as the network. The prediction uses the
+/// preintegrated inertial edge, whose Jacobians give transition matrix and process noise. The
+/// update uses the GNSS position and velocity edges. The filter gives the initial values of the
+/// network and the innovations for tests.
 ///
-/// times: sorted; must contain every GNSS epoch that is to be used; start.pose.t_s is the first.
+/// times: sorted; must contain every GNSS epoch to be used. The first one is start.pose.t_s.
 FilterRun RunForwardFilter(const Flight& flight, const std::vector<double>& times,
                            const FilterState& start, const FilterOptions& options = {});
 
-/// Filter state at a pose with the model's own prior covariance on the processes and the given
-/// standard deviations of attitude (rad, about body x, y, z), position and velocity.
+/// Returns the filter state at a pose. The processes have the prior covariance of the IMU and GNSS
+/// models; attitude (rad, about body x, y, z), position and velocity have the given sigmas.
 FilterState MakeFilterState(const Flight& flight, const MapPose& pose,
                             const Eigen::Vector3d& gyro_bias_radps,
                             const Eigen::Vector3d& accel_bias_mps2,

@@ -9,25 +9,26 @@
 
 namespace dn {
 
-/// Every GNSS position and velocity of a network, in use or not, against what all the other
-/// measurements predict for it.
+/// Tests every GNSS position and velocity of a network, active or not, against its prediction from
+/// all other measurements.
 class GnssScreening {
  public:
   /// `marginals` must have its selected inverse.
   GnssScreening(const FlightNetwork& network, const Marginals& marginals);
 
-  /// The largest statistic (chi-square of three) of an epoch in use.
+  /// Returns the largest statistic (chi-square of three) of an active epoch.
   double Worst() const;
 
-  /// Ids of the positions in use that the others contradict most, at most `count`: a jump shows at
-  /// its two ends.
+  /// Returns the ids of the active positions with the largest statistics, at most `count`. A jump
+  /// of the positions has large statistics at its two ends.
   std::vector<FactorId> WorstPositions(std::size_t count) const;
 
-  /// Takes out the worst ones of each neighbourhood that cannot be noise, since they may have
-  /// spoiled the others, and takes those back that agree, but for out_for_good. Returns how many
-  /// changed. The threshold grows with the median of the statistics, so that a flight whose sigmas
-  /// are too small as a whole keeps its measurements.
-  /// `noise_ratio`: variance of white noise and lasting errors together over that of the white noise.
+  /// Deactivates the measurements with the largest statistics of each neighbourhood if noise cannot
+  /// explain them; the others may be affected by these and stay. Activates measurements again that
+  /// agree with the others, except those in `out_for_good`. Returns the number of changes. The
+  /// threshold grows with the median of the statistics, so that a flight whose sigmas are all too
+  /// small keeps its measurements. `noise_ratio`: variance of white noise and time-correlated
+  /// errors together, divided by the variance of the white noise.
   long Apply(const std::set<FactorId>& out_for_good, double noise_ratio, Network* net) const;
 
  private:

@@ -10,42 +10,45 @@
 
 namespace dn {
 
-/// An offset that a run of GNSS epochs has in common.
+/// A common offset of a run of consecutive GNSS epochs.
 struct GnssJump {
   std::size_t first = 0;  ///< indices into FlightNetwork::gnss_edges, both included
   std::size_t last = 0;
-  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< in m
+  Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();  ///< map axes
   double statistic = 0.0;                              ///< chi-square of three
 };
 
-/// The most significant common offset of a run of active GNSS positions, by score tests: of the
-/// runs that begin and end at one of `ends` (positions that the others contradict most), their ends
-/// then moved for the best. Nothing unless the test is beyond all doubt, and the offset more than
-/// four times the sigma of a single epoch: less may be slowly wandering GNSS noise, which is no
-/// reason to do without the epochs. `noise_ratio`: as for GnssScreening::Apply.
+/// Returns the most significant common offset of a run of active GNSS positions, from score tests.
+/// The candidates are runs that begin and end at positions in `ends` (those that contradict the
+/// others most); their ends are then moved to the best place. Returns nullopt unless the test is
+/// decisive and the offset exceeds four sigmas of a single epoch. A smaller offset may be slow GNSS
+/// drift, which does not justify leaving out the epochs. `noise_ratio`: as for
+/// GnssScreening::Apply.
 std::optional<GnssJump> FindGnssJump(const FlightNetwork& network, const Marginals& marginals,
                                      const std::vector<FactorId>& ends, double noise_ratio = 1.0);
 
-/// One cause behind the misfit of all GNSS epochs.
+/// A single cause that explains the misfit of the GNSS epochs.
 struct GnssMisfit {
   enum class Cause {
-    kLeverArm,   ///< estimate: correction of the lever arm in body, m
-    kClock,      ///< offset (s) and drift (s/s) by which the GNSS tags are late, see ClockEstimate
-    kClockStep,  ///< seconds by which they are late from `first` on
+    kLeverArm,   ///< `estimate`: correction of the lever arm, body axes, m
+    kClock,      ///< `estimate`: delay (s) and its drift (s/s) of the GNSS tags, see ClockEstimate
+    kClockStep,  ///< `estimate`: delay of the GNSS tags from `first` on, s
   };
   Cause cause = Cause::kLeverArm;
-  Eigen::VectorXd estimate;  ///< to first order
+  Eigen::VectorXd estimate;  ///< first-order estimate, see Cause
   double statistic = 0.0;
   std::size_t first = 0;  ///< index into FlightNetwork::gnss_edges
 };
 
-/// The single cause behind the misfit of the GNSS positions and velocities, by score tests, if there
-/// is one beyond all doubt: the one with the largest statistic, a step only where offset and drift
-/// are none. A lever arm and a step must explain at least half of what all residuals have too much,
-/// and move a GNSS epoch by more than four sigmas; without that they may be a part of what slowly
-/// wandering GNSS noise does. An offset with a drift need not: to have them among the unknowns does
-/// no harm, and the rest is judged better beside them. Causes that are estimated already are not
-/// considered.
+/// Returns the single cause of the misfit of the GNSS positions and velocities, from score tests,
+/// or nullopt if no test is decisive.
+///
+/// If several causes are decisive, the result is the one with the largest statistic. A step of the
+/// clock is considered only if offset and drift are not significant. A lever arm and a step must
+/// explain at least half of the excess of the squared residuals and move a GNSS epoch by more than
+/// four sigmas. A smaller effect may be part of slow GNSS drift. An offset with a drift need not
+/// fulfil this: estimating them does no harm, and other causes are then judged better. Causes that
+/// are already estimated are not tested.
 std::optional<GnssMisfit> ExplainGnssMisfit(const FlightNetwork& network,
                                             const Marginals& marginals);
 

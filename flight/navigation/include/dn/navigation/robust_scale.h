@@ -8,15 +8,15 @@
 
 namespace dn {
 
-/// Norm of a standardised 3-vector that a good measurement exceeds once in 1.7 million: as much
-/// outside as five sigmas of a normal variable leave.
+/// Norm of a standardised 3-vector that a good measurement exceeds with the probability of five
+/// sigmas of a normal variable, 1 in 1.7 million.
 constexpr double kGrossNorm = 5.6;
-/// The same of a correspondence, of which a flight has many: as much outside as four sigmas of a
-/// normal variable leave (6.3e-5).
+/// The same bound for correspondences. A flight has many of them, so that the probability is that
+/// of four sigmas of a normal variable, 6.3e-5.
 constexpr double kGrossPairNorm = 4.68;
 
-/// Variance of whitened 3-vectors by the median of their squared norms, which gross errors in less
-/// than half of them do not spoil; at least 1. norm2 must not be empty.
+/// Returns the variance of whitened 3-vectors from the median of their squared norms, at least 1.
+/// Outliers in less than half of them have little influence. norm2 must not be empty.
 inline double RobustVariance(std::vector<double> norm2) {
   constexpr double kMedianChi2Of3 = 2.366;
   return std::max(1.0, Median(std::move(norm2)) / kMedianChi2Of3);

@@ -7,47 +7,53 @@
 
 namespace dn {
 
-// What inertial and GNSS data show of axes, clocks and coordinates before any adjustment. They need
-// no stochastic model.
+// These functions check axes, clocks and coordinates with the inertial and GNSS data before any
+// adjustment. They need no stochastic model.
 
-/// Where gravity and the course lie in the body axes as declared.
+/// Directions of gravity and of the course in the body axes as configured.
 struct BodyDirections {
-  Eigen::Vector3d down_b = Eigen::Vector3d::UnitZ();  ///< mean, unit
-  /// Length of the mean specific force over the mean of its lengths: near 1 unless the body turns
-  /// over.
+  Eigen::Vector3d down_b = Eigen::Vector3d::UnitZ();  ///< mean direction of gravity, unit vector
+  /// Length of the mean specific force divided by the mean of its lengths: near 1 unless the body
+  /// turns over.
   double down_agreement = 0.0;
-  /// Mean course at right angles to down_b, unit; absent where the flight does not tell it: too
-  /// slow, or without a turn.
+  /// Mean course perpendicular to down_b, unit vector. Absent if the flight does not determine it:
+  /// too slow, or without a turn.
   std::optional<Eigen::Vector3d> course_b;
-  /// Length of the mean of the unit vectors that course_b is the mean of.
+  /// Length of the mean of the unit course vectors, 0 to 1.
   double course_agreement = 0.0;
 };
 
-/// The attitude is found anew in every half minute of the flight, as by the alignment in flight, so
-/// that no start value and no gyro bias that is usual (1000 deg/h turns it by 8 deg) matters. GNSS may
-/// be absent: then there is no course.
+/// Determines the mean directions of gravity and course in body axes. The attitude is determined
+/// again every half minute by in-flight alignment. The result therefore does not depend on an
+/// initial value, and common gyro biases do not matter (1000 deg/h turns it by 8 deg). The result
+/// has no course if GNSS is absent.
 BodyDirections FindBodyDirections(const Flight& flight, int threads = 1);
 
-/// How far the axes lie from the nearest of the 24 that an instrument can be put in.
+/// The nearest of the 24 possible orientations of an instrument with parallel axes, and the
+/// distance from it.
 struct AxesFit {
-  Eigen::Matrix3d R_turn = Eigen::Matrix3d::Identity();  ///< declared -> true body, a permutation
-  double distance_rad = 0.0;                             ///< of the directions from R_turn's
+  /// Configured -> true body axes, a signed permutation.
+  Eigen::Matrix3d R_turn = Eigen::Matrix3d::Identity();
+  /// Largest angle of gravity or course from the axis assigned by R_turn.
+  double distance_rad = 0.0;
 };
 
-/// The turn that takes down_b to body z and course_b to body x, or without a course down_b to body z
-/// by the smaller turn.
+/// Returns the rotation that takes down_b to body z and course_b to body x. Without a course it is
+/// the smallest rotation that takes down_b to body z.
 AxesFit FitAxes(const BodyDirections& directions);
 
-/// Turns of the course against those that the gyros show, with the GNSS tags moved by a lag.
+/// Comparison of the turns of the course with those of the gyros, with the GNSS tags shifted by a
+/// lag.
 struct TurnComparison {
-  double correlation = 0.0;       ///< as tagged, of the turns over 2 s and more, in -1..1
-  double best_correlation = 0.0;  ///< of the largest absolute value within 40 s
-  double best_lag_s = 0.0;        ///< GNSS tags are late by this, to a quarter second
-  double turned_rad = 0.0;        ///< sum of the course changes
+  double correlation = 0.0;  ///< at lag 0, over turns of 2 s or longer, in -1..1
+  /// Correlation with the largest absolute value within lags of 40 s.
+  double best_correlation = 0.0;
+  double best_lag_s = 0.0;  ///< delay of the GNSS tags, in steps of a quarter second
+  double turned_rad = 0.0;  ///< sum of the absolute course changes
 };
 
-/// Absent where the flight does not turn, by less than half a circle in all: nothing to compare. A
-/// correlation near -1 is a course that is mirrored.
+/// Compares the turns of the course with those of the gyros. Returns nullopt if the flight turns by
+/// less than half a circle in total. A correlation near -1 indicates mirrored coordinates.
 std::optional<TurnComparison> CompareTurns(const Flight& flight);
 
 }  // namespace dn
