@@ -95,36 +95,30 @@ void RejectEpochs(const Flight&, const GapCause&, const VectorXd&, FlightConfig*
 
 /// Where flight.yaml states a random effect, and how it is put there.
 struct Statement {
-  const char* effect;
+  EffectId effect;
   const char* key;
   void (*put)(const Flight& flight, const GapCause& cause, const VectorXd& si,
               FlightConfig* config);
 };
 
 constexpr Statement kStatements[] = {
-    {"gnss_correlated_noise", "gnss.processes", &AddGnssProcess},
-    {"gnss_noise_scale", "gnss.sigma_scale", &ScaleGnss},
-    {"gyro_noise_scale", "imu.gyro.white_deg_sqrt_h", &ScaleGyro},
-    {"accel_noise_scale", "imu.accel.white_m_s_sqrt_h", &ScaleAccel},
-    {"gyro_bias_process", "imu.gyro.processes", &AddGyroProcess},
-    {"accel_bias_process", "imu.accel.processes", &AddAccelProcess},
-    {"imu_vibration", "imu.vibration", &AddVibration},
-    {"p2p_noise_scale", "lidar.sigma_p_m", &ScalePairs},
-    {"p2p_range_noise", "lidar.sigma_p_m", &AddRangeNoise},
-    {"p2p_outliers", "lidar.robust", &RejectPairs},
-    {"gnss_outliers", "gnss.robust", &RejectEpochs},
+    {EffectId::kGnssCorrelatedNoise, "gnss.processes", &AddGnssProcess},
+    {EffectId::kGnssNoiseScale, "gnss.sigma_scale", &ScaleGnss},
+    {EffectId::kGyroNoiseScale, "imu.gyro.white_deg_sqrt_h", &ScaleGyro},
+    {EffectId::kAccelNoiseScale, "imu.accel.white_m_s_sqrt_h", &ScaleAccel},
+    {EffectId::kGyroBiasProcess, "imu.gyro.processes", &AddGyroProcess},
+    {EffectId::kAccelBiasProcess, "imu.accel.processes", &AddAccelProcess},
+    {EffectId::kImuVibration, "imu.vibration", &AddVibration},
+    {EffectId::kP2pNoiseScale, "lidar.sigma_p_m", &ScalePairs},
+    {EffectId::kP2pRangeNoise, "lidar.sigma_p_m", &AddRangeNoise},
+    {EffectId::kP2pOutliers, "lidar.robust", &RejectPairs},
+    {EffectId::kGnssOutliers, "gnss.robust", &RejectEpochs},
 };
 
-const Statement* FindStatement(const std::string& effect) {
+const Statement* FindStatement(EffectId effect) {
   const auto* found = std::find_if(std::begin(kStatements), std::end(kStatements),
                                    [&](const Statement& s) { return effect == s.effect; });
   return found == std::end(kStatements) ? nullptr : found;
-}
-
-/// Effects that a free unknown would leave too loose for the first solution, which has no pairs.
-bool NeedsPrior(const std::string& effect) {
-  return effect == "accel_scale_factor" || effect == "accel_misalignment" ||
-         effect == "gravity_tilt" || effect == "gravity_disturbance";
 }
 
 /// Wide enough to leave the estimate to the data, in the unit of the table.
@@ -142,7 +136,7 @@ void AddToEstimate(const EffectSpec& spec, const GapCause& cause, FlightConfig* 
   const auto same = [&](const EstimateEntry& entry) { return entry.unknown == spec.name; };
   if (std::any_of(config->estimate.begin(), config->estimate.end(), same)) return;
   EstimateEntry entry{.unknown = spec.name, .times = cause.times};
-  if (NeedsPrior(spec.name)) entry.sigma = {PriorSigma(spec, cause.estimate)};
+  if (spec.needs_prior) entry.sigma = {PriorSigma(spec, cause.estimate)};
   config->estimate.push_back(std::move(entry));
 }
 
@@ -172,8 +166,9 @@ std::vector<GapCause> CausesOfVerdict(const GapDiagnosis& diagnosis) {
 }
 
 std::string AdaptedKey(const std::string& effect) {
-  if (SpecOf(effect).kind == EffectKind::kFixed) return "estimate";
-  const Statement* statement = FindStatement(effect);
+  const EffectSpec& spec = SpecOf(effect);
+  if (spec.fixed()) return "estimate";
+  const Statement* statement = FindStatement(spec.id);
   return statement != nullptr ? statement->key : "";
 }
 
@@ -181,9 +176,9 @@ FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes) 
   FlightConfig config = flight.config;
   for (const GapCause& cause : causes) {
     const EffectSpec& spec = SpecOf(cause.effect);
-    if (spec.kind == EffectKind::kFixed) {
+    if (spec.fixed()) {
       AddToEstimate(spec, cause, &config);
-    } else if (const Statement* statement = FindStatement(cause.effect)) {
+    } else if (const Statement* statement = FindStatement(spec.id)) {
       statement->put(flight, cause, ValueInSi(spec, FileValue(cause)), &config);
     }
   }

@@ -83,7 +83,7 @@ class Attributor {
     std::vector<GapCause> causes = out_.causes;
     bool changed = false;
     for (std::size_t k = 0; k + 1 < causes.size(); ++k) {
-      if (FindEffect(causes[k].effect)->kind != EffectKind::kStochastic) continue;
+      if (FindEffect(causes[k].effect)->fixed()) continue;
       const std::unique_ptr<ExplainedFlight> others = TryExplain(Without(k));
       const ScreenedEffect* best = others ? BestPhysical(others->effects) : nullptr;
       const ScreenedEffect* own = others ? Find(others->effects, causes[k].effect) : nullptr;

@@ -157,13 +157,19 @@ class Diagnosis {
 
   double Threshold() const { return ThresholdNats(before_.test.evidence_95); }
 
+  /// Linear replicates hold neither raw inertial samples nor outliers.
+  static bool OutsideReplicates(const EffectSpec& effect) {
+    const bool inertial = effect.sensor == EffectSensor::kImu ||
+                          effect.sensor == EffectSensor::kGyro ||
+                          effect.sensor == EffectSensor::kAccel;
+    return effect.kind == EffectKind::kOutliers || (effect.kind == EffectKind::kNoise && inertial);
+  }
+
   /// Of what the twins cannot show, raw inertial noise and gross errors.
   static double NatsOutsideTwins(const ExplainedFlight& explained) {
     double nats = std::max(0.0, explained.coloured_imu_nats);
     for (const ScreenedEffect& effect : explained.effects) {
-      const bool outside = effect.name == "imu_vibration" || effect.name == "gyro_noise_scale" ||
-                           effect.name == "accel_noise_scale" || effect.name == "p2p_outliers" ||
-                           effect.name == "gnss_outliers";
+      const bool outside = effect.physical() && OutsideReplicates(EffectRow(*effect.id));
       if (outside) nats = std::max(nats, effect.log_evidence);
     }
     return nats;
@@ -270,7 +276,7 @@ class Diagnosis {
     }
     for (const GapCause& cause : NamedCauses(attribution)) {
       const EffectSpec& spec = *FindEffect(cause.effect);
-      if (spec.kind != EffectKind::kFixed) continue;
+      if (!spec.fixed()) continue;
       for (Eigen::Index k = 0; k < cause.estimate.size(); ++k) {
         const double typical = spec.components[static_cast<std::size_t>(k)].typical;
         const double size = std::abs(cause.estimate[k]);
@@ -294,7 +300,7 @@ class Diagnosis {
   bool SomethingLeft(const Attribution& attribution) const {
     if (!attribution.final) return false;
     for (const ScreenedEffect& effect : attribution.final->effects) {
-      if (!effect.physical && effect.log_evidence > Threshold()) return true;
+      if (!effect.physical() && effect.log_evidence > Threshold()) return true;
     }
     return after_.test.p_value <= options_.alpha;
   }

@@ -100,21 +100,21 @@ class GaussHelmertDiagnosis {
     if (options_.progress) options_.progress(stage, fraction);
   }
 
-  bool Wanted(const std::string& effect) const {
+  bool Wanted(EffectId effect) const {
     return LibraryOptions{options_.effects, options_.left_out, 1}.Wanted(effect);
   }
 
   /// A robust loss takes weight from good pairs, too, and so noise.
   bool WithNoiseScale() const {
-    return flight_.config.lidar->robust == RobustKind::kNone && Wanted("p2p_noise_scale");
+    return flight_.config.lidar->robust == RobustKind::kNone && Wanted(EffectId::kP2pNoiseScale);
   }
 
   ExplainedPairs Explain(const std::vector<ScreenedEffect>& chosen) {
     ExplainedPairs explained = evidence_.Explain(chosen);
     const bool there = std::any_of(chosen.begin(), chosen.end(), [](const auto& effect) {
-      return effect.name == "p2p_outliers";
+      return effect.id == EffectId::kP2pOutliers;
     });
-    if (!there && Wanted("p2p_outliers")) AddOutliers(explained.scale, &explained.others);
+    if (!there && Wanted(EffectId::kP2pOutliers)) AddOutliers(explained.scale, &explained.others);
     return explained;
   }
 
@@ -142,8 +142,9 @@ class GaussHelmertDiagnosis {
       ++gross_;
       lengths_m.push_back(at.w.norm());
     }
-    const ScreenedEffect outliers = OutlierEffect(
-        "p2p_outliers", gross_, static_cast<long>(problem.pairs.size()), kGoodPairsLost, lengths_m);
+    const ScreenedEffect outliers =
+        OutlierEffect(EffectId::kP2pOutliers, gross_, static_cast<long>(problem.pairs.size()),
+                      kGoodPairsLost, lengths_m);
     const auto at = std::find_if(effects->begin(), effects->end(), [&](const auto& effect) {
       return effect.log_evidence < outliers.log_evidence;
     });
@@ -221,7 +222,7 @@ class GaussHelmertDiagnosis {
   /// The root of a count has the same spread at every mean (Anscombe).
   double GrossInSigmas(const ExplainedPairs& explained) const {
     for (const ScreenedEffect& effect : explained.chosen) {
-      if (effect.name == "p2p_outliers") return 0.0;
+      if (effect.id == EffectId::kP2pOutliers) return 0.0;
     }
     const double usual = kGoodPairsLost * static_cast<double>(calibration_.problem.pairs.size());
     const double more =

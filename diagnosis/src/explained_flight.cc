@@ -24,9 +24,8 @@ constexpr double kGoodPairsLost = 6.3e-5, kGoodEpochsLost = 6e-7;
 constexpr double kWithinReach = 0.5;
 constexpr double kWorthJudgingNats = 3.0;
 
-bool IsProcess(const std::string& name) {
-  return name == "gnss_correlated_noise" || name == "gyro_bias_process" ||
-         name == "accel_bias_process";
+bool IsProcess(const ScreenedEffect& effect) {
+  return effect.physical() && EffectRow(*effect.id).process();
 }
 
 /// Gross errors are left out where they stand out; the others are a larger noise of their sensor.
@@ -37,9 +36,9 @@ void AllowForShortGrossErrors(const Flight& flight, const std::vector<GapCause>&
                      VarianceOfShortOnes(cause.estimate[0], cause.estimate[1], sigma_m, norm));
   };
   for (const GapCause& cause : causes) {
-    if (cause.effect == "p2p_outliers") {
+    if (IsEffect(cause.effect, EffectId::kP2pOutliers)) {
       config->lidar->sigma_p_m *= times(cause, MedianPairSigma(flight), kGrossPairNorm);
-    } else if (cause.effect == "gnss_outliers") {
+    } else if (IsEffect(cause.effect, EffectId::kGnssOutliers)) {
       const double sigma_m = std::cbrt(MedianGnssSigma(flight).prod());
       config->gnss->sigma_scale *= times(cause, sigma_m, kGrossNorm);
     }
@@ -86,13 +85,14 @@ ExplainedFlight Explainer::Explain(const std::vector<GapCause>& causes) const {
 }
 
 void Explainer::AddOutliers(ExplainedFlight* explained) const {
-  const auto add = [&](const std::string& name, long found, long of_all, double usual,
+  const auto add = [&](EffectId id, long found, long of_all, double usual,
                        const std::vector<double>& lengths_m) {
     const LibraryOptions wanted{options_.effects, options_.left_out, 1};
-    const bool there = std::any_of(explained->causes.begin(), explained->causes.end(),
-                                   [&](const GapCause& cause) { return cause.effect == name; });
-    if (there || of_all == 0 || !wanted.Wanted(name)) return;
-    explained->effects.push_back(OutlierEffect(name, found, of_all, usual, lengths_m));
+    const bool there =
+        std::any_of(explained->causes.begin(), explained->causes.end(),
+                    [&](const GapCause& cause) { return IsEffect(cause.effect, id); });
+    if (there || of_all == 0 || !wanted.Wanted(id)) return;
+    explained->effects.push_back(OutlierEffect(id, found, of_all, usual, lengths_m));
   };
   const Adjustment& adjustment = explained->solution->adjustment();
   const FlightNetwork& network = *adjustment.network;
@@ -101,7 +101,7 @@ void Explainer::AddOutliers(ExplainedFlight* explained) const {
     if (network.net.factor(network.pair_edges[k].id).active) continue;
     pairs_m.push_back(network.PairDifference(k).norm());
   }
-  add("p2p_outliers", adjustment.outliers, static_cast<long>(network.pair_edges.size()),
+  add(EffectId::kP2pOutliers, adjustment.outliers, static_cast<long>(network.pair_edges.size()),
       kGoodPairsLost, pairs_m);
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
     if (network.net.factor(edge.position).active) continue;
@@ -110,24 +110,24 @@ void Explainer::AddOutliers(ExplainedFlight* explained) const {
     const Eigen::Vector3d arm_b_m = network.net.Value(network.gnss_lever_arm);
     positions_m.push_back((pose.p_mb + pose.q_mb * arm_b_m - p_m).norm());
   }
-  add("gnss_outliers", explained->gnss_left_out, static_cast<long>(network.gnss_edges.size()),
-      kGoodEpochsLost, positions_m);
+  add(EffectId::kGnssOutliers, explained->gnss_left_out,
+      static_cast<long>(network.gnss_edges.size()), kGoodEpochsLost, positions_m);
 }
 
 void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
   if (explained->effects.empty()) return;
   const double best = explained->effects.front().log_evidence;
   for (ScreenedEffect& effect : explained->effects) {
-    if (!IsProcess(effect.name) || effect.log_evidence < kWorthJudgingNats) continue;
+    if (!IsProcess(effect) || effect.log_evidence < kWorthJudgingNats) continue;
     // Noise of another size is also what a process looks like to it: any process may stand behind.
-    const bool beside_noise = explained->effects.front().name == "gnss_noise_scale";
+    const bool beside_noise = explained->effects.front().id == EffectId::kGnssNoiseScale;
     if (effect.log_evidence < kWithinReach * best && !beside_noise) continue;
     if (options_.interrupted && options_.interrupted()) throw Interrupted();
     JudgeProcess(explained->solution->network(), options_.threads, &effect);
   }
   SortByEvidence(&explained->effects);
   ScreenedEffect& likeliest = explained->effects.front();
-  if (IsProcess(likeliest.name) && likeliest.log_evidence >= kWorthJudgingNats) {
+  if (IsProcess(likeliest) && likeliest.log_evidence >= kWorthJudgingNats) {
     RefineProcess(explained->solution->network(), options_.threads, &likeliest);
   }
 }

@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr const char* kNoise = "p2p_noise_scale";
+constexpr EffectId kNoise = EffectId::kP2pNoiseScale;
 // Errors of the trajectory are about an octave above what is stated, five at most.
 constexpr int kMostOctaves = 5;
 constexpr double kOctavesSigma = 1.0;
@@ -25,7 +25,7 @@ constexpr double kLnNoiseStep = 0.02;
 constexpr int kNoisePasses = 4;
 
 bool IsFixed(const ScreenedEffect& effect) {
-  return effect.name != kNoise && effect.name != "p2p_outliers";
+  return effect.id != kNoise && effect.id != EffectId::kP2pOutliers;
 }
 
 /// Columns that make components of the score into those of some candidates.
@@ -112,7 +112,8 @@ class GaussHelmertEvidence::Search {
       out.others.push_back(Judge(family, top));
     }
     if (evidence_.with_noise_scale_) out.others.push_back(JudgeNoise(top, noise));
-    std::erase_if(out.others, [&](const ScreenedEffect& other) { return Chosen(other.name); });
+    std::erase_if(out.others,
+                  [&](const ScreenedEffect& other) { return other.id && Chosen(*other.id); });
     SortByEvidence(&out.others);
     EstimateChosen(top, &out);
     return out;
@@ -123,9 +124,9 @@ class GaussHelmertEvidence::Search {
     return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
   }
 
-  bool Chosen(const std::string& name) const {
+  bool Chosen(EffectId id) const {
     return std::any_of(chosen_.begin(), chosen_.end(),
-                       [&](const ScreenedEffect& effect) { return effect.name == name; });
+                       [&](const ScreenedEffect& effect) { return effect.id == id; });
   }
 
   const Height& At(const Octaves& octaves, double white) {
@@ -210,8 +211,7 @@ class GaussHelmertEvidence::Search {
 
   ScreenedEffect JudgeNoise(const Octaves& of_errors, const NoiseRatio& noise) {
     const Octaves top = Climb(of_errors, noise.ratio, std::nullopt);
-    ScreenedEffect effect;
-    effect.name = kNoise;
+    ScreenedEffect effect = Unscreened(kNoise);
     effect.log_evidence = HeightAt(top, noise.ratio, std::nullopt) - base_ +
                           NoisePrior(std::log(noise.ratio / white_), noise.ln_sigma);
     effect.p_value = std::min(1.0, Families() * std::exp(-std::max(0.0, effect.log_evidence)));

@@ -34,7 +34,7 @@ class GaussHelmertLibraryMaker {
   GaussHelmertLibrary Run() {
     for (CandidateEffect& effect : EffectsOfScanner(flight_, pairs_.ends))
       AddFixed(std::move(effect));
-    AddFixed(OnPairs(*FindEstimable("boresight_drift"), flight_, pairs_.ends));
+    AddFixed(OnPairs(*FindEstimable(EffectId::kBoresightDrift), flight_, pairs_.ends));
     AddBoresightByCell();
     AddBoresightShapes();
     AddGeneric(LaserByScanAngle(lidar_, scan_angles_));
@@ -55,6 +55,7 @@ class GaussHelmertLibraryMaker {
   static Candidate Describe(const CandidateEffect& effect, std::size_t block) {
     Candidate candidate;
     candidate.name = effect.name;
+    candidate.id = FindEffect(effect.name)->id;
     candidate.times = effect.times;
     candidate.block = block;
     candidate.typical = effect.typical;
@@ -83,9 +84,9 @@ class GaussHelmertLibraryMaker {
     const TimeCells cells = BoresightCells(strips_);
     const OwnEffect own = BoresightByCell(cells);
     const std::size_t block = AddOwn(own);
-    if (options_.Wanted("boresight_step")) {
+    if (options_.Wanted(EffectId::kBoresightStep)) {
       for (int cell = 1; cell < cells.count(); ++cell) {
-        Candidate step = Describe(DescribeEffect(*FindEstimable("boresight_step")), block);
+        Candidate step = Describe(DescribeEffect(*FindEstimable(EffectId::kBoresightStep)), block);
         step.cells = CellRange{cell, cells.count()};
         step.times.t0_s = cells.start_s[static_cast<std::size_t>(cell)];
         out_.library.candidates.push_back(std::move(step));

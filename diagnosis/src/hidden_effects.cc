@@ -225,7 +225,7 @@ std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_n
   Mimicry mimicry(screen);
   for (const EffectFamily& family : screen.families()) {
     const bool process = screen.library().candidates[family.first].tau_s.has_value();
-    if (!family.physical || process) continue;
+    if (!family.id || process) continue;
     hidden.push_back(Limits(screen, &mimicry, family, threshold_nats, seed));
   }
   std::stable_sort(hidden.begin(), hidden.end(), [](const auto& a, const auto& b) {

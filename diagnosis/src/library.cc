@@ -18,16 +18,16 @@ constexpr double kShortestPeriodS = 30.0;
 constexpr int kMostGnssCosines = 60, kMostBiasCosines = 24;
 constexpr double kNetworkTausS[] = {10.0, 40.0, 160.0, 640.0};
 
-Candidate Physical(const std::string& name, std::size_t block) {
-  const EffectSpec& spec = *FindEffect(name);
+Candidate Physical(EffectId id, std::size_t block) {
+  const EffectSpec& spec = EffectRow(id);
   Candidate candidate;
-  candidate.name = name;
+  candidate.name = spec.name;
+  candidate.id = id;
   candidate.block = block;
   candidate.unit = spec.components[0].unit;
   candidate.per_si = 1.0 / spec.components[0].to_si;
-  const bool process = spec.kind == EffectKind::kStochastic;
   const Eigen::VectorXd typical = TypicalInSi(spec);
-  candidate.typical = typical.head(typical.size() - (process ? 1 : 0));
+  candidate.typical = typical.head(typical.size() - (spec.process() ? 1 : 0));
   return candidate;
 }
 
@@ -45,34 +45,50 @@ class LibraryMaker {
   }
 
   Library Run() {
-    const std::vector<OwnEffect> own = OwnEffects();
+    ListShapes();
+    std::vector<OwnEffect> own;
+    for (const Shape& shape : shapes_) own.push_back(shape.effect);
     std::vector<CandidateEffect> found = CandidateEffects(network_, options_.threads, own);
     const auto first_own = found.end() - static_cast<std::ptrdiff_t>(own.size());
     for (auto at = found.begin(); at != first_own; ++at) AddFixed(std::move(*at));
-    for (std::size_t k = 0; k < own.size(); ++k)
-      AddOwn(std::move(*(first_own + static_cast<std::ptrdiff_t>(k))));
-    AddBiasProcesses("gyro_bias_process", "gyro bias oscillation", network_.gyro_bias);
-    AddBiasProcesses("accel_bias_process", "accel bias oscillation", network_.accel_bias);
+    for (std::size_t k = 0; k < shapes_.size(); ++k) {
+      CandidateEffect& shape = *(first_own + static_cast<std::ptrdiff_t>(k));
+      if (!shape.model.empty()) (this->*shapes_[k].add)(std::move(shape));
+    }
+    AddBiasProcesses(EffectId::kGyroBiasProcess, "gyro bias oscillation", network_.gyro_bias);
+    AddBiasProcesses(EffectId::kAccelBiasProcess, "accel bias oscillation", network_.accel_bias);
     return std::move(library_);
   }
 
  private:
-  std::vector<OwnEffect> OwnEffects() {
+  /// Columns without a physical name, and how the candidates are made from them.
+  struct Shape {
+    OwnEffect effect;
+    void (LibraryMaker::*add)(CandidateEffect shape);
+  };
+
+  void ListShapes() {
     gnss_cosines_.begin_s = bias_cosines_.begin_s = begin_s_;
     gnss_cosines_.length_s = bias_cosines_.length_s = length_s_;
     gnss_cells_ = GnssCells(begin_s_, length_s_);
     const int waves = std::max(2, static_cast<int>(2.0 * length_s_ / kShortestPeriodS));
     gnss_cosines_.count = std::min(waves, kMostGnssCosines);
     bias_cosines_.count = std::min(waves, kMostBiasCosines);
-    std::vector<OwnEffect> own{GnssByCell(gnss_cells_), GnssByCosine(gnss_cosines_)};
-    if (!with_pairs_) return own;
+    shapes_ = {{GnssByCell(gnss_cells_), &LibraryMaker::AddGnssCells},
+               {GnssByCosine(gnss_cosines_), &LibraryMaker::AddGnssCosines}};
+    if (with_pairs_) ListPairShapes();
+  }
+
+  void ListPairShapes() {
     boresight_cells_ = BoresightCells(strips_);
-    own.push_back(BoresightByCell(boresight_cells_));
-    own.push_back(BoresightSettling(strips_.front().t0_s, SettlingTausS(strips_)));
-    if (strips_.size() >= kFewestHeadings) own.push_back(BoresightByHeading(strips_, Path()));
-    own.push_back(LaserByScanAngle(network_));
-    own.push_back(LaserByStrip(strips_));
-    return own;
+    shapes_.push_back({BoresightByCell(boresight_cells_), &LibraryMaker::AddBoresightCells});
+    shapes_.push_back({BoresightSettling(strips_.front().t0_s, SettlingTausS(strips_)),
+                       &LibraryMaker::AddBoresightSettling});
+    if (strips_.size() >= kFewestHeadings) {
+      shapes_.push_back({BoresightByHeading(strips_, Path()), &LibraryMaker::AddGeneric});
+    }
+    shapes_.push_back({LaserByScanAngle(network_), &LibraryMaker::AddGeneric});
+    shapes_.push_back({LaserByStrip(strips_), &LibraryMaker::AddGeneric});
   }
 
   std::vector<MapPose> Path() const {
@@ -89,43 +105,52 @@ class LibraryMaker {
   }
 
   void AddFixed(CandidateEffect effect) {
-    if (!options_.Wanted(effect.name) || effect.name == "boresight_step") return;
-    Candidate candidate = Physical(effect.name, AddBlock(std::move(effect.model)));
+    const EffectId id = FindEffect(effect.name)->id;
+    if (!options_.Wanted(id) || id == EffectId::kBoresightStep) return;  // steps are made of cells
+    Candidate candidate = Physical(id, AddBlock(std::move(effect.model)));
     candidate.times = effect.times;
     library_.candidates.push_back(std::move(candidate));
   }
 
-  void AddOwn(CandidateEffect effect) {
-    if (effect.model.empty()) return;
-    const std::string name = effect.name;
-    const Eigen::VectorXd typical = effect.typical;
-    const std::size_t block = AddBlock(std::move(effect.model));
-    if (name == "GNSS positions by time") {
-      AddGnssSteps(block);
-    } else if (name == "GNSS positions by frequency") {
-      AddProcesses("gnss_correlated_noise", block, gnss_cosines_);
-      AddPeriods("GNSS oscillation", block, gnss_cosines_, typical.head<3>());
-      return;
-    } else if (name == "boresight by time") {
-      AddBoresightSteps(block);
-    } else if (name == "boresight that settles") {
-      AddSettling(name, block, SettlingTausS(strips_), typical, &library_);
-      return;
-    }
-    AddGeneric(name, block, typical);
+  void AddGeneric(CandidateEffect shape) {
+    const std::size_t block = AddBlock(std::move(shape.model));
+    AddGeneric(shape, block);
   }
 
-  void AddGeneric(const std::string& name, std::size_t block, const Eigen::VectorXd& typical) {
-    library_.candidates.push_back(Nameless(name, block, typical));
+  void AddGeneric(const CandidateEffect& shape, std::size_t block) {
+    library_.candidates.push_back(Nameless(shape.name, block, shape.typical));
+  }
+
+  void AddGnssCells(CandidateEffect shape) {
+    const std::size_t block = AddBlock(std::move(shape.model));
+    AddGnssSteps(block);
+    AddGeneric(shape, block);
+  }
+
+  void AddGnssCosines(CandidateEffect shape) {
+    const std::size_t block = AddBlock(std::move(shape.model));
+    AddProcesses(EffectId::kGnssCorrelatedNoise, block, gnss_cosines_);
+    AddPeriods("GNSS oscillation", block, gnss_cosines_, shape.typical.head<3>());
+  }
+
+  void AddBoresightCells(CandidateEffect shape) {
+    const std::size_t block = AddBlock(std::move(shape.model));
+    AddBoresightSteps(block);
+    AddGeneric(shape, block);
+  }
+
+  void AddBoresightSettling(CandidateEffect shape) {
+    const std::size_t block = AddBlock(std::move(shape.model));
+    AddSettling(shape.name, block, SettlingTausS(strips_), shape.typical, &library_);
   }
 
   void AddGnssSteps(std::size_t block) {
-    if (!options_.Wanted("gnss_position_step")) return;
+    if (!options_.Wanted(EffectId::kGnssPositionStep)) return;
     const int n = gnss_cells_.count();
     for (int first = 0; first < n; ++first) {
       for (int past = first + 1; past <= n; ++past) {
         if (past - first == n) continue;  // the datum
-        Candidate step = Physical("gnss_position_step", block);
+        Candidate step = Physical(EffectId::kGnssPositionStep, block);
         step.cells = CellRange{first, past};
         const double end_s =
             past < n ? gnss_cells_.start_s[static_cast<std::size_t>(past)] : begin_s_ + length_s_;
@@ -136,9 +161,9 @@ class LibraryMaker {
   }
 
   void AddBoresightSteps(std::size_t block) {
-    if (!options_.Wanted("boresight_step")) return;
+    if (!options_.Wanted(EffectId::kBoresightStep)) return;
     for (int cell = 1; cell < boresight_cells_.count(); ++cell) {
-      Candidate step = Physical("boresight_step", block);
+      Candidate step = Physical(EffectId::kBoresightStep, block);
       step.cells = CellRange{cell, boresight_cells_.count()};
       step.times.t0_s = boresight_cells_.start_s[static_cast<std::size_t>(cell)];
       library_.candidates.push_back(std::move(step));
@@ -155,12 +180,12 @@ class LibraryMaker {
     return axes;
   }
 
-  void AddProcesses(const std::string& name, std::size_t block, const Cosines& cosines) {
-    if (!options_.Wanted(name)) return;
+  void AddProcesses(EffectId id, std::size_t block, const Cosines& cosines) {
+    if (!options_.Wanted(id)) return;
     for (const double tau_s : kNetworkTausS) {
       if (tau_s > 0.5 * length_s_) continue;
-      Candidate process = Physical(name, block);
-      const Eigen::Vector3d axes = Axes(*FindEffect(name));
+      Candidate process = Physical(id, block);
+      const Eigen::Vector3d axes = Axes(EffectRow(id));
       const Eigen::VectorXd of_cosine = cosines.GaussMarkov(tau_s);
       process.typical.resize(3 * of_cosine.size());
       for (Eigen::Index k = 0; k < of_cosine.size(); ++k) {
@@ -183,7 +208,7 @@ class LibraryMaker {
   }
 
   /// An error of the sensor enters as its bias does.
-  void AddBiasProcesses(const std::string& name, const std::string& words,
+  void AddBiasProcesses(EffectId id, const std::string& words,
                         const std::vector<ProcessChain>& chains) {
     if (chains.empty()) return;
     const ProcessChain& chain = *std::max_element(
@@ -203,8 +228,8 @@ class LibraryMaker {
       AddBias(edge.id, blocks, &model);
     }
     const std::size_t block = AddBlock(std::move(model));
-    AddProcesses(name, block, bias_cosines_);
-    AddPeriods(words, block, bias_cosines_, Axes(*FindEffect(name)));
+    AddProcesses(id, block, bias_cosines_);
+    AddPeriods(words, block, bias_cosines_, Axes(EffectRow(id)));
   }
 
   void AddBias(FactorId id, const std::map<BlockId, double>& blocks, EffectModel* model) const {
@@ -231,6 +256,7 @@ class LibraryMaker {
   TimeCells gnss_cells_;
   Cosines gnss_cosines_, bias_cosines_;
   TimeCells boresight_cells_;
+  std::vector<Shape> shapes_;
   Library library_;
 };
 
@@ -259,7 +285,6 @@ Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linea
 Candidate Nameless(const std::string& name, std::size_t block, const Eigen::VectorXd& typical) {
   Candidate candidate;
   candidate.name = name;
-  candidate.physical = false;
   candidate.block = block;
   candidate.typical = typical;
   candidate.unit = "1";

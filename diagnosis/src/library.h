@@ -1,6 +1,7 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
+#include <dn/effects/effect_table.h>
 #include <dn/flight/effect_times.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/score_test.h>
@@ -25,8 +26,8 @@ struct CellRange {
 /// One way in which the data may depart from the model: columns of a block, or sums of them, whose
 /// values are Gaussian of the usual sizes times a common factor.
 struct Candidate {
-  std::string name;      ///< of the table of effects, or of a discrepancy without a physical name
-  bool physical = true;  ///< the former
+  std::string name;            ///< of the effect, or a description of the discrepancy
+  std::optional<EffectId> id;  ///< absent for a discrepancy without a physical name
   EffectTimes times;
   std::optional<double> tau_s;     ///< of a process: its columns are cosines
   std::size_t block = 0;           ///< of Library::blocks
@@ -51,6 +52,7 @@ struct LibraryOptions {
   int threads = 1;
 
   bool Wanted(const std::string& effect) const;
+  bool Wanted(EffectId effect) const { return Wanted(EffectName(effect)); }
 };
 
 /// All fixed effects, with the windows and starts that the flight has room for; processes by their

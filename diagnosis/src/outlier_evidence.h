@@ -13,7 +13,7 @@ namespace dn::internal {
 /// lengths_m: misclosures of what was left out. Gross errors are taken to be of any length up to
 /// their size, the largest seen; those too short to stand out are added to the share that is
 /// estimated, by how far the mean of the lengths lies above half of the size.
-ScreenedEffect OutlierEffect(const std::string& name, long found, long of_all, double usual,
+ScreenedEffect OutlierEffect(EffectId id, long found, long of_all, double usual,
                              const std::vector<double>& lengths_m);
 
 /// Variance that gross errors which are too short to be left out add to the measurements in use, per

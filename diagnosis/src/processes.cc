@@ -30,9 +30,9 @@ constexpr double kSizeStep = 0.2;
 // Share of the sigma at which a process is as good as absent.
 constexpr double kAbsent = 1e-3;
 
-const ProcessChain& NewestChain(const FlightNetwork& network, const std::string& effect) {
-  if (effect == "gyro_bias_process") return network.gyro_bias.back();
-  if (effect == "accel_bias_process") return network.accel_bias.back();
+const ProcessChain& NewestChain(const FlightNetwork& network, EffectId effect) {
+  if (effect == EffectId::kGyroBiasProcess) return network.gyro_bias.back();
+  if (effect == EffectId::kAccelBiasProcess) return network.accel_bias.back();
   return network.gnss_error.back();
 }
 
@@ -64,7 +64,7 @@ struct JudgedProcess {
 /// is as good as absent.
 class SizeLikelihood {
  public:
-  SizeLikelihood(const FlightNetwork& network, const std::string& effect, int threads)
+  SizeLikelihood(const FlightNetwork& network, EffectId effect, int threads)
       : linearized_(network.net),
         likelihood_(linearized_, RowsOfChain(network, linearized_, NewestChain(network, effect)),
                     threads) {}
@@ -116,7 +116,7 @@ JudgedProcess Judge(SizeLikelihood& likelihood) {
 class Trial {
  public:
   /// `scale`: of the size that the states are laid out for, in usual ones.
-  Trial(const FlightNetwork& solved, int threads, const std::string& effect, double scale)
+  Trial(const FlightNetwork& solved, int threads, EffectId effect, double scale)
       : solved_(solved), threads_(threads), effect_(effect), scale_(scale) {}
 
   /// What `judge` makes of the likelihood of the size, in units of the scale, at a time constant;
@@ -124,9 +124,9 @@ class Trial {
   template <class Judge>
   auto At(double tau_s, const Judge& judge) const
       -> std::optional<std::invoke_result_t<Judge, SizeLikelihood&>> {
-    const EffectSpec& spec = *FindEffect(effect_);
+    const EffectSpec& spec = EffectRow(effect_);
     GapCause process;
-    process.effect = effect_;
+    process.effect = spec.name;
     process.estimate.resize(static_cast<Eigen::Index>(spec.components.size()));
     for (std::size_t k = 0; k + 1 < spec.components.size(); ++k) {
       process.estimate[static_cast<Eigen::Index>(k)] = scale_ * spec.components[k].typical;
@@ -147,13 +147,13 @@ class Trial {
  private:
   const FlightNetwork& solved_;
   int threads_;
-  const std::string& effect_;
+  EffectId effect_;
   double scale_;
 };
 
 /// Size and time constant as those of an effect.
 void Take(const ProcessEstimate& process, ScreenedEffect* effect) {
-  const EffectSpec& spec = *FindEffect(effect->name);
+  const EffectSpec& spec = EffectRow(*effect->id);
   const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
   for (Eigen::Index k = 0; k < last; ++k) {
     const double usual = spec.components[static_cast<std::size_t>(k)].typical_si();
@@ -167,7 +167,7 @@ void Take(const ProcessEstimate& process, ScreenedEffect* effect) {
 }  // namespace
 
 void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
-  const Trial trial(solved, threads, effect->name, 1.0);
+  const Trial trial(solved, threads, *effect->id, 1.0);
   std::vector<JudgedProcess> all;
   for (const double tau_s : kProcessTausS) {
     std::optional<JudgedProcess> at = trial.At(tau_s, &Judge);
@@ -190,10 +190,10 @@ void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effe
 }
 
 void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect) {
-  const EffectSpec& spec = *FindEffect(effect->name);
+  const EffectSpec& spec = EffectRow(*effect->id);
   const Eigen::Index last = effect->estimate.size() - 1;
   const double scale = effect->estimate[0] / spec.components[0].typical_si();
-  const Trial trial(solved, threads, effect->name, scale);
+  const Trial trial(solved, threads, *effect->id, scale);
   const auto sizes = [&](double tau_s) {
     return trial.At(tau_s, [scale](SizeLikelihood& likelihood) {
       SizeAtTau at = LikeliestSize(likelihood, {-kSizeStep, 0.0, kSizeStep});

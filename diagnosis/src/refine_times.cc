@@ -65,8 +65,8 @@ std::ptrdiff_t EpochsWithin(const FlightNetwork& network,
   });
 }
 
-double CellLength(const FlightNetwork& network, const std::string& name) {
-  if (name == "boresight_step") return 1.5 * BoresightCellS(FindStrips(network.flight()));
+double CellLength(const FlightNetwork& network, EffectId effect) {
+  if (effect == EffectId::kBoresightStep) return 1.5 * BoresightCellS(FindStrips(network.flight()));
   return GnssCellS(network.node_times().back() - network.node_times().front());
 }
 
@@ -74,9 +74,9 @@ double CellLength(const FlightNetwork& network, const std::string& name) {
 
 void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int threads,
                  ScreenedEffect* effect) {
-  const bool start = effect->name == "boresight_step";
-  if (!start && effect->name != "gnss_position_step") return;
-  const double reach_s = CellLength(network, effect->name);
+  const bool start = effect->id == EffectId::kBoresightStep;
+  if (!start && effect->id != EffectId::kGnssPositionStep) return;
+  const double reach_s = CellLength(network, *effect->id);
   const FineCells fine =
       start ? AroundStart(*effect->times.t0_s, reach_s, network.node_times().front())
             : AroundWindow(*effect->times.window_s, reach_s);
@@ -88,7 +88,7 @@ void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int t
                                            : std::vector<BlockId>{};
   const JointScore score = ScoreEffects(marginals, {found.back().model}, watched);
   Candidate candidate;
-  candidate.typical = TypicalInSi(*FindEffect(effect->name)).head<3>();
+  candidate.typical = TypicalInSi(EffectRow(*effect->id)).head<3>();
   double best = -std::numeric_limits<double>::infinity();
   for (const auto& [first, past] : fine.ranges) {
     const auto last = static_cast<std::size_t>(std::min(past, fine.cells.count() - 1));

@@ -36,7 +36,7 @@ void Screen::MakeForms() {
     const Candidate& candidate = library_.candidates[k];
     forms_.emplace_back(InformationOf(candidate, score_), candidate.typical);
     if (families_.empty() || families_.back().name != candidate.name) {
-      families_.push_back({candidate.name, candidate.physical, k, k});
+      families_.push_back({candidate.name, candidate.id, k, k});
     }
     families_.back().past = k + 1;
   }
@@ -83,7 +83,7 @@ std::vector<ScreenedEffect> Screen::Effects() const {
 ScreenedEffect Screen::Describe(const EffectFamily& family) const {
   ScreenedEffect effect;
   effect.name = family.name;
-  effect.physical = family.physical;
+  effect.id = family.id;
   LogSum sum;
   double best = kNever;
   for (std::size_t k = family.first; k < family.past; ++k) {
@@ -156,6 +156,13 @@ void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
   }
   effect->estimate[sigmas] = *candidate.tau_s;
   effect->sigma[sigmas] = std::numeric_limits<double>::quiet_NaN();
+}
+
+ScreenedEffect Unscreened(EffectId id) {
+  ScreenedEffect effect;
+  effect.name = EffectName(id);
+  effect.id = id;
+  return effect;
 }
 
 void SortByEvidence(std::vector<ScreenedEffect>* effects) {

@@ -19,7 +19,7 @@ namespace dn::internal {
 /// them best. SI.
 struct ScreenedEffect {
   std::string name;
-  bool physical = true;
+  std::optional<EffectId> id;  ///< absent for a discrepancy without a physical name
   EffectTimes times;
   std::optional<double> period_s;
   std::optional<double> decay_s;
@@ -31,7 +31,12 @@ struct ScreenedEffect {
   double absorbed = 0.0;      ///< share of the signature that the unknowns follow
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
   std::size_t candidate = 0;  ///< of the library
+
+  bool physical() const { return id.has_value(); }
 };
+
+/// An effect of the table about which nothing is known yet.
+ScreenedEffect Unscreened(EffectId id);
 
 /// The likeliest first.
 void SortByEvidence(std::vector<ScreenedEffect>* effects);
@@ -42,7 +47,7 @@ GapCause ToCause(const ScreenedEffect& effect);
 /// Effects with the same name.
 struct EffectFamily {
   std::string name;
-  bool physical = true;
+  std::optional<EffectId> id;       ///< absent for discrepancies
   std::size_t first = 0, past = 0;  ///< candidates
 };
 

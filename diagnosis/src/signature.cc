@@ -33,7 +33,7 @@ Signature SignatureOf(const Flight& with, const Flight& without, const GapOption
                                 {options.effects, options.left_out, options.threads});
   double most = 0.0;
   for (const internal::ScreenedEffect& effect : screen.EffectsInOrder()) {
-    if (!effect.physical || effect.statistic <= most) continue;
+    if (!effect.physical() || effect.statistic <= most) continue;
     most = effect.statistic;
     signature.nearest = effect.name;
   }

@@ -21,12 +21,12 @@ constexpr double kBorneOut = 0.95, kBorneOutBesideUnknown = 0.45;
 
 std::vector<double> LogPriors(const std::vector<ScreenedEffect>& effects) {
   const auto physical = std::count_if(effects.begin(), effects.end(),
-                                      [](const ScreenedEffect& e) { return e.physical; });
+                                      [](const ScreenedEffect& e) { return e.physical(); });
   const auto generic = static_cast<double>(effects.size()) - static_cast<double>(physical);
   std::vector<double> log_priors;
   for (const ScreenedEffect& effect : effects) {
     log_priors.push_back(
-        effect.physical
+        effect.physical()
             ? std::log(kPriorPhysical / static_cast<double>(std::max<long>(1, physical)))
             : std::log(kPriorGeneric / std::max(1.0, generic)));
   }
@@ -47,7 +47,7 @@ std::vector<std::string> CredibleSet(const std::vector<ScreenedEffect>& effects,
   for (const std::size_t k : order) {
     if (sum >= kCredible * all) break;
     sum += posterior[k];
-    if (effects[k].physical) names.push_back(effects[k].name);
+    if (effects[k].physical()) names.push_back(effects[k].name);
   }
   return names;
 }
@@ -86,7 +86,7 @@ bool Doubtful(const Slot& slot) {
                                 [&](const auto& rival) { return rival.name == slot.effect; });
   const auto generic =
       std::max_element(slot.rivals.begin(), slot.rivals.end(), [](const auto& a, const auto& b) {
-        return a.physical != b.physical ? a.physical : a.log_evidence < b.log_evidence;
+        return a.physical() != b.physical() ? a.physical() : a.log_evidence < b.log_evidence;
       });
   return own == slot.rivals.end() || generic->statistic >= own->statistic;
 }
@@ -126,7 +126,7 @@ Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& riva
   slot.posterior = Posterior(rivals);
   slot.credible_set = CredibleSet(rivals, slot.posterior);
   for (std::size_t k = 0; k < rivals.size(); ++k) {
-    if (!rivals[k].physical) slot.generic_posterior += slot.posterior[k];
+    if (!rivals[k].physical()) slot.generic_posterior += slot.posterior[k];
   }
   return slot;
 }
@@ -146,7 +146,7 @@ double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string&
 const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects) {
   const ScreenedEffect* best = nullptr;
   for (const ScreenedEffect& effect : effects) {
-    if (effect.physical) continue;
+    if (effect.physical()) continue;
     if (best == nullptr || effect.log_evidence > best->log_evidence) best = &effect;
   }
   return best;
@@ -159,7 +159,7 @@ double GenericEvidence(const std::vector<ScreenedEffect>& effects) {
 
 const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects) {
   for (const ScreenedEffect& effect : effects) {
-    if (effect.physical) return &effect;
+    if (effect.physical()) return &effect;
   }
   return nullptr;
 }
@@ -174,7 +174,7 @@ void FillCauses(const std::vector<ScreenedEffect>& screened, const std::vector<S
   }
   for (const ScreenedEffect& effect : screened) {
     const double posterior = ProbabilityInAny(slots, effect.name);
-    if (!effect.physical) {
+    if (!effect.physical()) {
       diagnosis->discrepancies.push_back(
           {effect.name, effect.log_evidence, posterior, effect.period_s, effect.decay_s});
       continue;

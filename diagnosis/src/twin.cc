@@ -56,7 +56,7 @@ ImuScenario ImuOf(const Flight& flight) {
 
 /// What the flight states of vibration, as effects: a scenario has no other place for it.
 std::vector<Effect> VibrationOf(const Flight& flight) {
-  const EffectSpec& spec = *FindEffect("imu_vibration");
+  const EffectSpec& spec = EffectRow(EffectId::kImuVibration);
   std::vector<Effect> effects;
   for (const ImuVibration& v : flight.config.imu->model.vibration) {
     Effect entry{spec.name,

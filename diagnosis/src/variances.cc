@@ -29,7 +29,7 @@ constexpr double kNoEffect = 0.02;
 
 /// Rows of some channels, and how their variance grows.
 struct Component {
-  std::string effect;
+  EffectId effect;
   Eigen::VectorXd share;
   /// sigma of the effect by theta of ProfileVariance, and back.
   std::function<double(double)> size_of_theta, theta_of_size;
@@ -66,12 +66,12 @@ class Variances {
   }
 
  private:
-  Component Scale(const std::string& effect, const Eigen::VectorXd& share) const {
+  Component Scale(EffectId effect, const Eigen::VectorXd& share) const {
     return {effect,
             share,
             [](double theta) { return std::sqrt(1.0 + theta); },
             [](double ratio) { return ratio * ratio - 1.0; },
-            std::log(FindEffect(effect)->components[0].typical),
+            std::log(EffectRow(effect).components[0].typical),
             1.0,
             false};
   }
@@ -99,11 +99,12 @@ class Variances {
         components_.push_back(std::move(component));
       }
     };
-    add(Scale("gnss_noise_scale", gnss));
-    add(Scale("p2p_noise_scale", pairs));
-    add({"p2p_range_noise", ranges, [](double theta) { return std::sqrt(std::max(0.0, theta)); },
+    add(Scale(EffectId::kGnssNoiseScale, gnss));
+    add(Scale(EffectId::kP2pNoiseScale, pairs));
+    add({EffectId::kP2pRangeNoise, ranges,
+         [](double theta) { return std::sqrt(std::max(0.0, theta)); },
          [](double sigma_per_m) { return sigma_per_m * sigma_per_m; }, 1.0,
-         FindEffect("p2p_range_noise")->components[0].typical_si(), true});
+         EffectRow(EffectId::kP2pRangeNoise).components[0].typical_si(), true});
   }
 
   void ScreenComponents() {
@@ -124,8 +125,7 @@ class Variances {
 
   /// One Fisher step `theta` of the component with its sigma; the profile where that is worth it.
   ScreenedEffect Judge(const Component& component, double theta, double sigma_theta) const {
-    ScreenedEffect effect;
-    effect.name = component.effect;
+    ScreenedEffect effect = Unscreened(component.effect);
     const double quadratic = 0.5 * theta * theta / (sigma_theta * sigma_theta);
     const bool impossible = component.at_least_stated && theta <= 0.0;
     if (impossible || quadratic < kWorthALookNats) {
@@ -176,8 +176,10 @@ class Variances {
     const NoiseCheck check = CheckNoise(MeasureHighBand(*flight.imu, model, high_band));
     const NoiseCauses noise = CausesOf(check.evidence);
     out_.coloured_imu = std::max(noise.not_white[kGyroTriad], noise.not_white[kAccelTriad]);
-    AddScale("gyro_noise_scale", check, kGyroTriad, EvidenceOfScale(check, noise, kGyroTriad));
-    AddScale("accel_noise_scale", check, kAccelTriad, EvidenceOfScale(check, noise, kAccelTriad));
+    AddScale(EffectId::kGyroNoiseScale, check, kGyroTriad,
+             EvidenceOfScale(check, noise, kGyroTriad));
+    AddScale(EffectId::kAccelNoiseScale, check, kAccelTriad,
+             EvidenceOfScale(check, noise, kAccelTriad));
     const bool beside = check.evidence.window_and_scale > check.evidence.window;
     const auto& window = beside ? check.window_beside_scale : check.window;
     if (window) AddVibration(*window, EvidenceOfWindow(check, noise));
@@ -194,9 +196,8 @@ class Variances {
   }
 
   void AddVibration(const NoiseWindow& window, double log_evidence) {
-    if (!options_.Wanted("imu_vibration")) return;
-    ScreenedEffect vibration;
-    vibration.name = "imu_vibration";
+    if (!options_.Wanted(EffectId::kImuVibration)) return;
+    ScreenedEffect vibration = Unscreened(EffectId::kImuVibration);
     vibration.times.window_s = {{window.t0_s, window.t1_s}};
     vibration.log_evidence = log_evidence;
     vibration.estimate = Eigen::Vector2d(window.sigma[0], window.sigma[1]);
@@ -205,12 +206,10 @@ class Variances {
     out_.effects.push_back(std::move(vibration));
   }
 
-  void AddScale(const std::string& name, const NoiseCheck& check, ImuTriad triad,
-                double log_evidence) {
-    if (!check.level[triad] || !options_.Wanted(name)) return;
+  void AddScale(EffectId id, const NoiseCheck& check, ImuTriad triad, double log_evidence) {
+    if (!check.level[triad] || !options_.Wanted(id)) return;
     const NoiseLevel& level = *check.level[triad];
-    ScreenedEffect scale;
-    scale.name = name;
+    ScreenedEffect scale = Unscreened(id);
     scale.estimate = Eigen::VectorXd::Constant(1, level.ratio);
     scale.sigma = Eigen::VectorXd::Constant(1, level.sigma);
     const bool matters = std::abs(level.ratio - 1.0) >= kNoEffect;

@@ -39,13 +39,13 @@ LidarSpan SpanOf(const std::vector<LidarPair>& pairs) {
 ActiveEffects MakeActiveEffects(const Scenario& scenario, std::uint64_t seed, bool noise) {
   ActiveEffects active;
   for (const SimulatedEffect& simulated : SimulatedEffects()) {
-    const EffectSpec* spec = FindEffect(simulated.name);
+    const EffectSpec& row = EffectRow(simulated.id);
     int index = 0;
     for (const Effect& effect : scenario.effects) {
-      if (effect.name != simulated.name) continue;
+      if (effect.name != row.name) continue;
       const std::string stream = effect.name + " " + std::to_string(index++);
-      if (!noise && spec->kind == EffectKind::kStochastic) continue;
-      simulated.activate({scenario, effect, ValueInSi(*spec, effect.value), seed, stream}, &active);
+      if (!noise && row.random()) continue;
+      simulated.activate({scenario, effect, ValueInSi(row, effect.value), seed, stream}, &active);
     }
   }
   return active;

@@ -14,7 +14,7 @@ using ::testing::UnorderedElementsAre;
 ScreenedEffect WithEvidence(const std::string& name, double nats, bool physical = true) {
   ScreenedEffect effect;
   effect.name = name;
-  effect.physical = physical;
+  if (physical) effect.id = EffectId::kGnssLeverArm;
   effect.log_evidence = nats;
   return effect;
 }
@@ -128,7 +128,7 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsBetter) {
 
 TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
   ScreenedEffect strips = WithEvidence("strips", 33.0);
-  strips.physical = false;
+  strips.id.reset();
   const std::vector<Slot> doubtful{MakeSlot("a", {WithEvidence("a", 30.0), strips})};
   ASSERT_GT(doubtful[0].generic_posterior, 0.5);
   const GapVerdict alone = Decide({.detected = true}, {"a"}, doubtful);
@@ -149,7 +149,7 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
 // Many times its usual size an effect has less evidence than what needs no such size, and fits better.
 TEST_F(Decided, KeepsANameThatFitsBetterThanADiscrepancy) {
   ScreenedEffect drift = WithEvidence("a", 30.0), heading = WithEvidence("heading", 33.0);
-  heading.physical = false;
+  heading.id.reset();
   heading.statistic = 90.0;
   drift.statistic = 100.0;
   EXPECT_EQ(Decide({.detected = true}, {"a"}, {MakeSlot("a", {heading, drift})}).kind,

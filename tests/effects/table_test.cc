@@ -157,7 +157,9 @@ std::string TypicalCell(const EffectSpec& effect) {
 
 TEST(EffectTable, AgreesWithTheDocuments) {
   const std::map<EffectKind, std::string> kinds{{EffectKind::kFixed, "fixed"},
-                                                {EffectKind::kStochastic, "stochastic"},
+                                                {EffectKind::kProcess, "stochastic"},
+                                                {EffectKind::kNoise, "stochastic"},
+                                                {EffectKind::kOutliers, "stochastic"},
                                                 {EffectKind::kFault, "fault"}};
   const auto rows = TableBelow("## The table");
   ASSERT_EQ(rows.size(), EffectTable().size());

@@ -77,7 +77,7 @@ class Candidates {
 
  private:
   void Add(const EstimableEffect& effect) {
-    const EffectSpec& spec = *FindEffect(effect.name);
+    const EffectSpec& spec = EffectRow(effect.id);
     const bool of_lidar = spec.sensor == EffectSensor::kLidar;
     if (of_lidar ? network_.pair_edges.empty()
                  : spec.sensor == EffectSensor::kGnss && network_.gnss_edges.empty()) {
@@ -89,7 +89,7 @@ class Candidates {
       for (const double t0_s : TimesOfSteps(FindStrips(network_.flight()))) {
         AddAtZero(effect, {network_.flight(), {.t0_s = t0_s}});
       }
-    } else if (spec.timing == EffectTiming::kFlight && !Estimated(effect.name)) {
+    } else if (spec.timing == EffectTiming::kFlight && !Estimated(spec.name)) {
       AddAtZero(effect, {network_.flight()});
     }
   }
@@ -121,7 +121,7 @@ class Candidates {
 
   /// A held block as an effect: its change from the value at which it is held.
   void AddBlock(const EstimableEffect& effect, bool of_lidar) {
-    const BlockId block = network_.net.Find(effect.name);
+    const BlockId block = network_.net.Find(effect.name());
     if (!network_.net.block(block).held) return;
     found_.push_back(DescribeEffect(effect));
     if (!of_lidar) AddGnssBlock(block, &found_.back());
@@ -241,13 +241,14 @@ class Candidates {
     }
     const std::vector<Eigen::Matrix3Xd> columns =
         internal::PairColumns(network_, state_, means_, whole, threads_);
-    const auto append_held = [&](const char* name, Eigen::Index first, Eigen::Index count) {
-      const auto at = std::find_if(found_.begin(), found_.end(),
-                                   [&](const CandidateEffect& held) { return held.name == name; });
+    const auto append_held = [&](EffectId effect, Eigen::Index first, Eigen::Index count) {
+      const auto at = std::find_if(found_.begin(), found_.end(), [&](const CandidateEffect& held) {
+        return IsEffect(held.name, effect);
+      });
       if (at != found_.end()) AppendColumns(edges, columns, first, count, &*at);
     };
-    append_held("lidar_lever_arm", internal::kColumnOfLeverArm, 3);
-    append_held("lidar_time_offset", internal::kColumnOfTimeOffset, 1);
+    append_held(EffectId::kLidarLeverArm, internal::kColumnOfLeverArm, 3);
+    append_held(EffectId::kLidarTimeOffset, internal::kColumnOfTimeOffset, 1);
     Append(edges, EffectsOfPairs(state_), columns, internal::kColumnOfPairEffects);
   }
 
@@ -362,9 +363,9 @@ class Candidates {
 }  // namespace
 
 CandidateEffect DescribeEffect(const EstimableEffect& effect) {
-  const EffectSpec& spec = *FindEffect(effect.name);
+  const EffectSpec& spec = EffectRow(effect.id);
   CandidateEffect out;
-  out.name = effect.name;
+  out.name = spec.name;
   out.unit = spec.components[0].unit;
   out.per_si = 1.0 / spec.components[0].to_si;
   out.typical = TypicalInSi(spec);

@@ -36,7 +36,7 @@ EndModel EndModelOf(const EffectAction& action) {
 
 EndModel EndModelOf(const EstimableEffect& effect, const Flight& flight) {
   if (effect.make == nullptr) {
-    const bool lever_arm = std::string(effect.name) == "lidar_lever_arm";
+    const bool lever_arm = effect.id == EffectId::kLidarLeverArm;
     return [lever_arm](const PairEnd& e) -> MatrixXd {
       if (lever_arm) return e.J_r_a;
       return e.J_r_t;
@@ -66,9 +66,9 @@ std::vector<CandidateEffect> EffectsOfScanner(const Flight& flight,
                                               const std::vector<PairEnds>& pairs) {
   std::vector<CandidateEffect> effects;
   for (const EstimableEffect& effect : EstimableEffects()) {
-    const EffectSpec& spec = *FindEffect(effect.name);
-    const bool of_mount = std::string(effect.name).starts_with("boresight");
-    if (spec.sensor != EffectSensor::kLidar || of_mount) continue;
+    const bool of_mount =
+        effect.id == EffectId::kBoresightDrift || effect.id == EffectId::kBoresightStep;
+    if (EffectRow(effect.id).sensor != EffectSensor::kLidar || of_mount) continue;
     effects.push_back(OnPairs(effect, flight, pairs));
     effects.back().remedy += " with the dynamic network";
   }

@@ -218,31 +218,31 @@ class Checker {
 
   void FindClocks(const JointScore& score) {
     if (!network_.gnss_edges.empty()) {
-      check_.clocks.gnss = ClockOf("gnss_time_offset", "gnss_time_drift", score);
+      check_.clocks.gnss = ClockOf(EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift, score);
     }
     if (!network_.pair_edges.empty()) {
-      check_.clocks.lidar = ClockOf("lidar_time_offset", "lidar_time_drift", score);
+      check_.clocks.lidar = ClockOf(EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift, score);
     }
     if (!gnss_clock_) return;
     check_.clocks.gnss = gnss_clock_;
     Eigen::VectorXd move = Eigen::VectorXd::Zero(watched_sigma_.size());
-    const auto add = [&](const char* name, double change) {
-      for (const Eigen::Index c : ComponentsOf(name, score)) move += change * score.shift.col(c);
+    const auto add = [&](EffectId effect, double change) {
+      for (const Eigen::Index c : ComponentsOf(effect, score)) move += change * score.shift.col(c);
     };
-    add("gnss_time_offset", gnss_clock_->offset_s);
-    add("gnss_time_drift", gnss_clock_->drift);
+    add(EffectId::kGnssTimeOffset, gnss_clock_->offset_s);
+    add(EffectId::kGnssTimeDrift, gnss_clock_->drift);
     check_.gnss_clock_damage = InSigmas(move);
   }
 
   /// Of a candidate; none where it is an unknown of the network.
-  std::vector<Eigen::Index> ComponentsOf(const std::string& name, const JointScore& score) const {
+  std::vector<Eigen::Index> ComponentsOf(EffectId effect, const JointScore& score) const {
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
-      if (candidates_[k].name == name) return score.Components(k);
+      if (IsEffect(candidates_[k].name, effect)) return score.Components(k);
     }
     return {};
   }
 
-  std::optional<ClockEstimate> ClockOf(const std::string& offset, const std::string& drift,
+  std::optional<ClockEstimate> ClockOf(EffectId offset, EffectId drift,
                                        const JointScore& score) const {
     std::vector<Eigen::Index> components = ComponentsOf(offset, score);
     const std::vector<Eigen::Index> of_drift = ComponentsOf(drift, score);
@@ -251,14 +251,14 @@ class Checker {
     if (!components.empty()) test = TestTogether(score, components);
     if (test.dof < static_cast<int>(components.size())) return std::nullopt;
     Eigen::Index at = 0;
-    const auto take = [&](const std::string& name, double* value, double* sigma) {
-      if (!ComponentsOf(name, score).empty()) {
+    const auto take = [&](EffectId effect, double* value, double* sigma) {
+      if (!ComponentsOf(effect, score).empty()) {
         *value = test.estimate[at];
         *sigma = std::sqrt(test.covariance(at, at));
         ++at;
         return;
       }
-      const BlockId block = network_.net.Find(name);
+      const BlockId block = network_.net.Find(EffectName(effect));
       *value = network_.net.block(block).value[0];
       *sigma = std::sqrt(marginals_.Covariance(block)(0, 0));
     };

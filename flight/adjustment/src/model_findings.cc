@@ -46,7 +46,9 @@ class Findings {
   /// `told`: the GNSS clock is found off already.
   void JudgeEffects(bool told) {
     for (const EffectCheck& effect : check_.effects) {
-      if (told && effect.name.starts_with("gnss_time_")) continue;
+      const bool of_clock = IsEffect(effect.name, EffectId::kGnssTimeOffset) ||
+                            IsEffect(effect.name, EffectId::kGnssTimeDrift);
+      if (told && of_clock) continue;
       Add(facts::EffectPresent{effect, check_.of_boresight}, effect.damage > kDamageInSigmas,
           effect.log_evidence);
     }

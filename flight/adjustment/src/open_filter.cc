@@ -13,9 +13,9 @@ namespace {
 /// The flight with the tags of GNSS corrected as the calibration says, which then knows of no delay;
 /// nothing where it knows of none.
 std::optional<Flight> AtGnssEpochs(const Flight& flight, CalibrationState* calibration) {
-  constexpr const char* kClock[] = {"gnss_time_offset", "gnss_time_drift"};
   const auto of_clock = [&](const CalibrationValue& effect) {
-    return effect.name == kClock[0] || effect.name == kClock[1];
+    return IsEffect(effect.name, EffectId::kGnssTimeOffset) ||
+           IsEffect(effect.name, EffectId::kGnssTimeDrift);
   };
   auto& effects = calibration->effects;
   if (std::none_of(effects.begin(), effects.end(), of_clock)) return std::nullopt;

@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 
 constexpr long kLeastPlanes = 10;
 constexpr double kLeastSpread = 0.3;
-constexpr const char* kRangeOffset = "lidar_range_offset";
+constexpr EffectId kRangeOffset = EffectId::kLidarRangeOffset;
 
 /// Calls work(plane, state, point) for every point kept.
 template <class Work>
@@ -81,7 +81,7 @@ void Assess(const Flight& flight, PlaneCalibration* calibration) {
   internal::AddWhyWider(calibration->scatter.trajectory, calibration->accuracy,
                         calibration->constant_rad2, &boresight);
   for (const EstimateEntry& entry : flight.config.estimate) {
-    if (entry.unknown == "boresight" || entry.unknown == kRangeOffset) continue;
+    if (entry.unknown == "boresight" || IsEffect(entry.unknown, kRangeOffset)) continue;
     boresight.reasons.push_back({facts::NotEstimated{entry.unknown,
                                                      "the plane adjustment knows the boresight and "
                                                      "lidar_range_offset only"}});
@@ -116,7 +116,7 @@ void FillUnknowns(PlaneCalibration* calibration) {
   const double variance_m2 =
       factor * adjustment.covariance_apriori(3, 3) + calibration->scatter.range_offset_m2;
   calibration->unknowns.push_back(
-      {kRangeOffset, "m", {adjustment.range_offset_m}, {std::sqrt(variance_m2)}});
+      {EffectName(kRangeOffset), "m", {adjustment.range_offset_m}, {std::sqrt(variance_m2)}});
 }
 
 std::vector<const GaussHelmertEnd*> EndsOf(const PlaneCalibration& calibration) {
@@ -143,7 +143,7 @@ PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<SeenPlane> plane
   problem.boresight_rad = lidar.mounting.boresight_rad;
   problem.boresight_sigma_rad = lidar.boresight_sigma_rad;
   for (const EstimateEntry& entry : flight.config.estimate) {
-    if (entry.unknown != kRangeOffset) continue;
+    if (!IsEffect(entry.unknown, kRangeOffset)) continue;
     problem.with_range_offset = true;
     if (const auto sigma = PriorSigma(entry)) problem.range_offset_sigma_m = (*sigma)[0];
   }

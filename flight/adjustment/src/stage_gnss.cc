@@ -33,8 +33,7 @@ constexpr double kLargestRejectedShare = 1.0 / 3.0;
 constexpr double kLargestGnssSigma0 = 10.0;
 // Of the misfit, that the clock takes away when it is off.
 constexpr double kExplainedShare = 0.5;
-constexpr const char* kOffset = "gnss_time_offset";
-constexpr const char* kDrift = "gnss_time_drift";
+constexpr EffectId kOffset = EffectId::kGnssTimeOffset, kDrift = EffectId::kGnssTimeDrift;
 constexpr const char* kScreened = "INS/GNSS, screened";
 
 // Of epochs of which a position or a velocity, or both, are left out.
@@ -204,22 +203,22 @@ class EpochScreener {
     AddTo(kOffset, start[0], &calibration);
     AddTo(kDrift, start[1], &calibration);
     run_.StandIn(internal::NetworkAt(run_, calibration));
-    for (const char* name : {kOffset, kDrift}) {
-      run_.network().net.Hold(run_.network().net.Find(name), false);
+    for (const EffectId effect : {kOffset, kDrift}) {
+      run_.network().net.Hold(run_.network().net.Find(EffectName(effect)), false);
     }
     SolveInsGnss(run_);
     SettleGnssClock(run_);
     free_ = EvaluateCost(run_.network().net, run_.options().threads);
   }
 
-  void AddTo(const char* name, double more, CalibrationState* calibration) const {
+  void AddTo(EffectId id, double more, CalibrationState* calibration) const {
     for (CalibrationValue& effect : calibration->effects) {
-      if (effect.name != name) continue;
+      if (!IsEffect(effect.name, id)) continue;
       effect.value[0] += more;
       return;
     }
-    calibration->Insert(
-        {name, FindEstimable(name)->make({run_.flight()}), Eigen::VectorXd::Constant(1, more)});
+    calibration->Insert({EffectName(id), FindEstimable(id)->make({run_.flight()}),
+                         Eigen::VectorXd::Constant(1, more)});
   }
 
   bool ClockExplains() const {
@@ -230,7 +229,8 @@ class EpochScreener {
 
   ClockEstimate EstimateOf(const FlightNetwork& network) const {
     const Marginals marginals(network.net, {.threads = run_.options().threads});
-    const BlockId offset = network.net.Find(kOffset), drift = network.net.Find(kDrift);
+    const BlockId offset = network.net.Find(EffectName(kOffset));
+    const BlockId drift = network.net.Find(EffectName(kDrift));
     const double sigma_offset_s = std::sqrt(marginals.Covariance(offset)(0, 0));
     const double sigma_drift = std::sqrt(marginals.Covariance(drift)(0, 0));
     return {network.net.block(offset).value[0], sigma_offset_s, network.net.block(drift).value[0],

@@ -200,12 +200,12 @@ std::string Say(const facts::GnssTimeOff& fact) {
     off.push_back(fmt::format("are {} s {}",
                               WithSigma(std::abs(clock.offset_s), clock.sigma_offset_s),
                               clock.offset_s > 0.0 ? "late" : "early"));
-    names.push_back("gnss_time_offset");
+    names.push_back(EffectName(EffectId::kGnssTimeOffset));
   }
   if (drifts) {
     off.push_back(
         fmt::format("drift by {} ppm", WithSigma(clock.drift * 1e6, clock.sigma_drift * 1e6)));
-    names.push_back("gnss_time_drift");
+    names.push_back(EffectName(EffectId::kGnssTimeDrift));
   }
   return fmt::format(
       "the GNSS time tags {} against those of the inertial data, which moves the {} ({:.1f} "

@@ -10,8 +10,9 @@ namespace {
 /// Returns the place of an effect in the order of corrections; user-defined effects come last.
 std::size_t Rank(const std::string& name) {
   const std::vector<EstimableEffect>& all = EstimableEffects();
-  const auto at = std::find_if(all.begin(), all.end(),
-                               [&](const EstimableEffect& effect) { return name == effect.name; });
+  const auto at = std::find_if(all.begin(), all.end(), [&](const EstimableEffect& effect) {
+    return IsEffect(name, effect.id);
+  });
   return static_cast<std::size_t>(at - all.begin());
 }
 
@@ -89,8 +90,10 @@ CalibrationState AssumedCalibration(const Flight& flight) {
 
 Eigen::VectorXd AssumedValue(const Flight& flight, const std::string& unknown) {
   const FlightConfig& config = flight.config;
-  if (unknown == "gnss_lever_arm" && config.gnss) return config.gnss->lever_arm_b_m;
-  if (unknown == "lidar_lever_arm" && config.lidar) return config.lidar->mounting.lever_arm_b_m;
+  if (IsEffect(unknown, EffectId::kGnssLeverArm) && config.gnss) return config.gnss->lever_arm_b_m;
+  if (IsEffect(unknown, EffectId::kLidarLeverArm) && config.lidar) {
+    return config.lidar->mounting.lever_arm_b_m;
+  }
   return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(FindEffect(unknown)->components.size()));
 }
 

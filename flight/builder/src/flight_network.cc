@@ -148,7 +148,7 @@ FlightNetwork::FlightNetwork(const Flight& flight, const std::vector<double>& no
   const CalibrationState& calibration = initial.calibration ? *initial.calibration : assumed;
   AddMounting(calibration);
   AddEffects(calibration);
-  AddPriors(assumed);
+  AddPriors();
   AddNodes(initial);
   AddBiases(initial);
   AddGnssErrors();
@@ -164,18 +164,21 @@ bool FlightNetwork::Estimated(const std::string& unknown) const {
 
 void FlightNetwork::AddMounting(const CalibrationState& calibration) {
   boresight = net.AddLeftRotation("boresight", calibration.q_boresight);
-  gnss_lever_arm = net.AddVector<3>("gnss_lever_arm", calibration.gnss_lever_arm_b_m);
-  lidar_lever_arm = net.AddVector<3>("lidar_lever_arm", calibration.lidar_lever_arm_b_m);
-  lidar_time_offset = net.AddVector<1>(
-      "lidar_time_offset", Eigen::Matrix<double, 1, 1>(calibration.lidar_time_offset_s));
+  gnss_lever_arm =
+      net.AddVector<3>(EffectName(EffectId::kGnssLeverArm), calibration.gnss_lever_arm_b_m);
+  lidar_lever_arm =
+      net.AddVector<3>(EffectName(EffectId::kLidarLeverArm), calibration.lidar_lever_arm_b_m);
+  lidar_time_offset =
+      net.AddVector<1>(EffectName(EffectId::kLidarTimeOffset),
+                       Eigen::Matrix<double, 1, 1>(calibration.lidar_time_offset_s));
   net.SetLabel(boresight.id, Label("boresight", {"roll", "pitch", "yaw"}, "deg", kDegPerRad));
   net.SetLabel(gnss_lever_arm.id, Label("GNSS lever arm", kXyz, "m", 1.0));
   net.SetLabel(lidar_lever_arm.id, Label("lidar lever arm", kXyz, "m", 1.0));
   net.SetLabel(lidar_time_offset.id, Label("lidar time offset", {"t"}, "s", 1.0));
   net.Hold(boresight, !flight_->config.lidar || !Estimated("boresight"));
-  net.Hold(gnss_lever_arm, !Estimated("gnss_lever_arm"));
-  net.Hold(lidar_lever_arm, !Estimated("lidar_lever_arm"));
-  net.Hold(lidar_time_offset, !Estimated("lidar_time_offset"));
+  net.Hold(gnss_lever_arm, !Estimated(EffectName(EffectId::kGnssLeverArm)));
+  net.Hold(lidar_lever_arm, !Estimated(EffectName(EffectId::kLidarLeverArm)));
+  net.Hold(lidar_time_offset, !Estimated(EffectName(EffectId::kLidarTimeOffset)));
 }
 
 void FlightNetwork::AddEffects(const CalibrationState& calibration) {
@@ -188,7 +191,7 @@ void FlightNetwork::AddEffects(const CalibrationState& calibration) {
   linearised_ = calibration;
 }
 
-void FlightNetwork::AddPriors(const CalibrationState& assumed) {
+void FlightNetwork::AddPriors() {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const FlightConfig& config = flight_->config;
   if (config.lidar && config.lidar->boresight_sigma_rad) {
@@ -201,11 +204,8 @@ void FlightNetwork::AddPriors(const CalibrationState& assumed) {
   for (const EstimateEntry& entry : config.estimate) {
     if (entry.unknown == "boresight" || entry.sigma.empty()) continue;
     const BlockId block = net.Find(entry.unknown);
-    const Eigen::Index size = net.block(block).kind.stored_size;
-    Eigen::VectorXd center = Eigen::VectorXd::Zero(size);
-    if (entry.unknown == "gnss_lever_arm") center = assumed.gnss_lever_arm_b_m;
-    if (entry.unknown == "lidar_lever_arm") center = assumed.lidar_lever_arm_b_m;
-    net.Tag(AddPrior(block, center, *PriorSigma(entry), &net), internal::PriorGroup(), nan);
+    net.Tag(AddPrior(block, AssumedValue(*flight_, entry.unknown), *PriorSigma(entry), &net),
+            internal::PriorGroup(), nan);
   }
 }
 

@@ -17,7 +17,7 @@ const EffectSpec& FixedEffect(const YamlValue& value, const std::string& name) {
     known.emplace_back(kBoresight);
     value.Fail("unknown name '" + name + "'; did you mean '" + NearestName(name, known) + "'?");
   }
-  if (effect->kind == EffectKind::kStochastic) {
+  if (effect->random()) {
     value.Fail(
         "'" + name +
         "' is random and cannot be estimated as an unknown; state it in the noise of its sensor");

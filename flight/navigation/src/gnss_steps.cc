@@ -78,12 +78,11 @@ std::vector<Run> RunsBetween(const std::vector<ActivePosition>& positions,
   return runs;
 }
 
-constexpr const char* kOffset = "gnss_time_offset";
-constexpr const char* kDrift = "gnss_time_drift";
+constexpr EffectId kOffset = EffectId::kGnssTimeOffset, kDrift = EffectId::kGnssTimeDrift;
 
-bool IsUnknown(const FlightNetwork& network, const std::string& effect) {
+bool IsUnknown(const FlightNetwork& network, EffectId effect) {
   return std::any_of(network.effects.begin(), network.effects.end(),
-                     [&](const EffectBlock& one) { return one.name == effect; });
+                     [&](const EffectBlock& one) { return IsEffect(one.name, effect); });
 }
 
 /// Derivatives of the GNSS edges with respect to an offset and a drift of the clock at their
@@ -92,10 +91,10 @@ class ClockModel {
  public:
   explicit ClockModel(const FlightNetwork& network)
       : network_(network), state_(network.Calibration()) {
-    for (const char* name : {kOffset, kDrift}) {
-      if (IsUnknown(network, name)) continue;
-      state_.Insert(
-          {name, FindEstimable(name)->make({network.flight()}), Eigen::VectorXd::Zero(1)});
+    for (const EffectId effect : {kOffset, kDrift}) {
+      if (IsUnknown(network, effect)) continue;
+      state_.Insert({EffectName(effect), FindEstimable(effect)->make({network.flight()}),
+                     Eigen::VectorXd::Zero(1)});
     }
     for (std::size_t e = 0; e < network.gnss_edges.size(); ++e) {
       const FlightNetwork::GnssEdge& edge = network.gnss_edges[e];
@@ -133,7 +132,8 @@ class ClockModel {
     std::vector<std::size_t> columns;
     for (const std::size_t k : EffectsOfGnss(state_)) {
       const CalibrationValue& effect = state_.effects[k];
-      if (effect.name == kOffset || effect.name == kDrift) columns.push_back(x.size());
+      const bool of_clock = IsEffect(effect.name, kOffset) || IsEffect(effect.name, kDrift);
+      if (of_clock) columns.push_back(x.size());
       x.push_back(effect.value.data());
     }
     Eigen::VectorXd r;

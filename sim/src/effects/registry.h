@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/effects/effect_table.h>
 #include <dn/sim/random.h>
 #include <dn/sim/scenario.h>
 
@@ -26,9 +27,9 @@ struct EffectInput {
 /// Adds the physics of one entry to the lists of `active`.
 using ActivateEffect = void (*)(const EffectInput& input, ActiveEffects* active);
 
-/// Name of an effect and the function with its physics.
+/// An effect and the function with its physics.
 struct SimulatedEffect {
-  const char* name;
+  EffectId id;
   ActivateEffect activate;
 };
 

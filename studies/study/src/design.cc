@@ -58,7 +58,8 @@ std::vector<double> NodesOf(const Flight& flight, const std::vector<MapPose>& po
 
 Scenario WithPerfectSensors(Scenario scenario) {
   std::erase_if(scenario.effects, [](const Effect& effect) {
-    return effect.name != "gnss_outage" && effect.name != "imu_gap";
+    return !IsEffect(effect.name, EffectId::kGnssOutage) &&
+           !IsEffect(effect.name, EffectId::kImuGap);
   });
   scenario.imu.rate_hz = std::min(scenario.imu.rate_hz, kMostImuRateHz);
   return scenario;

@@ -8,14 +8,56 @@
 
 namespace dn {
 
+/// Identifies an effect; in the order of the table.
+enum class EffectId {
+  kGnssLeverArm,
+  kGnssTimeOffset,
+  kGnssTimeDrift,
+  kGnssCorrelatedNoise,
+  kGnssPositionStep,
+  kGnssNoiseScale,
+  kGyroScaleFactor,
+  kAccelScaleFactor,
+  kGyroMisalignment,
+  kAccelMisalignment,
+  kGyroGSensitivity,
+  kGyroBiasProcess,
+  kAccelBiasProcess,
+  kGyroNoiseScale,
+  kAccelNoiseScale,
+  kImuVibration,
+  kGravityTilt,
+  kGravityDisturbance,
+  kLidarLeverArm,
+  kLidarTimeOffset,
+  kLidarTimeDrift,
+  kLidarRangeOffset,
+  kLidarRangeScale,
+  kLidarAngleScale,
+  kLidarScanCone,
+  kBoresightDrift,
+  kBoresightStep,
+  kP2pNoiseScale,
+  kP2pOutliers,
+  kP2pRangeNoise,
+  kTrajectoryAttitudeOffset,
+  kGnssOutage,
+  kGnssOutliers,
+  kGnssClockStep,
+  kImuGap,
+  kImuClockStep,
+};
+
 /// Sensor, measurements or trajectory that an effect acts on first.
 enum class EffectSensor { kGnss, kImu, kGyro, kAccel, kLidar, kPairs, kTrajectory };
 
 /// Nature of the value of an effect.
 enum class EffectKind {
-  kFixed,       ///< a few constants: can be an unknown of the adjustment (`estimate:`)
-  kStochastic,  ///< random numbers: noise, processes, gross errors
-  kFault        ///< a fault of the data without a parametric model
+  kFixed,     ///< a few constants: can be unknowns of the adjustment (`estimate:`)
+  kProcess,   ///< a Gauss-Markov process: standard deviations, then the time constant
+  kNoise,     ///< a different magnitude of the white noise
+  kOutliers,  ///< outliers: their fraction, then their largest size
+  kFault      ///< a fault of the data without a parametric model
 };
 
 /// Time span of an effect, and the key of the file that gives it.
@@ -41,21 +83,38 @@ struct EffectComponent {
 /// An effect is an error that the data contain and the assumed model lacks. Its value is the error
 /// added to the truth.
 struct EffectSpec {
-  std::string name;
+  EffectId id;
+  std::string name;  ///< as in `effects:` of a scenario and `estimate:` of a flight
   EffectSensor sensor;
   EffectKind kind;
   EffectTiming timing;
   /// Components in the order of the value; empty for an effect without a value. All components of a
   /// fixed effect have the same unit.
   std::vector<EffectComponent> components;
+  /// As a free unknown, the effect keeps the first INS/GNSS solution from converging.
+  bool needs_prior = false;
+
+  bool fixed() const { return kind == EffectKind::kFixed; }
+  bool process() const { return kind == EffectKind::kProcess; }
+  /// True for effects whose data are random numbers: processes, noise and outliers.
+  bool random() const { return kind != EffectKind::kFixed && kind != EffectKind::kFault; }
 };
 
 /// Returns every effect. docs/reference/effects.md contains the same table with the meaning of each
 /// effect.
 const std::vector<EffectSpec>& EffectTable();
 
+/// Returns the table row of an effect.
+const EffectSpec& EffectRow(EffectId id);
+
+/// Returns the name of an effect in files.
+const std::string& EffectName(EffectId id);
+
 /// Returns the effect of this name; nullptr if there is no such effect.
 const EffectSpec* FindEffect(std::string_view name);
+
+/// Tells whether `name` is the name of this effect.
+bool IsEffect(std::string_view name, EffectId id);
 
 /// Returns the names of all effects, or of those of one kind, in the order of the table.
 std::vector<std::string> EffectNames(std::optional<EffectKind> kind = std::nullopt);

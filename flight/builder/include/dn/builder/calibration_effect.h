@@ -1,5 +1,6 @@
 #pragma once
 
+#include <dn/effects/effect_table.h>
 #include <dn/factors/gnss_antenna.h>
 #include <dn/factors/lidar_effect.h>
 #include <dn/factors/preintegrated_inertial.h>
@@ -35,20 +36,23 @@ struct EffectSite {
 /// An effect that the estimator can estimate. Its names, units, components and typical sizes are in
 /// the effect table (FindEffect).
 struct EstimableEffect {
-  const char* name;
+  EffectId id;
   const char* quantity;  ///< name in reports: "gyro scale factor"
   const char* remedy;    ///< advice for the user if the data indicate this effect
   /// Null for an effect that is a block of every network: lever arms and lidar time offset. Throws
   /// InvalidConfig if the site lacks the time of the effect, or the flight lacks the section of its
   /// sensor.
   EffectAction (*make)(const EffectSite& site);
+
+  const std::string& name() const { return EffectName(id); }
 };
 
 /// Returns every fixed effect in the order in which the corrections are applied: the effect that
 /// acts last in the sensor is corrected first.
 const std::vector<EstimableEffect>& EstimableEffects();
 
-/// Returns the effect with this name; null if the estimator has no such effect.
+/// Returns the effect with this id or name; null if the estimator has no such effect.
+const EstimableEffect* FindEstimable(EffectId id);
 const EstimableEffect* FindEstimable(std::string_view name);
 
 }  // namespace dn

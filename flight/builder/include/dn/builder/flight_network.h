@@ -254,7 +254,7 @@ class FlightNetwork {
   void AddGnssEdges();
   bool Estimated(const std::string& unknown) const;
   void AddEffects(const CalibrationState& calibration);
-  void AddPriors(const CalibrationState& assumed);
+  void AddPriors();
   void AppendEffects(const std::vector<std::size_t>& indices, std::vector<BlockId>* blocks) const;
   bool MovesLidarEpochs() const;
   PairEdge HangOnNodes(const LidarPair& pair, double margin_s) const;
