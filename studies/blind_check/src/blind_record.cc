@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "json_numbers.h"
+#include <dn/report/json_numbers.h>
 
 namespace dn {
 namespace {

@@ -1,7 +1,7 @@
 #include <dn/error.h>
 #include <dn/montecarlo/blind_record.h>
 
-#include "json_numbers.h"
+#include <dn/report/json_numbers.h>
 
 namespace dn {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "json_numbers.h"
+#include <dn/report/json_numbers.h>
 
 namespace dn {
 namespace {

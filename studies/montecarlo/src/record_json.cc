@@ -1,6 +1,6 @@
 #include <dn/montecarlo/flight_record.h>
 
-#include "json_numbers.h"
+#include <dn/report/json_numbers.h>
 
 namespace dn {
 namespace {
