@@ -7,18 +7,46 @@
 #include <new>
 #include <vector>
 
-extern "C" {
-int openblas_get_num_threads(void);
-void openblas_set_num_threads(int num_threads);
-void* blas_memory_alloc(int position);
-void blas_memory_free(void* buffer);
-}
-
 namespace dn {
 namespace {
 
 // Upper bound of the memory that OpenBLAS maps for each calling thread.
 constexpr std::size_t kWorkSpaceBytes = std::size_t{136} << 20;
+
+/// Functions of OpenBLAS that are not part of BLAS; all null if another BLAS is linked.
+struct OpenBlas {
+  int (*get_num_threads)();
+  void (*set_num_threads)(int num_threads);
+  void* (*memory_alloc)(int position);
+  void (*memory_free)(void* buffer);
+};
+
+template <class Function>
+void Look(const char* symbol, Function* function) {
+  *function = reinterpret_cast<Function>(::dlsym(RTLD_DEFAULT, symbol));
+}
+
+OpenBlas FindOpenBlas() {
+  OpenBlas found{};
+  Look("openblas_get_num_threads", &found.get_num_threads);
+  Look("openblas_set_num_threads", &found.set_num_threads);
+  Look("blas_memory_alloc", &found.memory_alloc);
+  Look("blas_memory_free", &found.memory_free);
+  return found;
+}
+
+const OpenBlas& TheOpenBlas() {
+  static const OpenBlas found = FindOpenBlas();
+  return found;
+}
+
+int NumBlasThreads() {
+  return TheOpenBlas().get_num_threads == nullptr ? 1 : TheOpenBlas().get_num_threads();
+}
+
+void SetNumBlasThreads(int threads) {
+  if (TheOpenBlas().set_num_threads != nullptr) TheOpenBlas().set_num_threads(threads);
+}
 
 std::mutex g_blas_mutex;
 std::size_t g_callers = 0;
@@ -36,12 +64,14 @@ void ExpectRoom(std::size_t work_spaces) {
 
 /// Makes OpenBLAS allocate a workspace for each caller in advance, while there is memory.
 void ReserveWorkSpaces(std::size_t callers) {
-  if (callers <= g_work_spaces) return;
+  const OpenBlas& blas = TheOpenBlas();
+  if (callers <= g_work_spaces || blas.memory_alloc == nullptr || blas.memory_free == nullptr)
+    return;
   ExpectRoom(callers);
   std::vector<void*> taken;
   taken.reserve(callers);
-  while (taken.size() < callers) taken.push_back(blas_memory_alloc(0));
-  for (void* work_space : taken) blas_memory_free(work_space);
+  while (taken.size() < callers) taken.push_back(blas.memory_alloc(0));
+  for (void* work_space : taken) blas.memory_free(work_space);
   g_work_spaces = callers;
 }
 
@@ -65,14 +95,14 @@ SerialBlas::SerialBlas() : openmp_levels_(OpenMpLevels()) {
   ReserveWorkSpaces(g_callers + 1);
   SetOpenMpLevels(0);
   if (g_callers++ > 0) return;
-  g_threads = openblas_get_num_threads();
-  openblas_set_num_threads(1);
+  g_threads = NumBlasThreads();
+  SetNumBlasThreads(1);
 }
 
 SerialBlas::~SerialBlas() {
   SetOpenMpLevels(openmp_levels_);
   const std::lock_guard lock(g_blas_mutex);
-  if (--g_callers == 0) openblas_set_num_threads(g_threads);
+  if (--g_callers == 0) SetNumBlasThreads(g_threads);
 }
 
 }  // namespace dn
