@@ -125,7 +125,7 @@ TEST(GaussHelmertCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
   EXPECT_EQ(gh.model_check.departures.front().name, "laser vectors by scan angle");
   EXPECT_LT(gh.model_check.departures.front().p_value, 1e-4);
   EXPECT_EQ(gh.boresight.verdict, Verdict::kContradicted) << Words(gh);
-  EXPECT_THAT(Words(gh), HasSubstr("differ as no effect of the table explains"));
+  EXPECT_THAT(Words(gh), HasSubstr("a discrepancy that no known effect explains"));
 }
 
 // ---- Faults -------------------------------------------------------------------------------------

@@ -218,7 +218,7 @@ TEST(ModelCheck, AnUnknownWithARivalLeavesTheBoresightOpen) {
   EXPECT_GT(moved.norm(), 0.02 * kRadPerDeg);
   EXPECT_LT((rival.boresight_rad - moved).norm(), 0.05 * moved.norm()) << moved.transpose();
   EXPECT_EQ(Words(by_gyro.boresight().reasons).front(), by_gyro.first_reason());
-  EXPECT_THAT(by_gyro.first_reason(), HasSubstr("accel_misalignment in the place of"));
+  EXPECT_THAT(by_gyro.first_reason(), HasSubstr("accel_misalignment instead of"));
 }
 
 TEST(ModelCheck, AnUnknownByItselfIsCalibrated) {
