@@ -1,4 +1,4 @@
-// Clocks of GNSS and of the scanner that are off against that of the inertial data.
+// Tests of flights whose GNSS or scanner clock differs from the inertial clock.
 #include <dn/calibration/words.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using ::testing::Not;
 
 constexpr double kSigmas = 4.0;
 
-/// What the receiver of a flight is worth, and how its clock is off.
+/// A sensor grade, and the clock error of its GNSS receiver.
 struct Receiver {
   const char* name;
   double sigma_m;
@@ -132,7 +132,7 @@ TEST(Clocks, AreSaidBySizeSigmaAndKey) {
                     HasSubstr("estimate gnss_time_drift"), Not(HasSubstr("s late"))));
 }
 
-// The formulas of a conditional normal distribution, by the inverse of the covariance.
+// Compares with the conditional normal distribution, computed from the inverse of the covariance.
 TEST(Clocks, OneOfTheTwoAloneIsThatOfTheSameData) {
   const ClockEstimate both{1e-3, 2e-4, -3e-6, 1e-6, -0.8};
   Eigen::Matrix2d covariance;
@@ -145,7 +145,7 @@ TEST(Clocks, OneOfTheTwoAloneIsThatOfTheSameData) {
   EXPECT_NEAR(both.WithoutOffset().sigma_drift, std::sqrt(1.0 / N(1, 1)), 1e-14);
 }
 
-/// Errors of the positions of three times the stated white sigma and more that last for so many
+/// Position errors of three times the stated white sigma and more, with this correlation time in
 /// seconds.
 class LastingErrors : public ::testing::TestWithParam<double> {
  protected:

@@ -8,7 +8,7 @@
 
 namespace dn::solution_test {
 
-// A temporary flight would be gone before its solution.
+// A temporary flight would be destroyed before its solution.
 static_assert(!std::is_constructible_v<Solution, Flight&&>);
 
 SimulatedFlight Fly(const std::string& effects = "") {
