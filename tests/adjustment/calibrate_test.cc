@@ -90,7 +90,7 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
 
 class EstimatesAnEffect : public ::testing::TestWithParam<EffectCase> {};
 
-TEST_P(EstimatesAnEffect, WithinItsSigmasAndAsForetold) {
+TEST_P(EstimatesAnEffect, WithinItsSigmasAndAsPredicted) {
   const EffectCase& effect = GetParam();
   SimulatedFlight sim = FlyWith(effect);
   const Calibration without(sim.flight);
@@ -113,7 +113,7 @@ TEST_P(EstimatesAnEffect, WithinItsSigmasAndAsForetold) {
       EXPECT_LE(sigma, effect.prior_sigma.front() * (1.0 + 1e-9));
     }
   }
-  EXPECT_GT(information, 5.0) << "the flight tells the effect from none";
+  EXPECT_GT(information, 5.0) << "the flight separates the effect from no effect";
   const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);
   const Eigen::Vector3d sigma = c.boresight.sigma_rad();
   for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(e[i]), kSigmas * sigma[i]);
@@ -310,7 +310,7 @@ TEST_P(Results, StatisticsCountTheSeries) {
   EXPECT_EQ(trajectory_.nis_velocity, 0.0);
 }
 
-TEST_P(Results, FilesHoldWhatWasEstimated) {
+TEST_P(Results, FilesContainTheEstimates) {
   const ModelCheck check = CheckModel(calibration_.adjustment, calibration_.marginals, trajectory_);
   const Json json = CalibrationJson("x", calibration_.adjustment, trajectory_, check,
                                     calibration_.boresight, {}, {}, {0.1, 0.2, 0.3, 0.6});
@@ -332,7 +332,7 @@ TEST_P(Results, FilesHoldWhatWasEstimated) {
 INSTANTIATE_TEST_SUITE_P(Calibrate, Results, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "Aircraft" : "Drone"; });
 
-TEST(Observability, HeldBoresightHasNoCovariance) {
+TEST(Observability, ConstantBoresightHasNoCovariance) {
   SimulatedFlight sim = Fly(DroneScenario(), 3);
   sim.flight.config.estimate = {{"gnss_lever_arm", {}}};
   const Adjustment adjustment = Adjust(sim.flight);

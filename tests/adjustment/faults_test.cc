@@ -107,7 +107,7 @@ TEST_P(Faults, AnOutageIsBridged) {
   ExpectHonest(c);
 }
 
-TEST_P(Faults, GrossErrorsAreFoundOneByOne) {
+TEST_P(Faults, OutliersAreFoundOneByOne) {
   constexpr double kShare = 0.05, kSmallestM = 0.3, kLargestM = 30.0;
   Random random(3, "gross errors");
   std::vector<std::size_t> bad;
@@ -142,7 +142,7 @@ TEST_P(Faults, AJumpForAWhileIsFoundWhole) {
   }
 }
 
-TEST_P(Faults, AHoleInTheInertialDataIsSurvived) {
+TEST_P(Faults, AGapInTheInertialDataIsSurvived) {
   RemoveImu(middle_s_, middle_s_ + 0.5);
   const double in_strip_s = sim_.strips[1].t0_s + 3.0;
   RemoveImu(in_strip_s, in_strip_s + 0.5);

@@ -119,7 +119,7 @@ TEST_P(OfASmoother, ATrajectoryIsNotContradicted) {
 INSTANTIATE_TEST_SUITE_P(Stated, OfASmoother,
                          ::testing::Values(Stated::kNothing, Stated::kSigmas, Stated::kCovariance));
 
-TEST(GaussHelmertCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
+TEST(GaussHelmertCheck, ATorsionOfTheScannerIsUnmodelledAndContradicts) {
   const GaussHelmertCalibration gh =
       CalibrateGaussHelmert(OnTruth(testing::FlyWithTorsion(AircraftScenario(), 0.1).flight));
   ASSERT_EQ(gh.model_check.departures.size(), 1U);
@@ -135,7 +135,7 @@ struct Fault {
   std::string effect;
   std::function<void(Flight*)> apply;
   const char* words;
-  bool hidden_from_aircraft = false;  ///< undetectable next to position errors of 3 cm
+  bool undetectable_in_aircraft = false;  ///< undetectable next to position errors of 3 cm
 };
 
 std::ostream& operator<<(std::ostream& out, const Fault& fault) { return out << fault.words; }
@@ -170,7 +170,7 @@ void ExpectContradictedAndNamed(const Flight& flight, const std::string& effect)
 
 TEST_P(GaussHelmertFault, OnATrueTrajectoryIsContradictedAndNamed) {
   for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
-    if (GetParam().hidden_from_aircraft && scenario.name == "aircraft") continue;
+    if (GetParam().undetectable_in_aircraft && scenario.name == "aircraft") continue;
     SCOPED_TRACE(scenario.name);
     Flight flight = OnTruth(scenario, 3);
     GetParam().apply(&flight);

@@ -67,7 +67,7 @@ TEST(GaussHelmertFlight, NoiseFreeReturnsTheBoresight) {
   EXPECT_GT(result.interpolation.cubic_minus_linear_rms_rad, 0.0);
 }
 
-TEST(GaussHelmertFlight, SigmaHoldsTheConstantThatIsAbsorbed) {
+TEST(GaussHelmertFlight, SigmaIncludesTheAbsorbedConstant) {
   TruthFlight truth(true);
   const Vector3d offset = Vector3d(0.05, -0.03, 0.10) * kRadPerDeg;
   truth.Turn([&](double) -> const Vector3d& { return offset; });
@@ -83,11 +83,11 @@ TEST(GaussHelmertFlight, SigmaHoldsTheConstantThatIsAbsorbed) {
     EXPECT_LE(std::abs(absorbed_error[i]), 4.0 * formal[i] + 5e-3 * offset.norm()) << i;
   }
   // If the strips agree, the whole error is constant, or the sensor is better than its data sheet.
-  constexpr double kOfTheStated = 0.8;
+  constexpr double kStatedShare = 0.8;
   const Vector3d sigma = result.boresight.sigma_rad();
-  EXPECT_GE(sigma.x(), 0.05 * kRadPerDeg * kOfTheStated);
-  EXPECT_GE(sigma.y(), 0.05 * kRadPerDeg * kOfTheStated);
-  EXPECT_GE(sigma.z(), 0.10 * kRadPerDeg * kOfTheStated);
+  EXPECT_GE(sigma.x(), 0.05 * kRadPerDeg * kStatedShare);
+  EXPECT_GE(sigma.y(), 0.05 * kRadPerDeg * kStatedShare);
+  EXPECT_GE(sigma.z(), 0.10 * kRadPerDeg * kStatedShare);
   const Vector3d error = BoresightError(result.boresight.angles_rad, truth.simulated.boresight_rad);
   EXPECT_LE((error.cwiseQuotient(sigma)).cwiseAbs().maxCoeff(), 3.0);
   EXPECT_THAT(Words(result.boresight.reasons),
@@ -103,16 +103,16 @@ TEST(GaussHelmertFlight, AbsorbedWhereTheAttitudeErrorIsNotAtNoiseLevel) {
   EXPECT_THAT(Words(stated.boresight.reasons), Contains(HasSubstr("not those of the mounting")));
   // An unstated error that changes from strip to strip: one case is within twice the variance, the
   // other exceeds it and contradicts the statement.
-  const auto hidden = [](double size) {
+  const auto unstated = [](double size) {
     TruthFlight flown(true);
     flown.Turn([size](double t_s) {
       return Vector3d(Vector3d(0.10, 0.08, 0.15) * size * kRadPerDeg * std::sin(t_s / 25.0));
     });
     return CalibrateGaussHelmert(flown.flight);
   };
-  const GaussHelmertCalibration small = hidden(0.3);
+  const GaussHelmertCalibration small = unstated(0.3);
   EXPECT_EQ(small.boresight.verdict, Verdict::kAbsorbed) << Words(small.boresight.reasons.front());
-  const GaussHelmertCalibration large = hidden(1.0);
+  const GaussHelmertCalibration large = unstated(1.0);
   EXPECT_EQ(large.boresight.verdict, Verdict::kContradicted);
   EXPECT_THAT(Words(large.boresight.reasons), Contains(HasSubstr("not those of the mounting")));
   EXPECT_GT(large.model_check.groups.front().variance_ratio, 2.0);
@@ -308,7 +308,7 @@ TEST(TrajectoryAccuracy, ComesWithTheCovarianceThatCoversThePairs) {
 }
 
 // Without a file of standard deviations, the covariance provides them.
-TEST(TrajectoryAccuracy, ACovarianceStandsAlone) {
+TEST(TrajectoryAccuracy, ACovarianceAloneIsEnough) {
   const std::vector<StripInterval> strips = FindStrips(TruthFlight(false).flight);
   WithCovarianceFile flight(FormatTrajectoryCovariance(PerStrip(strips)));
   std::filesystem::remove(flight.folder.path() / "trajectory_sigma.txt");
@@ -342,7 +342,7 @@ TEST(TrajectoryAccuracy, SeveralSmrmsgMustBeNamed) {
   ExpectInvalidIn([&] { flight.Read(); }, "trajectory.sigma_file", "");
 }
 
-TEST(TrajectoryAccuracy, ACovarianceThatCannotBeIsNamed) {
+TEST(TrajectoryAccuracy, AnImpossibleCovarianceIsNamed) {
   TrajectoryCovariance covariance = PerStrip(FindStrips(TruthFlight(false).flight));
   covariance.covariance(0, 6) = covariance.covariance(6, 0) = 2e-4;
   ExpectInvalidIn([&] { WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read(); },

@@ -61,7 +61,7 @@ TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
 
 // Adds an undetectable effect of its typical size to the data. It shifts the boresight as
 // predicted, and the verdict does not change.
-TEST(ModelCheck, WhatCouldHideDoesAsForetold) {
+TEST(ModelCheck, UndetectableEffectsShiftAsPredicted) {
   const Checked without(Fly(AircraftScenario(), 3));
   ASSERT_FALSE(without.check.unseen.empty());
   const UnseenEffect& worst = without.check.unseen.front();
@@ -81,7 +81,7 @@ TEST(ModelCheck, WhatCouldHideDoesAsForetold) {
   EXPECT_GT(moved_rad.cwiseQuotient(without.boresight().sigma_rad()).cwiseAbs().maxCoeff(), 0.9);
 }
 
-TEST(ModelCheck, WhatCouldHideDoesNotDependOnTheData) {
+TEST(ModelCheck, UndetectableEffectsDoNotDependOnTheData) {
   const Checked one(Fly(AircraftScenario(), 3));
   for (std::size_t k = 1; k < one.check.unseen.size(); ++k) {
     EXPECT_GE(one.check.unseen[k - 1].damage, one.check.unseen[k].damage);
@@ -91,7 +91,7 @@ TEST(ModelCheck, WhatCouldHideDoesNotDependOnTheData) {
   simulated.flight.config.estimate.push_back({.unknown = one.check.unseen[0].name});
   const Checked estimated(std::move(simulated));
   for (const UnseenEffect& unseen : estimated.check.unseen) {
-    EXPECT_NE(unseen.name, one.check.unseen[0].name) << "an unknown hides nothing";
+    EXPECT_NE(unseen.name, one.check.unseen[0].name) << "an estimated unknown is detectable";
   }
 }
 
@@ -149,7 +149,7 @@ class InjectedEffect : public ::testing::TestWithParam<Injection> {};
 // Two flights have the same noise, with and without the effect. The difference of the estimates is
 // then the effect, and that of the boresights is its shift. The simulator shares no formula with
 // the tested derivative.
-TEST_P(InjectedEffect, IsEstimatedNamedAndItsDamageForetold) {
+TEST_P(InjectedEffect, IsEstimatedNamedAndItsShiftPredicted) {
   const Injection& injection = GetParam();
   const Checked without(Fly(InjectionScenario(injection, ""), 5));
   const Checked with(Fly(InjectionScenario(injection, InjectionEffects(injection)), 5));
@@ -205,7 +205,7 @@ Checked CheckedWithUnknown(const std::string& effects, EstimateEntry unknown) {
 // A common rotation of both triads equals a rotation of the body. The estimated misalignment may
 // therefore be the other one, with another boresight. The check predicts the boresight of a flight
 // that estimates the competing effect.
-TEST(ModelCheck, AnUnknownWithARivalLeavesTheBoresightOpen) {
+TEST(ModelCheck, AnUnknownWithACompetingEffectIsNotObservable) {
   const std::string turned = "effects: [{effect: accel_misalignment, value: [0.5, -0.4, 0.3]}]\n";
   const Checked by_gyro = CheckedWithUnknown(turned, {.unknown = "gyro_misalignment"});
   const Checked by_accel =
@@ -246,7 +246,7 @@ TEST(ModelCheck, AnHonestPriorIsNot) {
   EXPECT_EQ(Checked(std::move(simulated)).boresight().verdict, Verdict::kCalibrated);
 }
 
-TEST(ModelCheck, WhatADiagnosisLeftUnexplainedContradicts) {
+TEST(ModelCheck, AnUnexplainedDiagnosisContradicts) {
   SimulatedFlight simulated = Fly(DroneScenario(), 3);
   simulated.flight.config.unexplained = "a part of a gap (p = 0.002)";
   const Checked flight(std::move(simulated));
@@ -271,7 +271,7 @@ TEST(ModelCheck, AShiftOfOnePairOfStripsIsFound) {
   EXPECT_EQ(flight.boresight().verdict, Verdict::kContradicted) << flight.first_reason();
 }
 
-TEST(ModelCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
+TEST(ModelCheck, ATorsionOfTheScannerIsUnmodelledAndContradicts) {
   const Checked without(Fly(AircraftScenario(), 3));
   const Checked with(testing::FlyWithTorsion(AircraftScenario(), 0.02));
   const DepartureCheck& by_angle = with.check.departures.front();
@@ -287,7 +287,7 @@ TEST(ModelCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
   EXPECT_EQ(with.boresight().verdict, Verdict::kContradicted);
 }
 
-TEST(ModelCheck, AnEffectThatIsNamedLeavesNoDeparture) {
+TEST(ModelCheck, AFoundEffectLeavesNoDiscrepancy) {
   const Checked flight(
       Fly(AircraftScenario("effects: [{effect: lidar_angle_scale, value: 1500}]\n"), 3));
   ASSERT_FALSE(flight.check.effects.empty());
@@ -297,7 +297,7 @@ TEST(ModelCheck, AnEffectThatIsNamedLeavesNoDeparture) {
   }
 }
 
-TEST(ModelCheck, NoiseOfThePairsIsNoDeparture) {
+TEST(ModelCheck, NoiseOfThePairsIsNotADiscrepancy) {
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
   simulated.flight.config.lidar->sigma_p_m *= 0.5;
   const Checked flight(std::move(simulated));

@@ -66,7 +66,7 @@ TEST(PoseInterpolator, ReturnsTheEpochsThemselves) {
   }
 }
 
-TEST(PoseInterpolator, EndsAndHolesLoseADegreeOnly) {
+TEST(PoseInterpolator, EndsAndGapsLowerTheDegreeOnly) {
   std::vector<MapPose> poses = Poses(50.0, 0.0, 2.0);
   const std::vector<MapPose> later = Poses(50.0, 5.0, 7.0);
   poses.insert(poses.end(), later.begin(), later.end());

@@ -52,7 +52,7 @@ SimulatedFlight WithWrongGnss(std::uint64_t seed) {
   return sim;
 }
 
-TEST(Stages, TheDefaultOnesStandInOneList) {
+TEST(Stages, TheDefaultStagesAreAList) {
   std::vector<std::string> names;
   for (const AdjustmentStage& stage : DefaultStages(false)) names.push_back(stage.name);
   EXPECT_THAT(names, ElementsAre("network", "INS/GNSS", "GNSS clock", "GNSS screening",

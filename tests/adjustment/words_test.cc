@@ -41,7 +41,7 @@ TEST(Words, ACheckIsConsistentUntilAFindingContradicts) {
   EXPECT_STREQ(Word(check), "contradicted");
 }
 
-TEST(Words, AnEffectIsToldWithWhatItMoves) {
+TEST(Words, AnEffectIsReportedWithItsShift) {
   facts::EffectPresent fact{LateTags(), true};
   EXPECT_EQ(Words(Finding{fact}),
             "the data indicate lidar_time_offset = 20 +- 0.5 ms (p < 1e-12), which moves the "
@@ -53,7 +53,7 @@ TEST(Words, AnEffectIsToldWithWhatItMoves) {
             "trajectory (12.0 sigma); a or b would explain the data nearly as well: estimate it");
 }
 
-TEST(Words, ADepartureIsToldWithWhatItMayMove) {
+TEST(Words, ADiscrepancyIsReportedWithItsShift) {
   DepartureCheck check;
   check.name = "laser vectors by scan angle";
   check.p_value = 2e-5;
@@ -64,7 +64,7 @@ TEST(Words, ADepartureIsToldWithWhatItMayMove) {
                 "(p = 2e-05); it may move the boresight by 5.4 sigma"));
 }
 
-TEST(Words, ARivalIsToldWithWhereItPutsTheBoresight) {
+TEST(Words, ACompetingEffectIsReportedWithItsShift) {
   RivalCheck check{"gyro_misalignment", "accel_misalignment", -0.5, {}, 33.3};
   check.boresight_rad = Eigen::Vector3d(28.7, -23.5, 19.9) * 1e-3 * kRadPerDeg;
   EXPECT_THAT(Words(Finding{facts::UnknownAmbiguous{check, true}}),
@@ -81,7 +81,7 @@ TEST(Words, AnglesHaveTheirNames) {
               HasSubstr("roll and pitch cannot be told apart"));
 }
 
-TEST(Words, SidesOfATestAreToldApart) {
+TEST(Words, BothSidesOfATestHaveTheirWords) {
   EXPECT_THAT(Words(Finding{facts::InnovationSize{"GNSS velocities", 1.756}}),
               HasSubstr("of the GNSS velocities are 1.76 times as large as the model expects: the "
                         "stated sigmas or the inertial noise are too small"));
@@ -93,7 +93,7 @@ TEST(Words, SidesOfATestAreToldApart) {
               HasSubstr("within what their covariances explain"));
 }
 
-TEST(Words, OfTwoSourcesOfHowLongErrorsLastTheFileWins) {
+TEST(Words, TheFileOverridesTheCorrelationTimeOfThePairs) {
   facts::SigmasWidened fact;
   fact.ratio = {2.0, 3.0, 4.0};
   fact.scaled_rad = fact.constant_rad = Eigen::Vector3d::Constant(0.001 * kDeg);
