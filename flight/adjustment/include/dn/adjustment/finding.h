@@ -109,7 +109,7 @@ struct SigmaTooLarge {
   int angle = 0;  ///< 0 roll, 1 pitch, 2 yaw, here and below
 };
 
-/// The standard deviation of an angle is far above what a single pair resolves.
+/// The standard deviation of an angle exceeds ten times the resolution of a single pair.
 struct SigmaAbovePairs {
   int angle = 0;
 };
