@@ -124,7 +124,7 @@ class ScaleSearch {
 /// sigmas may contain.
 Vector3d SigmaBesideEffects(const LastingErrors& errors, const ErrorScale& scale,
                             const GaussHelmertCalibration& calibration) {
-  const Matrix3d covariance = errors.OfBoresight(scale) + calibration.constant_rad2;
+  const Matrix3d covariance = errors.BoresightCovariance(scale) + calibration.constant_rad2;
   return covariance.diagonal().cwiseSqrt().cwiseMin(calibration.boresight.sigma_rad());
 }
 

@@ -188,7 +188,7 @@ LastingErrors::AtScale LastingErrors::At(const ErrorScale& scale) const {
   return out;
 }
 
-Eigen::Matrix3d LastingErrors::OfBoresight(const ErrorScale& scale) const {
+Eigen::Matrix3d LastingErrors::BoresightCovariance(const ErrorScale& scale) const {
   const Eigen::Matrix3d inverse = NormalOfBoresight().inverse();
   const Index errors = H_.rows() - 3;
   const MatrixXd moved =

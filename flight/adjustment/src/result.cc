@@ -73,7 +73,7 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
 // model. Chance changes the ratio by a tenth in a short flight.
 constexpr double kVarianceFactor = 2.0;
 
-void WarnOfInnovations(TrajectoryResult* result) {
+void AddInnovationWarnings(TrajectoryResult* result) {
   const auto judge = [&](double nis, const std::string& sensor) {
     if (nis > kVarianceFactor || (nis > 0.0 && nis < 1.0 / kVarianceFactor)) {
       result->warnings.push_back({facts::InnovationSize{sensor, std::sqrt(nis)}});
@@ -217,7 +217,7 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
   result.redundancy = RedundancyNumbers(marginals);
   result.residuals = ResidualStatistics(marginals.linearized(), result.redundancy);
   AddInnovations(adjustment, &result);
-  WarnOfInnovations(&result);
+  AddInnovationWarnings(&result);
   return result;
 }
 

@@ -56,7 +56,7 @@ class LastingErrors {
 
   /// Returns the covariance, rad^2, of the boresight of the Gauss-Helmert adjustment under errors
   /// of one scale.
-  Eigen::Matrix3d OfBoresight(const ErrorScale& scale) const;
+  Eigen::Matrix3d BoresightCovariance(const ErrorScale& scale) const;
 
   /// Returns the sum of squares with effects of this size (all components, SI) over that without
   /// effects; both without time-correlated errors.
