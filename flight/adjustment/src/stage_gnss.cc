@@ -144,7 +144,7 @@ class EpochScreener {
   /// Continues with the assumed network, without the rejected epochs.
   void Finish() {
     if (!run_.has_stand_in()) return;
-    if (ClockExplains()) run_.result().gnss_clock = EstimateOf(run_.network());
+    if (ClockExplains()) run_.result().gnss_clock = EstimateClockError(run_.network());
     const std::unique_ptr<FlightNetwork> free = run_.TakeBack();
     LeaveOutAsIn(*free, &run_.network());
     run_.Solve(kScreened, run_.options().max_iterations);
@@ -229,7 +229,7 @@ class EpochScreener {
     return gain >= kExplainedShare * excess && free_.sigma0() <= kLargestGnssSigma0;
   }
 
-  ClockEstimate EstimateOf(const FlightNetwork& network) const {
+  ClockEstimate EstimateClockError(const FlightNetwork& network) const {
     const Marginals marginals(network.net, {.threads = run_.options().threads});
     const BlockId offset = network.net.Find(EffectName(kOffset));
     const BlockId drift = network.net.Find(EffectName(kDrift));
