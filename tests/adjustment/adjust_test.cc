@@ -18,7 +18,7 @@ using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::HasSubstr;
 
-// Of a normal variable; 6e-5 lies outside.
+// A normal variable exceeds this many sigmas with probability 6e-5.
 constexpr double kSigmas = 4.0;
 
 SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed, bool noise = true) {
@@ -70,7 +70,7 @@ TEST(Adjust, NoisyFlightsStayWithinTheirSigmas) {
       redundancy += n;
     }
   }
-  // Together, a chi-square with three degrees of freedom per flight.
+  // The sum over the flights is a chi-square variable with three degrees of freedom per flight.
   const double n = 3.0 * 2.0 * kSeeds;
   EXPECT_NEAR(nees, n, kSigmas * std::sqrt(2.0 * n));
   EXPECT_NEAR(chi2 / redundancy, 1.0, kSigmas * std::sqrt(2.0 / redundancy));

@@ -20,7 +20,7 @@ using testing::AircraftScenario;
 using testing::Calibration;
 using testing::DroneScenario;
 
-// Of a normal variable; 6e-5 lies outside.
+// A normal variable exceeds this many sigmas with probability 6e-5.
 constexpr double kSigmas = 4.0;
 
 SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
@@ -31,9 +31,9 @@ SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
 
 struct EffectCase {
   std::string unknown;
-  std::string value;  ///< as the scenario gives it
+  std::string value;  ///< as written in the scenario
   std::vector<double> truth;
-  std::vector<double> prior_sigma = {};  ///< empty: none
+  std::vector<double> prior_sigma = {};  ///< empty: no prior
   bool aircraft = false;
   EffectTimes times = {};
 };
@@ -44,7 +44,7 @@ SimulatedFlight FlyWith(const EffectCase& effect) {
   return Fly(effect.aircraft ? AircraftScenario(entry) : DroneScenario(entry), 8);
 }
 
-/// A constant offset of the positions of a window.
+/// A constant offset of the GNSS positions in a time window.
 CandidateEffect StepInWindow(const FlightNetwork& network, const EffectTimes& times) {
   constexpr std::size_t kPositionBlock = 1;
   CandidateEffect step = DescribeEffect(*FindEstimable("gnss_position_step"));
@@ -59,7 +59,8 @@ CandidateEffect StepInWindow(const FlightNetwork& network, const EffectTimes& ti
   return step;
 }
 
-/// What the fit without the effect says of it: its estimate, and how it moves the boresight.
+/// Estimate of the effect, and its predicted shift of the boresight, from the fit without the
+/// effect.
 struct Foretold {
   Eigen::VectorXd estimate;
   Eigen::Vector3d boresight_rad;
@@ -70,7 +71,8 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
   Foretold best;
   double most = -1.0;
   std::vector<CandidateEffect> candidates = CandidateEffects(network);
-  if (effect.unknown == "gnss_position_step") {  // its window is not searched for
+  // The model check does not search for its window.
+  if (effect.unknown == "gnss_position_step") {
     candidates = {StepInWindow(network, effect.times)};
   }
   for (const CandidateEffect& candidate : candidates) {
@@ -88,7 +90,7 @@ Foretold Foretell(const EffectCase& effect, const Calibration& without) {
 
 class EstimatesAnEffect : public ::testing::TestWithParam<EffectCase> {};
 
-TEST_P(EstimatesAnEffect, WithinItsSigmasAndAsForetold) {
+TEST_P(EstimatesAnEffect, WithinItsSigmasAndAsPredicted) {
   const EffectCase& effect = GetParam();
   SimulatedFlight sim = FlyWith(effect);
   const Calibration without(sim.flight);
@@ -111,12 +113,12 @@ TEST_P(EstimatesAnEffect, WithinItsSigmasAndAsForetold) {
       EXPECT_LE(sigma, effect.prior_sigma.front() * (1.0 + 1e-9));
     }
   }
-  EXPECT_GT(information, 5.0) << "the flight tells the effect from none";
+  EXPECT_GT(information, 5.0) << "the flight separates the effect from no effect";
   const Eigen::Vector3d e = c.BoresightError(sim.boresight_rad);
   const Eigen::Vector3d sigma = c.boresight.sigma_rad();
   for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(e[i]), kSigmas * sigma[i]);
 
-  if (!effect.prior_sigma.empty()) return;  // the score knows no prior
+  if (!effect.prior_sigma.empty()) return;  // the score test does not include the prior
   constexpr double kFirstOrder = 0.05;
   const Foretold foretold = Foretell(effect, without);
   const Eigen::Vector3d moved = Log(Eigen::Quaterniond(Exp(without.boresight.angles_rad) *
@@ -160,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
         EffectCase{"lidar_lever_arm", "[0.15, -0.20, 0.05]", {0.15, -0.20, 0.05}, {0.2}}),
     [](const auto& tested) { return tested.param.unknown; });
 
-// One flight and its calibration, shared by the tests of the program that look at it.
+// One flight and its calibration, shared by the tests of the results.
 struct CalibratedFlight {
   explicit CalibratedFlight(const Scenario& scenario)
       : sim(Fly(scenario, 4)),
@@ -192,7 +194,7 @@ class Results : public ::testing::TestWithParam<bool> {
   const TrajectoryResult& trajectory_ = flight_.trajectory;
 };
 
-/// Mean square of normalised errors that are correlated over minutes: few are independent.
+/// Mean square of normalised errors that are correlated over minutes: few of them are independent.
 void ExpectPlausible(double sum2, std::size_t n, const char* what) {
   const double mean = sum2 / static_cast<double>(n);
   EXPECT_GT(mean, 0.2) << what;
@@ -283,7 +285,7 @@ TEST_P(Results, DenseTrajectoryPassesThroughTheNodesAndStaysNearTheTruth) {
     }
     const TrajectorySigma& sigma = trajectory_.sigma[node - 1];
     const MapPose truth = sim_.truth->Pose(point.t_s);
-    // Five sigmas of three axes: none of ten thousand beyond.
+    // Ten thousand points with correct sigmas have no error above five sigmas.
     ASSERT_LT((pose.p_mb - truth.p_mb).norm(), 5.0 * sigma.position_enu_m.norm()) << point.t_s;
     ASSERT_LT((pose.v_m - truth.v_m).norm(), 5.0 * sigma.velocity_enu_mps.norm()) << point.t_s;
     ASSERT_LT(pose.q_mb.angularDistance(truth.q_mb), 5.0 * sigma.rph_rad.norm()) << point.t_s;
@@ -308,7 +310,7 @@ TEST_P(Results, StatisticsCountTheSeries) {
   EXPECT_EQ(trajectory_.nis_velocity, 0.0);
 }
 
-TEST_P(Results, FilesHoldWhatWasEstimated) {
+TEST_P(Results, FilesContainTheEstimates) {
   const ModelCheck check = CheckModel(calibration_.adjustment, calibration_.marginals, trajectory_);
   const Json json = CalibrationJson("x", calibration_.adjustment, trajectory_, check,
                                     calibration_.boresight, {}, {}, {0.1, 0.2, 0.3, 0.6});
@@ -330,7 +332,7 @@ TEST_P(Results, FilesHoldWhatWasEstimated) {
 INSTANTIATE_TEST_SUITE_P(Calibrate, Results, ::testing::Bool(),
                          [](const auto& tested) { return tested.param ? "Aircraft" : "Drone"; });
 
-TEST(Observability, HeldBoresightHasNoCovariance) {
+TEST(Observability, ConstantBoresightHasNoCovariance) {
   SimulatedFlight sim = Fly(DroneScenario(), 3);
   sim.flight.config.estimate = {{"gnss_lever_arm", {}}};
   const Adjustment adjustment = Adjust(sim.flight);
@@ -338,8 +340,8 @@ TEST(Observability, HeldBoresightHasNoCovariance) {
   EXPECT_THROW(ExtractBoresight(adjustment, marginals), RankDeficient);
 }
 
-// One ground point, however often it is measured from one pair of poses, gives three equations, and
-// they leave one direction of the boresight almost free.
+// Measurements of one ground point from one pair of poses give three equations, however many they
+// are. They leave one direction of the boresight almost undetermined.
 TEST(Observability, OnePointSeenFromTwoPairsOfPosesIsNotACalibration) {
   SimulatedFlight sim = Fly(DroneScenario(), 3);
   const auto middle_s = [](const StripInterval& s) { return 0.5 * (s.t0_s + s.t1_s); };

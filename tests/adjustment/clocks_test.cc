@@ -1,4 +1,4 @@
-// Clocks of GNSS and of the scanner that are off against that of the inertial data.
+// Tests of flights whose GNSS or scanner clock differs from the inertial clock.
 #include <dn/calibration/words.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using ::testing::Not;
 
 constexpr double kSigmas = 4.0;
 
-/// What the receiver of a flight is worth, and how its clock is off.
+/// A sensor grade, and the clock error of its GNSS receiver.
 struct Receiver {
   const char* name;
   double sigma_m;
@@ -110,7 +110,7 @@ TEST(Clocks, OfAGoodFlightAreZeroWithinTheirSigmas) {
   }
 }
 
-TEST(Clocks, OfTheScannerAreTold) {
+TEST(Clocks, OfTheScannerAreReported) {
   const SimulatedFlight sim = Simulate(
       DroneScenario("effects: [{effect: lidar_time_offset, value: 0.005}]\n"), {.seed = 3});
   const Solution solution(sim.flight);
@@ -121,7 +121,7 @@ TEST(Clocks, OfTheScannerAreTold) {
   EXPECT_FALSE(solution.model_check().clocks.gnss->shows_offset());
 }
 
-TEST(Clocks, AreSaidBySizeSigmaAndKey) {
+TEST(Clocks, AreReportedWithSizeSigmaAndKey) {
   const ClockEstimate late{0.25, 1e-4, 1e-7, 1e-7};
   EXPECT_THAT(Words(Finding{facts::GnssTimeOff{late, 93.0, true}}),
               AllOf(HasSubstr("are 0.25 +- 0.0001 s late"), HasSubstr("moves the boresight (93.0"),
@@ -132,8 +132,8 @@ TEST(Clocks, AreSaidBySizeSigmaAndKey) {
                     HasSubstr("estimate gnss_time_drift"), Not(HasSubstr("s late"))));
 }
 
-// The formulas of a conditional normal distribution, by the inverse of the covariance.
-TEST(Clocks, OneOfTheTwoAloneIsThatOfTheSameData) {
+// Compares with the conditional normal distribution, computed from the inverse of the covariance.
+TEST(Clocks, OneAloneIsTheConditionalEstimate) {
   const ClockEstimate both{1e-3, 2e-4, -3e-6, 1e-6, -0.8};
   Eigen::Matrix2d covariance;
   covariance << 4e-8, -0.8 * 2e-10, -0.8 * 2e-10, 1e-12;
@@ -145,11 +145,11 @@ TEST(Clocks, OneOfTheTwoAloneIsThatOfTheSameData) {
   EXPECT_NEAR(both.WithoutOffset().sigma_drift, std::sqrt(1.0 / N(1, 1)), 1e-14);
 }
 
-/// Errors of the positions of three times the stated white sigma and more that last for so many
+/// Position errors of three times the stated white sigma and more, with this correlation time in
 /// seconds.
-class LastingErrors : public ::testing::TestWithParam<double> {
+class CorrelatedPositionErrors : public ::testing::TestWithParam<double> {
  protected:
-  LastingErrors() {
+  CorrelatedPositionErrors() {
     const std::string process =
         "{effect: gnss_correlated_noise, value: [0.05, 0.05, 0.1, " + Number(GetParam()) + "]}";
     sim_ = Simulate(AircraftScenario("effects: [" + process + "]\n"), {.seed = 3});
@@ -157,9 +157,9 @@ class LastingErrors : public ::testing::TestWithParam<double> {
   SimulatedFlight sim_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Taus, LastingErrors, ::testing::Values(20.0, 40.0, 120.0));
+INSTANTIATE_TEST_SUITE_P(Taus, CorrelatedPositionErrors, ::testing::Values(20.0, 40.0, 120.0));
 
-TEST_P(LastingErrors, AreNoStepOfAClockAndCostNoEpochs) {
+TEST_P(CorrelatedPositionErrors, AreNotAClockStepAndCostNoEpochs) {
   const Calibration c(sim_.flight);
   EXPECT_LE(c.adjustment.gnss_rejected.size(), 3U);
   EXPECT_FALSE(c.adjustment.gnss_clock);
@@ -167,7 +167,7 @@ TEST_P(LastingErrors, AreNoStepOfAClockAndCostNoEpochs) {
   EXPECT_EQ(c.solution.CheckedBoresight().verdict, Verdict::kContradicted);
 }
 
-TEST_P(LastingErrors, AreJudgedBesideTheirProcess) {
+TEST_P(CorrelatedPositionErrors, AreScreenedWithTheirProcess) {
   sim_.flight.config.gnss->processes = {{{0.05, 0.05, 0.1}, GetParam()}};
   const Calibration c(sim_.flight);
   EXPECT_TRUE(c.adjustment.gnss_rejected.empty());

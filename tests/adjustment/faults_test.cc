@@ -21,12 +21,13 @@ using testing::Calibration;
 using testing::DroneScenario;
 using ::testing::HasSubstr;
 
-// chi-square of three: 2.6e-5 lies outside, the probability of 4.2 sigmas of a normal variable.
+// Bound of a chi-square variable with three degrees of freedom; exceeded with probability 2.6e-5,
+// like 4.2 sigmas of a normal variable.
 constexpr double kWorstNees = 24.0;
 constexpr double kSigmas = 4.0;
 constexpr std::uint64_t kSeed = 3;
 
-/// Every fault is met by a small drone and by an aircraft with a navigation-grade sensor.
+/// Every fault is tested with a small drone and with an aircraft with a navigation-grade sensor.
 class Faults : public ::testing::TestWithParam<const char*> {
  protected:
   Faults() {
@@ -62,7 +63,7 @@ class Faults : public ::testing::TestWithParam<const char*> {
     epoch.p_m += offset_m;
   }
 
-  // Boresight and every node within its covariance.
+  // Expects the boresight and every node within their covariances.
   void ExpectHonest(const Calibration& c) const {
     const Eigen::Vector3d e = c.BoresightError(sim_.boresight_rad);
     EXPECT_LT(e.cwiseQuotient(c.boresight.sigma_rad()).cwiseAbs().maxCoeff(), kSigmas);
@@ -106,7 +107,7 @@ TEST_P(Faults, AnOutageIsBridged) {
   ExpectHonest(c);
 }
 
-TEST_P(Faults, GrossErrorsAreFoundOneByOne) {
+TEST_P(Faults, OutliersAreFoundOneByOne) {
   constexpr double kShare = 0.05, kSmallestM = 0.3, kLargestM = 30.0;
   Random random(3, "gross errors");
   std::vector<std::size_t> bad;
@@ -122,7 +123,7 @@ TEST_P(Faults, GrossErrorsAreFoundOneByOne) {
   ExpectHonest(c);
 }
 
-// From seven sigmas of an epoch to hundreds: an ambiguity, a changed reference.
+// Jumps of seven sigmas of an epoch (a wrong ambiguity) to hundreds (a changed reference frame).
 TEST_P(Faults, AJumpForAWhileIsFoundWhole) {
   const SimulatedFlight clean = sim_;
   for (const double jump_m : {0.1, 0.5, 5.0}) {
@@ -141,7 +142,7 @@ TEST_P(Faults, AJumpForAWhileIsFoundWhole) {
   }
 }
 
-TEST_P(Faults, AHoleInTheInertialDataIsSurvived) {
+TEST_P(Faults, AGapInTheInertialDataIsSurvived) {
   RemoveImu(middle_s_, middle_s_ + 0.5);
   const double in_strip_s = sim_.strips[1].t0_s + 3.0;
   RemoveImu(in_strip_s, in_strip_s + 0.5);
@@ -150,7 +151,8 @@ TEST_P(Faults, AHoleInTheInertialDataIsSurvived) {
   ExpectHonest(c);
 }
 
-// Of every strip a single row and, a second later, four in a row: bridged, no pair is lost.
+// Each strip loses a single row and, a second later, four in a row. Both gaps are bridged without
+// losing a pair.
 TEST_P(Faults, LostRowsOfTheInertialDataAreBridged) {
   ImuData& imu = *sim_.flight.imu;
   for (const StripInterval& strip : sim_.strips) {
@@ -221,7 +223,7 @@ TEST_P(Faults, AWrongInitialAttitudeIsReplaced) {
   ExpectHonest(c);
 }
 
-// The warning names the lever arm and what would correct it; half of it is its sign.
+// The warning names the lever arm. Its correction is about minus twice the stated value.
 TEST_P(Faults, ALeverArmOfTheWrongSignIsNamed) {
   Eigen::Vector3d& lever_arm_b_m = sim_.flight.config.gnss->lever_arm_b_m;
   lever_arm_b_m *= -1.0;

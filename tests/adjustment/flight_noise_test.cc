@@ -12,7 +12,8 @@ struct PublishedAttitude {
   double rp_deg, heading_deg;
 };
 
-/// RMSE of the smoothed attitude against Table 1 of Brun & Skaloud, docs/guides/flight-noise.md.
+/// Compares the RMSE of the smoothed attitude with Table 1 of Brun & Skaloud,
+/// docs/guides/flight-noise.md.
 class FlightNoise : public ::testing::TestWithParam<PublishedAttitude> {};
 
 TEST_P(FlightNoise, SmoothedAttitudeIsThatOfTheGrade) {

@@ -31,7 +31,7 @@ SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
   return Simulate(scenario, options);
 }
 
-/// A flight on its true trajectory.
+/// A flight calibrated on its true trajectory.
 Flight OnTruth(Flight flight) {
   flight.trajectory = flight.reference;
   flight.config.trajectory = TrajectoryConfig();
@@ -42,10 +42,10 @@ Flight OnTruth(const Scenario& scenario, std::uint64_t seed) {
   return OnTruth(Fly(scenario, seed).flight);
 }
 
-/// What the smoother says of its own accuracy, beside the trajectory.
+/// Files with which the smoother states its own accuracy.
 enum class Stated { kNothing, kSigmas, kCovariance };
 
-/// A flight on the trajectory of its own inertial and GNSS data.
+/// A flight calibrated on the trajectory of its own inertial and GNSS data.
 struct Smoothed {
   TempFolder folder;
   Flight flight;
@@ -101,7 +101,8 @@ TEST(GaussHelmertCheck, ATrueTrajectoryIsCalibrated) {
 
 class OfASmoother : public ::testing::TestWithParam<Stated> {};
 
-// Its errors are those of real adjustments: they last, and nobody tells how long.
+// The errors of a smoothed trajectory are those of real adjustments: time-correlated, with an
+// unknown correlation time.
 TEST_P(OfASmoother, ATrajectoryIsNotContradicted) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -118,14 +119,14 @@ TEST_P(OfASmoother, ATrajectoryIsNotContradicted) {
 INSTANTIATE_TEST_SUITE_P(Stated, OfASmoother,
                          ::testing::Values(Stated::kNothing, Stated::kSigmas, Stated::kCovariance));
 
-TEST(GaussHelmertCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
+TEST(GaussHelmertCheck, ATorsionOfTheScannerIsUnmodelledAndContradicts) {
   const GaussHelmertCalibration gh =
       CalibrateGaussHelmert(OnTruth(testing::FlyWithTorsion(AircraftScenario(), 0.1).flight));
   ASSERT_EQ(gh.model_check.departures.size(), 1U);
   EXPECT_EQ(gh.model_check.departures.front().name, "laser vectors by scan angle");
   EXPECT_LT(gh.model_check.departures.front().p_value, 1e-4);
   EXPECT_EQ(gh.boresight.verdict, Verdict::kContradicted) << Words(gh);
-  EXPECT_THAT(Words(gh), HasSubstr("differ as no effect of the table explains"));
+  EXPECT_THAT(Words(gh), HasSubstr("a discrepancy that no known effect explains"));
 }
 
 // ---- Faults -------------------------------------------------------------------------------------
@@ -134,7 +135,7 @@ struct Fault {
   std::string effect;
   std::function<void(Flight*)> apply;
   const char* words;
-  bool hidden_from_aircraft = false;  ///< beside positions of 3 cm
+  bool undetectable_in_aircraft = false;  ///< undetectable next to position errors of 3 cm
 };
 
 std::ostream& operator<<(std::ostream& out, const Fault& fault) { return out << fault.words; }
@@ -169,7 +170,7 @@ void ExpectContradictedAndNamed(const Flight& flight, const std::string& effect)
 
 TEST_P(GaussHelmertFault, OnATrueTrajectoryIsContradictedAndNamed) {
   for (const Scenario& scenario : {AircraftScenario(), DroneScenario()}) {
-    if (GetParam().hidden_from_aircraft && scenario.name == "aircraft") continue;
+    if (GetParam().undetectable_in_aircraft && scenario.name == "aircraft") continue;
     SCOPED_TRACE(scenario.name);
     Flight flight = OnTruth(scenario, 3);
     GetParam().apply(&flight);
@@ -193,8 +194,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Fault{"lidar_lever_arm", Mirror, "lever arm mirrored", true},
                       Fault{"lidar_range_offset", Longer(0.5), "ranges 0.5 m longer"}));
 
-// ---- What no mount shows to the eye
-// ---------------------------------------------------------------
+// ---- Boresights larger than any mount -----------------------------------------------------------
 
 TEST(GaussHelmertCheck, ASigmaAboveHalfADegreeIsNotObservable) {
   Flight flight = OnTruth(DroneScenario(), 1);

@@ -26,7 +26,7 @@ using testing::ExpectInvalidIn;
 using ::testing::HasSubstr;
 using testing::TempFolder;
 
-/// The small drone on its true trajectory.
+/// The small drone, calibrated on its true trajectory.
 struct TruthFlight {
   SimulatedFlight simulated;
   Flight flight;
@@ -41,7 +41,7 @@ struct TruthFlight {
     flight.config.trajectory = TrajectoryConfig();
   }
 
-  /// Turns every attitude by an error in body.
+  /// Rotates all attitudes by a constant error in body.
   void Turn(const std::function<Vector3d(double t_s)>& error_rad) {
     std::vector<NavPoint> points = flight.trajectory->points();
     for (NavPoint& point : points) {
@@ -54,7 +54,8 @@ struct TruthFlight {
 TEST(GaussHelmertFlight, NoiseFreeReturnsTheBoresight) {
   const TruthFlight truth(false);
   const GaussHelmertCalibration result = CalibrateGaussHelmert(truth.flight);
-  // 100 Hz of a path with little above 2 Hz: 1e-5 of its 0.02 rad, averaged over the pairs.
+  // A path with frequencies up to about 2 Hz, sampled at 100 Hz: 1e-5 of its 0.02 rad, averaged
+  // over the pairs.
   constexpr double kInterpolationRad = 2e-7;
   EXPECT_LE(BoresightError(result.boresight.angles_rad, truth.simulated.boresight_rad).norm(),
             kInterpolationRad);
@@ -66,7 +67,7 @@ TEST(GaussHelmertFlight, NoiseFreeReturnsTheBoresight) {
   EXPECT_GT(result.interpolation.cubic_minus_linear_rms_rad, 0.0);
 }
 
-TEST(GaussHelmertFlight, SigmaHoldsTheConstantThatIsAbsorbed) {
+TEST(GaussHelmertFlight, SigmaIncludesTheAbsorbedConstant) {
   TruthFlight truth(true);
   const Vector3d offset = Vector3d(0.05, -0.03, 0.10) * kRadPerDeg;
   truth.Turn([&](double) -> const Vector3d& { return offset; });
@@ -78,15 +79,15 @@ TEST(GaussHelmertFlight, SigmaHoldsTheConstantThatIsAbsorbed) {
   const Vector3d formal = *result.boresight.sigma_scaled_rad;
   const Vector3d absorbed_error = BoresightError(result.boresight.angles_rad, expected);
   for (int i = 0; i < 3; ++i) {
-    // The lever arm of 0.25 m turns with the body, the boresight does not: 0.3 % of 100 m.
+    // The lever arm of 0.25 m rotates with the body, but the boresight does not: 0.3 % of 100 m.
     EXPECT_LE(std::abs(absorbed_error[i]), 4.0 * formal[i] + 5e-3 * offset.norm()) << i;
   }
-  // Strips that agree leave all of it constant, or a sensor better than its data sheet.
-  constexpr double kOfTheStated = 0.8;
+  // If the strips agree, the whole error is constant, or the sensor is better than its data sheet.
+  constexpr double kStatedShare = 0.8;
   const Vector3d sigma = result.boresight.sigma_rad();
-  EXPECT_GE(sigma.x(), 0.05 * kRadPerDeg * kOfTheStated);
-  EXPECT_GE(sigma.y(), 0.05 * kRadPerDeg * kOfTheStated);
-  EXPECT_GE(sigma.z(), 0.10 * kRadPerDeg * kOfTheStated);
+  EXPECT_GE(sigma.x(), 0.05 * kRadPerDeg * kStatedShare);
+  EXPECT_GE(sigma.y(), 0.05 * kRadPerDeg * kStatedShare);
+  EXPECT_GE(sigma.z(), 0.10 * kRadPerDeg * kStatedShare);
   const Vector3d error = BoresightError(result.boresight.angles_rad, truth.simulated.boresight_rad);
   EXPECT_LE((error.cwiseQuotient(sigma)).cwiseAbs().maxCoeff(), 3.0);
   EXPECT_THAT(Words(result.boresight.reasons),
@@ -95,22 +96,23 @@ TEST(GaussHelmertFlight, SigmaHoldsTheConstantThatIsAbsorbed) {
 
 TEST(GaussHelmertFlight, AbsorbedWhereTheAttitudeErrorIsNotAtNoiseLevel) {
   TruthFlight truth(true);
-  truth.flight.config.trajectory->sigma_rp_rad = 0.08 * kRadPerDeg;  // 0.14 m at 100 m, of 0.03 m
+  // 0.14 m at 100 m; the pairs' noise is 0.03 m.
+  truth.flight.config.trajectory->sigma_rp_rad = 0.08 * kRadPerDeg;
   const GaussHelmertCalibration stated = CalibrateGaussHelmert(truth.flight);
   EXPECT_EQ(stated.boresight.verdict, Verdict::kAbsorbed);
   EXPECT_THAT(Words(stated.boresight.reasons), Contains(HasSubstr("not those of the mounting")));
-  // Not stated, but there: an error that changes from strip to strip, within twice the variance, or
-  // beyond it, where it contradicts the statement.
-  const auto hidden = [](double size) {
+  // An unstated error that changes from strip to strip: one case is within twice the variance, the
+  // other exceeds it and contradicts the statement.
+  const auto unstated = [](double size) {
     TruthFlight flown(true);
     flown.Turn([size](double t_s) {
       return Vector3d(Vector3d(0.10, 0.08, 0.15) * size * kRadPerDeg * std::sin(t_s / 25.0));
     });
     return CalibrateGaussHelmert(flown.flight);
   };
-  const GaussHelmertCalibration small = hidden(0.3);
+  const GaussHelmertCalibration small = unstated(0.3);
   EXPECT_EQ(small.boresight.verdict, Verdict::kAbsorbed) << Words(small.boresight.reasons.front());
-  const GaussHelmertCalibration large = hidden(1.0);
+  const GaussHelmertCalibration large = unstated(1.0);
   EXPECT_EQ(large.boresight.verdict, Verdict::kContradicted);
   EXPECT_THAT(Words(large.boresight.reasons), Contains(HasSubstr("not those of the mounting")));
   EXPECT_GT(large.model_check.groups.front().variance_ratio, 2.0);
@@ -143,7 +145,7 @@ TEST(GaussHelmertFlight, TheNetworkExposesAnUnstatedConstant) {
   const testing::Calibration network(truth.flight);
   truth.Turn([](double) { return Vector3d(Vector3d(0.2, 0.2, 0.3) * kRadPerDeg); });
   GaussHelmertCalibration gh = CalibrateGaussHelmert(truth.flight);
-  EXPECT_EQ(gh.boresight.verdict, Verdict::kCalibrated);  // no trace of it in the pairs
+  EXPECT_EQ(gh.boresight.verdict, Verdict::kCalibrated);  // the pairs do not show it
   AssessAgainstNetwork(network.boresight, &gh);
   EXPECT_EQ(gh.boresight.verdict, Verdict::kAbsorbed);
   EXPECT_THAT(Words(gh.boresight.reasons), Contains(HasSubstr("beyond its stated sigma")));
@@ -154,7 +156,8 @@ TEST(GaussHelmertFlight, PValueOfADifference) {
   a.covariance_rad2 = 1.5 * Eigen::Matrix3d::Identity();
   b.covariance_rad2 = 0.5 * Eigen::Matrix3d::Identity();
   EXPECT_NEAR(Compare(a, b).p_value, 1.0, 1e-12);
-  // A left perturbation of sqrt(7.815): 5 % of chi-square with three degrees of freedom.
+  // A left perturbation of sqrt(7.815) sigmas: the 5 % point of chi-square with three degrees of
+  // freedom.
   a.angles_rad = Vector3d(std::sqrt(7.815), 0, 0);
   const MethodDifference difference = Compare(a, b);
   EXPECT_NEAR(difference.mahalanobis2, 7.815, 1e-9);
@@ -170,7 +173,7 @@ TEST(GaussHelmertFlight, ADifferenceIsNeverBetterKnownThanATenthOfTheVariance) {
   EXPECT_NEAR(sigma.x(), std::sqrt(0.101), 1e-12);
   EXPECT_NEAR(sigma.y(), std::sqrt(0.1), 1e-12);
   EXPECT_NEAR(sigma.z(), 0.8, 1e-12);
-  // On a trajectory of better sensors the Gauss-Helmert adjustment is the efficient one.
+  // With a trajectory of better sensors, the Gauss-Helmert adjustment is the efficient method.
   b.covariance_rad2 = 5.0 * Eigen::Matrix3d::Identity();
   EXPECT_NEAR(Compare(a, b).sigma_rad().x(), 2.0, 1e-12);
 }
@@ -204,7 +207,7 @@ TEST(TrajectoryAccuracy, ComesFromTheFileBesideTheTrajectory) {
   EXPECT_EQ(accuracy.source, "trajectory_sigma.txt");
   EXPECT_LE((accuracy.sigma_ned_m - Vector3d(0.02, 0.01, 0.03)).norm(), 1e-12);
   EXPECT_LE((accuracy.sigma_rph_rad / kRadPerDeg - Vector3d(0.004, 0.005, 0.006)).norm(), 1e-12);
-  // A level body: about its own axes they are nearly the same.
+  // For a level body, roll, pitch and heading are nearly rotations about its own axes.
   const Vector3d body = accuracy.attitude_covariance_rad2.diagonal().cwiseSqrt() / kRadPerDeg;
   EXPECT_LE((body - Vector3d(0.004, 0.005, 0.006)).norm(), 2e-4);
 }
@@ -233,7 +236,7 @@ TEST(TrajectoryAccuracy, BadFilesAreNamed) {
 const std::string kGoodSigmas =
     ", 0.01, 0.01, 0.02, 0.1, 0.1, 0.1, 0.004, 0.004, 0.006";  // m, m/s, deg
 
-// Constant in every strip, independent between them.
+// Returns a covariance whose errors are constant in each strip and independent between strips.
 TrajectoryCovariance PerStrip(const std::vector<StripInterval>& strips) {
   TrajectoryCovariance covariance;
   for (std::size_t s = 0; s < strips.size(); ++s) {
@@ -297,15 +300,15 @@ TEST(TrajectoryAccuracy, ComesWithTheCovarianceThatCoversThePairs) {
       WithCovarianceFile(FormatTrajectoryCovariance(PerStrip(strips))).Read();
   ASSERT_TRUE(accuracy.covariance);
   EXPECT_EQ(accuracy.source, "trajectory_covariance.txt");
-  // That of another part of the flight is no use.
+  // A covariance of another part of the flight is ignored.
   const TrajectoryAccuracy other =
       WithCovarianceFile(FormatTrajectoryCovariance(PerStrip({{"1", 380100, 380110}}))).Read();
   EXPECT_FALSE(other.covariance);
   EXPECT_EQ(other.source, "trajectory_sigma.txt");
 }
 
-// Without standard deviations beside it, it has its own.
-TEST(TrajectoryAccuracy, ACovarianceStandsAlone) {
+// Without a file of standard deviations, the covariance provides them.
+TEST(TrajectoryAccuracy, ACovarianceAloneIsEnough) {
   const std::vector<StripInterval> strips = FindStrips(TruthFlight(false).flight);
   WithCovarianceFile flight(FormatTrajectoryCovariance(PerStrip(strips)));
   std::filesystem::remove(flight.folder.path() / "trajectory_sigma.txt");
@@ -324,7 +327,7 @@ TEST(TrajectoryAccuracy, ComesFromTheFileThatIsNamed) {
   const TrajectoryAccuracy accuracy = flight.Read();
   EXPECT_EQ(accuracy.source, "other.txt");
   EXPECT_LE((accuracy.sigma_ned_m - Vector3d::Constant(0.05)).norm(), 1e-12);
-  // A covariance that does not cover the pairs is no use, and was asked for.
+  // A covariance that does not cover the pairs is an error if the configuration names it.
   flight.folder.Write("covariance.txt",
                       FormatTrajectoryCovariance(PerStrip({{"1", 380100, 380110}})));
   flight.truth.flight.config.trajectory->sigma_file = "covariance.txt";
@@ -339,7 +342,7 @@ TEST(TrajectoryAccuracy, SeveralSmrmsgMustBeNamed) {
   ExpectInvalidIn([&] { flight.Read(); }, "trajectory.sigma_file", "");
 }
 
-TEST(TrajectoryAccuracy, ACovarianceThatCannotBeIsNamed) {
+TEST(TrajectoryAccuracy, AnImpossibleCovarianceIsNamed) {
   TrajectoryCovariance covariance = PerStrip(FindStrips(TruthFlight(false).flight));
   covariance.covariance(0, 6) = covariance.covariance(6, 0) = 2e-4;
   ExpectInvalidIn([&] { WithCovarianceFile(FormatTrajectoryCovariance(covariance)).Read(); },
@@ -353,8 +356,8 @@ TEST(TrajectoryAccuracy, ACovarianceOfAnotherRunIsNamed) {
                   "of another run", "trajectory_covariance.txt");
 }
 
-// A constant of a strip, of the stated size, in each of a few strips: the boresight takes about
-// their mean.
+// The error is constant in each of a few strips and has the stated size. The boresight absorbs
+// about the mean of these constants.
 TEST(GaussHelmertFlight, TheCovarianceOfTheTrajectoryIsThatOfTheAngles) {
   const std::vector<StripInterval> strips = FindStrips(TruthFlight(false).flight);
   WithCovarianceFile flight(FormatTrajectoryCovariance(PerStrip(strips)), true);
@@ -416,7 +419,7 @@ TEST(GaussHelmertFlight, LiborCompatReproducesLibor) {
   const Json libor = Json::parse(file);
   const Flight flight = ReadFlight(folder, {.pairs = true, .trajectory = true});
   const GaussHelmertCalibration result = CalibrateGaussHelmert(flight);
-  constexpr double kAngleDeg = 2e-5;  // its arrays have single precision
+  constexpr double kAngleDeg = 2e-5;  // libor computes in single precision
   constexpr double kRelative = 0.01;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -454,7 +457,7 @@ TEST(GaussHelmertFlight, TheReliableSigmaHoldsOnTheReferenceFlight) {
   EXPECT_EQ(result.boresight.verdict, Verdict::kCalibrated);
 }
 
-/// Point, its epoch and its laser vector, of a text strip.
+/// A point of a text strip: its epoch, laser vector and position.
 struct StripPoint {
   double t_s = 0.0;
   Vector3d u_s, x_m;
@@ -475,8 +478,8 @@ std::vector<StripPoint> ReadStrip(const Flight& flight, const fs::path& file, st
   return points;
 }
 
-// No pairs come with this flight: the nearest points of the two lines stand in for them. They slide
-// along the surfaces, so the angles are weak; that they draw the lines together is what shows.
+// This flight has no pairs, so the nearest points of the two lines replace them. They slide along
+// the surfaces, so the angles are weak; the test shows only that the lines get closer.
 TEST(GaussHelmertFlight, DrawsTheLinesOfARealFlightTogether) {
   const fs::path folder = SharedData("tent");
   if (!fs::exists(folder)) GTEST_SKIP() << "no real data in " << folder;

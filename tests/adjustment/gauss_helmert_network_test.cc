@@ -1,5 +1,5 @@
-// The Gauss-Helmert adjustment is the network with one pose per lidar epoch, held by a prior, and
-// point-to-point edges only: eliminating the poses gives its S.
+// The Gauss-Helmert adjustment equals a network with one pose per lidar epoch, a prior on each
+// pose, and point-to-point factors only. Eliminating the poses gives its matrix S.
 
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/prior.h>
@@ -44,7 +44,7 @@ struct PoseNetwork {
     Block<Vec<3>> p, v;
   };
 
-  /// A pose whose prior has the noise of the end, the velocity held.
+  /// Adds a pose whose prior has the noise of the end; its velocity is constant.
   Node AddNode(const GaussHelmertEnd& end, const std::string& name) {
     Node node{net.AddRotation("q/" + name, end.q_mb), net.AddVector<3>("p/" + name, end.p_mb),
               net.AddVector<3>("v/" + name, Eigen::Vector3d::Zero())};
@@ -58,7 +58,7 @@ struct PoseNetwork {
   }
 
   static LidarEnd AtNode(const GaussHelmertEnd& end) {
-    LidarEnd lidar;  // no increments: the epoch is the node's
+    LidarEnd lidar;  // no increments: the epoch is that of the node
     lidar.partial.t_begin_s = lidar.partial.t_end_s = end.t_s;
     lidar.u_s = end.u_b;
     lidar.p_nominal_m = end.p_mb;
@@ -72,8 +72,8 @@ TEST_P(GaussHelmertNetwork, EqualsTheNetworkWithPosePriors) {
   testing::StripPairOptions options;
   options.count = 80;
   options.seed = GetParam();
-  // Large errors of the trajectory: their second order counts, so that only the rigorous iteration
-  // gets there.
+  // The errors of the trajectory are so large that their second order counts: only the rigorous
+  // iteration reaches this solution.
   options.sigma_rph_rad = Eigen::Vector3d(1e-3, 2e-3, 5e-3);
   options.sigma_ned_m = Eigen::Vector3d(0.1, 0.15, 0.3);
   GaussHelmertProblem problem = testing::MakeStripPairs(options);
@@ -91,7 +91,7 @@ TEST_P(GaussHelmertNetwork, EqualsTheNetworkWithPosePriors) {
   solve_options.function_tolerance = 1e-16;
   solve_options.gradient_tolerance = 1e-16;
   solve_options.parameter_tolerance = 1e-16;
-  solve_options.initial_trust_region_radius = 1e6;  // nearly Gauss-Newton
+  solve_options.initial_trust_region_radius = 1e6;  // almost Gauss-Newton
   const SolveReport report = Solve(network.net, solve_options);
   ASSERT_GT(report.iterations, 0) << report.message;
   const Marginals marginals(network.net);
@@ -101,7 +101,7 @@ TEST_P(GaussHelmertNetwork, EqualsTheNetworkWithPosePriors) {
   const Eigen::Matrix3d N = marginals.ReducedNormal(network.boresight.id);
   EXPECT_LE((gh.normal - N).norm(), kEqual * N.norm());
   EXPECT_NEAR(gh.chi2, 2.0 * report.final_cost, kEqual * gh.chi2);
-  // The corrected observations are the adjusted poses.
+  // The corrected observations equal the adjusted poses.
   const GaussHelmertEnd& end = problem.pairs[7].j;
   const Eigen::Vector3d p = end.p_mb + gh.corrections[7].segment<3>(6);
   const Eigen::Vector3d p_network = network.net.Value(Block<Vec<3>>{network.net.Find("p/j/7")});

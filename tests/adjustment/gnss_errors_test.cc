@@ -1,5 +1,5 @@
-// Many flights whose GNSS positions have errors that last, with and without the states that model
-// them.
+// Covariances over many flights with time-correlated GNSS errors, with and without the states that
+// model them.
 #include <dn/calibration/gnss_errors.h>
 #include <dn/calibration/words.h>
 #include <dn/report/distributions.h>
@@ -31,7 +31,7 @@ SimulatedFlight Fly(std::uint64_t seed) {
   return Simulate(scenario, options);
 }
 
-/// Squared errors in the terms of their covariances, of all flights.
+/// Squared errors over their variances, summed over all flights.
 struct Nees {
   double boresight = 0.0, position = 0.0;
 };
@@ -43,7 +43,7 @@ double PositionNees(const SimulatedFlight& sim, const Calibration& calibration) 
   return error.dot(calibration.marginals.Covariance(node.p_mb).ldlt().solve(error));
 }
 
-Nees NeesOfFlights(bool with_states) {
+Nees FlightsNees(bool with_states) {
   Nees nees;
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
     SimulatedFlight sim = Fly(seed);
@@ -59,7 +59,7 @@ Nees NeesOfFlights(bool with_states) {
 
 TEST(GnssErrors, CovariancesHoldWithTheirStates) {
   const Interval band = ChiSquareInterval(0.99, 3.0 * kFlights);
-  const Nees nees = NeesOfFlights(true);
+  const Nees nees = FlightsNees(true);
   const double n = 3.0 * kFlights;
   EXPECT_TRUE(band.Contains(nees.boresight / n)) << nees.boresight / n;
   EXPECT_TRUE(band.Contains(nees.position / n)) << nees.position / n;
@@ -67,13 +67,13 @@ TEST(GnssErrors, CovariancesHoldWithTheirStates) {
 
 TEST(GnssErrors, CovariancesBreakWithoutTheirStates) {
   const Interval band = ChiSquareInterval(0.99, 3.0 * kFlights);
-  const Nees nees = NeesOfFlights(false);
+  const Nees nees = FlightsNees(false);
   const double n = 3.0 * kFlights;
   EXPECT_GT(nees.boresight / n, band.high);
   EXPECT_GT(nees.position / n, band.high);
 }
 
-/// The entry that the warning shows, as the list of flight.yaml.
+/// Returns the entry that the warning proposes, as the list of flight.yaml.
 std::vector<GnssProcess> Pasted(const std::string& warning) {
   const std::string key = "gnss.processes: ";
   const std::size_t begin = warning.find(key) + key.size();
@@ -115,13 +115,13 @@ TEST(GnssErrors, ReportHasTheProcesses) {
   EXPECT_EQ(east_north["tau_s"], 120.0);
   EXPECT_EQ(east_north["states"], network.gnss_error[0].blocks.size());
   const Json &estimate_m = east_north["rms_enu_m"], &sigma_m = east_north["posterior_sigma_enu_m"];
-  // Estimated and left uncertain, the two parts of the variance make up the stated one.
+  // The variance of the estimates and the posterior variance add up to the stated variance.
   EXPECT_LT(sigma_m[0], 0.015);
   EXPECT_NEAR(std::hypot(estimate_m[0].get<double>(), sigma_m[0].get<double>()), 0.015, 0.006);
   EXPECT_EQ(estimate_m[2], 0.0);
   std::istringstream lines(FormatGnssErrors(network, marginals));
   std::string line;
-  long rows = -1;  // the header
+  long rows = -1;  // -1 for the header
   while (std::getline(lines, line)) ++rows;
   EXPECT_EQ(rows, static_cast<long>(network.gnss_edges.size()));
 }

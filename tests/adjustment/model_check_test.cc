@@ -28,7 +28,7 @@ SimulatedFlight Fly(const Scenario& scenario, std::uint64_t seed) {
   return Simulate(scenario, options);
 }
 
-/// A flight, adjusted and checked.
+/// An adjusted and checked flight.
 struct Checked {
   SimulatedFlight simulated;
   Calibration calibration;
@@ -59,9 +59,9 @@ TEST(ModelCheck, FlightsOfTheirOwnModelAreNotContradicted) {
   }
 }
 
-// An error of the usual size that is said to hide is put into the data: it moves the boresight as
-// foretold, and the verdict does not see it.
-TEST(ModelCheck, WhatCouldHideDoesAsForetold) {
+// Adds an undetectable effect of its typical size to the data. It shifts the boresight as
+// predicted, and the verdict does not change.
+TEST(ModelCheck, UndetectableEffectsShiftAsPredicted) {
   const Checked without(Fly(AircraftScenario(), 3));
   ASSERT_FALSE(without.check.unseen.empty());
   const UnseenEffect& worst = without.check.unseen.front();
@@ -81,7 +81,7 @@ TEST(ModelCheck, WhatCouldHideDoesAsForetold) {
   EXPECT_GT(moved_rad.cwiseQuotient(without.boresight().sigma_rad()).cwiseAbs().maxCoeff(), 0.9);
 }
 
-TEST(ModelCheck, WhatCouldHideDoesNotDependOnTheData) {
+TEST(ModelCheck, UndetectableEffectsDoNotDependOnTheData) {
   const Checked one(Fly(AircraftScenario(), 3));
   for (std::size_t k = 1; k < one.check.unseen.size(); ++k) {
     EXPECT_GE(one.check.unseen[k - 1].damage, one.check.unseen[k].damage);
@@ -91,7 +91,7 @@ TEST(ModelCheck, WhatCouldHideDoesNotDependOnTheData) {
   simulated.flight.config.estimate.push_back({.unknown = one.check.unseen[0].name});
   const Checked estimated(std::move(simulated));
   for (const UnseenEffect& unseen : estimated.check.unseen) {
-    EXPECT_NE(unseen.name, one.check.unseen[0].name) << "an unknown hides nothing";
+    EXPECT_NE(unseen.name, one.check.unseen[0].name) << "an estimated unknown is detectable";
   }
 }
 
@@ -106,7 +106,7 @@ TEST(ModelCheck, RedundanciesOfTheGroupsAddUp) {
       if (group.name == whole) redundancy += group.redundancy;
     }
   }
-  // The priors of the first biases have the rest.
+  // The priors of the initial biases have the remaining redundancy.
   const auto all = static_cast<double>(flight.trajectory.figures.redundancy);
   EXPECT_LE(redundancy, all + 1e-3);
   EXPECT_GT(redundancy, all - 20.0);
@@ -117,23 +117,23 @@ struct Injection {
   std::string value;
   std::vector<double> components;  ///< in the effect's unit
   bool aircraft;
-  double tolerance;  ///< relative, of the score test to first order
+  double tolerance;  ///< relative, for the first-order score test
 };
 
 std::ostream& operator<<(std::ostream& out, const Injection& injection) {
   return out << injection.effect << " " << injection.value;
 }
 
-std::string EffectsOf(const Injection& injection) {
+std::string InjectionEffects(const Injection& injection) {
   return "effects: [{effect: " + injection.effect + ", value: " + injection.value + "}]\n";
 }
 
-Scenario ScenarioOf(const Injection& injection, const std::string& extra) {
+Scenario InjectionScenario(const Injection& injection, const std::string& extra) {
   return injection.aircraft ? AircraftScenario(extra) : DroneScenario(extra);
 }
 
-/// Estimate of one effect by itself.
-Eigen::VectorXd EstimateOf(const std::string& name, const Checked& flight) {
+/// Returns the estimate of one effect alone.
+Eigen::VectorXd EstimateEffect(const std::string& name, const Checked& flight) {
   const FlightNetwork& network = *flight.calibration.adjustment.network;
   for (const CandidateEffect& candidate : CandidateEffects(network)) {
     if (candidate.name != name) continue;
@@ -146,16 +146,17 @@ Eigen::VectorXd EstimateOf(const std::string& name, const Checked& flight) {
 
 class InjectedEffect : public ::testing::TestWithParam<Injection> {};
 
-// The same noise with and without the effect: the difference of the estimates is the effect, and
-// that of the boresights is the damage. The simulator shares no formula with the derivative.
-TEST_P(InjectedEffect, IsEstimatedNamedAndItsDamageForetold) {
+// Two flights have the same noise, with and without the effect. The difference of the estimates is
+// then the effect, and that of the boresights is its shift. The simulator shares no formula with
+// the tested derivative.
+TEST_P(InjectedEffect, IsEstimatedNamedAndItsShiftPredicted) {
   const Injection& injection = GetParam();
-  const Checked without(Fly(ScenarioOf(injection, ""), 5));
-  const Checked with(Fly(ScenarioOf(injection, EffectsOf(injection)), 5));
+  const Checked without(Fly(InjectionScenario(injection, ""), 5));
+  const Checked with(Fly(InjectionScenario(injection, InjectionEffects(injection)), 5));
   const Eigen::Map<const Eigen::VectorXd> injected(
       injection.components.data(), static_cast<Eigen::Index>(injection.components.size()));
   const Eigen::VectorXd found =
-      EstimateOf(injection.effect, with) - EstimateOf(injection.effect, without);
+      EstimateEffect(injection.effect, with) - EstimateEffect(injection.effect, without);
   EXPECT_LT((found - injected).norm(), injection.tolerance * injected.norm()) << found.transpose();
 
   ASSERT_FALSE(with.check.effects.empty());
@@ -201,9 +202,10 @@ Checked CheckedWithUnknown(const std::string& effects, EstimateEntry unknown) {
   return Checked(std::move(simulated));
 }
 
-// Both triads turned together are the body turned: what one is estimated for may be the other, and
-// another boresight. Where the rival puts that is where it lies with the rival among the unknowns.
-TEST(ModelCheck, AnUnknownWithARivalLeavesTheBoresightOpen) {
+// A common rotation of both triads equals a rotation of the body. The estimated misalignment may
+// therefore be the other one, with another boresight. The check predicts the boresight of a flight
+// that estimates the competing effect.
+TEST(ModelCheck, AnUnknownWithACompetingEffectIsNotObservable) {
   const std::string turned = "effects: [{effect: accel_misalignment, value: [0.5, -0.4, 0.3]}]\n";
   const Checked by_gyro = CheckedWithUnknown(turned, {.unknown = "gyro_misalignment"});
   const Checked by_accel =
@@ -218,7 +220,7 @@ TEST(ModelCheck, AnUnknownWithARivalLeavesTheBoresightOpen) {
   EXPECT_GT(moved.norm(), 0.02 * kRadPerDeg);
   EXPECT_LT((rival.boresight_rad - moved).norm(), 0.05 * moved.norm()) << moved.transpose();
   EXPECT_EQ(Words(by_gyro.boresight().reasons).front(), by_gyro.first_reason());
-  EXPECT_THAT(by_gyro.first_reason(), HasSubstr("accel_misalignment in the place of"));
+  EXPECT_THAT(by_gyro.first_reason(), HasSubstr("accel_misalignment instead of"));
 }
 
 TEST(ModelCheck, AnUnknownByItselfIsCalibrated) {
@@ -231,7 +233,8 @@ TEST(ModelCheck, AnUnknownByItselfIsCalibrated) {
 TEST(ModelCheck, APriorThatContradictsIsNamedWithItsKey) {
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
   simulated.flight.config.lidar->boresight_sigma_rad =
-      Eigen::Vector3d::Constant(0.01 * kRadPerDeg);  // about zero; the truth is .2, .03, .35
+      // About zero; the truth is 0.2, 0.03, 0.35 deg.
+      Eigen::Vector3d::Constant(0.01 * kRadPerDeg);
   const Checked flight(std::move(simulated));
   EXPECT_EQ(flight.boresight().verdict, Verdict::kContradicted);
   EXPECT_THAT(flight.first_reason(), HasSubstr("lidar.boresight_sigma_deg"));
@@ -243,7 +246,7 @@ TEST(ModelCheck, AnHonestPriorIsNot) {
   EXPECT_EQ(Checked(std::move(simulated)).boresight().verdict, Verdict::kCalibrated);
 }
 
-TEST(ModelCheck, WhatADiagnosisLeftUnexplainedContradicts) {
+TEST(ModelCheck, AnUnexplainedDiagnosisContradicts) {
   SimulatedFlight simulated = Fly(DroneScenario(), 3);
   simulated.flight.config.unexplained = "a part of a gap (p = 0.002)";
   const Checked flight(std::move(simulated));
@@ -268,7 +271,7 @@ TEST(ModelCheck, AShiftOfOnePairOfStripsIsFound) {
   EXPECT_EQ(flight.boresight().verdict, Verdict::kContradicted) << flight.first_reason();
 }
 
-TEST(ModelCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
+TEST(ModelCheck, ATorsionOfTheScannerIsUnmodelledAndContradicts) {
   const Checked without(Fly(AircraftScenario(), 3));
   const Checked with(testing::FlyWithTorsion(AircraftScenario(), 0.02));
   const DepartureCheck& by_angle = with.check.departures.front();
@@ -284,7 +287,7 @@ TEST(ModelCheck, ATorsionOfTheScannerHasNoNameAndContradicts) {
   EXPECT_EQ(with.boresight().verdict, Verdict::kContradicted);
 }
 
-TEST(ModelCheck, AnEffectThatIsNamedLeavesNoDeparture) {
+TEST(ModelCheck, AFoundEffectLeavesNoDiscrepancy) {
   const Checked flight(
       Fly(AircraftScenario("effects: [{effect: lidar_angle_scale, value: 1500}]\n"), 3));
   ASSERT_FALSE(flight.check.effects.empty());
@@ -294,7 +297,7 @@ TEST(ModelCheck, AnEffectThatIsNamedLeavesNoDeparture) {
   }
 }
 
-TEST(ModelCheck, NoiseOfThePairsIsNoDeparture) {
+TEST(ModelCheck, NoiseOfThePairsIsNotADiscrepancy) {
   SimulatedFlight simulated = Fly(AircraftScenario(), 3);
   simulated.flight.config.lidar->sigma_p_m *= 0.5;
   const Checked flight(std::move(simulated));

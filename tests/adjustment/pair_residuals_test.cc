@@ -12,7 +12,8 @@
 namespace dn::pair_residuals_test {
 
 constexpr double kSpacingS = 0.01;
-// The pair's own factor integrates from the node, the trajectory is interpolated at 100 Hz.
+// Tolerance: the pair factor integrates from the node, but the trajectory is interpolated at 100
+// Hz.
 constexpr double kInterpolationM = 2e-3;
 
 class PairResidualsOfADrone : public ::testing::Test {
@@ -50,7 +51,7 @@ TEST_F(PairResidualsOfADrone, AreThoseOfTheAdjustment) {
   EXPECT_NEAR(mean_m, calibration_->adjustment.residual_final_m, 1e-12);
 }
 
-// With the estimated boresight in place of the assumed one, "before" is "after".
+// With the estimated boresight as the assumed one, "before" equals "after".
 TEST_F(PairResidualsOfADrone, BeforeAndAfterDifferByTheBoresight) {
   Flight calibrated = *flight_;
   calibrated.config.lidar->mounting.boresight_rad = calibration_->boresight.angles_rad;
@@ -63,13 +64,13 @@ TEST_F(PairResidualsOfADrone, BeforeAndAfterDifferByTheBoresight) {
     const PairResidual& r = (*residuals_)[k];
     EXPECT_LT((difference - r.after_enu_m).norm(), kInterpolationM) << k;
     EXPECT_DOUBLE_EQ(r.i.range_m, pair.u_i_s.norm());
-    EXPECT_LT(std::abs(r.i.scan_angle_rad), 40.0 * kRadPerDeg);  // of a field of view of 75 deg
+    EXPECT_LT(std::abs(r.i.scan_angle_rad), 40.0 * kRadPerDeg);  // the field of view is 75 deg
   }
 }
 
 TEST_F(PairResidualsOfADrone, SumsByPairsOfStrips) {
   const Json list = StripPairsJson(*residuals_);
-  ASSERT_EQ(list.size(), 4u);  // three strips, and all
+  ASSERT_EQ(list.size(), 4u);  // three strips, and "all"
   long pairs = 0;
   for (std::size_t k = 0; k + 1 < list.size(); ++k) pairs += list[k]["pairs"].get<long>();
   EXPECT_EQ(pairs, static_cast<long>(residuals_->size()));

@@ -20,9 +20,9 @@ using testing::BoresightError;
 using ::testing::HasSubstr;
 
 constexpr double kNoiseM = 0.02;
-constexpr double kSpanM = 40.0;  // of the ground that all three strips see
+constexpr double kSpanM = 40.0;  // ground that all three strips cover
 
-/// The small drone on its true trajectory, above planes.
+/// The small drone on its true trajectory above planes.
 struct PlaneFlight {
   Flight flight;
   Vector3d truth_rad;

@@ -13,7 +13,7 @@ constexpr double kAmplitudeRad = 0.02;
 constexpr double kMotionHz = 1.0;
 constexpr double kW = 2.0 * std::numbers::pi * kMotionHz;
 
-/// A platform that swings in roll, on a course through south, where heading wraps.
+/// A platform that oscillates in roll, on a southern course, where heading wraps.
 MapPose TruePose(double t_s) {
   MapPose pose;
   pose.t_s = t_s;
@@ -42,13 +42,13 @@ double LargestError(const PoseInterpolator& poses, double begin_s, double end_s,
 
 class Rates : public ::testing::TestWithParam<double> {};
 
-// The error that the header states, which is that of the middle of a step.
+// The header states the error in the middle of a step.
 TEST_P(Rates, ErrorIsWhatTheHeaderSays) {
   const double ratio = kW / GetParam();
   const PoseInterpolator poses(Poses(GetParam()));
   const double expected_cubic = 0.0234 * std::pow(ratio, 4) * kAmplitudeRad;
   const double expected_linear = 0.125 * ratio * ratio * kAmplitudeRad;
-  constexpr double kFloor = 5e-8;  // of angularDistance
+  constexpr double kFloor = 5e-8;  // rounding of angularDistance
   EXPECT_LE(LargestError(poses, 0.5, 9.0), 1.05 * expected_cubic + kFloor);
   EXPECT_NEAR(LargestError(poses, 0.5, 9.0, PoseInterpolator::Method::kLinear), expected_linear,
               0.1 * expected_linear);
@@ -66,7 +66,7 @@ TEST(PoseInterpolator, ReturnsTheEpochsThemselves) {
   }
 }
 
-TEST(PoseInterpolator, EndsAndHolesLoseADegreeOnly) {
+TEST(PoseInterpolator, EndsAndGapsLowerTheDegreeOnly) {
   std::vector<MapPose> poses = Poses(50.0, 0.0, 2.0);
   const std::vector<MapPose> later = Poses(50.0, 5.0, 7.0);
   poses.insert(poses.end(), later.begin(), later.end());

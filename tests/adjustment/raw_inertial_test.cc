@@ -1,4 +1,5 @@
-// A node at every inertial sample against preintegrated increments: the same adjustment.
+// A network with a node at every inertial sample gives the same adjustment as preintegrated
+// increments.
 #include <dn/calibration/adjust.h>
 #include <dn/rotation.h>
 #include <dn/sim/random.h>
@@ -18,7 +19,8 @@ using testing::Calibration;
 constexpr double kNodeRateHz = 10.0;
 constexpr double kSigmaPairM = 0.03;
 
-/// Two opposite strips at different heights, cut eight seconds after the last; 1.5 minutes.
+/// Two opposite strips at different heights, 1.5 minutes in total; the flight ends eight seconds
+/// after the second one.
 SimulatedFlight TwoStrips() {
   Scenario scenario = testing::DroneScenario();
   scenario.imu.rate_hz = 50.0;
@@ -35,7 +37,7 @@ SimulatedFlight TwoStrips() {
   return sim;
 }
 
-/// u = T^T Exp(-theta) (R^T (P - p) - a), with half of the pair's noise.
+/// Returns the laser vector u = T^T Exp(-theta) (R^T (P - p) - a), with half of the pair's noise.
 Eigen::Vector3d Sight(const SimulatedFlight& sim, double t_s, const Eigen::Vector3d& point_m,
                       Random& random) {
   const Mounting& mounting = sim.scenario.lidar.mounting;
@@ -46,7 +48,7 @@ Eigen::Vector3d Sight(const SimulatedFlight& sim, double t_s, const Eigen::Vecto
          kSigmaPairM / std::numbers::sqrt2 * random.Normal3();
 }
 
-/// Pairs whose epochs are nodes of both grids.
+/// Makes pairs whose epochs are nodes of both grids.
 std::vector<LidarPair> PairsOnNodes(const SimulatedFlight& sim) {
   constexpr int kPairs = 300;
   Random random(7, "pairs on nodes");
@@ -71,11 +73,11 @@ BoresightResult Solve(Flight flight, NetworkConfig::Inertial inertial) {
   flight.config.network.inertial = inertial;
   flight.config.network.node_rate_hz = kNodeRateHz;
   AdjustOptions options;
-  options.network.bias_interval_max_s = 5.0;  // ends at nodes of both grids
+  options.network.bias_interval_max_s = 5.0;  // intervals end at nodes of both grids
   return Calibration(flight, options).boresight;
 }
 
-/// Expects angles within `of_sigma` sigmas and sigmas within `relative` of each other.
+/// Expects angles within `of_sigma` sigmas and sigmas within the relative tolerance `relative`.
 void ExpectSameBoresight(const Flight& flight, double of_sigma, double relative) {
   const BoresightResult raw = Solve(flight, NetworkConfig::Inertial::kRaw);
   const BoresightResult increments = Solve(flight, NetworkConfig::Inertial::kPreintegrated);
@@ -93,12 +95,12 @@ TEST(RawInertial, EqualsPreintegrationWherePairsAreOnNodes) {
   ExpectSameBoresight(sim.flight, 1e-3, 1e-3);
 }
 
-// Between nodes the noise of the partial increment counts for each pair by itself.
+// Between nodes, the noise of the partial increment counts for each pair separately.
 TEST(RawInertial, IsCloseToPreintegrationWherePairsLieBetweenNodes) {
   ExpectSameBoresight(TwoStrips().flight, 0.02, 0.01);
 }
 
-/// The flight with some wrong pairs and GNSS epochs, adjusted with raw inertial data.
+/// Returns the flight with some wrong pairs and GNSS epochs, adjusted with raw inertial data.
 Adjustment AdjustSpoilt(Flight flight, const std::function<void(FlightNetwork&)>& before_lidar) {
   for (const std::size_t k : {5u, 50u}) flight.pairs->pairs[k].u_i_s += Eigen::Vector3d(3, -4, 5);
   flight.gnss->epochs[20].p_m += Eigen::Vector3d(2.0, 0.0, -3.0);
@@ -108,11 +110,12 @@ Adjustment AdjustSpoilt(Flight flight, const std::function<void(FlightNetwork&)>
   return Adjust(flight, options);
 }
 
-// What is left out is decided with nodes farther apart; a function of the user's own has it decided
-// at the inertial rate.
+// By default, data are rejected with larger node spacing. If customise_before_lidar is set, they
+// are rejected at the inertial rate.
 TEST(RawInertial, IsTheSameWhereItIsTakenLast) {
-  constexpr double kSame = 1e-4;      // sigmas; solutions end at steps of 1e-3
-  constexpr double kSameCost = 1e-7;  // relative: half of 1e-3 squared, over some hundred
+  constexpr double kSame = 1e-4;  // in sigmas; the solutions converge to steps of 1e-3
+  // Relative: half of 1e-3 squared, over a cost of some hundred.
+  constexpr double kSameCost = 1e-7;
   const Flight flight = TwoStrips().flight;
   const Adjustment last = AdjustSpoilt(flight, {});
   const Adjustment first = AdjustSpoilt(flight, [](FlightNetwork&) {});

@@ -8,7 +8,7 @@
 
 namespace dn::solution_test {
 
-// A temporary flight would be gone before its solution.
+// A temporary flight would be destroyed before its solution.
 static_assert(!std::is_constructible_v<Solution, Flight&&>);
 
 SimulatedFlight Fly(const std::string& effects = "") {
@@ -17,7 +17,7 @@ SimulatedFlight Fly(const std::string& effects = "") {
   return Simulate(testing::DroneScenario(effects), options);
 }
 
-TEST(Solution, IsWhatItsPartsSayOneByOne) {
+TEST(Solution, EqualsItsPartsOneByOne) {
   const SimulatedFlight sim = Fly();
   const Solution solution(sim.flight);
   const Adjustment& adjustment = solution.adjustment();
@@ -33,14 +33,14 @@ TEST(Solution, IsWhatItsPartsSayOneByOne) {
   EXPECT_EQ(&solution.network(), adjustment.network.get());
 }
 
-TEST(Solution, WhatTakesTimeIsComputedOnce) {
+TEST(Solution, ExpensiveResultsAreComputedOnce) {
   const SimulatedFlight sim = Fly();
   const Solution solution(sim.flight);
   EXPECT_EQ(&solution.trajectory(), &solution.trajectory());
   EXPECT_EQ(&solution.model_check(), &solution.model_check());
 }
 
-TEST(Solution, TheModelCheckHasTheLastWord) {
+TEST(Solution, TheModelCheckOverridesTheVerdict) {
   const SimulatedFlight sim = Fly("effects: [{effect: gnss_time_offset, value: 0.05}]\n");
   const Solution solution(sim.flight);
   EXPECT_NE(solution.Boresight().verdict, Verdict::kContradicted);

@@ -20,7 +20,7 @@ using testing::DroneScenario;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// Of a normal variable; 6e-5 lies outside.
+// A normal variable exceeds this many sigmas with probability 6e-5.
 constexpr double kSigmas = 4.0;
 
 SimulatedFlight Fly(std::uint64_t seed) {
@@ -29,7 +29,7 @@ SimulatedFlight Fly(std::uint64_t seed) {
   return Simulate(DroneScenario(), options);
 }
 
-/// A tenth of the pairs off by half a metre to two.
+/// Shifts a tenth of the pairs by 0.5 to 2 m.
 SimulatedFlight WithWrongPairs(std::uint64_t seed) {
   SimulatedFlight sim = Fly(seed);
   Random random(3, "wrong pairs");
@@ -40,7 +40,7 @@ SimulatedFlight WithWrongPairs(std::uint64_t seed) {
   return sim;
 }
 
-/// One GNSS epoch in twenty off by 0.2 to 1 m, in any direction.
+/// Shifts one GNSS epoch in twenty by 0.2 to 1 m in a random direction.
 SimulatedFlight WithWrongGnss(std::uint64_t seed) {
   SimulatedFlight sim = Fly(seed);
   Random random(4, "wrong GNSS");
@@ -52,7 +52,7 @@ SimulatedFlight WithWrongGnss(std::uint64_t seed) {
   return sim;
 }
 
-TEST(Stages, TheDefaultOnesStandInOneList) {
+TEST(Stages, TheDefaultStagesAreAList) {
   std::vector<std::string> names;
   for (const AdjustmentStage& stage : DefaultStages(false)) names.push_back(stage.name);
   EXPECT_THAT(names, ElementsAre("network", "INS/GNSS", "GNSS clock", "GNSS screening",
@@ -96,7 +96,7 @@ TEST(Stages, OneMayBeAdded) {
   EXPECT_EQ(adjustment.stages.back().name, "final least squares");
 }
 
-// As docs/tutorials/build-your-own-network.md shows it.
+// This is the example of docs/tutorials/build-your-own-network.md.
 TEST(Stages, PairsMayBeJudgedTwice) {
   const SimulatedFlight sim = WithWrongPairs(5);
   AdjustOptions options;
@@ -133,7 +133,7 @@ TEST(Stages, WithoutANetworkNothingCanBeSolved) {
   EXPECT_THROW(Adjust(sim.flight, options), InvalidConfig);
 }
 
-// An altimeter with an unknown offset, given to the network at one of the two places.
+// An altimeter with an unknown offset is added to the network by one of the two functions.
 class OwnFactors : public ::testing::TestWithParam<bool> {
  protected:
   static constexpr double kOffsetM = 12.5;
@@ -176,8 +176,8 @@ INSTANTIATE_TEST_SUITE_P(Stages, OwnFactors, ::testing::Bool(), [](const auto& t
   return tested.param ? "BeforeLidar" : "BeforeFinal";
 });
 
-/// The result is least squares of what was kept: weights of one, chi-square of its redundancy, an
-/// error that its covariance foretells.
+/// Expects the least squares of the kept data: weights of one, chi-square equal to the redundancy,
+/// and an error within the covariance.
 void ExpectLeastSquares(const Calibration& c, const SimulatedFlight& sim) {
   for (const LinearizedNetwork::FactorRows& rows : c.solution.linearized().factors()) {
     ASSERT_EQ(rows.weight, 1.0) << c.solution.linearized().group(rows.factor).name;

@@ -41,37 +41,37 @@ TEST(Words, ACheckIsConsistentUntilAFindingContradicts) {
   EXPECT_STREQ(Word(check), "contradicted");
 }
 
-TEST(Words, AnEffectIsToldWithWhatItMoves) {
+TEST(Words, AnEffectIsReportedWithItsShift) {
   facts::EffectPresent fact{LateTags(), true};
   EXPECT_EQ(Words(Finding{fact}),
-            "the data ask for lidar_time_offset of 20 +- 0.5 ms (p < 1e-12), which moves the "
+            "the data indicate lidar_time_offset = 20 +- 0.5 ms (p < 1e-12), which moves the "
             "boresight by 100, -20, 3 mdeg (12.0 sigma): estimate it");
   fact.moves_boresight = false;
   fact.effect.inseparable_from = {"a", "b"};
   EXPECT_EQ(Words(Finding{fact}),
-            "the data ask for lidar_time_offset of 20 +- 0.5 ms (p < 1e-12), which moves the "
-            "trajectory (12.0 sigma); a or b would explain it nearly as well: estimate it");
+            "the data indicate lidar_time_offset = 20 +- 0.5 ms (p < 1e-12), which moves the "
+            "trajectory (12.0 sigma); a or b would explain the data nearly as well: estimate it");
 }
 
-TEST(Words, ADepartureIsToldWithWhatItMayMove) {
+TEST(Words, ADiscrepancyIsReportedWithItsShift) {
   DepartureCheck check;
   check.name = "laser vectors by scan angle";
   check.p_value = 2e-5;
   check.damage = 5.36;
-  EXPECT_THAT(Words(Finding{facts::DepartureUnnamed{check}, true}),
-              HasSubstr("laser vectors by scan angle differ as no effect of the table explains "
-                        "(p = 2e-05), which may move the boresight by 5.4 sigma"));
+  EXPECT_THAT(
+      Words(Finding{facts::DepartureUnnamed{check}, true}),
+      HasSubstr("laser vectors by scan angle show a discrepancy that no known effect explains "
+                "(p = 2e-05); it may move the boresight by 5.4 sigma"));
 }
 
-TEST(Words, ARivalIsToldWithWhereItPutsTheBoresight) {
+TEST(Words, ACompetingEffectIsReportedWithItsShift) {
   RivalCheck check{"gyro_misalignment", "accel_misalignment", -0.5, {}, 33.3};
   check.boresight_rad = Eigen::Vector3d(28.7, -23.5, 19.9) * 1e-3 * kRadPerDeg;
-  EXPECT_THAT(
-      Words(Finding{facts::UnknownAmbiguous{check, true}}),
-      HasSubstr("accel_misalignment in the place of gyro_misalignment explains the data as "
-                "well, and puts the boresight 28.7, -23.5, 19.9 mdeg elsewhere (33.3 sigma)"));
+  EXPECT_THAT(Words(Finding{facts::UnknownAmbiguous{check, true}}),
+              HasSubstr("accel_misalignment instead of gyro_misalignment explains the data equally "
+                        "well, and moves the boresight by 28.7, -23.5, 19.9 mdeg (33.3 sigma)"));
   EXPECT_THAT(Words(Finding{facts::UnknownAmbiguous{check, false}}),
-              HasSubstr("puts the trajectory elsewhere"));
+              HasSubstr("moves the trajectory"));
 }
 
 TEST(Words, AnglesHaveTheirNames) {
@@ -81,7 +81,7 @@ TEST(Words, AnglesHaveTheirNames) {
               HasSubstr("roll and pitch cannot be told apart"));
 }
 
-TEST(Words, SidesOfATestAreToldApart) {
+TEST(Words, BothSidesOfATestHaveTheirWords) {
   EXPECT_THAT(Words(Finding{facts::InnovationSize{"GNSS velocities", 1.756}}),
               HasSubstr("of the GNSS velocities are 1.76 times as large as the model expects: the "
                         "stated sigmas or the inertial noise are too small"));
@@ -93,20 +93,21 @@ TEST(Words, SidesOfATestAreToldApart) {
               HasSubstr("within what their covariances explain"));
 }
 
-TEST(Words, OfTwoSourcesOfHowLongErrorsLastTheFileWins) {
+TEST(Words, TheFileOverridesTheCorrelationTimeOfThePairs) {
   facts::SigmasWidened fact;
   fact.ratio = {2.0, 3.0, 4.0};
   fact.scaled_rad = fact.constant_rad = Eigen::Vector3d::Constant(0.001 * kDeg);
   fact.scattered_rad = Eigen::Vector3d::Constant(0.002 * kDeg);
   fact.source = "a.txt";
   fact.tau_s = 41.0;
-  EXPECT_THAT(Words(Finding{fact}), HasSubstr("by a.txt, is absorbed without a trace"));
+  EXPECT_THAT(Words(Finding{fact}), HasSubstr("as stated by a.txt, is absorbed without showing"));
   EXPECT_THAT(Words(Finding{fact}), Not(HasSubstr("41 s")));
   fact.times_shown = true;
-  EXPECT_THAT(Words(Finding{fact}), HasSubstr("last for about 41 s and scatter the angles by "
-                                              "0.00200, 0.00200, 0.00200 deg"));
+  EXPECT_THAT(Words(Finding{fact}), HasSubstr("a correlation time of about 41 s, which contribute "
+                                              "0.00200, 0.00200, 0.00200 deg to the sigmas"));
   fact.times_stated = true;
-  EXPECT_THAT(Words(Finding{fact}), HasSubstr("by a.txt they last, and scatter the angles"));
+  EXPECT_THAT(Words(Finding{fact}),
+              HasSubstr("according to a.txt they are time-correlated, and contribute"));
   EXPECT_THAT(Words(Finding{fact}), Not(HasSubstr("41 s")));
 }
 
@@ -120,7 +121,7 @@ TEST(Words, TheFindingsOfACheckComeFirstAndOnce) {
   Assess(check, &boresight);
   EXPECT_EQ(boresight.verdict, Verdict::kContradicted);
   EXPECT_THAT(Words(boresight.reasons),
-              ElementsAre(HasSubstr("are 0.05 +- 0.001 s late"), "only 12 pairs"));
+              ElementsAre(HasSubstr("are 0.05 +- 0.001 s late"), HasSubstr("only 12 pairs")));
 }
 
 }  // namespace dn::words_test

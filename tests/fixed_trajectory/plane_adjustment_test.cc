@@ -193,7 +193,7 @@ TEST(PlaneAdjustment, RejectsBadInputByName) {
 }
 
 // With errors that are constant over a strip, the boresight varies much more than the normal matrix
-// predicts, and about as much as the reliable covariance predicts.
+// predicts. It varies about as much as the reliable covariance predicts.
 TEST(PlaneScatter, CoversErrorsThatLast) {
   constexpr int kRuns = 40;
   StripPlaneOptions options;

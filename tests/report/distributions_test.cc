@@ -7,7 +7,7 @@
 
 namespace dn::distributions_test {
 
-// Printed tables of the chi-square distribution have three to five digits.
+// Tolerance: printed tables of the chi-square distribution have three to five digits.
 constexpr double kTable = 5e-4;
 
 TEST(Distributions, ChiSquareQuantilesOfPrintedTables) {
@@ -25,7 +25,7 @@ TEST(Distributions, QuantileInvertsTheCdfAtEverySize) {
     }
   }
   EXPECT_NEAR(ChiSquareCdf(1e5 + 499.9, 1e5 - 0.1), ChiSquareCdf(1e5 + 500.1, 1e5 + 0.1), 2e-6);
-  // Two degrees of freedom have a closed form.
+  // There is a closed form for two degrees of freedom.
   EXPECT_NEAR(ChiSquareCdf(1.7, 2.0), 1.0 - std::exp(-0.85), 1e-12);
   EXPECT_EQ(ChiSquareCdf(-1.0, 2.0), 0.0);
 }
@@ -53,7 +53,7 @@ TEST(Distributions, BinomialIntervalByHand) {
   EXPECT_LT(rare.low, 0.9973);
 }
 
-TEST(Distributions, UniformValuesAreCalledSoAndOthersNot) {
+TEST(Distributions, UniformValuesPassAndOthersFail) {
   constexpr int kValues = 100;
   constexpr double kOfReference = 1e9;
   std::vector<double> even, squared;
@@ -63,7 +63,7 @@ TEST(Distributions, UniformValuesAreCalledSoAndOthersNot) {
   }
   EXPECT_GT(UniformityP(even, kOfReference), 0.999);
   EXPECT_LT(UniformityP(squared, kOfReference), 1e-4);
-  // Printed tables: of 100 values a largest distance of 0.134 has p = 0.05.
+  // Printed tables give p = 0.05 for a largest distance of 0.134 of 100 values.
   std::vector<double> shifted;
   for (const double value : even) shifted.push_back(std::min(1.0, value + 0.129));
   EXPECT_NEAR(UniformityP(shifted, kOfReference), 0.05, 0.01);

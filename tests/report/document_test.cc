@@ -13,10 +13,10 @@ namespace dn::document_test {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr std::size_t kMostBytes = 3000000;
+constexpr std::size_t kMaxPageBytes = 3000000;
 const double kNone = std::numeric_limits<double>::quiet_NaN();
 
-std::size_t CountOf(const std::string& part, const std::string& text) {
+std::size_t CountOccurrences(const std::string& part, const std::string& text) {
   std::size_t count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
     ++count;
@@ -24,8 +24,8 @@ std::size_t CountOf(const std::string& part, const std::string& text) {
   return count;
 }
 
-/// What the charts of a page are drawn from.
-Json DataOf(const std::string& html) {
+/// Returns the data from which the page draws its charts.
+Json ChartData(const std::string& html) {
   const std::string begin = "id=\"dn-data\">";
   const std::size_t at = html.find(begin) + begin.size();
   return Json::parse(html.substr(at, html.find("</script>", at) - at));
@@ -54,7 +54,7 @@ TEST(Html, ANumberCarriesItsValueAndSource) {
   EXPECT_THAT(html, HasSubstr(">0.2003</td>"));
 }
 
-TEST(Html, TextsOfAFlightStayTexts) {
+TEST(Html, TextsAreEscaped) {
   const std::string evil = "</script><script>alert(1)</script><img src=x onerror='a' \"b\">&amp;";
   Document document = OneSection(Table{evil, {evil}, {{Cell{evil}}}, evil});
   document.title = document.subtitle = evil;
@@ -70,14 +70,14 @@ TEST(Html, TextsOfAFlightStayTexts) {
   const std::string html = ToHtml(document);
   EXPECT_THAT(html, Not(HasSubstr("<script>alert")));
   EXPECT_THAT(html, Not(HasSubstr("<img")));
-  EXPECT_EQ(CountOf("<script", html), CountOf("</script", html));
-  EXPECT_EQ(DataOf(html)["charts"][0]["title"], evil);
+  EXPECT_EQ(CountOccurrences("<script", html), CountOccurrences("</script", html));
+  EXPECT_EQ(ChartData(html)["charts"][0]["title"], evil);
 }
 
-TEST(Html, SaysWhatIsNoUtf8WithoutFailing) {
+TEST(Html, ReplacesBytesThatAreNotUtf8) {
   const std::string html =
       ToHtml(OneSection(Chart{BarChart{"\xff\xfe", "x", {{"\xff", "", 1, 0, 2}}}}));
-  EXPECT_TRUE(DataOf(html)["charts"][0]["bars"].is_array());
+  EXPECT_TRUE(ChartData(html)["charts"][0]["bars"].is_array());
 }
 
 TEST(Html, LoadsNothing) {
@@ -98,15 +98,15 @@ TEST(Html, OnlyTheLibrariesThatItNeeds) {
   EXPECT_LT(series.size(), 100000u);
 }
 
-TEST(Html, ChartsKeepNumbersThatDoNotExistApart) {
-  const Json data = DataOf(ToHtml(OneSection(
+TEST(Html, ChartsKeepMissingNumbers) {
+  const Json data = ChartData(ToHtml(OneSection(
       Chart{SeriesChart{"t", "x", "y", {{"a", {0, 1}, {1.23456789, kNone}, {1, 1}, {2, 2}}}}})));
   const Json& curve = data["charts"][0]["curves"][0];
   EXPECT_EQ(curve["y"], Json({1.234568, nullptr}));
   EXPECT_EQ(curve["high"], Json({2.0, 2.0}));
 }
 
-// An hour at 200 nodes a second, as many curves as a calibration has.
+// One hour at 200 nodes per second, with as many curves as a calibration has.
 TEST(Thinned, AnHourOfFlightStaysSmall) {
   constexpr std::size_t kEpochs = 720000;
   Curve curve{"x", {}, {}, {}, {}};
@@ -122,7 +122,7 @@ TEST(Thinned, AnHourOfFlightStaysSmall) {
   SeriesChart chart{"biases", "time [s]", "y", {thin, thin, thin}};
   Document document = OneSection(Chart{chart});
   for (int k = 0; k < 4; ++k) document.sections[0].contents.emplace_back(Chart{chart});
-  EXPECT_LT(ToHtml(document).size(), kMostBytes);
+  EXPECT_LT(ToHtml(document).size(), kMaxPageBytes);
 }
 
 TEST(Thinned, KeepsPeaksAndEnds) {

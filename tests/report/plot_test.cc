@@ -52,7 +52,7 @@ TEST(Plot, TheSameInputGivesTheSameText) {
   EXPECT_EQ(DrawSvg("a", "t", TwoPanels()), DrawSvg("a", "t", TwoPanels()));
 }
 
-/// The shapes of a kind that an SVG has.
+/// Returns the shapes of one kind in an SVG.
 std::size_t Count(const std::string& svg, const std::string& shape) {
   std::size_t count = 0;
   for (std::size_t at = svg.find(shape); at != std::string::npos; at = svg.find(shape, at + 1)) {
@@ -103,7 +103,7 @@ TEST(Plot, NothingWithoutGnuplot) {
   EXPECT_FALSE(svg.has_value());
 }
 
-/// A variable of the environment, given back at the end of the scope.
+/// Sets a variable of the environment and restores it at the end of the scope.
 class Variable {
  public:
   Variable(const char* name, const std::string& value) : name_(name) {
@@ -125,7 +125,7 @@ class Variable {
   std::optional<std::string> before_;
 };
 
-/// A program called gnuplot, found first while this lives.
+/// Puts a program named gnuplot first on the path during its lifetime.
 class OtherGnuplot {
  public:
   explicit OtherGnuplot(const std::string& commands)
@@ -155,7 +155,7 @@ TEST(Plot, NoTextReachesAnInterpreter) {
   }
 }
 
-TEST(Plot, TextsAreDrawnAsTheyStand) {
+TEST(Plot, TextsAreDrawnUnchanged) {
   if (!GnuplotIsInstalled()) GTEST_SKIP() << "gnuplot is not installed";
   const auto svg = DrawSvg("strip_1 <b>^{2}", "t", TwoPanels());
   ASSERT_TRUE(svg.has_value());

@@ -46,7 +46,7 @@ TEST(Statistics, WorstEpochsAreByStandardisedSize) {
   const SeriesStatistics s =
       DescribeSeries("a", "x", {1.0, 2.0, 3.0, 4.0}, {1.0, -3.0, 2.0, 0.5}, {1.0, 9.0, 1.0, 0.0});
   EXPECT_NEAR(s.expected_variance, 11.0 / 4.0, kRounding);
-  ASSERT_EQ(s.worst_epochs.size(), 3U) << "a value without redundancy tells nothing";
+  ASSERT_EQ(s.worst_epochs.size(), 3U) << "a value without redundancy is ignored";
   EXPECT_EQ(s.worst_epochs[0].t_s, 3.0);
   EXPECT_EQ(s.worst_epochs[1].t_s, 1.0) << "the earlier one of equal size";
   EXPECT_EQ(s.worst_epochs[2].t_s, 2.0);

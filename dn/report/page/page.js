@@ -24,7 +24,7 @@
     return list;
   }
 
-  // The nearest value that a series has: curves do not share their abscissae.
+  // Returns the index of the nearest value of a series: curves do not share their abscissae.
   function nearestIndex(plot, series, index) {
     const y = plot.data[series];
     for (let step = 0; step < y.length; ++step) {
@@ -104,7 +104,7 @@
     }));
   }
 
-  // Names near where the lines of strips begin, or in the middle of what has no line.
+  // Returns the labels near the beginnings of the strips' lines, and in the middle of areas without a line.
   function namesOnMap(chart) {
     const middle = (curve) => ({ x: d3.mean(curve.x), y: d3.mean(curve.y), label: curve.label });
     const lined = new Set(chart.lines.map((curve) => curve.label));

@@ -8,39 +8,40 @@
 namespace dn::internal {
 namespace {
 
-Json Drawn(double value) {
+Json ToDrawingJson(double value) {
   if (!std::isfinite(value)) return nullptr;
   return std::strtod(fmt::format("{:.7g}", value).c_str(), nullptr);
 }
 
-Json Drawn(const std::vector<double>& values) {
+Json ToDrawingJson(const std::vector<double>& values) {
   Json list = Json::array();
-  for (const double value : values) list.push_back(Drawn(value));
+  for (const double value : values) list.push_back(ToDrawingJson(value));
   return list;
 }
 
-Json Drawn(const Curve& curve) {
-  Json json = {{"label", curve.label}, {"x", Drawn(curve.x)}, {"y", Drawn(curve.y)}};
+Json ToDrawingJson(const Curve& curve) {
+  Json json = {
+      {"label", curve.label}, {"x", ToDrawingJson(curve.x)}, {"y", ToDrawingJson(curve.y)}};
   if (!curve.low.empty()) {
-    json["low"] = Drawn(curve.low);
-    json["high"] = Drawn(curve.high);
+    json["low"] = ToDrawingJson(curve.low);
+    json["high"] = ToDrawingJson(curve.high);
   }
   if (curve.points) json["points"] = true;
   return json;
 }
 
-Json Drawn(const Bar& bar) {
+Json ToDrawingJson(const Bar& bar) {
   return {{"label", bar.label},
           {"group", bar.group},
-          {"value", Drawn(bar.value)},
-          {"low", Drawn(bar.low)},
-          {"high", Drawn(bar.high)}};
+          {"value", ToDrawingJson(bar.value)},
+          {"low", ToDrawingJson(bar.low)},
+          {"high", ToDrawingJson(bar.high)}};
 }
 
 template <class T>
 Json List(const std::vector<T>& values) {
   Json list = Json::array();
-  for (const T& value : values) list.push_back(Drawn(value));
+  for (const T& value : values) list.push_back(ToDrawingJson(value));
   return list;
 }
 
@@ -48,41 +49,45 @@ Json Axes(const char* type, const auto& chart) {
   return {{"type", type}, {"title", chart.title}, {"x", chart.x_label}, {"y", chart.y_label}};
 }
 
-Json Drawn(const SeriesChart& chart) {
+Json ToDrawingJson(const SeriesChart& chart) {
   Json json = Axes("series", chart);
   json["curves"] = List(chart.curves);
   json["log"] = chart.log_scales;
   return json;
 }
 
-Json Drawn(const ScatterChart& chart) {
+Json ToDrawingJson(const ScatterChart& chart) {
   Json json = Axes("scatter", chart);
   json["clouds"] = List(chart.clouds);
   json["curves"] = List(chart.curves);
   return json;
 }
 
-Json Drawn(const BarChart& chart) {
+Json ToDrawingJson(const BarChart& chart) {
   return {
       {"type", "bars"}, {"title", chart.title}, {"x", chart.x_label}, {"bars", List(chart.bars)}};
 }
 
-Json Drawn(const ValuedPoints& points) {
+Json ToDrawingJson(const ValuedPoints& points) {
   if (points.x.empty()) return nullptr;
-  return {{"label", points.label},        {"x", Drawn(points.x)},     {"y", Drawn(points.y)},
-          {"value", Drawn(points.value)}, {"low", Drawn(points.low)}, {"high", Drawn(points.high)}};
+  return {{"label", points.label},
+          {"x", ToDrawingJson(points.x)},
+          {"y", ToDrawingJson(points.y)},
+          {"value", ToDrawingJson(points.value)},
+          {"low", ToDrawingJson(points.low)},
+          {"high", ToDrawingJson(points.high)}};
 }
 
-Json Drawn(const MapChart& chart) {
+Json ToDrawingJson(const MapChart& chart) {
   return {{"type", "map"},
           {"title", chart.title},
           {"lines", List(chart.lines)},
           {"points", List(chart.points)},
           {"areas", List(chart.areas)},
-          {"valued", Drawn(chart.valued)}};
+          {"valued", ToDrawingJson(chart.valued)}};
 }
 
-Json Drawn(const HeatMap& chart) {
+Json ToDrawingJson(const HeatMap& chart) {
   return {{"type", "heat"},
           {"title", chart.title},
           {"rows", chart.rows},
@@ -93,7 +98,7 @@ Json Drawn(const HeatMap& chart) {
 }  // namespace
 
 Json ChartJson(const Chart& chart) {
-  return std::visit([](const auto& one) { return Drawn(one); }, chart);
+  return std::visit([](const auto& one) { return ToDrawingJson(one); }, chart);
 }
 
 std::string EscapedJson(const Json& json) {

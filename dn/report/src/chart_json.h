@@ -5,10 +5,10 @@
 
 namespace dn::internal {
 
-/// A chart as page.js draws it; numbers with the seven digits that a picture can show.
+/// Returns a chart as JSON for page.js, with seven digits, which are enough for a picture.
 Json ChartJson(const Chart& chart);
 
-/// JSON for the inside of a script element: no text in it can end the element.
+/// Returns JSON for the inside of a script element; none of its texts can end the element.
 std::string EscapedJson(const Json& json);
 
 }  // namespace dn::internal

@@ -8,11 +8,11 @@
 namespace dn {
 namespace {
 
-// The incomplete gamma function loses its digits for large arguments; the cube root of a chi-square
-// variable (Wilson and Hilferty 1931) is normal to better than 1e-6 there.
+// The incomplete gamma function loses digits for large arguments. For this many degrees of freedom,
+// the cube root of a chi-square variable (Wilson and Hilferty 1931) is normal to better than 1e-6.
 constexpr double kLargeDof = 1e5;
 
-// Bisection for the root of a rising function: exact to the last digits, never lost.
+// Finds the root of an increasing function by bisection, which always converges to the last digits.
 template <class Function>
 double Root(const Function& rising, double low, double high) {
   for (int i = 0; i < 200 && low < high; ++i) {
@@ -86,12 +86,12 @@ double UniformityP(std::vector<double> values, double of_reference) {
   double largest = 0.0;
   for (std::size_t k = 0; k < values.size(); ++k) {
     const auto below = static_cast<double>(k) / n, up_to = static_cast<double>(k + 1) / n;
-    // A rank is known to one step of the reference.
+    // A rank is only known to one step of the reference.
     largest = std::max({largest, up_to - values[k], values[k] - 1.0 / of_reference - below});
   }
   const double root = std::sqrt(n * of_reference / (n + of_reference));
   const double x = largest * (root + 0.12 + 0.11 / root);
-  if (x < 0.3) return 1.0;  // where the series does not help, the tail is 1 to 1e-5
+  if (x < 0.3) return 1.0;  // the series converges slowly there, but the tail is 1 within 1e-5
   double tail = 0.0;
   constexpr int kTerms = 100;
   for (int k = 1; k <= kTerms; ++k) {

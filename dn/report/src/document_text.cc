@@ -8,39 +8,40 @@
 namespace dn {
 namespace {
 
-std::string TextOf(const Cell& cell) {
+std::string CellText(const Cell& cell) {
   const auto* number = std::get_if<Number>(&cell.content);
   return number != nullptr ? ToText(*number) : std::get<std::string>(cell.content);
 }
 
-/// Characters, not bytes, of UTF-8.
-std::size_t WidthOf(const std::string& text) {
+/// Returns the number of characters, not bytes, of a UTF-8 text.
+std::size_t DisplayWidth(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
   }));
 }
 
-std::string Padded(const std::string& text, std::size_t width, bool left) {
-  const std::string blanks(width - std::min(width, WidthOf(text)), ' ');
+std::string PadToWidth(const std::string& text, std::size_t width, bool left) {
+  const std::string blanks(width - std::min(width, DisplayWidth(text)), ' ');
   return left ? text + blanks : blanks + text;
 }
 
-std::string TextOf(const Table& table) {
+std::string TableText(const Table& table) {
   std::vector<std::vector<std::string>> lines{table.columns};
   for (const auto& row : table.rows) {
     lines.emplace_back();
-    for (const Cell& cell : row) lines.back().push_back(TextOf(cell));
+    for (const Cell& cell : row) lines.back().push_back(CellText(cell));
   }
   std::vector<std::size_t> widths(table.columns.size(), 0);
   for (const auto& line : lines) {
     for (std::size_t k = 0; k < line.size(); ++k) {
-      widths[k] = std::max(widths[k], WidthOf(line[k]));
+      widths[k] = std::max(widths[k], DisplayWidth(line[k]));
     }
   }
   std::string text = table.title.empty() ? "" : table.title + "\n";
   for (const auto& line : lines) {
     std::string out;
-    for (std::size_t k = 0; k < line.size(); ++k) out += "  " + Padded(line[k], widths[k], k == 0);
+    for (std::size_t k = 0; k < line.size(); ++k)
+      out += "  " + PadToWidth(line[k], widths[k], k == 0);
     text += out.substr(0, out.find_last_not_of(' ') + 1) + "\n";
   }
   return text + (table.note.empty() ? "" : "  " + Wrapped(table.note, "  "));
@@ -63,11 +64,11 @@ std::string ToText(const Document& document) {
   for (const Headline& headline : document.headlines) {
     text += Wrapped(headline.word + ": " + headline.answer, "  ");
     for (const std::string& reason : headline.reasons) text += "  " + Wrapped(reason, "    ");
-    for (const Table& table : headline.figures) text += TextOf(table);
+    for (const Table& table : headline.figures) text += TableText(table);
   }
   for (const Section& section : document.sections) {
     for (const Content& content : section.contents) {
-      if (const auto* table = std::get_if<Table>(&content)) text += TextOf(*table);
+      if (const auto* table = std::get_if<Table>(&content)) text += TableText(*table);
     }
   }
   return text;

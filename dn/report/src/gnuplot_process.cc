@@ -28,7 +28,7 @@ constexpr int kNone = 0, kStarting = -1;
 std::atomic<int> g_child{kNone};
 std::atomic<bool> g_forbidden{false};
 
-/// A file without a name, in memory.
+/// An unnamed file in memory.
 class MemoryFile {
  public:
   explicit MemoryFile(const char* name) : fd_(::memfd_create(name, MFD_CLOEXEC)) {}
@@ -40,7 +40,8 @@ class MemoryFile {
 
   int fd() const { return fd_; }
 
-  /// Leaves the position at the start; false when not all could be written.
+  /// Writes the text and moves the position to the start; returns false if it could not write all
+  /// of it.
   bool Fill(std::string_view text) const {
     while (!text.empty()) {
       const ssize_t written = ::write(fd_, text.data(), text.size());
@@ -67,7 +68,8 @@ class MemoryFile {
   int fd_;
 };
 
-/// How the child differs from us: its streams, and signals that end it.
+/// Streams and signals of the child: default handlers and no blocked signals, so that signals end
+/// it.
 class SpawnSettings {
  public:
   SpawnSettings(int in, int out) {
@@ -99,10 +101,11 @@ class SpawnSettings {
   posix_spawnattr_t attributes_{};
 };
 
-/// The standard input by name: gnuplot reads a file by blocks, what is not named byte by byte.
+/// Name of the standard input: gnuplot reads a named file in blocks, but an unnamed stream byte by
+/// byte.
 constexpr const char* kInputByName = "/proc/self/fd/0";
 
-/// The process, or -1.
+/// Starts gnuplot; returns its process ID, or -1.
 pid_t Start(const MemoryFile& script, const MemoryFile& svg) {
   const SpawnSettings settings(script.fd(), svg.fd());
   const char* search = std::getenv("PATH");
@@ -119,9 +122,9 @@ pid_t Start(const MemoryFile& script, const MemoryFile& svg) {
   return error == 0 ? child : -1;
 }
 
-/// No signal handler, on this thread or another, misses a process that runs: it finds it in
-/// g_child, or waits for it there, or has forbidden it.
-pid_t StartKnown(const MemoryFile& script, const MemoryFile& svg) {
+/// Starts gnuplot so that a signal handler on any thread always knows of it. The handler finds the
+/// process in g_child, waits there for it, or prevents the start.
+pid_t StartTracked(const MemoryFile& script, const MemoryFile& svg) {
   sigset_t all, before;
   sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -132,8 +135,9 @@ pid_t StartKnown(const MemoryFile& script, const MemoryFile& svg) {
   return child;
 }
 
-/// True when the process ends well before it has to be killed.
-bool Succeeds(pid_t child, const std::function<bool()>& interrupted) {
+/// Waits for the process and returns whether it succeeded. Kills it after kLongestRun or an
+/// interrupt.
+bool WaitForSuccess(pid_t child, const std::function<bool()>& interrupted) {
   const auto deadline = Clock::now() + kLongestRun;
   for (;;) {
     int status = 0;
@@ -154,9 +158,9 @@ std::optional<std::string> RunGnuplot(const std::string& script,
                                       const std::function<bool()>& interrupted) {
   const MemoryFile in("script"), out("svg");
   if (in.fd() < 0 || out.fd() < 0 || !in.Fill(script)) return std::nullopt;
-  const pid_t child = StartKnown(in, out);
+  const pid_t child = StartTracked(in, out);
   if (child < 0) return std::nullopt;
-  const bool succeeded = Succeeds(child, interrupted);
+  const bool succeeded = WaitForSuccess(child, interrupted);
   g_child = kNone;
   if (!succeeded) return std::nullopt;
   return out.Content();

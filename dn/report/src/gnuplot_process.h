@@ -6,12 +6,12 @@
 
 namespace dn::internal {
 
-/// What gnuplot prints for a script. Nothing where it cannot be started, fails, takes longer than
-/// 20 s, or is ended because `interrupted` became true.
+/// Returns the output of gnuplot for a script. Returns nullopt if it cannot be started, fails,
+/// takes longer than 20 s, or is killed because `interrupted` returned true.
 std::optional<std::string> RunGnuplot(const std::string& script,
                                       const std::function<bool()>& interrupted);
 
-/// Kills the gnuplot that runs; none is started any more.
+/// Kills a running gnuplot and prevents further ones.
 void ForbidGnuplot() noexcept;
 
 }  // namespace dn::internal

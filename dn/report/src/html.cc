@@ -8,19 +8,19 @@
 namespace dn {
 namespace internal {
 
-// The files of dn/report/page and dn/report/vendor.
+// Contents of the files in dn/report/page and dn/report/vendor.
 extern const std::string_view page_style, page_script, uplot_style, uplot_script, uplot_version,
     uplot_licence, d3_script, d3_version, d3_licence, plot_script, plot_version, plot_licence;
 
 }  // namespace internal
 namespace {
 
-// Nothing is loaded from anywhere, whatever a text of a flight says.
+// The page loads nothing from outside, even if a text of the flight contains HTML.
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
     "base-uri 'none'; form-action 'none'";
 
-std::string Escaped(std::string_view text) {
+std::string EscapeHtml(std::string_view text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
@@ -40,7 +40,7 @@ std::string Escaped(std::string_view text) {
         out += "&#39;";
         break;
       default:
-        // Of the control characters HTML knows tab and line feed only.
+        // HTML allows only tab and line feed among the control characters.
         out += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
     }
   }
@@ -49,10 +49,10 @@ std::string Escaped(std::string_view text) {
 
 std::string Element(const char* name, const std::string& text, const char* style = nullptr) {
   const std::string attribute = style == nullptr ? "" : fmt::format(" class=\"{}\"", style);
-  return text.empty() ? "" : fmt::format("<{0}{1}>{2}</{0}>\n", name, attribute, Escaped(text));
+  return text.empty() ? "" : fmt::format("<{0}{1}>{2}</{0}>\n", name, attribute, EscapeHtml(text));
 }
 
-const char* ClassOf(Tone tone) {
+const char* ToneClass(Tone tone) {
   switch (tone) {
     case Tone::kPlain:
       return "plain";
@@ -66,7 +66,7 @@ const char* ClassOf(Tone tone) {
   return "";
 }
 
-/// The page in the making, with the charts that it has so far.
+/// Renders a page, and collects its charts.
 class Page {
  public:
   std::string Render(const Document& document) {
@@ -127,7 +127,7 @@ class Page {
 
   std::string Html(const Headline& headline) {
     std::string text =
-        fmt::format("<section class=\"verdict {}\">\n<div>\n", ClassOf(headline.tone));
+        fmt::format("<section class=\"verdict {}\">\n<div>\n", ToneClass(headline.tone));
     text += Element("h2", headline.word) + Element("p", headline.answer, "answer");
     text += List("Why", headline.reasons) + "</div>\n<div>\n";
     for (const Table& table : headline.figures) text += Html(table);
@@ -144,7 +144,7 @@ class Page {
   static std::string Contents(const Document& document) {
     std::string text = "<nav>";
     for (std::size_t k = 0; k < document.sections.size(); ++k) {
-      text += fmt::format("<a href=\"#s{}\">{}</a>\n", k, Escaped(document.sections[k].title));
+      text += fmt::format("<a href=\"#s{}\">{}</a>\n", k, EscapeHtml(document.sections[k].title));
     }
     return text + "</nav>\n";
   }
@@ -154,7 +154,7 @@ class Page {
     for (const Content& content : section.contents) {
       body += std::visit([&](const auto& one) { return Html(one); }, content);
     }
-    const std::string title = Escaped(section.title);
+    const std::string title = EscapeHtml(section.title);
     return section.folded ? fmt::format(
                                 "<section id=\"s{}\"><details><summary><h2>{}</h2></summary>\n{}"
                                 "</details></section>\n",
@@ -164,7 +164,7 @@ class Page {
   }
 
   static std::string Html(const Paragraph& paragraph) {
-    return Element("p", paragraph.text, ClassOf(paragraph.tone));
+    return Element("p", paragraph.text, ToneClass(paragraph.tone));
   }
 
   static std::string Html(const Listing& listing) {
@@ -174,21 +174,21 @@ class Page {
   static std::string Html(const Cell& cell) {
     const auto* number = std::get_if<Number>(&cell.content);
     if (number == nullptr) {
-      return fmt::format("<td class=\"{}\">{}</td>", ClassOf(cell.tone),
-                         Escaped(std::get<std::string>(cell.content)));
+      return fmt::format("<td class=\"{}\">{}</td>", ToneClass(cell.tone),
+                         EscapeHtml(std::get<std::string>(cell.content)));
     }
     const std::string source =
         number->source.empty()
             ? ""
-            : fmt::format(" data-source=\"{}\" title=\"{}\"", Escaped(number->source),
-                          Escaped(fmt::format("{} in {}", number->value, number->source)));
+            : fmt::format(" data-source=\"{}\" title=\"{}\"", EscapeHtml(number->source),
+                          EscapeHtml(fmt::format("{} in {}", number->value, number->source)));
     return fmt::format("<td class=\"number {}\" data-value=\"{}\" data-scale=\"{}\"{}>{}</td>",
-                       ClassOf(cell.tone), number->value, number->scale, source, ToText(*number));
+                       ToneClass(cell.tone), number->value, number->scale, source, ToText(*number));
   }
 
   static std::string Html(const Table& table) {
     std::string text = Element("h3", table.title) + "<div class=\"wide\"><table>\n<thead><tr>";
-    for (const std::string& column : table.columns) text += "<th>" + Escaped(column) + "</th>";
+    for (const std::string& column : table.columns) text += "<th>" + EscapeHtml(column) + "</th>";
     text += "</tr></thead>\n<tbody>\n";
     for (const auto& row : table.rows) {
       text += "<tr>";
@@ -205,7 +205,7 @@ class Page {
     const std::string title = std::visit([](const auto& one) { return one.title; }, chart);
     return fmt::format(
         "<figure data-chart=\"{}\"><figcaption>{}</figcaption><div></div></figure>\n",
-        charts_.size() - 1, Escaped(title));
+        charts_.size() - 1, EscapeHtml(title));
   }
 
   Json charts_ = Json::array();

@@ -13,11 +13,11 @@ namespace {
 
 constexpr int kPanelHeight = 260;
 constexpr int kRowHeight = 18;
-constexpr int kFrameHeight = 90;  // title, label and numbers of the abscissa
+constexpr int kFrameHeight = 90;  // space for title, label and numbers of the abscissa
 constexpr int kWidth = 900;
 
-/// A gnuplot string in which every character that might end it or mean something is an octal code.
-std::string Quoted(const std::string& text) {
+/// Returns a gnuplot string in which every special character is an octal code.
+std::string QuoteForGnuplot(const std::string& text) {
   constexpr std::string_view kPlain = " .,:;+-=()[]/";
   std::string quoted = "\"";
   for (const char c : WithoutControls(text)) {
@@ -29,8 +29,8 @@ std::string Quoted(const std::string& text) {
   return quoted + "\"";
 }
 
-/// What follows "plot" for the data block of a series.
-std::string Drawn(const std::string& data, PlotStyle style) {
+/// Returns the part of a plot command that draws the data block of a series.
+std::string PlotClause(const std::string& data, PlotStyle style) {
   switch (style) {
     case PlotStyle::kLines:
       return data + " using 1:2 with lines";
@@ -54,18 +54,18 @@ std::string DataBlock(int number, const PlotSeries& series) {
   return text + "EOD\n";
 }
 
-/// The ordinate: numbers, or the names of rows.
+/// Returns the commands for the ordinate: numbers, or the names of the rows.
 std::string Ordinate(const std::vector<std::string>& rows) {
   if (rows.empty()) return "set ytics autofreq\nset yrange [*:*]\n";
   std::string tics;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", Quoted(rows[i]), i);
+    tics += fmt::format("{}{} {}", i == 0 ? "" : ", ", QuoteForGnuplot(rows[i]), i);
   }
   return fmt::format("set ytics ({})\nset yrange [{:.1f}:-0.5]\n", tics,
                      static_cast<double>(rows.size()) - 0.5);
 }
 
-/// Of one panel; all of a plot are as high as the highest.
+/// Returns the height of each panel; all panels of a plot have the height of the highest one.
 int PanelHeight(const std::vector<PlotPanel>& panels) {
   int height = kPanelHeight;
   for (const PlotPanel& panel : panels) {
@@ -81,7 +81,7 @@ std::string Script(const std::string& title, const std::string& x_label,
       "set terminal svg noenhanced size {},{} background rgb 'white' font 'sans,12'\n"
       "set multiplot layout {},1 title {}\nset grid\nset key outside right\n",
       kWidth, PanelHeight(panels) * static_cast<int>(panels.size()) + 40, panels.size(),
-      Quoted(title));
+      QuoteForGnuplot(title));
   int data = 0;
   for (const PlotPanel& panel : panels) {
     std::string plot;
@@ -89,12 +89,14 @@ std::string Script(const std::string& title, const std::string& x_label,
       if (series.points.empty()) continue;
       script += DataBlock(data, series);
       plot += fmt::format("{}{} title {}", plot.empty() ? "plot " : ", ",
-                          Drawn(fmt::format("$d{}", data), series.style), Quoted(series.label));
+                          PlotClause(fmt::format("$d{}", data), series.style),
+                          QuoteForGnuplot(series.label));
       ++data;
     }
     if (plot.empty()) continue;
-    script += fmt::format("set ylabel {}\n", Quoted(panel.y_label)) + Ordinate(panel.rows);
-    if (&panel == &panels.back()) script += fmt::format("set xlabel {}\n", Quoted(x_label));
+    script += fmt::format("set ylabel {}\n", QuoteForGnuplot(panel.y_label)) + Ordinate(panel.rows);
+    if (&panel == &panels.back())
+      script += fmt::format("set xlabel {}\n", QuoteForGnuplot(x_label));
     script += plot + "\n";
   }
   return script + "unset multiplot\n";

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kLags[] = {1, 2, 5, 10, 20, 50};
 constexpr std::size_t kWorstEpochs = 5;
-// A residual whose redundancy is below this is fitted away; its standardised value says nothing.
+// The fit absorbs a residual whose redundancy is below this; its standardised value is meaningless.
 constexpr double kSmallestVariance = 1e-6;
 
 double Autocovariance(const std::vector<double>& values, double mean, std::size_t lag) {

@@ -6,7 +6,7 @@
 namespace dn {
 namespace {
 
-/// Picks the points of a stretch that make its outline.
+/// Picks the points of an interval that determine its outline.
 class Stretch {
  public:
   explicit Stretch(const Curve& curve) : curve_(curve) {}
@@ -32,8 +32,8 @@ class Stretch {
   std::vector<std::size_t> kept_;
 };
 
-std::vector<double> Chosen(const std::vector<double>& values,
-                           const std::vector<std::size_t>& kept) {
+std::vector<double> SelectPoints(const std::vector<double>& values,
+                                 const std::vector<std::size_t>& kept) {
   std::vector<double> chosen;
   if (values.empty()) return chosen;
   chosen.reserve(kept.size());
@@ -56,10 +56,10 @@ Curve Thinned(const Curve& curve, std::size_t most) {
   }
   stretch.MoveTo(&kept);
   return {curve.label,
-          Chosen(curve.x, kept),
-          Chosen(curve.y, kept),
-          Chosen(curve.low, kept),
-          Chosen(curve.high, kept),
+          SelectPoints(curve.x, kept),
+          SelectPoints(curve.y, kept),
+          SelectPoints(curve.low, kept),
+          SelectPoints(curve.high, kept),
           curve.points};
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 using Axes = Eigen::Vector3d TrajectorySigma::*;
 
-Eigen::Vector3d QuantileOf(const std::vector<TrajectorySigma>& sigma, Axes axes, double p) {
+Eigen::Vector3d AxisQuantiles(const std::vector<TrajectorySigma>& sigma, Axes axes, double p) {
   Eigen::Vector3d quantile;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
@@ -25,8 +25,8 @@ AchievedAccuracy AccuracyOf(const std::vector<TrajectorySigma>& sigma) {
   AchievedAccuracy accuracy;
   for (const Axes axes : {&TrajectorySigma::position_enu_m, &TrajectorySigma::velocity_enu_mps,
                           &TrajectorySigma::rph_rad}) {
-    accuracy.median.*axes = QuantileOf(sigma, axes, 0.5);
-    accuracy.largest.*axes = QuantileOf(sigma, axes, 1.0);
+    accuracy.median.*axes = AxisQuantiles(sigma, axes, 0.5);
+    accuracy.largest.*axes = AxisQuantiles(sigma, axes, 1.0);
   }
   return accuracy;
 }

@@ -8,10 +8,11 @@
 namespace dn {
 namespace {
 
-// The damping of Levenberg-Marquardt is relative to the diagonal of the normal matrix; a common
-// shift of a whole trajectory is a direction 1e-9 of it and must not be damped away.
+// The damping of Levenberg-Marquardt is relative to the diagonal of the normal matrix. The
+// curvature along a common shift of the whole trajectory is only 1e-9 of it, and must not be damped
+// away.
 constexpr double kTrustRegionRadius = 1e13;
-// Relative change of the cost at which a stage has converged: 1e-4 sigma of a cost of 1e4.
+// Relative change of the cost at convergence: 1e-4 sigma for a cost of 1e4.
 constexpr double kCostTolerance = 1e-13;
 
 }  // namespace
@@ -51,7 +52,7 @@ void AdjustmentRun::Solve(const std::string& name, int max_iterations, double si
   options.function_tolerance = kCostTolerance;
   options.sigma_tolerance = sigma_tolerance;
   options.analysis = result_.analysis;
-  options.second_attempt = false;  // the initial values are those of a filter
+  options.second_attempt = false;  // the initial values come from a filter
   options.on_iteration = [&](const IterationProgress& progress) {
     if (options_.progress) options_.progress(name, progress.iteration);
     return !(options_.interrupted && options_.interrupted());

@@ -4,7 +4,8 @@
 namespace dn {
 namespace {
 
-/// The correlations with one triad, which change where an interval of a process begins.
+/// Correlations of the boresight with one triad. They change only where an interval of a process
+/// begins, so the last ones are kept.
 class WithBias {
  public:
   WithBias(const std::vector<ProcessChain>& chains, const Eigen::Vector3d& sigma_boresight,

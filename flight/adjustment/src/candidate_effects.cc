@@ -17,49 +17,50 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr std::size_t kMostSteps = 6;
-// Stretches over which rates and forces stand for their derivatives by effects.
-constexpr double kMeansOver_s = 0.02;
+constexpr std::size_t kMaxStepTimes = 6;
+// The samples are averaged over intervals of this length before they are used in derivatives.
+constexpr double kMeanInterval_s = 0.02;
 
-/// Times between strips at which the mount may have slipped.
-std::vector<double> TimesOfSteps(std::vector<StripInterval> strips) {
+/// Returns times between strips at which the mount may have slipped, six at most.
+std::vector<double> StepTimes(std::vector<StripInterval> strips) {
   std::sort(strips.begin(), strips.end(),
             [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
   std::vector<double> t_s;
   for (std::size_t k = 1; k < strips.size(); ++k) {
     t_s.push_back(0.5 * (strips[k - 1].t1_s + strips[k].t0_s));
   }
-  if (t_s.size() > kMostSteps) {
+  if (t_s.size() > kMaxStepTimes) {
     std::vector<double> some;
-    for (std::size_t k = 0; k < kMostSteps; ++k) some.push_back(t_s[k * t_s.size() / kMostSteps]);
+    for (std::size_t k = 0; k < kMaxStepTimes; ++k)
+      some.push_back(t_s[k * t_s.size() / kMaxStepTimes]);
     return some;
   }
   return t_s;
 }
 
-/// Edges of one kind with the factor that they have under another calibration.
+/// Edges of one kind, with the factor that they would have under a calibration with all candidates.
 struct EdgeKind {
   std::vector<FactorId> edges;
-  std::vector<std::size_t> effects;  ///< in the order of the factor's last blocks
-  /// Last blocks of the network's factor that are its own effects; absent for GNSS edges that lack
-  /// the block of the velocity.
+  std::vector<std::size_t> effects;  ///< effects in the order of the factor's last blocks
+  /// Number of last blocks of the network's factor that are effects of the network. It is absent
+  /// for GNSS edges without the block of the velocity.
   std::optional<std::size_t> own_effects = {};
-  std::vector<std::size_t> nodes;  ///< of GNSS edges
+  std::vector<std::size_t> nodes;  ///< nodes of GNSS edges
   std::function<std::shared_ptr<const FactorBase>(std::size_t)> make;
 };
 
-/// Puts every candidate into the edges, at zero beside the present calibration.
+/// Adds every candidate to the edges, with the value zero, and computes the derivatives.
 class Candidates {
  public:
   Candidates(const FlightNetwork& network, int threads, const std::vector<OwnEffect>& own)
       : network_(network),
         threads_(threads),
-        means_(MeansOver(*network.flight().imu, kMeansOver_s)),
+        means_(MeansOver(*network.flight().imu, kMeanInterval_s)),
         state_(network.Calibration()),
         num_own_(own.size()) {
     for (const EstimableEffect& effect : EstimableEffects()) Add(effect);
     for (const OwnEffect& effect : own) Add(effect);
-    of_state_.assign(state_.effects.size(), nullptr);
+    state_candidates_.assign(state_.effects.size(), nullptr);
   }
 
   std::vector<CandidateEffect> Run() {
@@ -86,7 +87,7 @@ class Candidates {
     if (effect.make == nullptr) {
       AddBlock(effect, of_lidar);
     } else if (spec.timing == EffectTiming::kStart) {
-      for (const double t0_s : TimesOfSteps(FindStrips(network_.flight()))) {
+      for (const double t0_s : StepTimes(FindStrips(network_.flight()))) {
         AddAtZero(effect, {network_.flight(), {.t0_s = t0_s}});
       }
     } else if (spec.timing == EffectTiming::kFlight && !Estimated(spec.name)) {
@@ -119,7 +120,7 @@ class Candidates {
     state_.Insert({added.name, std::move(action), Eigen::VectorXd::Zero(added.typical.size())});
   }
 
-  /// A held block as an effect: its change from the value at which it is held.
+  /// Adds a constant block as a candidate: the change from its constant value.
   void AddBlock(const EstimableEffect& effect, bool of_lidar) {
     const BlockId block = network_.net.Find(effect.name());
     if (!network_.net.block(block).held) return;
@@ -133,17 +134,17 @@ class Candidates {
       factors.push_back(edge.position);
       if (edge.velocity >= 0) factors.push_back(edge.velocity);
     }
-    std::vector<Eigen::MatrixXd> L_of(factors.size());
+    std::vector<Eigen::MatrixXd> derivatives(factors.size());
     ParallelFor(static_cast<int>(factors.size()), threads_, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
-      L_of[k] = DerivativeBy(block, factors[k]);
+      derivatives[k] = BlockDerivative(block, factors[k]);
     });
-    AppendColumns(factors, L_of, 0, candidate->typical.size(), candidate);
+    AppendColumns(factors, derivatives, 0, candidate->typical.size(), candidate);
   }
 
-  /// Of a factor as it is, by a block whose stored coordinates are the tangent ones; none of a
-  /// factor that is not active.
-  Eigen::MatrixXd DerivativeBy(BlockId block, FactorId factor) const {
+  /// Returns the derivative of an active factor by a block whose stored coordinates are the tangent
+  /// ones. It is empty for an inactive factor.
+  Eigen::MatrixXd BlockDerivative(BlockId block, FactorId factor) const {
     const FactorRecord& record = network_.net.factor(factor);
     if (!record.active) return {};
     std::vector<const double*> x;
@@ -157,17 +158,17 @@ class Candidates {
     return L;
   }
 
-  /// The candidate of each effect of the state. Both are in the order of EstimableEffects, the
-  /// network's own effects among the candidates'.
+  /// Assigns a candidate to each effect of the state. Both lists have the order of
+  /// EstimableEffects; the state also has the effects of the network.
   void MatchStates() {
     auto next = at_zero_.begin();
     for (std::size_t k = 0; k < state_.effects.size(); ++k) {
       const bool own = OwnBlock(k) >= 0;
-      of_state_[k] = own ? nullptr : &found_[*next++];
+      state_candidates_[k] = own ? nullptr : &found_[*next++];
     }
   }
 
-  /// The block of the network that an effect of the state is; -1 for a candidate.
+  /// Returns the block of the network for an effect of the state; -1 for a candidate.
   BlockId OwnBlock(std::size_t k) const {
     const CalibrationValue& value = state_.effects[k];
     const bool first = k == 0 || state_.effects[k - 1].name != value.name;
@@ -186,7 +187,7 @@ class Candidates {
     Differentiate(kind);
   }
 
-  /// The inertial edges over which pairs are bridged are needed twice.
+  /// Makes the factors of inertial edges that pairs use; AddInertial and AddPairs both need them.
   void MakeBridgingEdges() {
     std::set<std::size_t> edges;
     for (const FlightNetwork::PairEdge& edge : network_.pair_edges) {
@@ -252,8 +253,8 @@ class Candidates {
     Append(edges, EffectsOfPairs(state_), columns, internal::kColumnOfPairEffects);
   }
 
-  /// The values that the factor of an edge takes under the extended calibration.
-  std::vector<const double*> ValuesOf(const EdgeKind& kind, std::size_t k) const {
+  /// Returns the values for the factor that an edge would have under the extended calibration.
+  std::vector<const double*> FactorValues(const EdgeKind& kind, std::size_t k) const {
     std::vector<const double*> x;
     if (kind.own_effects) {
       const std::vector<BlockId>& blocks = network_.net.factor(kind.edges[k]).blocks;
@@ -270,13 +271,14 @@ class Candidates {
 
   const double* Value(BlockId id) const { return network_.net.block(id).value.get(); }
 
-  /// Of an edge by the effects, side by side; none of an edge that is not active.
-  Eigen::MatrixXd DerivativesOf(const EdgeKind& kind, std::size_t k) const {
+  /// Returns the derivative of an edge's residual by the effects, one block of columns after
+  /// another. It is empty for an inactive edge.
+  Eigen::MatrixXd EffectDerivatives(const EdgeKind& kind, std::size_t k) const {
     const FactorRecord& record = network_.net.factor(kind.edges[k]);
     if (!record.active) return {};
     const std::shared_ptr<const FactorBase> factor = kind.make(k);
     const int rows = factor->residual_size();
-    if (rows != record.factor->residual_size()) return {};  // replaced from outside
+    if (rows != record.factor->residual_size()) return {};  // the user replaced the factor
     const std::vector<BlockKind>& blocks = factor->block_kinds();
     const std::span of_effects = std::span(blocks).last(kind.effects.size());
     int columns = 0;
@@ -291,11 +293,11 @@ class Candidates {
       next += rows * of_effects[b].stored_size;
     }
     Eigen::VectorXd r(rows);
-    if (!factor->Evaluate(ValuesOf(kind, k).data(), r.data(), J.data())) return {};
-    return SideBySide(stored.data(), rows, columns, of_effects);
+    if (!factor->Evaluate(FactorValues(kind, k).data(), r.data(), J.data())) return {};
+    return JoinBlocks(stored.data(), rows, columns, of_effects);
   }
 
-  static Eigen::MatrixXd SideBySide(const double* stored, int rows, int columns,
+  static Eigen::MatrixXd JoinBlocks(const double* stored, int rows, int columns,
                                     std::span<const BlockKind> blocks) {
     Eigen::MatrixXd L(rows, columns);
     Eigen::Index column = 0;
@@ -310,42 +312,44 @@ class Candidates {
 
   bool AnyCandidate(const std::vector<std::size_t>& effects) const {
     return std::any_of(effects.begin(), effects.end(),
-                       [&](std::size_t e) { return of_state_[e] != nullptr; });
+                       [&](std::size_t e) { return state_candidates_[e] != nullptr; });
   }
 
   void Differentiate(const EdgeKind& kind) {
     if (!AnyCandidate(kind.effects)) return;
-    std::vector<Eigen::MatrixXd> L_of(kind.edges.size());
-    ParallelFor(static_cast<int>(L_of.size()), threads_, [&](int at) {
+    std::vector<Eigen::MatrixXd> derivatives(kind.edges.size());
+    ParallelFor(static_cast<int>(derivatives.size()), threads_, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
-      L_of[k] = DerivativesOf(kind, k);
+      derivatives[k] = EffectDerivatives(kind, k);
     });
-    Append(kind.edges, kind.effects, L_of);
+    Append(kind.edges, kind.effects, derivatives);
   }
 
-  /// To the candidates what they are of the derivatives of edges by effects, which begin at a column.
+  /// Appends the derivatives of edges to the candidates. The columns of the effects begin at
+  /// `column`.
   template <class Matrix>
   void Append(const std::vector<FactorId>& edges, const std::vector<std::size_t>& effects,
-              const std::vector<Matrix>& L_of, Eigen::Index column = 0) {
+              const std::vector<Matrix>& derivatives, Eigen::Index column = 0) {
     std::vector<Eigen::Index> first{column};
     for (const std::size_t e : effects) {
       first.push_back(first.back() + state_.effects[e].value.size());
     }
     ParallelFor(static_cast<int>(effects.size()), threads_, [&](int at) {
       const auto k = static_cast<std::size_t>(at);
-      CandidateEffect* const candidate = of_state_[effects[k]];
+      CandidateEffect* const candidate = state_candidates_[effects[k]];
       if (candidate == nullptr) return;
-      AppendColumns(edges, L_of, first[k], first[k + 1] - first[k], candidate);
+      AppendColumns(edges, derivatives, first[k], first[k + 1] - first[k], candidate);
     });
   }
 
   template <class Matrix>
-  static void AppendColumns(const std::vector<FactorId>& edges, const std::vector<Matrix>& L_of,
-                            Eigen::Index first, Eigen::Index count, CandidateEffect* candidate) {
-    candidate->model.reserve(candidate->model.size() + L_of.size());
-    for (std::size_t k = 0; k < L_of.size(); ++k) {
-      if (L_of[k].size() == 0) continue;
-      candidate->model.push_back({edges[k], L_of[k].middleCols(first, count)});
+  static void AppendColumns(const std::vector<FactorId>& edges,
+                            const std::vector<Matrix>& derivatives, Eigen::Index first,
+                            Eigen::Index count, CandidateEffect* candidate) {
+    candidate->model.reserve(candidate->model.size() + derivatives.size());
+    for (std::size_t k = 0; k < derivatives.size(); ++k) {
+      if (derivatives[k].size() == 0) continue;
+      candidate->model.push_back({edges[k], derivatives[k].middleCols(first, count)});
     }
   }
 
@@ -355,9 +359,10 @@ class Candidates {
   CalibrationState state_;
   std::size_t num_own_;
   std::vector<CandidateEffect> found_;
-  std::vector<std::size_t> at_zero_;  // of found_, those in the state
-  std::vector<CandidateEffect*> of_state_;
-  std::vector<std::shared_ptr<const PreintegratedInertial>> bridging_;  // null: not bridged over
+  std::vector<std::size_t> at_zero_;  // indices into found_ of the candidates in the state
+  std::vector<CandidateEffect*> state_candidates_;
+  // Null: no pair uses the edge.
+  std::vector<std::shared_ptr<const PreintegratedInertial>> bridging_;
 };
 
 }  // namespace

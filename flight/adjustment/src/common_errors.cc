@@ -16,7 +16,7 @@
 namespace dn::internal {
 namespace {
 
-/// Numbers names in the order in which they are met.
+/// Assigns numbers to names, in the order of their first use.
 class Names {
  public:
   int Number(const std::string& name) {
@@ -33,7 +33,7 @@ class Names {
   std::vector<std::string> names_;
 };
 
-/// Builds forms whose rows are labelled by a name and a window of time.
+/// Builds quadratic forms whose rows are labelled by a name and a time window.
 class LabelledForms {
  public:
   explicit LabelledForms(Eigen::Index rows) : rows_(rows) {}
@@ -73,14 +73,14 @@ class LabelledForms {
   }
 
  private:
-  struct HashOfKey {
+  struct KeyHash {
     std::size_t operator()(const Key& key) const {
       return std::hash<long>()(key.window * 4099 + key.name);
     }
   };
   struct Entry {
     ResidualForm form;
-    std::unordered_map<Key, int, HashOfKey> labels;
+    std::unordered_map<Key, int, KeyHash> labels;
   };
 
   Eigen::Index rows_;
@@ -92,8 +92,8 @@ LabelledForms::Key Window(int name, double t_s, double length_s) {
   return {name, std::lround(std::floor(t_s / length_s))};
 }
 
-/// Puts rows into the forms of their channel: of pairs by the strips that they join, of all else by
-/// time alone.
+/// Assigns rows to the forms of their channel: rows of pairs by strip pair and time window, all
+/// others by time window.
 class CommonErrors {
  public:
   CommonErrors(const FlightNetwork& network, const LinearizedNetwork& linearized)
@@ -109,10 +109,11 @@ class CommonErrors {
       if (!group.measured()) continue;
       const auto pair = strips_of_.find(rows.factor);
       const double t_s = linearized_.t_s(rows.factor);
-      const bool of_pair = pair != strips_of_.end();
-      if (!of_pair && !std::isfinite(t_s)) continue;
+      const bool is_pair = pair != strips_of_.end();
+      if (!is_pair && !std::isfinite(t_s)) continue;
       for (int k = 0; k < rows.count; ++k) {
-        Add(rows.first + k, of_pair ? OfPairs(group, k, pair->second) : OfOthers(group, k), t_s);
+        Add(rows.first + k, is_pair ? PairPlace(group, k, pair->second) : OtherPlace(group, k),
+            t_s);
       }
     }
     return forms_.Take();
@@ -123,14 +124,14 @@ class CommonErrors {
   static constexpr double kAll_s = std::numeric_limits<double>::infinity();
 
   using Strips = std::pair<const StripInterval*, const StripInterval*>;
-  /// Residuals of one channel and axis, and of one pair of strips.
+  /// Residuals of one channel and axis, and of one strip pair.
   using Kind = std::tuple<const FactorGroup*, int, Strips>;
   struct Place {
-    std::vector<std::pair<int, double>> forms;  ///< with the length of their windows, s
+    std::vector<std::pair<int, double>> forms;  ///< forms with the length of their windows, s
     int name = 0;
   };
 
-  const Place& OfPairs(const FactorGroup& group, int k, const Strips& strips) {
+  const Place& PairPlace(const FactorGroup& group, int k, const Strips& strips) {
     const auto [at, is_new] = places_.try_emplace(Kind{&group, k, strips});
     if (is_new) {
       const std::string channel = group.Channel(k);
@@ -143,7 +144,7 @@ class CommonErrors {
     return at->second;
   }
 
-  const Place& OfOthers(const FactorGroup& group, int k) {
+  const Place& OtherPlace(const FactorGroup& group, int k) {
     const auto [at, is_new] = places_.try_emplace(Kind{&group, k, Strips{}});
     if (is_new) {
       const std::string channel = group.Channel(k);

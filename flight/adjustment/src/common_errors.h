@@ -7,7 +7,7 @@
 
 namespace dn::internal {
 
-/// Residuals of an axis summed over windows of time, and over pairs of strips.
+/// Returns the forms that sum the residuals of an axis over time windows and over strip pairs.
 std::vector<ResidualForm> CommonErrorForms(const FlightNetwork& network,
                                            const LinearizedNetwork& linearized);
 

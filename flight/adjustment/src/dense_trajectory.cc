@@ -11,13 +11,13 @@ namespace {
 constexpr double kSameTime_s = 1e-6;
 constexpr std::size_t kNodesPerTask = 64;
 
-/// A pose with the corrected rate and specific force of the moment.
+/// A pose with the corrected angular rate and specific force at its time.
 struct DensePose {
   MapPose pose;
   Eigen::Vector3d w_b_radps, f_b_mps2;
 };
 
-/// From the nodes' poses to those at the sample epochs between them.
+/// Computes the poses at sample epochs between the nodes from the poses of the nodes.
 class DenseLegs {
  public:
   DenseLegs(const FlightNetwork& network, double min_spacing_s)
@@ -31,7 +31,7 @@ class DenseLegs {
     }
   }
 
-  /// Node i and what follows before the next one.
+  /// Returns the pose of node i and those before the next node.
   std::vector<DensePose> FromNode(std::size_t i) const {
     const MapPose start = network_.NodePose(i);
     const ImuCorrection correction =
@@ -84,7 +84,7 @@ class DenseLegs {
   const Flight& flight_;
   CalibrationState calibration_;
   double min_spacing_s_;
-  std::vector<bool> has_leg_;  // by node
+  std::vector<bool> has_leg_;  // per node
 };
 
 NavPoint ToNavPoint(const DensePose& dense, const LocalFrame& frame) {

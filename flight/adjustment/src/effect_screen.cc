@@ -14,7 +14,7 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kMostEffects = 4;
+constexpr std::size_t kMaxSelectedEffects = 4;
 
 class EffectScreener {
  public:
@@ -24,7 +24,7 @@ class EffectScreener {
 
   EffectScreen Run() {
     JointScore& left = out_.beside = score_;
-    while (out_.chosen.size() < kMostEffects) {
+    while (out_.chosen.size() < kMaxSelectedEffects) {
       const std::optional<std::size_t> best = Likeliest(left);
       if (!best) break;
       EffectCheck effect = Describe(left, *best);
@@ -50,7 +50,7 @@ class EffectScreener {
     return test.dof > 0 ? ForFamily(ChiSquareTail(test.statistic, test.dof)) : 1.0;
   }
 
-  /// The effect with the most evidence among the significant ones.
+  /// Returns the significant candidate with the most evidence, if there is one.
   std::optional<std::size_t> Likeliest(const JointScore& score) const {
     std::optional<std::size_t> best;
     double most = 0.0;
@@ -76,7 +76,8 @@ class EffectScreener {
     return effect;
   }
 
-  /// Other effects that are nearly as likely, and of which nothing is left beside this one.
+  /// Returns the names of effects that are nearly as likely and no longer significant if `chosen`
+  /// is estimated.
   std::vector<std::string> AlsoExplain(const JointScore& score, const JointScore& given,
                                        std::size_t chosen, double evidence) const {
     std::vector<std::string> names;
@@ -93,7 +94,7 @@ class EffectScreener {
     return names;
   }
 
-  /// Estimates of all effects found, side by side, and what each of them moves.
+  /// Estimates all found effects jointly, and computes the shift by each of them.
   void EstimateTogether() {
     std::vector<Eigen::Index> components;
     for (const std::size_t k : out_.chosen) {

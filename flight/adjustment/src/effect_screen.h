@@ -11,46 +11,47 @@
 
 namespace dn::internal {
 
-// Evidence within which another effect explains the data nearly as well.
+// Effects whose evidence is within this of the best one are nearly as likely.
 inline constexpr double kAsLikelyNats = 3.0;
-// Estimates are shrunk towards zero from so many usual sizes on, so that what the data leave open
-// moves nothing.
+// Estimates much larger than this many typical sizes are shrunk towards zero, so that components
+// that the data do not determine cause no shift.
 inline constexpr double kLargestPerTypical = 30.0;
 
-/// What effects are screened by.
+/// Common settings of the tests of effects.
 struct ScreenOptions {
-  double tests = 1.0;             ///< of the family: p-values are multiplied by it
-  Eigen::VectorXd watched_sigma;  ///< of the coordinates in JointScore::shift
-  bool of_boresight = true;       ///< these are the three angles
+  double tests = 1.0;             ///< number of tests of the family; p-values are multiplied by it
+  Eigen::VectorXd watched_sigma;  ///< sigmas of the coordinates in JointScore::shift
+  bool of_boresight = true;       ///< true: these coordinates are the three angles
 };
 
-/// The effects that the data show.
+/// Result of the forward selection of effects.
 struct EffectScreen {
   std::vector<EffectCheck> effects;  ///< in the order found
-  std::vector<std::size_t> chosen;   ///< the candidate of each
-  Eigen::VectorXd joint;             ///< estimates of all of them together, SI, one after another
-  JointScore beside;                 ///< the score once they are among the unknowns
+  std::vector<std::size_t> chosen;   ///< index of the candidate of each
+  Eigen::VectorXd joint;             ///< joint estimates of all of them, SI, one after another
+  JointScore beside;                 ///< the score after they have become unknowns
 };
 
-/// Log of the likelihood with an effect over that without it, averaged over its size: Gaussian of
-/// 0.1 to 10 usual sizes.
+/// Returns the log of the likelihood ratio with and without an effect, averaged over its size:
+/// Gaussian with 0.1 to 10 typical sizes.
 double LogEvidence(const JointScore& score, const std::vector<Eigen::Index>& components,
                    const Eigen::VectorXd& typical);
 
-/// Estimates of components together, SI, shrunk towards zero from kLargestPerTypical usual sizes on.
+/// Returns joint estimates of the components, SI, shrunk towards zero if they are well above
+/// kLargestPerTypical typical sizes.
 Eigen::VectorXd ShrunkEstimate(const JointScore& score, const std::vector<Eigen::Index>& components,
                                const Eigen::VectorXd& typical);
 
-/// What the data say of a departure beside the effects found: its components in `beside`, which
-/// has them after those of the candidates. `excess`: variance of the noise over the stated one; null:
-/// nothing of it can be told from the unknowns.
+/// Tests an unmodelled discrepancy after the found effects have become unknowns. `components` are
+/// those of the discrepancy in `beside`, after those of the candidates. `excess` is the noise
+/// variance over the stated one. Returns nullopt if the unknowns absorb the discrepancy.
 std::optional<DepartureCheck> CheckDeparture(const CandidateEffect& departure,
                                              const JointScore& beside,
                                              const std::vector<Eigen::Index>& components,
                                              double excess, const ScreenOptions& options);
 
-/// Takes the likeliest significant effect, again and again, each beside those before, up to four,
-/// and estimates all of them together. `score`: of the candidates, in their order.
+/// Selects the likeliest significant effect, up to four times, each time with the selected ones as
+/// unknowns. Then estimates all of them jointly. `score` is that of the candidates, in their order.
 EffectScreen ScreenEffects(const std::vector<CandidateEffect>& candidates, const JointScore& score,
                            const ScreenOptions& options);
 

@@ -5,7 +5,7 @@
 
 namespace dn::internal {
 
-/// Throws InvalidInput where a flight has no pairs.
+/// Throws InvalidInput if the flight has no pairs.
 inline void ExpectPairs(const Flight& flight) {
   if (flight.pairs && !flight.pairs->pairs.empty()) return;
   throw InvalidInput("adjustment: the flight has no point-to-point pairs");

@@ -12,7 +12,8 @@
 namespace dn {
 namespace {
 
-// Of the start's sigma of heading: a filter that is aligned owes 99 % of what it knows to the data.
+// Share of the initial sigma of heading: 99 % of the information of an aligned filter comes from
+// the data.
 constexpr double kAlignedShare = 0.1;
 
 SeparationAt Difference(const LocalFrame& frame, const MapPose& forward, const MapPose& reverse) {

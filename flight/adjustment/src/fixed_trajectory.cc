@@ -18,12 +18,13 @@ using Eigen::Vector3d;
 constexpr double kCrossingRad = 20.0 * kRadPerDeg;
 constexpr double kHeightPerRange = 0.05;
 constexpr double kEvidentNats = 3.0;  // odds of 20 to 1
-// An error of half the pairs' sigma makes the misclosures 12 % larger: below it, it is noise.
+// An error of half the pairs' sigma increases the misclosures by 12 %; a smaller one counts as
+// noise.
 constexpr double kNoiseLevel = 0.5;
-// Twice the attitude accuracy of the paper's tactical-grade flights, the lowest within its
-// envelope.
+// Twice the attitude accuracy of the tactical-grade flights in the paper, which is the lowest
+// accuracy within its operating envelope.
 constexpr double kEnvelopeDeg[] = {0.01, 0.01, 0.02};
-// Where the reliable sigma exceeds the formal one by more than this, it is worth a sentence.
+// If the reliable sigma over the formal one is larger than this, the result says why.
 constexpr double kMuchWider = 1.2;
 
 struct StripMotion {
@@ -58,7 +59,7 @@ void CheckEstimate(const FlightConfig& config, const char* method) {
   const auto is_boresight = [](const EstimateEntry& entry) { return entry.unknown == "boresight"; };
   if (std::none_of(config.estimate.begin(), config.estimate.end(), is_boresight)) {
     throw InvalidConfig(std::string(method) +
-                        " estimates the boresight, which `estimate` does not name");
+                        " estimates the boresight, which `estimate` does not name; add it there");
   }
 }
 

@@ -7,32 +7,35 @@
 
 namespace dn::internal {
 
-/// What the methods on a fixed trajectory share.
+/// Functions that the methods on a fixed trajectory share.
 
-/// Throws InvalidInput where the trajectory was adjusted with the lidar data.
+/// Throws InvalidInput if the trajectory was adjusted together with the lidar data.
 void CheckTrajectory(const Flight& flight);
 
-/// Throws InvalidConfig when `estimate` does not name the boresight. method: "the plane adjustment".
+/// Throws InvalidConfig if `estimate` does not name the boresight. `method` is its name in the
+/// message, such as "the plane adjustment".
 void CheckEstimate(const FlightConfig& config, const char* method);
 
-/// ReadTrajectoryAccuracy at any ends.
+/// Does what ReadTrajectoryAccuracy does, for the given ends.
 TrajectoryAccuracy ReadAccuracyAt(const Flight& flight,
                                   const std::vector<const GaussHelmertEnd*>& ends);
 
+/// Returns the options of the trajectory covariance: stated accuracy and first epochs of the
+/// strips.
 TrajectoryScatterOptions MakeScatterOptions(const TrajectoryAccuracy& accuracy,
                                             const std::vector<StripInterval>& strips);
 
-/// The geometry of strips that the scanner sees from mean_range_m.
+/// Returns the geometry of strips at the mean range mean_range_m.
 StripDiversity DescribeStrips(const Flight& flight, const std::vector<StripInterval>& strips,
                               double mean_range_m);
 
-/// The sizes of an attitude error that changes what is compared by change_m, against its own
-/// noise_m: noise, held, absorbed.
+/// Classifies an attitude error that changes a measured quantity with the noise noise_m by
+/// change_m: noise, held or absorbed.
 facts::AttitudeInPairs::Size SizeOfAttitudeError(double change_m, double noise_m,
                                                  const Eigen::Vector3d& sigma_rph_rad);
 
-/// Fills in what follows from the adjustment and the scatter: the boresight, its covariances, the
-/// figures that do not depend on the kind of observations.
+/// Fills in the results that do not depend on the kind of observations: the boresight with its
+/// covariances, and the figures.
 template <class Calibration>
 void FillBoresight(const TrajectoryScatter& scatter, Calibration* calibration) {
   const auto& adjustment = calibration->adjustment;
@@ -53,12 +56,12 @@ void FillBoresight(const TrajectoryScatter& scatter, Calibration* calibration) {
   figures.converged = adjustment.converged;
 }
 
-/// Adds why the reliable sigmas are wider than those of the normal matrix, where they are.
+/// Adds the reason why the reliable sigmas are larger than those of the normal matrix, if they are.
 void AddWhyWider(const TrajectoryScatter& scatter, const TrajectoryAccuracy& accuracy,
                  const Eigen::Matrix3d& constant_rad2, BoresightResult* boresight);
 
-/// The sum of squares of an adjustment against what the stated errors of the trajectory, which last,
-/// make of it.
+/// Compares the sum of squares of an adjustment with its expectation under the stated,
+/// time-correlated errors of the trajectory.
 GroupCheck GroupOf(const char* name, long observations, const AdjustmentFigures& figures,
                    const TrajectoryScatter& scatter);
 

@@ -21,15 +21,15 @@ using Eigen::Vector3d;
 constexpr long kFewPairs = 30;  // "tens, not hundreds or thousands" are required
 constexpr double kThreeSigma = 0.0027;
 
-/// rms sigma of a pair's difference, per coordinate.
+/// Returns the rms sigma of a pair's difference, per coordinate.
 double PairSigma(const GaussHelmertProblem& problem) {
   double sum = 0.0;
   for (const GaussHelmertPair& pair : problem.pairs) sum += pair.covariance_m2.trace() / 3.0;
   return std::sqrt(sum / static_cast<double>(problem.pairs.size()));
 }
 
-/// Largest sigma (per coordinate) of the difference of a pair by the attitude errors of its two
-/// epochs: roll and pitch act over the range, heading over the distance from the nadir.
+/// Returns the largest sigma, per coordinate, of a pair's difference due to the attitude errors at
+/// its two epochs. Roll and pitch act over the range, heading over the distance from the nadir.
 double LargestChange(const GaussHelmertProblem& problem, const Vector3d& sigma_rph_rad) {
   double range2 = 0.0, aside2 = 0.0;
   for (const GaussHelmertPair& pair : problem.pairs) {
@@ -55,16 +55,16 @@ facts::AttitudeInPairs AttitudeErrors(const GaussHelmertCalibration& calibration
   return fact;
 }
 
-/// |C_a - C_b|, floored, in the metric of C_a.
-Eigen::Matrix3d CovarianceOfDifference(const Eigen::Matrix3d& C_a, const Eigen::Matrix3d& C_b) {
-  constexpr double kLeast = 0.1;
+/// Returns |C_a - C_b| in the metric of C_a, with a lower bound.
+Eigen::Matrix3d DifferenceCovariance(const Eigen::Matrix3d& C_a, const Eigen::Matrix3d& C_b) {
+  constexpr double kMinShare = 0.1;
   const Eigen::Matrix3d L = C_a.llt().matrixL();
   const Eigen::Matrix3d L_inverse = L.inverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
       Eigen::Matrix3d::Identity() - L_inverse * C_b * L_inverse.transpose());
   const Eigen::Matrix3d G = L * eigen.eigenvectors();
   const Eigen::Vector3d ratio = eigen.eigenvalues().unaryExpr(
-      [](double more) { return std::max(std::abs(more), kLeast * std::max(1.0, 1.0 - more)); });
+      [](double more) { return std::max(std::abs(more), kMinShare * std::max(1.0, 1.0 - more)); });
   return G * ratio.asDiagonal() * G.transpose();
 }
 
@@ -100,7 +100,7 @@ void Assess(const Flight& flight, GaussHelmertCalibration* calibration) {
   for (const EstimateEntry& entry : flight.config.estimate) {
     if (entry.unknown != "boresight")
       add(facts::NotEstimated{entry.unknown,
-                              "the Gauss-Helmert adjustment knows the boresight only"});
+                              "the Gauss-Helmert adjustment estimates the boresight only"});
   }
 }
 
@@ -121,7 +121,7 @@ MethodDifference DifferenceWith(const Eigen::Matrix3d& covariance_rad2, const Bo
 }  // namespace
 
 MethodDifference Compare(const BoresightResult& a, const BoresightResult& b) {
-  return DifferenceWith(CovarianceOfDifference(a.covariance_rad2, b.covariance_rad2), a, b);
+  return DifferenceWith(DifferenceCovariance(a.covariance_rad2, b.covariance_rad2), a, b);
 }
 
 MethodDifference CompareIndependent(const BoresightResult& a, const BoresightResult& b) {

@@ -4,10 +4,10 @@
 
 namespace dn::internal {
 
-/// Of the laser vectors.
+/// Returns the mean length of the laser vectors, m.
 double MeanRange(const GaussHelmertProblem& problem);
 
-/// Fills verdict and reasons of a calibration that is otherwise complete.
+/// Fills in the verdict and the reasons of an otherwise complete calibration.
 void Assess(const Flight& flight, GaussHelmertCalibration* calibration);
 
 }  // namespace dn::internal

@@ -14,14 +14,14 @@
 namespace dn::internal {
 namespace {
 
-/// The stated prior against the pairs alone: what the angles would be without it, with the reliable
-/// covariance of both.
-std::optional<PriorCheck> PriorOf(const GaussHelmertCalibration& calibration) {
+/// Tests the stated prior against the boresight from the pairs alone, with the reliable covariance
+/// of the pairs.
+std::optional<PriorCheck> CheckStatedPrior(const GaussHelmertCalibration& calibration) {
   const auto& sigma_rad = calibration.problem.boresight_sigma_rad;
   if (!sigma_rad) return std::nullopt;
   const Eigen::Matrix3d P = sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
-  const Eigen::Matrix3d of_pairs = calibration.adjustment.normal - P;
-  const Eigen::FullPivLU<Eigen::Matrix3d> lu(of_pairs);
+  const Eigen::Matrix3d pair_normal = calibration.adjustment.normal - P;
+  const Eigen::FullPivLU<Eigen::Matrix3d> lu(pair_normal);
   if (!lu.isInvertible()) return std::nullopt;
   const Eigen::Vector3d predicted_rad =
       lu.solve(calibration.adjustment.normal * AwayFromStated(calibration));
@@ -44,7 +44,7 @@ ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterv
   check.of_boresight = true;
   check.groups.push_back(GroupOf("lidar p2p", 3 * calibration.figures.correspondences,
                                  calibration.figures, calibration.scatter));
-  if (const auto prior = PriorOf(calibration)) check.priors.push_back(*prior);
+  if (const auto prior = CheckStatedPrior(calibration)) check.priors.push_back(*prior);
   check.effects = found.effects;
   check.departures = found.departures;
   check.groups.front().ratio_beside_effects *= found.share_left;

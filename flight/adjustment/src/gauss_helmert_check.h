@@ -6,9 +6,10 @@
 
 namespace dn::internal {
 
-/// What the misclosures of a Gauss-Helmert adjustment say against its model: their size against the
-/// stated noise, effects and departures of the lidar (FindEffects), the share of outliers, the size of the angles,
-/// the stated prior. `calibration` must have its boresight.
+/// Tests the model of a Gauss-Helmert adjustment with its misclosures. The tests are their size
+/// against the stated noise, effects and unmodelled discrepancies of the lidar (FindEffects), the
+/// share of outliers, the size of the angles, and the stated prior. The boresight of `calibration`
+/// must be set.
 ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterval>& strips,
                              const GaussHelmertCalibration& calibration);
 

@@ -21,29 +21,30 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Of the errors of the trajectory, in octaves: about one above what is stated, five at most.
-constexpr int kMostOctaves = 5;
+// Scales of the trajectory errors, in octaves: prior sigma of one octave above the stated scale,
+// five at most.
+constexpr int kMaxOctaves = 5;
 constexpr double kOctavesSigma = 1.0;
-// Of the white noise, from what is stated to sigma0 times that.
+// Steps of the white noise from the stated one to sigma0 times the stated one.
 constexpr int kWhiteSteps = 2;
-// The scale of the white noise has it already.
+// The scale of the white noise includes the excess.
 constexpr double kNoExcess = 1.0;
 
-/// The scales looked at, by their steps from the stated ones.
+/// Scales as numbers of steps from the stated scales.
 struct ScaleSteps {
   int position = 0, attitude = 0, white = 0;
   auto operator<=>(const ScaleSteps&) const = default;
 };
 
-/// What speaks for a scale.
+/// Evidence for a scale.
 struct ScaleEvidence {
-  double of_errors = 0.0;  ///< nats, without any effect
-  double of_both = 0.0;    ///< with the likeliest effect, or without where that is likelier
+  double errors_nats = 0.0;  ///< nats, without any effect
+  double total_nats = 0.0;   ///< nats, with the likeliest effect, or without if that is likelier
   JointScore score;
 };
 
-/// Finds the likeliest scale of the errors. Errors alone have one; errors with an effect may have
-/// another, near what is stated.
+/// Finds the likeliest scale of the errors. There may be two local maxima: errors without effects,
+/// and errors near the stated scale with an effect.
 class ScaleSearch {
  public:
   ScaleSearch(const LastingErrors& errors, const std::vector<CandidateEffect>& candidates,
@@ -51,20 +52,20 @@ class ScaleSearch {
       : errors_(errors), candidates_(candidates), sigma0_(std::max(1.0, sigma0)) {}
 
   ErrorScale Likeliest() {
-    const ScaleSteps noisy{0, 0, Most(&ScaleSteps::white)};
-    const ScaleSteps alone = Climb(noisy, &ScaleEvidence::of_errors);
+    const ScaleSteps noisy{0, 0, MaxSteps(&ScaleSteps::white)};
+    const ScaleSteps alone = Climb(noisy, &ScaleEvidence::errors_nats);
     for (const ScaleSteps start : {ScaleSteps{}, noisy, alone}) {
-      const ScaleSteps top = Climb(start, &ScaleEvidence::of_both);
-      if (At(top).of_both > At(likeliest_).of_both) likeliest_ = top;
+      const ScaleSteps top = Climb(start, &ScaleEvidence::total_nats);
+      if (At(top).total_nats > At(likeliest_).total_nats) likeliest_ = top;
     }
-    return ScaleOf(likeliest_);
+    return ToErrorScale(likeliest_);
   }
 
-  /// Of the effects beside errors of the likeliest scale.
+  /// Returns the score of the effects under errors of the likeliest scale.
   const JointScore& score() { return At(likeliest_).score; }
 
  private:
-  ErrorScale ScaleOf(const ScaleSteps& steps) const {
+  ErrorScale ToErrorScale(const ScaleSteps& steps) const {
     return {std::exp2(steps.position), std::exp2(steps.attitude),
             std::pow(sigma0_, static_cast<double>(steps.white) / kWhiteSteps)};
   }
@@ -72,23 +73,23 @@ class ScaleSearch {
   const ScaleEvidence& At(const ScaleSteps& steps) {
     const auto known = known_.find(steps);
     if (known != known_.end()) return known->second;
-    LastingErrors::AtScale at = errors_.At(ScaleOf(steps));
+    LastingErrors::AtScale at = errors_.At(ToErrorScale(steps));
     ScaleEvidence evidence;
     const double octaves2 =
         steps.position * steps.position + static_cast<double>(steps.attitude * steps.attitude);
-    evidence.of_errors = at.log_likelihood - 0.5 * octaves2 / (kOctavesSigma * kOctavesSigma);
-    double of_effect = 0.0;
+    evidence.errors_nats = at.log_likelihood - 0.5 * octaves2 / (kOctavesSigma * kOctavesSigma);
+    double effect_nats = 0.0;
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
       const double nats = LogEvidence(at.score, at.score.Components(k), candidates_[k].typical);
-      of_effect = std::max(of_effect,
-                           nats - std::log(static_cast<double>(candidates_.size()) / kFamilyLevel));
+      effect_nats = std::max(
+          effect_nats, nats - std::log(static_cast<double>(candidates_.size()) / kFamilyLevel));
     }
-    evidence.of_both = evidence.of_errors + of_effect;
+    evidence.total_nats = evidence.errors_nats + effect_nats;
     evidence.score = std::move(at.score);
     return known_.emplace(steps, std::move(evidence)).first->second;
   }
 
-  /// From a start to a scale that no neighbour exceeds.
+  /// Climbs from a start to a scale that no neighbour exceeds.
   ScaleSteps Climb(ScaleSteps top, double ScaleEvidence::*height) {
     for (bool higher = true; higher;) {
       higher = false;
@@ -97,7 +98,7 @@ class ScaleSearch {
         for (const int step : {-1, 1}) {
           ScaleSteps next = top;
           next.*which += step;
-          if (next.*which < 0 || next.*which > Most(which)) continue;
+          if (next.*which < 0 || next.*which > MaxSteps(which)) continue;
           if (At(next).*height <= At(top).*height) continue;
           top = next;
           higher = true;
@@ -107,8 +108,8 @@ class ScaleSearch {
     return top;
   }
 
-  int Most(int ScaleSteps::*which) const {
-    if (which != &ScaleSteps::white) return kMostOctaves;
+  int MaxSteps(int ScaleSteps::*which) const {
+    if (which != &ScaleSteps::white) return kMaxOctaves;
     return sigma0_ > 1.0 ? kWhiteSteps : 0;
   }
 
@@ -119,14 +120,15 @@ class ScaleSearch {
   std::map<ScaleSteps, ScaleEvidence> known_;
 };
 
-/// Of the boresight without the effects, where the reliable ones hold them, too.
+/// Returns the sigmas of the boresight without the contribution of the effects, which the reliable
+/// sigmas may contain.
 Vector3d SigmaBesideEffects(const LastingErrors& errors, const ErrorScale& scale,
                             const GaussHelmertCalibration& calibration) {
-  const Matrix3d covariance = errors.OfBoresight(scale) + calibration.constant_rad2;
+  const Matrix3d covariance = errors.BoresightCovariance(scale) + calibration.constant_rad2;
   return covariance.diagonal().cwiseSqrt().cwiseMin(calibration.boresight.sigma_rad());
 }
 
-Eigen::VectorXd OfAllComponents(const EffectScreen& screen, const JointScore& score) {
+Eigen::VectorXd ExpandEstimates(const EffectScreen& screen, const JointScore& score) {
   Eigen::VectorXd all = Eigen::VectorXd::Zero(score.s.size());
   Eigen::Index at = 0;
   for (const std::size_t k : screen.chosen) {
@@ -161,7 +163,7 @@ GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInt
       by_angle, screen.beside, screen.beside.Components(candidates.size()), kNoExcess, options);
   if (departure) out.departures.push_back(*departure);
   if (!screen.chosen.empty()) {
-    out.share_left = errors.ShareLeft(OfAllComponents(screen, search.score()));
+    out.share_left = errors.ShareLeft(ExpandEstimates(screen, search.score()));
   }
   return out;
 }

@@ -7,24 +7,28 @@
 
 namespace dn::internal {
 
-/// Effects that the pairs of a Gauss-Helmert calibration show.
+/// Effects and unmodelled discrepancies that the pairs of a Gauss-Helmert calibration show.
 struct GaussHelmertEffects {
   std::vector<EffectCheck> effects;
   std::vector<DepartureCheck> departures;
-  double share_left = 1.0;  ///< of the misclosures' sum of squares, with those among the unknowns
+  /// Share of the misclosures' sum of squares that remains if `effects` are estimated.
+  double share_left = 1.0;
 };
 
-/// Score tests of the effects of the lidar, beside lasting errors of the trajectory.
+/// Finds effects of the lidar by score tests, jointly with time-correlated errors of the
+/// trajectory.
 ///
-/// An error of the trajectory that lasts looks like many an effect: a late tag shifts a strip along
-/// its course. So the errors are unknowns, of the stated size or of a larger one: of the scale that
-/// is the likeliest, with the likeliest effect or without any. With one, the likelihood counts
-/// less, by the number of effects over the level of significance. Departures are those by scan angle:
-/// what differs by strip, errors of the trajectory do as well.
+/// Such an error resembles many effects: a late tag, for example, shifts a strip along its course.
+/// The errors are therefore unknowns, of the stated size or larger. Their scale is the likeliest
+/// one, with the likeliest effect or without any. With an effect, the likelihood is reduced by the
+/// number of effects over the significance level.
+///
+/// Unmodelled discrepancies are tested by scan angle only, because errors of the trajectory also
+/// differ by strip.
 GaussHelmertEffects FindEffects(const Flight& flight, const std::vector<StripInterval>& strips,
                                 const GaussHelmertCalibration& calibration);
 
-/// The boresight from its stated value, as a left rotation.
+/// Returns the left rotation from the stated boresight to the estimated one.
 Eigen::Vector3d AwayFromStated(const GaussHelmertCalibration& calibration);
 
 }  // namespace dn::internal

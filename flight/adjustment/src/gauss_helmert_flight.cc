@@ -20,9 +20,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
-// On the chi-distributed norm of a pair's misclosure, exceeded by one good pair in ten.
+// Width for the chi-distributed norm of a pair's misclosure; one good pair in ten exceeds it.
 constexpr double kRobustWidth = 2.5;
-constexpr std::size_t kChunk = 2048;  // pairs of a task
+constexpr std::size_t kChunk = 2048;  // pairs per task
 
 PoseInterpolation Describe(const Flight& flight, const InterpolationDeviation& deviation) {
   PoseInterpolation figures;
@@ -126,7 +126,8 @@ GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
   if (!calibration.adjustment.converged) {
     throw NotConverged("the Gauss-Helmert adjustment did not converge in " +
                        std::to_string(calibration.adjustment.iterations) +
-                       " iterations; are the pairs of this flight, and the mounting matrix right?");
+                       " iterations; check the mounting matrix, and that the pairs belong to this "
+                       "flight");
   }
   calibration.solve_time_s = SecondsSince(start);
 

@@ -30,9 +30,10 @@ Json ProcessJson(const GnssProcess& process, const ProcessChain& chain, const Ne
           {"posterior_sigma_enu_m", rms_m(variance)}};
 }
 
-/// Of the sum of the processes at an epoch: they share its factor, so that their covariances are at
-/// hand.
-Eigen::Vector3d SigmaOfSum(const FlightNetwork& network, const Marginals& marginals, double t_s) {
+/// Returns the sigmas of the sum of the processes at an epoch. The position factor of the epoch
+/// joins these processes, so their joint covariances are in the selected inverse.
+Eigen::Vector3d ProcessSumSigma(const FlightNetwork& network, const Marginals& marginals,
+                                double t_s) {
   const std::vector<GnssProcess>& processes = network.flight().config.gnss->processes;
   Eigen::Vector3d variance = Eigen::Vector3d::Zero();
   for (std::size_t a = 0; a < processes.size(); ++a) {
@@ -64,7 +65,7 @@ std::string FormatGnssErrors(const FlightNetwork& network, const Marginals& marg
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
     const double t_s = network.flight().gnss->epochs[edge.epoch].t_s;
     const Eigen::Vector3d error = network.GnssErrorEnu(t_s);
-    const Eigen::Vector3d sigma = SigmaOfSum(network, marginals, t_s);
+    const Eigen::Vector3d sigma = ProcessSumSigma(network, marginals, t_s);
     text += FormatDouble(t_s);
     for (const Eigen::Vector3d& columns : {error, sigma}) {
       for (const double value : columns) text += ", " + FormatDouble(value);

@@ -11,16 +11,16 @@
 namespace dn {
 namespace {
 
-// Usual size of what has no name.
+// Typical size of an unmodelled discrepancy, m.
 constexpr double kLaserM = 0.02;
 constexpr int kScanAngleBumps = 7;
 constexpr double kNarrowestRad = 1e-3;
 
-/// measured = true + sum of weighted three-vectors in the sensor frame.
+/// Laser offset: measured = true + weighted sum of three-vectors in the sensor frame.
 class LaserOffset final : public LidarEffect {
  public:
-  using WeightsOf = std::function<void(const LidarReading&, Eigen::VectorXd*)>;
-  LaserOffset(int count, WeightsOf weights) : count_(count), weights_(std::move(weights)) {}
+  using WeightFunction = std::function<void(const LidarReading&, Eigen::VectorXd*)>;
+  LaserOffset(int count, WeightFunction weights) : count_(count), weights_(std::move(weights)) {}
   int components() const override { return 3 * count_; }
   void Correct(const Eigen::Ref<const Eigen::VectorXd>& value, Eigen::Index column,
                LidarReading* reading) const override {
@@ -35,10 +35,10 @@ class LaserOffset final : public LidarEffect {
 
  private:
   int count_;
-  WeightsOf weights_;
+  WeightFunction weights_;
 };
 
-/// The scan angles that occur.
+/// Collects the range of the scan angles.
 class ScanAngles {
  public:
   explicit ScanAngles(const LidarConfig& lidar) : lidar_(lidar) {}

@@ -15,26 +15,26 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
-// Of an error, half the variance is constant over a strip.
-constexpr double kHalfOfVariance = 0.70710678118654752;
-// The errors of a cheap inertial sensor bend within seconds.
+// Half the variance of an error is constant over a strip.
+constexpr double kSqrtHalf = 0.70710678118654752;
+// The errors of a cheap inertial sensor change within seconds.
 constexpr double kSpacing_s = 2.5;
-// Of all strips together: the cost grows with its cube.
-constexpr double kMostNodes = 100.0;
-constexpr std::size_t kMostOwnStrips = 64;
+// Limit for the nodes of all strips together: the cost grows with the cube of their number.
+constexpr double kMaxErrorNodes = 100.0;
+constexpr std::size_t kMaxSeparateStrips = 64;
 
-/// The unknowns of a strip: its constant at `first`, then the nodes.
+/// Indices of the unknowns of a strip: its constant at `first`, then its nodes.
 struct StripUnknowns {
   double t0_s = 0.0, t1_s = 0.0;
   Index first = 0;
   int nodes = 2;
 };
 
-/// Of very many strips neighbours share their errors.
+/// Merges neighbouring strips if there are very many, so that they share their errors.
 std::vector<StripInterval> Merged(std::vector<StripInterval> strips) {
   std::sort(strips.begin(), strips.end(),
             [](const StripInterval& a, const StripInterval& b) { return a.t0_s < b.t0_s; });
-  const std::size_t together = 1 + (strips.size() - 1) / kMostOwnStrips;
+  const std::size_t together = 1 + (strips.size() - 1) / kMaxSeparateStrips;
   std::vector<StripInterval> merged;
   for (std::size_t k = 0; k < strips.size(); ++k) {
     if (k % together == 0) {
@@ -49,7 +49,7 @@ std::vector<StripInterval> Merged(std::vector<StripInterval> strips) {
 std::vector<StripUnknowns> LayOut(const std::vector<StripInterval>& strips) {
   double duration_s = 0.0;
   for (const StripInterval& strip : strips) duration_s += strip.t1_s - strip.t0_s;
-  const double spacing_s = std::max(kSpacing_s, duration_s / kMostNodes);
+  const double spacing_s = std::max(kSpacing_s, duration_s / kMaxErrorNodes);
   std::vector<StripUnknowns> unknowns;
   Index next = 3;
   for (const StripInterval& strip : strips) {
@@ -65,7 +65,7 @@ double Outside(const StripUnknowns& strip, double t_s) {
   return std::max({0.0, strip.t0_s - t_s, t_s - strip.t1_s});
 }
 
-/// Where an error at an epoch comes from: three unknowns of six, with their weights.
+/// Contribution of an unknown (six columns at `column`) to the error at an epoch; there are three.
 struct Share {
   Index column = 0;
   double weight = 0.0;
@@ -84,14 +84,14 @@ std::array<Share, 3> SharesAt(const std::vector<StripUnknowns>& strips, double t
   return {{{strip.first, 1.0}, {node, 1.0 - part}, {node + 6, part}}};
 }
 
-/// The columns of J of one pair that are not zero.
+/// The nonzero columns of J for one pair.
 struct SparseRows {
   std::array<Index, 7> column{};
   std::array<Matrix36, 7> J;  // the first has three columns
 };
 
-SparseRows JacobianOf(const PairRows& rows, const std::vector<StripUnknowns>& strips,
-                      const Eigen::Matrix<double, 6, 6>& error_sqrt) {
+SparseRows MakePairJacobian(const PairRows& rows, const std::vector<StripUnknowns>& strips,
+                            const Eigen::Matrix<double, 6, 6>& error_sqrt) {
   SparseRows out;
   out.J[0].setZero();
   out.J[0].leftCols<3>() = rows.A;
@@ -99,7 +99,7 @@ SparseRows JacobianOf(const PairRows& rows, const std::vector<StripUnknowns>& st
   const auto add = [&](const Matrix36& B, double t_s) {
     for (const Share& share : SharesAt(strips, t_s)) {
       out.column[k] = share.column;
-      out.J[k++] = kHalfOfVariance * share.weight * B * error_sqrt;
+      out.J[k++] = kSqrtHalf * share.weight * B * error_sqrt;
     }
   };
   add(rows.B_i, rows.t_i_s);
@@ -128,7 +128,7 @@ LastingErrors::LastingErrors(const std::vector<PairRows>& rows,
   b_.setZero(n);
   Lr_.setZero(q);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const SparseRows J = JacobianOf(rows[k], unknowns, error_sqrt);
+    const SparseRows J = MakePairJacobian(rows[k], unknowns, error_sqrt);
     MatrixXd L(3, q);
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       L.middleCols(first_[c], candidates[c].typical.size()) = candidates[c].model[k].L;
@@ -188,7 +188,7 @@ LastingErrors::AtScale LastingErrors::At(const ErrorScale& scale) const {
   return out;
 }
 
-Eigen::Matrix3d LastingErrors::OfBoresight(const ErrorScale& scale) const {
+Eigen::Matrix3d LastingErrors::BoresightCovariance(const ErrorScale& scale) const {
   const Eigen::Matrix3d inverse = NormalOfBoresight().inverse();
   const Index errors = H_.rows() - 3;
   const MatrixXd moved =

@@ -12,29 +12,29 @@ namespace {
 
 using Eigen::MatrixXd;
 
-/// d residual / d effect by one end.
+/// d residual / d effect through one end of a pair.
 using EndModel = std::function<MatrixXd(const PairEnd&)>;
 
-EffectModel ModelOf(const std::vector<PairEnds>& pairs, const EndModel& end) {
+EffectModel MakeEffectModel(const std::vector<PairEnds>& pairs, const EndModel& end) {
   EffectModel model;
   for (const PairEnds& pair : pairs) model.push_back({pair.factor, end(pair.i) + end(pair.j)});
   return model;
 }
 
-MatrixXd ByReading(const LidarEffect& effect, const PairEnd& end) {
+MatrixXd EndDerivative(const LidarEffect& effect, const PairEnd& end) {
   const int n = effect.components();
   LidarReading reading = LidarReading::Of(end.t_s, end.u_s, n);
   effect.Correct(Eigen::VectorXd::Zero(n), 0, &reading);
   return end.J_r_u * reading.J_u + end.J_r_turn * reading.J_turn + end.J_r_t * reading.J_delay;
 }
 
-EndModel EndModelOf(const EffectAction& action) {
+EndModel MakeEndModel(const EffectAction& action) {
   return [effect = std::get<std::shared_ptr<const LidarEffect>>(action)](const PairEnd& e) {
-    return ByReading(*effect, e);
+    return EndDerivative(*effect, e);
   };
 }
 
-EndModel EndModelOf(const EstimableEffect& effect, const Flight& flight) {
+EndModel MakeEndModel(const EstimableEffect& effect, const Flight& flight) {
   if (effect.make == nullptr) {
     const bool lever_arm = effect.id == EffectId::kLidarLeverArm;
     return [lever_arm](const PairEnd& e) -> MatrixXd {
@@ -42,7 +42,7 @@ EndModel EndModelOf(const EstimableEffect& effect, const Flight& flight) {
       return e.J_r_t;
     };
   }
-  return EndModelOf(effect.make({flight}));
+  return MakeEndModel(effect.make({flight}));
 }
 
 }  // namespace
@@ -51,14 +51,14 @@ CandidateEffect OnPairs(const OwnEffect& own, const std::vector<PairEnds>& pairs
   CandidateEffect effect;
   effect.name = own.name;
   effect.typical = own.typical;
-  effect.model = ModelOf(pairs, EndModelOf(own.action));
+  effect.model = MakeEffectModel(pairs, MakeEndModel(own.action));
   return effect;
 }
 
 CandidateEffect OnPairs(const EstimableEffect& effect, const Flight& flight,
                         const std::vector<PairEnds>& pairs) {
   CandidateEffect candidate = DescribeEffect(effect);
-  candidate.model = ModelOf(pairs, EndModelOf(effect, flight));
+  candidate.model = MakeEffectModel(pairs, MakeEndModel(effect, flight));
   return candidate;
 }
 

@@ -16,12 +16,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using internal::AwayFromStated;
 
-// Half the step of the numerical derivatives by time.
+// Half the step of the numerical derivatives with respect to time.
 constexpr double kHalfStep_s = 5e-3;
-// More pairs say the same.
-constexpr std::size_t kMostPairs = 20000;
+// More pairs give no additional information on the effects.
+constexpr std::size_t kMaxLinearPairs = 20000;
 
-/// Velocity of points that are fixed to the body, along a trajectory.
+/// Computes the velocity of body-fixed points along a trajectory.
 class PointVelocity {
  public:
   explicit PointVelocity(const Flight& flight)
@@ -41,8 +41,8 @@ class PointVelocity {
   PoseInterpolator poses_;
 };
 
-/// P^-1 of an end: position in map, attitude in body.
-Eigen::Matrix<double, 6, 6> NoiseOf(const GaussHelmertEnd& end, const ErrorScale& scale) {
+/// Returns P^-1 of an end: position in map, attitude in body.
+Eigen::Matrix<double, 6, 6> EndCovariance(const GaussHelmertEnd& end, const ErrorScale& scale) {
   const Matrix3d L = scale.position * end.q_mn.toRotationMatrix() * end.sigma_ned_m.asDiagonal();
   const Vector3d down_b = end.q_mb.conjugate() * (end.q_mn * Vector3d::UnitZ());
   const Matrix3d F = scale.attitude * BodyFromEulerRates(down_b) * end.sigma_rph_rad.asDiagonal();
@@ -52,7 +52,7 @@ Eigen::Matrix<double, 6, 6> NoiseOf(const GaussHelmertEnd& end, const ErrorScale
   return noise;
 }
 
-/// The stated covariance of an error of the trajectory, as a square root.
+/// Returns a square root of the stated covariance of an error of the trajectory.
 Eigen::Matrix<double, 6, 6> ErrorSqrt(const GaussHelmertCalibration& calibration) {
   const TrajectoryAccuracy& accuracy = calibration.accuracy;
   const Eigen::Quaterniond& q_mn = calibration.problem.pairs.front().i.q_mn;
@@ -62,7 +62,7 @@ Eigen::Matrix<double, 6, 6> ErrorSqrt(const GaussHelmertCalibration& calibration
   return root;
 }
 
-BoresightPrior PriorOfBoresight(const GaussHelmertCalibration& calibration) {
+BoresightPrior MakeBoresightPrior(const GaussHelmertCalibration& calibration) {
   BoresightPrior prior;
   if (const auto& sigma_rad = calibration.problem.boresight_sigma_rad) {
     prior.weight = sigma_rad->cwiseAbs2().cwiseInverse().asDiagonal();
@@ -71,7 +71,7 @@ BoresightPrior PriorOfBoresight(const GaussHelmertCalibration& calibration) {
   return prior;
 }
 
-/// Adds pairs one by one.
+/// Linearises pairs and collects them.
 class Lineariser {
  public:
   Lineariser(const Flight& flight, const GaussHelmertCalibration& calibration)
@@ -83,9 +83,9 @@ class Lineariser {
 
   LinearPairs Run() {
     out_.error_sqrt = ErrorSqrt(calibration_);
-    out_.prior = PriorOfBoresight(calibration_);
+    out_.prior = MakeBoresightPrior(calibration_);
     const auto kept = static_cast<std::size_t>(calibration_.adjustment.pairs_kept);
-    const std::size_t every = 1 + kept / kMostPairs;
+    const std::size_t every = 1 + kept / kMaxLinearPairs;
     std::size_t seen = 0;
     for (std::size_t k = 0; k < calibration_.problem.pairs.size(); ++k) {
       if (calibration_.adjustment.weights[k] > 0.0 && seen++ % every == 0) Add(k);
@@ -110,11 +110,12 @@ class Lineariser {
                          W * at.B.leftCols<6>(), W * at.B.rightCols<6>()});
     out_.whiten.push_back(W);
     out_.pair.push_back(k);
-    out_.ends.push_back({static_cast<FactorId>(out_.ends.size()), EndOf(pair.i, v.segment<3>(3), W),
-                         EndOf(pair.j, v.segment<3>(9), -W)});
+    out_.ends.push_back({static_cast<FactorId>(out_.ends.size()),
+                         MakePairEnd(pair.i, v.segment<3>(3), W),
+                         MakePairEnd(pair.j, v.segment<3>(9), -W)});
   }
 
-  PairEnd EndOf(const GaussHelmertEnd& end, const Vector3d& v_phi, const Matrix3d& W) const {
+  PairEnd MakePairEnd(const GaussHelmertEnd& end, const Vector3d& v_phi, const Matrix3d& W) const {
     const Matrix3d& R_bs = lidar_.mounting.R_bs_nominal;
     const Vector3d s_b = calibration_.problem.lever_arm_b_m + q_boresight_ * end.u_b;
     PairEnd out;
@@ -141,8 +142,8 @@ class Lineariser {
 Matrix3d MisclosureCovariance(const GaussHelmertPair& pair, const PairLinearisation& at,
                               const ErrorScale& scale) {
   const auto B_i = at.B.leftCols<6>(), B_j = at.B.rightCols<6>();
-  return pair.covariance_m2 + B_i * NoiseOf(pair.i, scale) * B_i.transpose() +
-         B_j * NoiseOf(pair.j, scale) * B_j.transpose();
+  return pair.covariance_m2 + B_i * EndCovariance(pair.i, scale) * B_i.transpose() +
+         B_j * EndCovariance(pair.j, scale) * B_j.transpose();
 }
 
 LinearPairs LinearisePairs(const Flight& flight, const GaussHelmertCalibration& calibration) {

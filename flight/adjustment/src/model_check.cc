@@ -25,10 +25,11 @@ namespace dn {
 namespace {
 
 constexpr int kWatchedNodes = 8;
-// What averaging over the size of an error costs, against its likeliest size.
-constexpr double kPriceOfASizeNats = 2.0;
+// Cost, in nats, of averaging the evidence over the size of an error instead of taking the
+// likeliest size.
+constexpr double kSizeAveragingNats = 2.0;
 
-std::vector<OwnEffect> Departures(const FlightNetwork& network) {
+std::vector<OwnEffect> CandidateDiscrepancies(const FlightNetwork& network) {
   if (network.pair_edges.empty()) return {};
   std::vector<OwnEffect> departures{LaserByScanAngle(network)};
   const std::vector<StripInterval> strips = FindStrips(network.flight());
@@ -71,7 +72,7 @@ class Checker {
  private:
   double ForFamily(double p_value) const { return std::min(1.0, p_value * tests_); }
 
-  /// The sums of residuals that are tested, and how they scatter when all is as assumed.
+  /// Makes the tested sums of residuals, and their moments under the assumed model.
   void FormSums() {
     forms_ = ChannelForms(linearized_);
     num_channels_ = forms_.size();
@@ -81,8 +82,8 @@ class Checker {
   }
 
   void ListCandidates() {
-    candidates_ = CandidateEffects(network_, threads_, Departures(network_));
-    // What has no name stands last.
+    candidates_ = CandidateEffects(network_, threads_, CandidateDiscrepancies(network_));
+    // Unmodelled discrepancies come last in the list.
     const auto first = std::find_if(
         candidates_.begin(), candidates_.end(),
         [](const CandidateEffect& candidate) { return FindEffect(candidate.name) == nullptr; });
@@ -90,7 +91,7 @@ class Checker {
     candidates_.erase(first, candidates_.end());
   }
 
-  /// The unknowns whose move counts: the boresight, else poses along the trajectory.
+  /// Selects the unknowns whose shift counts: the boresight, or else poses along the trajectory.
   void Watch() {
     if (!network_.pair_edges.empty() && !network_.net.block(network_.boresight.id).held) {
       watched_.push_back(network_.boresight.id);
@@ -113,7 +114,7 @@ class Checker {
       watched_sigma_.segment<3>(column) =
           marginals_.DiagonalBlock(watched_[k]).diagonal().cwiseSqrt();
     }
-    // How far a unit error of each row moves them.
+    // The shift of the watched unknowns by a unit error of each row.
     gain_ = linearized_.Times(marginals_.Solve(unit));
   }
 
@@ -149,8 +150,8 @@ class Checker {
       common.ratio = energy / std::max(moments.mean, 1e-300);
       common.p_value = ForFamily(moments.UpperTail(energy));
       if (moments.variance > 0.0 && common.ratio > 1.0) {
-        common.log_evidence =
-            0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) - kPriceOfASizeNats;
+        common.log_evidence = 0.5 * moments.Dof() * (common.ratio - 1.0 - std::log(common.ratio)) -
+                              kSizeAveragingNats;
       }
       const double left = forms_[c].Energy(beside_effects);
       common.explained = ForFamily(moments.UpperTail(left)) > internal::kFamilyLevel;
@@ -165,7 +166,7 @@ class Checker {
     }
   }
 
-  /// The label whose residuals agree most in their sign.
+  /// Returns the label whose residuals agree most in their sign.
   std::string WorstLabel(const ResidualForm& form) const {
     const Eigen::VectorXd sum = form.SumByLabel(linearized_.residual());
     const Eigen::VectorXd count =
@@ -175,7 +176,8 @@ class Checker {
     return form.label_name[static_cast<std::size_t>(worst)];
   }
 
-  /// With the shifts of what is watched, then of the effects among the unknowns.
+  /// Returns the score of the candidates. Its shift has the watched unknowns first, then the
+  /// estimated effects.
   JointScore ScoreCandidates() const {
     std::vector<const EffectModel*> models;
     for (const CandidateEffect& candidate : candidates_) models.push_back(&candidate.model);
@@ -197,7 +199,8 @@ class Checker {
     FindClocks(score);
   }
 
-  /// Of the noise that the pairs show beside the effects, over the stated one; 1 where it is less.
+  /// Returns the noise variance of the pairs, after the found effects, over the stated one; at
+  /// least 1.
   double ExcessOfPairs() const {
     double ratio = 1.0;
     for (const GroupCheck& group : check_.groups) {
@@ -218,41 +221,45 @@ class Checker {
 
   void FindClocks(const JointScore& score) {
     if (!network_.gnss_edges.empty()) {
-      check_.clocks.gnss = ClockOf(EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift, score);
+      check_.clocks.gnss =
+          EstimateClock(EffectId::kGnssTimeOffset, EffectId::kGnssTimeDrift, score);
     }
     if (!network_.pair_edges.empty()) {
-      check_.clocks.lidar = ClockOf(EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift, score);
+      check_.clocks.lidar =
+          EstimateClock(EffectId::kLidarTimeOffset, EffectId::kLidarTimeDrift, score);
     }
     if (!gnss_clock_) return;
     check_.clocks.gnss = gnss_clock_;
     Eigen::VectorXd move = Eigen::VectorXd::Zero(watched_sigma_.size());
     const auto add = [&](EffectId effect, double change) {
-      for (const Eigen::Index c : ComponentsOf(effect, score)) move += change * score.shift.col(c);
+      for (const Eigen::Index c : CandidateComponents(effect, score))
+        move += change * score.shift.col(c);
     };
     add(EffectId::kGnssTimeOffset, gnss_clock_->offset_s);
     add(EffectId::kGnssTimeDrift, gnss_clock_->drift);
     check_.gnss_clock_damage = InSigmas(move);
   }
 
-  /// Of a candidate; none where it is an unknown of the network.
-  std::vector<Eigen::Index> ComponentsOf(EffectId effect, const JointScore& score) const {
+  /// Returns the components of a candidate in the score; empty if the effect is an unknown of the
+  /// network.
+  std::vector<Eigen::Index> CandidateComponents(EffectId effect, const JointScore& score) const {
     for (std::size_t k = 0; k < candidates_.size(); ++k) {
       if (IsEffect(candidates_[k].name, effect)) return score.Components(k);
     }
     return {};
   }
 
-  std::optional<ClockEstimate> ClockOf(EffectId offset, EffectId drift,
-                                       const JointScore& score) const {
-    std::vector<Eigen::Index> components = ComponentsOf(offset, score);
-    const std::vector<Eigen::Index> of_drift = ComponentsOf(drift, score);
-    components.insert(components.end(), of_drift.begin(), of_drift.end());
+  std::optional<ClockEstimate> EstimateClock(EffectId offset, EffectId drift,
+                                             const JointScore& score) const {
+    std::vector<Eigen::Index> components = CandidateComponents(offset, score);
+    const std::vector<Eigen::Index> drift_components = CandidateComponents(drift, score);
+    components.insert(components.end(), drift_components.begin(), drift_components.end());
     ScoreTest test;
     if (!components.empty()) test = TestTogether(score, components);
     if (test.dof < static_cast<int>(components.size())) return std::nullopt;
     Eigen::Index at = 0;
     const auto take = [&](EffectId effect, double* value, double* sigma) {
-      if (!ComponentsOf(effect, score).empty()) {
+      if (!CandidateComponents(effect, score).empty()) {
         *value = test.estimate[at];
         *sigma = std::sqrt(test.covariance(at, at));
         ++at;
@@ -271,7 +278,7 @@ class Checker {
     return clock;
   }
 
-  /// What the residuals would be with the effects found among the unknowns.
+  /// Returns the residuals as they would be if the found effects were estimated.
   Eigen::VectorXd ResidualBesideEffects() const {
     if (screen_.chosen.empty()) return linearized_.residual();
     Eigen::VectorXd added = Eigen::VectorXd::Zero(linearized_.rows());
@@ -305,10 +312,10 @@ class Checker {
   const FlightNetwork& network_;
   const Marginals& marginals_;
   const TrajectoryResult& trajectory_;
-  const std::optional<ClockEstimate>& gnss_clock_;  // that the INS/GNSS solution asks for
+  const std::optional<ClockEstimate>& gnss_clock_;  // from the INS/GNSS solution
   const LinearizedNetwork& linearized_;
   int threads_;
-  std::vector<ResidualForm> forms_;  // of the channels, then of common errors
+  std::vector<ResidualForm> forms_;  // forms of the channels, then of common errors
   std::size_t num_channels_ = 0;
   std::vector<CandidateEffect> candidates_;
   std::vector<CandidateEffect> departures_;

@@ -5,7 +5,7 @@
 
 namespace dn {
 
-/// `model_check` of result.json and smooth.json.
+/// Returns `model_check` of result.json and smooth.json.
 Json ModelCheckJson(const ModelCheck& check);
 
 }  // namespace dn

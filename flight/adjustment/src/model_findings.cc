@@ -14,9 +14,9 @@ namespace dn {
 namespace internal {
 namespace {
 
-// An error of this many sigmas of the boresight is one that its covariance does not cover.
+// The covariance of the boresight does not cover an error above this many of its sigmas.
 constexpr double kDamageInSigmas = 1.0;
-// Noise may be stated wrong by a factor of 1.4; more is another cause.
+// Noise may be misstated by a factor of 1.4; a larger factor has another cause.
 constexpr double kLargestVarianceRatio = 2.0;
 constexpr double kLargestModelSigma0 = 3.0;
 constexpr double kPairsLeftOut = 0.3;
@@ -43,7 +43,7 @@ class Findings {
         check_.gnss_clock_damage > kDamageInSigmas, kCertain);
   }
 
-  /// `told`: the GNSS clock is found off already.
+  /// `told`: a finding already reports the GNSS clock.
   void JudgeEffects(bool told) {
     for (const EffectCheck& effect : check_.effects) {
       const bool of_clock = IsEffect(effect.name, EffectId::kGnssTimeOffset) ||
@@ -109,7 +109,7 @@ class Findings {
 
   void JudgeSigma0(double sigma0) {
     if (sigma0 <= kLargestModelSigma0) return;
-    // Effects that leave most of the misfit are not its cause.
+    // Effects that leave most of the misfit unexplained are not its cause.
     const bool unexplained = check_.sigma0_beside_effects > 0.5 * sigma0;
     Add(facts::Sigma0TooLarge{sigma0}, true, unexplained ? kCertain : 0.0);
   }

@@ -6,10 +6,10 @@
 
 namespace dn::internal {
 
-/// Significance, for the family of all tests of one flight, at which the model is in doubt.
+/// Family-wise significance level, for all tests of one flight, of a doubt about the model.
 inline constexpr double kFamilyLevel = 1e-3;
 
-/// Judges what was tested and adds the findings, those that contradict first.
+/// Evaluates the tests of `check` and adds the findings, the contradicting ones first.
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
                  ModelCheck* check);
 void AddFindings(const FlightConfig& config, const GaussHelmertCalibration& calibration,

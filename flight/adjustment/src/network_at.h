@@ -6,9 +6,9 @@
 
 namespace dn::internal {
 
-/// The INS/GNSS network of the run's flight anew, its GNSS epochs at the times that the calibration
-/// makes of their tags, starting from the run's present trajectory. An effect that both networks
-/// have is free where it was.
+/// Returns a new INS/GNSS network of the run's flight. Its GNSS epochs are at the times that the
+/// calibration gives for their tags, and it starts from the run's present trajectory. An effect
+/// that is estimated in the present network stays estimated, and a constant one stays constant.
 std::unique_ptr<FlightNetwork> NetworkAt(AdjustmentRun& run, const CalibrationState& calibration);
 
 }  // namespace dn::internal

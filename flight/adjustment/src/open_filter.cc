@@ -10,8 +10,8 @@
 namespace dn::internal {
 namespace {
 
-/// The flight with the tags of GNSS corrected as the calibration says, which then knows of no delay;
-/// nothing where it knows of none.
+/// Returns the flight with GNSS tags corrected by the calibration, and removes the clock effects
+/// from the calibration. Returns nullopt if it has no clock effects.
 std::optional<Flight> AtGnssEpochs(const Flight& flight, CalibrationState* calibration) {
   const auto of_clock = [&](const CalibrationValue& effect) {
     return IsEffect(effect.name, EffectId::kGnssTimeOffset) ||
@@ -27,7 +27,8 @@ std::optional<Flight> AtGnssEpochs(const Flight& flight, CalibrationState* calib
   return corrected;
 }
 
-/// A random walk is known at the begin of the flight; here is what it may have become at its end.
+/// Adds the variance that random walks have gained by the end of the flight; their prior holds at
+/// its beginning.
 void OpenRandomWalks(const ImuModel& model, double duration_s, FilterState* state) {
   constexpr Eigen::Index kFirstProcess = 9;
   Eigen::Index row = kFirstProcess;

@@ -8,8 +8,9 @@
 
 namespace dn::internal {
 
-/// The filter that starts at an end of the adjusted trajectory with an open mind about it, and uses
-/// what the adjustment has used of GNSS, with its calibration. The adjustment must outlive it.
+/// A filter that starts at either end of the adjusted trajectory with a diffuse prior. It uses the
+/// calibration of the adjustment and the GNSS data that the adjustment has kept. The adjustment
+/// must outlive it.
 class OpenFilter {
  public:
   explicit OpenFilter(const Adjustment& adjustment);
@@ -19,7 +20,7 @@ class OpenFilter {
   DirectedRun Run(FilterDirection direction) const;
 
   const Flight& flight() const { return at_epochs_ ? *at_epochs_ : network_.flight(); }
-  /// Of the states: those of the GNSS epochs, and what stands between them.
+  /// Returns the times of the states: those of the GNSS epochs, and filter epochs between them.
   const std::vector<double>& times() const { return times_; }
 
  private:
@@ -31,7 +32,7 @@ class OpenFilter {
   std::vector<double> times_;
 };
 
-/// Standard deviations that the filter starts with, roll, pitch, heading.
+/// Returns the initial standard deviations of roll, pitch and heading, rad.
 Eigen::Vector3d OpenAttitudeSigma();
 
 }  // namespace dn::internal

@@ -21,7 +21,7 @@ class Columns {
         whole_(whole),
         threads_(threads),
         lidar_(PairCalibration(calibration).lidar()),
-        attraction_(network.nodes.size()) {
+        gravitation_(network.nodes.size()) {
     for (const std::size_t e : EffectsOfPairs(calibration)) {
       values_.push_back(calibration.effects[e].value.data());
       num_values_ += calibration.effects[e].value.size();
@@ -35,8 +35,8 @@ class Columns {
       const FactorRecord& record = network_.net.factor(edge.id);
       if (!record.active || record.factor->residual_size() != 3) continue;
       columns_[k].setZero(3, kColumnOfPairEffects + num_values_);
-      AttractAt(edge.node_i);
-      AttractAt(edge.node_j);
+      ComputeGravitationAt(edge.node_i);
+      ComputeGravitationAt(edge.node_j);
     }
     network_.ForPairEnds(
         calibration_, means_, threads_,
@@ -45,9 +45,9 @@ class Columns {
   }
 
  private:
-  void AttractAt(std::size_t node) {
-    if (!attraction_[node]) {
-      attraction_[node] = AttractionBases(calibration_, network_.NodePose(node).p_mb);
+  void ComputeGravitationAt(std::size_t node) {
+    if (!gravitation_[node]) {
+      gravitation_[node] = AttractionBases(calibration_, network_.NodePose(node).p_mb);
     }
   }
 
@@ -61,17 +61,17 @@ class Columns {
         Corrected(lidar_, values_.data(), first ? edge.pair.t_i_s : edge.pair.t_j_s,
                   first ? edge.pair.u_i_s : edge.pair.u_j_s);
     const PointSensitivity point = network_.SensitivityOfEnd(end);
-    Matrix3Xd of_end = Matrix3Xd::Zero(3, columns.cols());
-    of_end.middleCols<3>(kColumnOfLeverArm) = point.lever_arm;
-    of_end.col(kColumnOfTimeOffset) = point.delay;
+    Matrix3Xd end_columns = Matrix3Xd::Zero(3, columns.cols());
+    end_columns.middleCols<3>(kColumnOfLeverArm) = point.lever_arm;
+    end_columns.col(kColumnOfTimeOffset) = point.delay;
     AddByEffects(point,
                  {reading, increments.J_effects, bridge ? &whole_[*bridge] : nullptr,
-                  *attraction_[first ? edge.node_i : edge.node_j]},
+                  *gravitation_[first ? edge.node_i : edge.node_j]},
                  network_.flight().config.lidar->mounting.R_bs_nominal,
-                 of_end.rightCols(num_values_));
-    // Of two terms, which may come in either order.
+                 end_columns.rightCols(num_values_));
+    // The two ends of a pair may arrive in either order; a sum of two terms does not depend on it.
     const std::lock_guard lock(adding_[end.k % adding_.size()]);
-    columns += of_end;
+    columns += end_columns;
   }
 
   const FlightNetwork& network_;
@@ -80,9 +80,10 @@ class Columns {
   const std::vector<Matrix3Xd>& whole_;
   int threads_;
   LidarEffects lidar_;
-  std::vector<const double*> values_;  // of the effects on pairs, those of the lidar first
+  // Values of the effects on pairs, those of the lidar first.
+  std::vector<const double*> values_;
   Eigen::Index num_values_ = 0;
-  std::vector<std::optional<std::vector<AttractionBasis>>> attraction_;  // of nodes with pairs
+  std::vector<std::optional<std::vector<AttractionBasis>>> gravitation_;  // per node with pairs
   std::array<std::mutex, 64> adding_;
   std::vector<Matrix3Xd> columns_;
 };

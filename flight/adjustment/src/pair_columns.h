@@ -11,13 +11,13 @@ namespace dn::internal {
 inline constexpr Eigen::Index kColumnOfLeverArm = 0, kColumnOfTimeOffset = 3,
                               kColumnOfPairEffects = 4;
 
-/// What the lidar's lever arm, its time offset and the values of a calibration's effects
-/// (EffectsOfPairs) do to the residuals of pairs.
+/// Returns the derivatives of the pair residuals by the lidar's lever arm, its time offset, and the
+/// effects of a calibration (EffectsOfPairs), as columns in this order.
 ///
-/// Returns d residual / d value of every pair edge, lever arm, time offset and effects side by side;
-/// none of an edge that is not active, or whose residual is no difference of two points. `means`: samples over which the
-/// increments stand for their derivatives (MeansOver); `whole`: of every inertial edge over which
-/// pairs are bridged, the derivatives of its rotation increment by the inertial effects.
+/// There is one matrix per pair edge. It is empty for an inactive edge, and for one whose residual
+/// is not a difference of two points. `means` are averaged samples for the derivatives of the
+/// increments (MeansOver). `whole` has, for each inertial edge that pairs use, the derivatives of
+/// its rotation increment by the inertial effects.
 std::vector<Eigen::Matrix3Xd> PairColumns(const FlightNetwork& network,
                                           const CalibrationState& calibration, const ImuData& means,
                                           const std::vector<Eigen::Matrix3Xd>& whole, int threads);

@@ -12,7 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-ResidualEnd EndOf(const Flight& flight, double t_s, const Vector3d& u_s, const MapPose& pose) {
+ResidualEnd DescribeEnd(const Flight& flight, double t_s, const Vector3d& u_s,
+                        const MapPose& pose) {
   return {t_s, ScanAngle(*flight.config.lidar, u_s), u_s.norm(),
           RollPitchHeading(ToNavPoint(pose, flight.frame).q_nb).z()};
 }
@@ -23,15 +24,15 @@ PairResidual Describe(const Flight& flight, const std::vector<StripInterval>& st
   const Vector3d p_i = Georeference(pose_i, assumed, pair.u_i_s);
   const Vector3d p_j = Georeference(pose_j, assumed, pair.u_j_s);
   PairResidual residual;
-  residual.i = EndOf(flight, pair.t_i_s, pair.u_i_s, pose_i);
-  residual.j = EndOf(flight, pair.t_j_s, pair.u_j_s, pose_j);
+  residual.i = DescribeEnd(flight, pair.t_i_s, pair.u_i_s, pose_i);
+  residual.j = DescribeEnd(flight, pair.t_j_s, pair.u_j_s, pose_j);
   residual.strips = StripPairName(strips, pair.t_i_s, pair.t_j_s);
   residual.ground_en_m = 0.5 * (p_i + p_j).head<2>();
   residual.before_enu_m = p_i - p_j;
   return residual;
 }
 
-MapPose PoseOf(const GaussHelmertEnd& end) {
+MapPose EndPose(const GaussHelmertEnd& end) {
   MapPose pose;
   pose.t_s = end.t_s;
   pose.q_mb = end.q_mb;
@@ -39,7 +40,7 @@ MapPose PoseOf(const GaussHelmertEnd& end) {
   return pose;
 }
 
-/// Sums over the pairs of two strips.
+/// Sums over the pairs of one strip pair.
 struct Sums {
   std::string strips;
   long pairs = 0;
@@ -68,8 +69,8 @@ struct Sums {
   }
 };
 
-/// The place of a name in a list to which it is added where it is not there.
-std::size_t PlaceOf(const std::string& name, std::vector<std::string>* names) {
+/// Returns the index of a name in a list; appends the name if it is missing.
+std::size_t FindOrAppend(const std::string& name, std::vector<std::string>* names) {
   const auto at = std::find(names->begin(), names->end(), name);
   const auto place = static_cast<std::size_t>(at - names->begin());
   if (at == names->end()) names->push_back(name);
@@ -103,7 +104,7 @@ std::vector<PairResidual> PairResiduals(const Flight& flight,
     if (adjustment.weights[k] == 0.0) continue;
     const GaussHelmertPair& pair = calibration.problem.pairs[k];
     residuals.push_back(
-        Describe(flight, strips, flight.pairs->pairs[k], PoseOf(pair.i), PoseOf(pair.j)));
+        Describe(flight, strips, flight.pairs->pairs[k], EndPose(pair.i), EndPose(pair.j)));
     residuals.back().after_enu_m =
         LinearisePair(pair, calibration.problem.lever_arm_b_m, calibration.options.model,
                       adjustment.boresight_rad, PairCorrection::Zero())
@@ -119,7 +120,7 @@ std::string FormatPairResiduals(const std::vector<PairResidual>& residuals) {
       "angle i, j [deg], range i, j [m], heading i, j [deg]\n";
   std::vector<std::string> names;
   for (const PairResidual& r : residuals) {
-    const auto strips = static_cast<double>(PlaceOf(r.strips, &names) + 1);
+    const auto strips = static_cast<double>(FindOrAppend(r.strips, &names) + 1);
     text += FormatDouble(r.i.t_s);
     for (const double value :
          {r.j.t_s, strips, r.ground_en_m.x(), r.ground_en_m.y(), r.before_enu_m.x(),
@@ -139,7 +140,7 @@ Json StripPairsJson(const std::vector<PairResidual>& residuals) {
   Sums all;
   all.strips = "all";
   for (const PairResidual& residual : residuals) {
-    const std::size_t place = PlaceOf(residual.strips, &names);
+    const std::size_t place = FindOrAppend(residual.strips, &names);
     sums.resize(names.size());
     sums[place].strips = residual.strips;
     sums[place].Add(residual);
@@ -148,11 +149,11 @@ Json StripPairsJson(const std::vector<PairResidual>& residuals) {
   Json list = Json::array();
   if (residuals.empty()) return list;
   sums.push_back(std::move(all));
-  for (const Sums& of : sums) {
-    list.push_back({{"strips", of.strips},
-                    {"pairs", of.pairs},
-                    {"before", of.ToJson(0)},
-                    {"after", of.ToJson(1)}});
+  for (const Sums& sum : sums) {
+    list.push_back({{"strips", sum.strips},
+                    {"pairs", sum.pairs},
+                    {"before", sum.ToJson(0)},
+                    {"after", sum.ToJson(1)}});
   }
   return list;
 }

@@ -20,11 +20,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 
-constexpr long kLeastPlanes = 10;
-constexpr double kLeastSpread = 0.3;
+constexpr long kMinPlanes = 10;
+constexpr double kMinSpread = 0.3;
 constexpr EffectId kRangeOffset = EffectId::kLidarRangeOffset;
 
-/// Calls work(plane, state, point) for every point kept.
+/// Calls work(plane, state, point) for every kept point.
 template <class Work>
 void ForKept(const PlaneCalibration& calibration, const Work& work) {
   const auto& planes = calibration.problem.planes;
@@ -36,7 +36,7 @@ void ForKept(const PlaneCalibration& calibration, const Work& work) {
   }
 }
 
-/// Of the points, on average.
+/// Returns the effect of the attitude errors on the points, as root mean squares.
 facts::AttitudeInPairs AttitudeErrors(const PlaneCalibration& calibration) {
   facts::AttitudeInPairs fact;
   fact.of_planes = true;
@@ -83,8 +83,8 @@ void Assess(const Flight& flight, PlaneCalibration* calibration) {
   for (const EstimateEntry& entry : flight.config.estimate) {
     if (entry.unknown == "boresight" || IsEffect(entry.unknown, kRangeOffset)) continue;
     boresight.reasons.push_back({facts::NotEstimated{entry.unknown,
-                                                     "the plane adjustment knows the boresight and "
-                                                     "lidar_range_offset only"}});
+                                                     "the plane adjustment estimates the boresight "
+                                                     "and lidar_range_offset only"}});
   }
 }
 
@@ -119,7 +119,7 @@ void FillUnknowns(PlaneCalibration* calibration) {
       {EffectName(kRangeOffset), "m", {adjustment.range_offset_m}, {std::sqrt(variance_m2)}});
 }
 
-std::vector<const GaussHelmertEnd*> EndsOf(const PlaneCalibration& calibration) {
+std::vector<const GaussHelmertEnd*> KeptEnds(const PlaneCalibration& calibration) {
   std::vector<const GaussHelmertEnd*> ends;
   ForKept(calibration, [&](const SeenPlane&, const PlaneState&, const PlanePoint& point) {
     ends.push_back(&point.end);
@@ -152,20 +152,20 @@ PlaneProblem MakePlaneProblem(const Flight& flight, std::vector<SeenPlane> plane
 }
 
 void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found) {
-  if (adjustment.planes_kept < kLeastPlanes) {
+  if (adjustment.planes_kept < kMinPlanes) {
     throw RankDeficient(fmt::format(
         "insufficient planes: {} of {} planes that strips share fit together, at least {} are "
         "needed; fly over buildings, or calibrate by point pairs (--method dn or gh)",
-        adjustment.planes_kept, found, kLeastPlanes));
+        adjustment.planes_kept, found, kMinPlanes));
   }
   const double weakest =
       static_cast<double>(adjustment.planes_kept) * adjustment.normals.eigenvalues[0];
-  if (weakest >= kLeastSpread) return;
+  if (weakest >= kMinSpread) return;
   throw RankDeficient(fmt::format(
       "the planes are too parallel: the slopes of {} planes in their weakest direction are worth "
       "{:.3f} of a wall, and {:.1f} is needed (ten planes of 10 deg); fly over roofs of several "
       "aspects, or calibrate by point pairs (--method dn or gh)",
-      adjustment.planes_kept, weakest, kLeastSpread));
+      adjustment.planes_kept, weakest, kMinSpread));
 }
 
 PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> planes,
@@ -186,13 +186,14 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> pl
   if (!calibration.adjustment.converged) {
     throw NotConverged("the plane adjustment did not converge in " +
                        std::to_string(calibration.adjustment.iterations) +
-                       " iterations; are the mounting matrix and the strips of this flight right?");
+                       " iterations; check the mounting matrix, and that the strips belong to this "
+                       "flight");
   }
   calibration.solve_time_s = SecondsSince(start);
 
   const auto covariance_start = Clock::now();
   stage("covariance under time-correlated errors");
-  const std::vector<const GaussHelmertEnd*> ends = EndsOf(calibration);
+  const std::vector<const GaussHelmertEnd*> ends = KeptEnds(calibration);
   const std::vector<StripInterval> strips = FindStrips(flight);
   calibration.mean_range_m = MeanRange(ends);
   calibration.diversity = internal::DescribeStrips(flight, strips, calibration.mean_range_m);

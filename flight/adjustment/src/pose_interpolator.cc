@@ -8,7 +8,7 @@
 namespace dn {
 namespace {
 
-constexpr double kFarSteps = 3.0;  // a neighbour further away says nothing about this step
+constexpr double kFarSteps = 3.0;  // a neighbour further away is not used
 
 }  // namespace
 

@@ -2,7 +2,7 @@
 
 namespace dn::internal {
 
-/// How often a stage at most takes new increments of the IMU for the biases that it has found.
+/// Largest number of times that a stage integrates the IMU data again for changed biases.
 inline constexpr int kMaxRelinearisations = 4;
 
 }  // namespace dn::internal

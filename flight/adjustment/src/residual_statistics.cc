@@ -10,14 +10,14 @@ namespace {
 
 using FactorRows = LinearizedNetwork::FactorRows;
 
-/// The factors of one name, whose rows are of the same axes.
+/// The factors with one name and the same axes.
 struct Series {
   const FactorGroup* group;
   std::vector<FactorRows> factors;
 };
 
-/// In the order in which they appear.
-std::vector<Series> SeriesOf(const LinearizedNetwork& linearized, FactorGroup::Kind kind) {
+/// Returns the series of a kind in the order of their first factors.
+std::vector<Series> GroupSeries(const LinearizedNetwork& linearized, FactorGroup::Kind kind) {
   std::vector<Series> all;
   for (const FactorRows& rows : linearized.factors()) {
     const FactorGroup& group = linearized.group(rows.factor);
@@ -59,7 +59,7 @@ std::vector<SeriesStatistics> ResidualStatistics(const LinearizedNetwork& linear
                                                  const Eigen::VectorXd& redundancy) {
   std::vector<SeriesStatistics> statistics;
   for (const auto kind : {FactorGroup::Kind::kMeasurement, FactorGroup::Kind::kProcess}) {
-    for (Series& series : SeriesOf(linearized, kind)) {
+    for (Series& series : GroupSeries(linearized, kind)) {
       Describe(linearized, redundancy, std::move(series), &statistics);
     }
   }

@@ -8,9 +8,10 @@
 
 namespace dn {
 
-/// Whitened residuals after the fit, per group of factors and axis in time order, with the variance
-/// that their redundancy lets them have; measurements first, then processes, each in the order of
-/// their first tags. `redundancy`: RedundancyNumbers of every row.
+/// Returns statistics of the whitened residuals after the fit, per group of factors and axis, in
+/// time order. They are normalised with the variances from the redundancy numbers. Measurements
+/// come before processes, each in the order of their first tags. `redundancy`: RedundancyNumbers of
+/// every row.
 std::vector<SeriesStatistics> ResidualStatistics(const LinearizedNetwork& linearized,
                                                  const Eigen::VectorXd& redundancy);
 

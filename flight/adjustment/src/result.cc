@@ -39,8 +39,8 @@ TrajectorySigma SigmaAt(const FlightNetwork& network, std::size_t k, const Margi
   return result;
 }
 
-// The innovations of a forward filter that starts at the adjusted trajectory with an open mind
-// about it; the first ones, in which that is still being settled, are left out.
+// Adds the innovations of a forward filter that starts at the adjusted trajectory with a diffuse
+// prior. The first ones are left out, until the filter has converged.
 void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   constexpr double kSettleS = 30.0;
   const internal::OpenFilter filter(adjustment);
@@ -69,11 +69,11 @@ void AddInnovations(const Adjustment& adjustment, TrajectoryResult* result) {
   }
 }
 
-// Innovations whose size is off by more than this factor (a variance of 2, or of 1/2) call for
-// another stochastic model; chance alone moves it by a tenth in a short flight.
+// Variance ratio above which, or below whose inverse, the innovations indicate another stochastic
+// model. Chance changes the ratio by a tenth in a short flight.
 constexpr double kVarianceFactor = 2.0;
 
-void WarnOfInnovations(TrajectoryResult* result) {
+void AddInnovationWarnings(TrajectoryResult* result) {
   const auto judge = [&](double nis, const std::string& sensor) {
     if (nis > kVarianceFactor || (nis > 0.0 && nis < 1.0 / kVarianceFactor)) {
       result->warnings.push_back({facts::InnovationSize{sensor, std::sqrt(nis)}});
@@ -148,7 +148,7 @@ double PairResolution(const Flight& flight) {
 }
 
 void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* result) {
-  // Beyond it an angle is known no better than the mount shows to the eye.
+  // An angle with a larger sigma is known no better than by a look at the mount.
   constexpr double kLargestSigmaDeg = 0.5;
   for (int i = 0; i < 3; ++i) {
     if (sigma_rad[i] <= kLargestSigmaDeg * kRadPerDeg) continue;
@@ -172,7 +172,8 @@ void AssessSeparability(BoresightResult* result) {
 
 void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
                          const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result) {
-  // All pairs together, no better than this many times a single one: nothing was determined.
+  // If all pairs together are no better than this many times a single one, they do not determine
+  // the angle.
   constexpr double kPairResolutions = 10.0;
   constexpr double kAttitudeSigmas = 3.0;
   const double pairs_rad = kPairResolutions * PairResolution(flight);
@@ -216,7 +217,7 @@ TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals
   result.redundancy = RedundancyNumbers(marginals);
   result.residuals = ResidualStatistics(marginals.linearized(), result.redundancy);
   AddInnovations(adjustment, &result);
-  WarnOfInnovations(&result);
+  AddInnovationWarnings(&result);
   return result;
 }
 
@@ -224,7 +225,8 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
   const FlightNetwork& network = *adjustment.network;
   if (network.net.block(network.boresight.id).held) {
     throw RankDeficient(
-        "the boresight is held at its assumed value: add it to estimate in flight.yaml");
+        "the boresight is constant at its assumed value: add boresight to estimate in "
+        "flight.yaml");
   }
   BoresightResult result;
   const Eigen::Quaterniond q = network.net.Value(network.boresight);
@@ -245,7 +247,8 @@ BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& 
   }
   result.reasons.insert(result.reasons.end(), adjustment.warnings.begin(),
                         adjustment.warnings.end());
-  if (result.reasons.empty()) {  // the network models the trajectory's errors: none is absorbed
+  // The network models the trajectory's errors, so the angles absorb none.
+  if (result.reasons.empty()) {
     result.reasons.push_back({facts::TrajectoryEstimated{}});
   }
   return result;

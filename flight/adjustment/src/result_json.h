@@ -9,13 +9,14 @@
 
 namespace dn::internal {
 
-/// Sections of result.json that all methods have.
+/// Return the sections of result.json that all methods have.
 Json BoresightJson(const BoresightResult& boresight);
 Json AssessmentJson(const BoresightResult& boresight);
 Json UnknownsJson(const std::vector<UnknownEstimate>& unknowns);
 Json TimingJson(const RunTimings& timings);
 
-/// result.json of a method on a fixed trajectory, with the sections of what it compares.
+/// Returns result.json of a method on a fixed trajectory. `compared` has the sections of the
+/// compared data: pairs or planes.
 template <class Calibration>
 Json FixedTrajectoryJson(const std::string& flight, const char* method,
                          const Calibration& calibration, const Json& compared,

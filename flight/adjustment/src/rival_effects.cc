@@ -15,7 +15,7 @@
 namespace dn::internal {
 namespace {
 
-/// One unknown, as if it were not estimated.
+/// One unknown of the network, and the solution without estimating it.
 class Removed {
  public:
   Removed(const FlightNetwork& network, const Marginals& marginals, const WatchedUnknowns& watched,
@@ -38,7 +38,7 @@ class Removed {
   const std::string& name() const { return record_.name; }
   const Eigen::VectorXd& estimate() const { return estimate_; }
   const Eigen::MatrixXd& information() const { return information_; }
-  /// How far one unit of it that is not estimated moves the watched.
+  /// Returns the shift of the watched unknowns per unit of this unknown that is not estimated.
   const Eigen::MatrixXd& shift() const { return shift_; }
 
   double PValue() const {
@@ -56,10 +56,10 @@ class Removed {
   Eigen::MatrixXd information_, shift_;
 };
 
-/// A candidate in the place of an unknown.
+/// A candidate that replaces an unknown.
 struct InItsPlace {
   double log_evidence = 0.0;
-  Eigen::VectorXd move;  ///< of the watched
+  Eigen::VectorXd move;  ///< shift of the watched unknowns
 };
 
 InItsPlace PutInPlace(const CandidateEffect& candidate, const std::vector<Eigen::Index>& components,

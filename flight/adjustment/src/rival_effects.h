@@ -11,25 +11,30 @@
 
 namespace dn::internal {
 
-/// The effects of the table that are unknowns of a network, besides the boresight.
+/// Returns the estimated unknowns of a network that are effects of the table, without the
+/// boresight.
 std::vector<BlockId> EffectUnknowns(const FlightNetwork& network);
 
-/// What watched coordinates are: their blocks and standard deviations.
+/// Blocks and standard deviations of the watched unknowns.
 struct WatchedUnknowns {
   std::vector<BlockId> blocks;
   Eigen::VectorXd sigma;
-  bool of_boresight = true;  ///< the block is the boresight
+  bool of_boresight = true;  ///< true: the block is the boresight
 };
 
-/// Effects that explain as well, to first order, what an estimated unknown explains, with what they
-/// in its place do to the watched unknowns. With N and its unknown k, estimated as d_k with the
-/// covariance C_kk, and Z = N^-1 J^T L of a candidate j, the candidate without k has
+/// Finds competing effects, to first order: effects that explain the data as well as an estimated
+/// unknown if they replace it. Computes the shift of the watched unknowns by this replacement.
 ///
-///   s = s_j - A_jk d_k,  A = A_jj + Z_k^T C_kk^-1 Z_k,  A_kj = C_kk^-1 Z_k,  estimate d_j = -A^-1 s,
+/// Unknown k of the network has the estimate d_k and the covariance C_kk. For a candidate j, Z =
+/// N^-1 J^T L. If j replaces k, the
+/// estimate d_j and the solution x' are
+///
+///   s = s_j - A_jk d_k,  A = A_jj + Z_k^T C_kk^-1 Z_k,  A_kj = C_kk^-1 Z_k,  d_j = -A^-1 s,
 ///   x' - x = D_k d_k - (Z_x + D_k Z_k) d_j,  D_k = -C_xk C_kk^-1.
 ///
-/// `score`: of the candidates, its shift of the watched blocks and, below them, of `unknowns`. Only
-/// unknowns are looked at whose estimates the data ask for at kFamilyLevel (for `tests` tests).
+/// `score` is that of the candidates; its shift has the watched blocks and then `unknowns`. Only
+/// unknowns whose estimates are significant at kFamilyLevel, with `tests` tests in the family, are
+/// examined.
 std::vector<RivalCheck> FindRivals(const FlightNetwork& network, const Marginals& marginals,
                                    const std::vector<CandidateEffect>& candidates,
                                    const JointScore& score, const WatchedUnknowns& watched,

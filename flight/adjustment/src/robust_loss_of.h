@@ -5,7 +5,8 @@
 
 namespace dn::internal {
 
-/// The loss that a configuration asks for, or else `usual`.
+/// Returns the loss that the configuration names, with the width of `usual`; returns `usual` if it
+/// names none.
 inline Loss LossOf(RobustKind configured, const Loss& usual) {
   switch (configured) {
     case RobustKind::kHuber:

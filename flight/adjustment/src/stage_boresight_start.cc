@@ -10,19 +10,19 @@
 namespace dn {
 namespace {
 
-constexpr std::size_t kBoresightBlock = 6;  // of a pair
+constexpr std::size_t kBoresightBlock = 6;  // index in the blocks of a pair factor
 constexpr double kCauchyNorm = 3.0;
 constexpr int kMaxSteps = 30;
-// A hundredth of what an angle is known to at best: the network goes on from here.
+// A hundredth of the best sigma of an angle; the network refines the start.
 constexpr double kStepRad = 1e-7;
 
-/// The residual of a pair as a linear function of a small turn of the boresight.
+/// The residual of a pair as a linear function of a small rotation of the boresight.
 struct PairAtBoresight {
   Eigen::Vector3d r;
   Eigen::Matrix3d A;
 };
 
-/// Absent where its factor is not defined there, or one's own of another size.
+/// Returns nullopt if the factor is not defined there, or if it is user-defined with another size.
 std::optional<PairAtBoresight> AtBoresight(const FlightNetwork& network, FactorId id) {
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
@@ -44,7 +44,7 @@ class PairsAtBoresight {
     }
   }
 
-  /// The turn at which the steps end.
+  /// Returns the rotation at which the steps converge.
   Eigen::Vector3d Turn() const {
     Eigen::Vector3d d = Eigen::Vector3d::Zero();
     for (int step = 0; step < kMaxSteps && !pairs_.empty(); ++step) {
@@ -56,7 +56,7 @@ class PairsAtBoresight {
   }
 
  private:
-  /// Of Gauss-Newton with Cauchy weights, from a turn d.
+  /// Returns a Gauss-Newton step with Cauchy weights, from the rotation d.
   Eigen::Vector3d Step(const Eigen::Vector3d& d) const {
     std::vector<Eigen::Vector3d> r;
     std::vector<double> norm2;
@@ -72,7 +72,7 @@ class PairsAtBoresight {
       N += weight * pairs_[k].A.transpose() * pairs_[k].A;
       b += weight * pairs_[k].A.transpose() * r[k];
     }
-    // Weak directions are left to the full network: a small ridge, 1 deg per sqrt(number of pairs).
+    // A small ridge, 1 deg per sqrt(number of pairs), leaves weak directions to the full network.
     N.diagonal().array() += 1.0 / (kRadPerDeg * kRadPerDeg);
     return -N.ldlt().solve(b);
   }

@@ -6,7 +6,7 @@ namespace dn {
 namespace {
 
 constexpr const char* kName = "final least squares";
-// Bias change (in the units of BiasChange) below which new increments change nothing.
+// Bias change (in the units of BiasChange) below which integrating again changes nothing.
 constexpr double kRelinearised = 0.02;
 
 }  // namespace

@@ -25,18 +25,18 @@ namespace {
 constexpr Loss kUsualGnssLoss{Loss::Type::kHuber, 3.0};
 constexpr int kMaxScreenings = 20;
 constexpr std::size_t kJumpEnds = 12;
-constexpr std::size_t kPositionBlock = 1;  // of a GNSS position edge
-// A network that contradicts more of its GNSS epochs than this is not a good flight with bad
-// epochs.
+constexpr std::size_t kPositionBlock = 1;  // index in the blocks of a GNSS position factor
+// If more than this share of the GNSS epochs contradict, the data are not a good flight with a few
+// bad epochs.
 constexpr double kLargestRejectedShare = 1.0 / 3.0;
-// Residuals so many times their stated noise come from something else than noise.
+// Residuals of more than this many times their stated noise are not noise.
 constexpr double kLargestGnssSigma0 = 10.0;
-// Of the misfit, that the clock takes away when it is off.
+// Share of the misfit that the clock must remove to be found off.
 constexpr double kExplainedShare = 0.5;
 constexpr EffectId kOffset = EffectId::kGnssTimeOffset, kDrift = EffectId::kGnssTimeDrift;
 constexpr const char* kScreened = "INS/GNSS, screened";
 
-// Of epochs of which a position or a velocity, or both, are left out.
+// Counts of the positions and velocities left out; an epoch may lose one or both.
 std::string LeftOutText(const LeftOutGnss& out) {
   return std::to_string(out.positions) + " GNSS positions and " + std::to_string(out.velocities) +
          " velocities";
@@ -56,7 +56,7 @@ bool TooManyOut(const std::vector<std::size_t>& rejected, const FlightNetwork& n
          kLargestRejectedShare * static_cast<double>(network.gnss_edges.size());
 }
 
-// Notes which epochs are out.
+// Records the rejected epochs; throws InvalidInput if they are too many.
 void CountRejected(AdjustmentRun& run) {
   std::vector<std::size_t>& rejected = run.result().gnss_rejected;
   rejected = RejectedGnss(run.network());
@@ -72,7 +72,7 @@ void CountRejected(AdjustmentRun& run) {
                      {run.flight().config.gnss->file, first.line});
 }
 
-// Far beyond any doubt about a stochastic model.
+// Throws InvalidInput if the misfit is too large for any error of the stochastic model.
 void ExpectFit(AdjustmentRun& run) {
   const double sigma0 = EvaluateCost(run.network().net, run.options().threads).sigma0();
   if (!(sigma0 > kLargestGnssSigma0)) return;
@@ -82,7 +82,8 @@ void ExpectFit(AdjustmentRun& run) {
                      "stochastic model");
 }
 
-// Largest ratio of their variances on an axis, of the first epoch.
+// Returns the largest ratio, over the axes, of time-correlated to white variance at the first
+// epoch.
 double LastingOverWhite(const GnssProcess& process, const Flight& flight) {
   const Eigen::Matrix3d& R_m_enu = flight.gnss->epochs.front().R_m_enu;
   const Eigen::Matrix3d white =
@@ -92,8 +93,8 @@ double LastingOverWhite(const GnssProcess& process, const Flight& flight) {
       .maxCoeff();
 }
 
-// Solves without the run of epochs, then takes back what lies nearer to the others than to the
-// jump.
+// Solves without the epochs of the jump, then restores those that are closer to the other epochs
+// than to the jump.
 void TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_for_good) {
   FlightNetwork& network = run.network();
   for (std::size_t e = jump.first; e <= jump.last; ++e) {
@@ -111,12 +112,12 @@ void TakeOut(const GnssJump& jump, AdjustmentRun& run, std::set<FactorId>* out_f
   }
 }
 
-/// The screening of one flight.
+/// Screens the GNSS epochs of one flight.
 class EpochScreener {
  public:
   explicit EpochScreener(AdjustmentRun& run) : run_(run) {}
 
-  /// One pass; false where nothing is left to change.
+  /// Makes one pass; returns false if nothing is left to change.
   bool Once() {
     FlightNetwork& network = run_.network();
     Marginals marginals(network.net, {.threads = run_.options().threads});
@@ -140,17 +141,18 @@ class EpochScreener {
     return true;
   }
 
-  /// Goes on with the assumed network, without the epochs that contradict.
+  /// Continues with the assumed network, without the rejected epochs.
   void Finish() {
     if (!run_.has_stand_in()) return;
-    if (ClockExplains()) run_.result().gnss_clock = EstimateOf(run_.network());
+    if (ClockExplains()) run_.result().gnss_clock = EstimateClockError(run_.network());
     const std::unique_ptr<FlightNetwork> free = run_.TakeBack();
     LeaveOutAsIn(*free, &run_.network());
     run_.Solve(kScreened, run_.options().max_iterations);
   }
 
  private:
-  /// A warning, false. Throws InvalidInput when a clock steps, which no single correction undoes.
+  /// Adds a warning and returns false. Throws InvalidInput if a clock steps, which no constant
+  /// correction removes.
   bool Tell(const GnssMisfit& misfit) {
     if (misfit.cause == GnssMisfit::Cause::kLeverArm) {
       run_.result().warnings.push_back({facts::GnssLeverArmOff{misfit.estimate}, true});
@@ -167,8 +169,8 @@ class EpochScreener {
                        {run_.flight().config.gnss->file, epoch.line});
   }
 
-  /// True where what was taken out is no gross errors, but errors that last: all epochs are in use
-  /// again, and the bounds are those of white noise and such errors together.
+  /// Restores all epochs if the rejected ones have time-correlated errors instead of outliers;
+  /// returns whether it did. The bounds then allow for white noise and such errors together.
   bool TakeLastingErrorsBack() {
     FlightNetwork& network = run_.network();
     if (taken_back_ || RejectedGnss(network).empty()) return false;
@@ -195,7 +197,7 @@ class EpochScreener {
     return true;
   }
 
-  /// Goes on with offset and drift of the clock among the unknowns, all epochs in use.
+  /// Continues with offset and drift of the clock as unknowns, with all epochs active.
   void FreeClock(const Eigen::VectorXd& start) {
     out_for_good_.clear();
     held_ = EvaluateCost(run_.network().net, run_.options().threads);
@@ -227,7 +229,7 @@ class EpochScreener {
     return gain >= kExplainedShare * excess && free_.sigma0() <= kLargestGnssSigma0;
   }
 
-  ClockEstimate EstimateOf(const FlightNetwork& network) const {
+  ClockEstimate EstimateClockError(const FlightNetwork& network) const {
     const Marginals marginals(network.net, {.threads = run_.options().threads});
     const BlockId offset = network.net.Find(EffectName(kOffset));
     const BlockId drift = network.net.Find(EffectName(kDrift));
@@ -275,7 +277,7 @@ void SolveInsGnss(AdjustmentRun& run) {
   run.Solve("INS/GNSS, robust", run.options().max_iterations);
   for (int k = 0; k < internal::kMaxRelinearisations && run.network().BiasChange() > 1.0; ++k) {
     run.network().Relinearise();
-    run.Solve("INS/GNSS, increments anew", run.options().max_iterations);
+    run.Solve("INS/GNSS, new increments", run.options().max_iterations);
   }
 }
 

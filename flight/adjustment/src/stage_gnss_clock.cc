@@ -8,8 +8,8 @@
 namespace dn {
 namespace {
 
-// Beyond it the way from a node to an epoch is not that of constant acceleration, to a tenth of a
-// millimetre in strong turbulence (GnssAntenna).
+// GnssAntenna assumes constant acceleration between node and epoch. Up to this interval, its error
+// is below a tenth of a millimetre in strong turbulence.
 constexpr double kLongestWayS = 5e-3;
 constexpr int kMostLinks = 10;
 

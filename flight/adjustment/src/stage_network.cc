@@ -13,7 +13,7 @@
 namespace dn {
 namespace {
 
-// Starting states at the nodes from those of the forward filter on its coarser grid.
+// Returns initial states at the nodes, from those of the forward filter on its coarser grid.
 InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& node_t_s,
                             const std::vector<FilterState>& coarse) {
   std::vector<double> coarse_t_s;
@@ -29,10 +29,10 @@ InitialStates StatesAtNodes(const Flight& flight, const std::vector<double>& nod
         last = Propagate(flight.frame, last,
                          IntegrateMotion(*flight.imu, last.t_s, t_s,
                                          {before.TotalGyroBias(), before.TotalAccelBias()}));
-      } catch (const InvalidInput&) {  // a hole in the inertial data: coast
+      } catch (const InvalidInput&) {  // a gap in the inertial data: constant velocity
         last.p_mb += (t_s - last.t_s) * last.v_m;
       }
-    } else if (t_s < last.t_s - 1e-7) {  // before the first GNSS epoch: coast backwards
+    } else if (t_s < last.t_s - 1e-7) {  // before the first GNSS epoch: constant velocity
       initial.nodes.push_back({t_s, last.q_mb, last.p_mb + (t_s - last.t_s) * last.v_m, last.v_m});
       continue;
     }

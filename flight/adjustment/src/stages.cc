@@ -31,7 +31,7 @@ std::vector<AdjustmentStage>::iterator StageNamed(const std::string& name,
   std::string names;
   for (const AdjustmentStage& stage : *stages)
     names += (names.empty() ? "'" : ", '") + stage.name + "'";
-  throw InvalidConfig("adjustment: no stage '" + name + "'; there are " + names);
+  throw InvalidConfig("adjustment: no stage '" + name + "'; the stages are " + names);
 }
 
 void AddOwnBeforeLidar(AdjustmentRun& run) {

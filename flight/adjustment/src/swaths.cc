@@ -10,23 +10,23 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr std::size_t kPosesOfLine = 60;
+constexpr std::size_t kLinePoses = 60;
 
-/// To the right of the course of the body.
-Vector2d RightOf(const MapPose& pose) {
+/// Returns the unit vector to the right of the body's course, east and north.
+Vector2d RightDirection(const MapPose& pose) {
   const Eigen::Vector3d ahead_m = pose.q_mb * Eigen::Vector3d::UnitX();
   return Vector2d(ahead_m.y(), -ahead_m.x()).normalized();
 }
 
-/// How far the pairs of a strip reach to its right, m.
+/// Range of the distances, m, at which the pairs of a strip lie to the right of its line.
 struct Reach {
-  double least_m = 0.0;
-  double most_m = 0.0;
+  double min_m = 0.0;
+  double max_m = 0.0;
   bool any = false;
 
   void Add(double right_m) {
-    least_m = any ? std::min(least_m, right_m) : right_m;
-    most_m = any ? std::max(most_m, right_m) : right_m;
+    min_m = any ? std::min(min_m, right_m) : right_m;
+    max_m = any ? std::max(max_m, right_m) : right_m;
     any = true;
   }
 };
@@ -50,20 +50,20 @@ std::vector<Swath> SwathsOfPairs(const std::vector<StripInterval>& strips,
       if (strip == nullptr) continue;
       const MapPose pose = poses.Nearest(t_s);
       reaches[static_cast<std::size_t>(strip - strips.data())].Add(
-          RightOf(pose).dot(pair.ground_en_m - pose.p_mb.head<2>()));
+          RightDirection(pose).dot(pair.ground_en_m - pose.p_mb.head<2>()));
     }
   }
   std::vector<Swath> swaths;
   for (std::size_t s = 0; s < strips.size(); ++s) {
     Swath swath{strips[s].name, {}, {}};
     std::vector<Vector2d> right;
-    for (const double t_s : EvenTimes(strips[s].t0_s, strips[s].t1_s, kPosesOfLine)) {
+    for (const double t_s : EvenTimes(strips[s].t0_s, strips[s].t1_s, kLinePoses)) {
       const MapPose pose = poses.Nearest(t_s);
       const Vector2d place_en_m = pose.p_mb.head<2>();
       swath.line_en_m.push_back(place_en_m);
       if (!reaches[s].any) continue;
-      swath.outline_en_m.emplace_back(place_en_m + reaches[s].least_m * RightOf(pose));
-      right.emplace_back(place_en_m + reaches[s].most_m * RightOf(pose));
+      swath.outline_en_m.emplace_back(place_en_m + reaches[s].min_m * RightDirection(pose));
+      right.emplace_back(place_en_m + reaches[s].max_m * RightDirection(pose));
     }
     swath.outline_en_m.insert(swath.outline_en_m.end(), right.rbegin(), right.rend());
     swaths.push_back(std::move(swath));

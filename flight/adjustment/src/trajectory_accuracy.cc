@@ -25,8 +25,8 @@ using Eigen::Vector3d;
 
 using Ends = std::vector<const GaussHelmertEnd*>;
 
-/// Every end lies in a strip of the covariance, or as close to one as its epochs are to each
-/// other.
+/// Returns whether every end lies in a strip of the covariance, or as close to one as the epochs of
+/// the covariance are to each other.
 bool Covers(const TrajectoryCovariance& covariance, const Ends& ends) {
   double spacing_s = 0.0;
   for (std::size_t k = 1; k < covariance.t_s.size(); ++k) {
@@ -42,7 +42,7 @@ bool Covers(const TrajectoryCovariance& covariance, const Ends& ends) {
                      [&](const GaussHelmertEnd* end) { return covered(end->t_s); });
 }
 
-/// The standard deviations and the covariance are the output of one run.
+/// Throws InvalidInput unless the standard deviations and the covariance are the output of one run.
 void CheckOneRun(const TrajectoryCovariance& covariance, const AccuracySeries& series,
                  const fs::path& file) {
   constexpr double kTolerance = 0.01;
@@ -52,9 +52,10 @@ void CheckOneRun(const TrajectoryCovariance& covariance, const AccuracySeries& s
     const double sigma_up_m = std::sqrt(covariance.covariance(at + 2, at + 2));
     if (std::abs(sigma_up_m - sigma_down_m) > kTolerance * sigma_down_m) {
       throw InvalidInput(
-          "it is of another run than the standard deviations beside it: sigma up at " +
-              FormatDouble(covariance.t_s[k]) + " s is " + FormatDouble(sigma_up_m) + " m here, " +
-              FormatDouble(sigma_down_m) + " m there; remove it, or smooth the flight again",
+          "the file is of another run than the standard deviations next to it: sigma up at " +
+              FormatDouble(covariance.t_s[k]) + " s is " + FormatDouble(sigma_up_m) +
+              " m in it and " + FormatDouble(sigma_down_m) +
+              " m there; remove the file, or smooth the flight again",
           FileLocation{file.string(), 0, 0});
     }
   }
@@ -77,7 +78,7 @@ PoseCovariance InMap(const Flight& flight, const TrajectoryCovariance& stated,
   return out;
 }
 
-/// Root mean squares over epochs.
+/// Accumulates root mean squares over epochs.
 class MeanAccuracy {
  public:
   void Add(const EpochAccuracy& epoch, const Vector3d& down_b) {
@@ -110,7 +111,8 @@ void AddEnds(const Ends& ends, const std::optional<AccuracySeries>& series, Mean
   }
 }
 
-/// Of a joint covariance without a series of standard deviations: its own, at its epochs.
+/// Adds the standard deviations of a joint covariance at its own epochs, if there is no separate
+/// series.
 void AddEpochs(const Flight& flight, const TrajectoryCovariance& stated, MeanAccuracy* mean) {
   for (std::size_t k = 0; k < stated.t_s.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(6 * k);
@@ -157,7 +159,7 @@ TrajectoryAccuracy internal::ReadAccuracyAt(const Flight& flight,
       accuracy.source = files.covariance->filename().string();
       accuracy.stated_by = StatedBy::kSmoother;
     } else if (files.named) {
-      throw InvalidInput("it does not cover the lidar data; smooth the flight again",
+      throw InvalidInput("the file does not cover the lidar data; smooth the flight again",
                          FileLocation{files.covariance->string(), 0, 0});
     }
   }

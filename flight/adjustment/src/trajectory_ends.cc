@@ -7,9 +7,10 @@
 namespace dn {
 namespace {
 
-std::vector<MapPose> PosesOf(const Flight& flight) {
+std::vector<MapPose> TrajectoryPoses(const Flight& flight) {
   if (!flight.trajectory || !flight.config.lidar || !flight.config.trajectory) {
-    throw InvalidInput("the flight has no trajectory, or no section lidar");
+    throw InvalidInput(
+        "the flight needs a trajectory and the sections lidar and trajectory of flight.yaml");
   }
   return flight.trajectory->InMap(flight.frame);
 }
@@ -28,7 +29,8 @@ void InterpolationDeviation::operator+=(const InterpolationDeviation& other) {
   n += other.n;
 }
 
-TrajectoryEnds::TrajectoryEnds(const Flight& flight) : flight_(flight), poses_(PosesOf(flight)) {}
+TrajectoryEnds::TrajectoryEnds(const Flight& flight)
+    : flight_(flight), poses_(TrajectoryPoses(flight)) {}
 
 GaussHelmertEnd TrajectoryEnds::At(double t_s, const Eigen::Vector3d& u_s,
                                    InterpolationDeviation* deviation) const {

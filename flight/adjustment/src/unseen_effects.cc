@@ -13,23 +13,24 @@
 namespace dn::internal {
 namespace {
 
-// Signatures below this share of their own size are what rounding leaves.
+// A signature below this share of its own size is rounding error.
 constexpr double kAbsorbed = 1e-7;
-// An error of this many sigmas of an unknown is one that its covariance does not cover.
-constexpr double kHarmful_sigmas = 1.0;
+// The covariance of an unknown does not cover an error above this many of its sigmas.
+constexpr double kHarmfulSigmas = 1.0;
 
 double MinimalDetectable(double information, double signature2) {
   if (!(information > kAbsorbed * signature2)) return std::numeric_limits<double>::infinity();
   return RowTest().NonCentrality() / std::sqrt(information);
 }
 
-std::string NameOf(const CandidateEffect& candidate, Eigen::Index component) {
+std::string EffectComponentName(const CandidateEffect& candidate, Eigen::Index component) {
   const EffectSpec* spec = FindEffect(candidate.name);
   if (candidate.typical.size() == 1 || spec == nullptr) return "";
   return spec->components[static_cast<std::size_t>(component)].name;
 }
 
-/// The most harmful component that could hide; nothing where none could.
+/// Returns the undetectable component with the largest shift; nullopt if all components are
+/// detectable or harmless.
 std::optional<UnseenEffect> Unseen(const CandidateEffect& candidate,
                                    const std::vector<Eigen::Index>& components,
                                    const JointScore& score, const ScreenOptions& options) {
@@ -40,10 +41,10 @@ std::optional<UnseenEffect> Unseen(const CandidateEffect& candidate,
     const double detectable = MinimalDetectable(score.A(c, c), score.signature2[c]);
     const Eigen::VectorXd move = usual * score.shift.col(c);
     const double damage = move.cwiseQuotient(options.watched_sigma).cwiseAbs().maxCoeff();
-    if (detectable <= usual || damage <= kHarmful_sigmas) continue;
+    if (detectable <= usual || damage <= kHarmfulSigmas) continue;
     if (worst && damage <= worst->damage) continue;
     worst = UnseenEffect{candidate.name,
-                         NameOf(candidate, k),
+                         EffectComponentName(candidate, k),
                          candidate.unit,
                          candidate.per_si * usual,
                          candidate.per_si * detectable,
@@ -65,14 +66,14 @@ std::vector<UnseenEffect> FindUnseen(const std::vector<CandidateEffect>& candida
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.damage > b.damage; });
-  std::vector<UnseenEffect> of_names;
-  for (UnseenEffect& one : found) {
-    const bool told = std::any_of(of_names.begin(), of_names.end(), [&](const UnseenEffect& other) {
-      return other.name == one.name;
+  std::vector<UnseenEffect> by_name;
+  for (UnseenEffect& effect : found) {
+    const bool known = std::any_of(by_name.begin(), by_name.end(), [&](const UnseenEffect& other) {
+      return other.name == effect.name;
     });
-    if (!told) of_names.push_back(std::move(one));
+    if (!known) by_name.push_back(std::move(effect));
   }
-  return of_names;
+  return by_name;
 }
 
 }  // namespace dn::internal

@@ -6,8 +6,9 @@
 
 namespace dn::internal {
 
-/// What could be there in its usual size without being seen, the most harmful first; of several
-/// candidates of one name the one that does most. `score`: of the candidates, in their order, with
+/// Returns the undetectable effects: they would be harmful at their typical size, but are below
+/// their minimal detectable bias. The largest shift comes first; among candidates of one name only
+/// the one with the largest shift counts. `score` is that of the candidates, in their order, with
 /// the coordinates of the options in its shift.
 std::vector<UnseenEffect> FindUnseen(const std::vector<CandidateEffect>& candidates,
                                      const JointScore& score, const ScreenOptions& options);

@@ -16,7 +16,7 @@ std::string P(double p_value) {
   return p_value < 1e-12 ? "p < 1e-12" : fmt::format("p = {:.1g}", p_value);
 }
 
-/// A value with its sigma, to the second digit of that.
+/// Formats a value with its sigma, rounded to the second digit of the sigma.
 std::string WithSigma(double value, double sigma) {
   const double last = std::pow(10.0, std::floor(std::log10(sigma)) - 1.0);
   const bool round = std::isfinite(last) && last > 0.0;
@@ -38,7 +38,7 @@ std::string Triple(const Eigen::Vector3d& rad) {
 
 bool StartsWith(const std::string& text, const char* prefix) { return text.rfind(prefix, 0) == 0; }
 
-/// What would state the noise of a group larger.
+/// Returns the key or file whose noise of a group is too small.
 std::string LargerNoise(const std::string& group) {
   if (StartsWith(group, "lidar p2p")) return "lidar.sigma_p_m is too small";
   if (StartsWith(group, "gnss error")) return "the sigmas of gnss.processes are too small";
@@ -50,28 +50,27 @@ std::string LargerNoise(const std::string& group) {
   return "their noise is too small";
 }
 
-/// What may lie behind errors that last.
-std::string LastingErrorWords(const CommonErrorCheck& common) {
+/// Returns the likely cause of errors that residuals share, with a remedy.
+std::string SharedErrorCause(const CommonErrorCheck& common) {
   if (StartsWith(common.name, "lidar p2p, over pairs of strips")) {
-    return fmt::format(
-        "strips {} disagree most; look at the matching of that file, and at the "
-        "trajectory there",
-        common.worst);
+    return fmt::format("strips {} disagree most; check their pair file and the trajectory there",
+                       common.worst);
   }
   if (StartsWith(common.group, "lidar p2p")) {
-    return "neighbouring pairs are not independent: thin them (lidar.pairs), or look at the "
+    return "neighbouring pairs are not independent: thin them (lidar.pairs), or check the "
            "matching";
   }
   if (StartsWith(common.group, "gnss")) {
-    return "GNSS errors that last (gnss_correlated_noise): state them under gnss.processes";
+    return "the GNSS errors are time-correlated (gnss_correlated_noise): state them under "
+           "gnss.processes";
   }
-  return LargerNoise(common.group) + ", or a process is missing there";
+  return LargerNoise(common.group) + ", or a bias process is missing";
 }
 
 std::string Say(const facts::EffectPresent& fact) {
   const EffectCheck& effect = fact.effect;
   std::string text =
-      fmt::format("the data ask for {} of {} ({})", effect.name, Values(effect), P(effect.p_value));
+      fmt::format("the data indicate {} = {} ({})", effect.name, Values(effect), P(effect.p_value));
   const Eigen::Vector3d mdeg = effect.boresight_rad * kDegPerRad * 1e3;
   text += fact.moves_boresight
               ? fmt::format(", which moves the boresight by {:.3g}, {:.3g}, {:.3g} mdeg", mdeg.x(),
@@ -79,7 +78,7 @@ std::string Say(const facts::EffectPresent& fact) {
               : std::string(", which moves the trajectory");
   text += fmt::format(" ({:.1f} sigma)", effect.damage);
   if (!effect.inseparable_from.empty()) {
-    text += fmt::format("; {} would explain it nearly as well",
+    text += fmt::format("; {} would explain the data nearly as well",
                         fmt::join(effect.inseparable_from, " or "));
   }
   return text + ": " + effect.remedy;
@@ -88,8 +87,8 @@ std::string Say(const facts::EffectPresent& fact) {
 std::string Say(const facts::DepartureUnnamed& fact) {
   const DepartureCheck& departure = fact.departure;
   return fmt::format(
-      "{} differ as no effect of the table explains ({}), which may move the boresight by "
-      "{:.1f} sigma: dn gap says where; look at the scanner's calibration and at the pairs",
+      "{} show a discrepancy that no known effect explains ({}); it may move the boresight by "
+      "{:.1f} sigma: run dn gap to locate it, and check the scanner's calibration and the pairs",
       departure.name, P(departure.p_value), departure.damage);
 }
 
@@ -97,14 +96,13 @@ std::string Say(const facts::UnknownAmbiguous& fact) {
   const RivalCheck& check = fact.check;
   const Eigen::Vector3d mdeg = check.boresight_rad * kDegPerRad * 1e3;
   return fmt::format(
-      "{} in the place of {} explains the data as well, and {} ({:.1f} sigma): find out which it "
-      "is "
-      "(dn gap says what flight would tell them apart), or estimate both, whose sigmas then hold "
-      "the choice",
+      "{} instead of {} explains the data equally well, and {} ({:.1f} sigma): find out which one "
+      "is present (dn gap says which flight would separate them), or estimate both, so that the "
+      "sigmas include the choice",
       check.rival, check.unknown,
-      fact.moves_boresight ? fmt::format("puts the boresight {:.3g}, {:.3g}, {:.3g} mdeg elsewhere",
+      fact.moves_boresight ? fmt::format("moves the boresight by {:.3g}, {:.3g}, {:.3g} mdeg",
                                          mdeg.x(), mdeg.y(), mdeg.z())
-                           : std::string("puts the trajectory elsewhere"),
+                           : std::string("moves the trajectory"),
       check.damage);
 }
 
@@ -124,7 +122,7 @@ std::string Say(const facts::ErrorsShared& fact) {
   return fmt::format(
       "the residuals of {} share errors that the model takes as independent, of about {:.2g} of "
       "their sigmas ({}), which may move the result by {:.1f} sigma: {}",
-      common.name, common.sigma, P(common.p_value), common.damage, LastingErrorWords(common));
+      common.name, common.sigma, P(common.p_value), common.damage, SharedErrorCause(common));
 }
 
 std::string Say(const facts::PriorContradicted& fact) {
@@ -139,28 +137,28 @@ std::string Say(const facts::PriorContradicted& fact) {
 
 std::string Say(const facts::GapUnexplained& fact) {
   return fmt::format(
-      "a diagnosis of the flight found what its configuration does not model: {} (unexplained in "
-      "flight.yaml; model it, diagnose the flight again, then take that line out)",
+      "a diagnosis of the flight found what its configuration does not model: {} (key unexplained "
+      "of flight.yaml): model it, diagnose the flight again, then remove that key",
       fact.what);
 }
 
 std::string Say(const facts::MountingImpossible& fact) {
   const Eigen::Vector3d deg = fact.angles_rad * kDegPerRad;
   return fmt::format(
-      "the boresight came out as {:.1f}, {:.1f}, {:.1f} deg, which no mounting has: check "
-      "lidar.R_sensor_to_body, lidar.boresight_deg and the key body",
+      "the estimated boresight is {:.1f}, {:.1f}, {:.1f} deg, which is too large for a mounting: "
+      "check lidar.R_sensor_to_body, lidar.boresight_deg and the key body",
       deg.x(), deg.y(), deg.z());
 }
 
 std::string Say(const facts::UpsideDown&) {
-  return "the body is upside down for the whole flight: are its axes forward-left-up (body: FLU), "
-         "or does imu.R_imu_to_body miss a turn?";
+  return "the body is upside down for the whole flight: set body: FLU if its axes are "
+         "forward-left-up, otherwise check imu.R_imu_to_body";
 }
 
 std::string Say(const facts::Sigma0TooLarge& fact) {
   return fmt::format(
-      "sigma0 is {:.1f}: the residuals are that many times their stated noise; check units, axes, "
-      "lever arms, time tags and the stochastic model",
+      "sigma0 is {:.1f}: the residuals exceed their stated noise by this factor; check units, "
+      "axes, lever arms, time tags and the stochastic model",
       fact.sigma0);
 }
 
@@ -178,15 +176,15 @@ std::string Say(const facts::GnssLeftOut& fact) {
       100.0 * fact.share);
 }
 
-double ToTenthOfMilli(double value) { return std::round(value * 1e4) / 1e4; }
+double RoundToTenthMillimetre(double value) { return std::round(value * 1e4) / 1e4; }
 
 std::string Say(const facts::GnssLeverArmOff& fact) {
   const Eigen::Vector3d& by_m = fact.correction_b_m;
   return fmt::format(
-      "the innovations of the GNSS positions ask for a correction of gnss.lever_arm_m by about "
+      "the innovations of the GNSS positions indicate a correction of gnss.lever_arm_m by about "
       "[{}, {}, {}] m (forward, right, down): check its sign and axes, or estimate gnss_lever_arm",
-      FormatDouble(ToTenthOfMilli(by_m[0])), FormatDouble(ToTenthOfMilli(by_m[1])),
-      FormatDouble(ToTenthOfMilli(by_m[2])));
+      FormatDouble(RoundToTenthMillimetre(by_m[0])), FormatDouble(RoundToTenthMillimetre(by_m[1])),
+      FormatDouble(RoundToTenthMillimetre(by_m[2])));
 }
 
 std::string Say(const facts::GnssTimeOff& fact) {
@@ -209,9 +207,8 @@ std::string Say(const facts::GnssTimeOff& fact) {
   }
   return fmt::format(
       "the GNSS time tags {} against those of the inertial data, which moves the {} ({:.1f} "
-      "sigma): "
-      "check the time systems of imu.file and gnss.file and correct the tags (gnss.time_offset_s "
-      "for a constant offset), or estimate {}",
+      "sigma): check the time systems of imu.file and gnss.file and correct the tags "
+      "(gnss.time_offset_s for a constant offset), or estimate {}",
       fmt::join(off, " and "), fact.moves_boresight ? "boresight" : "trajectory", fact.damage,
       fmt::join(names, " and "));
 }
@@ -222,11 +219,11 @@ std::string Say(const facts::InnovationSize& fact) {
       FormatDouble(std::round(fact.ratio * 100.0) / 100.0),
       fact.ratio > 1.0
           ? "the stated sigmas or the inertial noise are too small, or something is not modelled; "
-            "the covariances are too small as well"
+            "the covariances are then also too small"
           : "the stated sigmas are too large, or the errors are correlated in time");
 }
 
-/// Two digits are as many as the test is good for.
+/// Rounds to two digits, which is the accuracy of the test.
 double Rounded(double value) { return value > 0.0 ? std::stod(fmt::format("{:.1e}", value)) : 0.0; }
 
 GnssProcess Rounded(GnssProcess process) {
@@ -239,11 +236,11 @@ std::string Say(const facts::GnssErrorsLast& fact) {
   const GnssCorrelation& test = fact.test;
   const GnssProcess process = Rounded(test.process);
   return fmt::format(
-      "the GNSS positions have errors that last: the lag-1 correlation of their residuals is "
-      "{:.2f}, {:.2f}, {:.2f} (east, north, up) where white noise leaves {:.2f}, {:.2f}, {:.2f} "
-      "(p = {:.1g}), as by a process of {:g} s and {:g}, {:g}, {:g} m. Unless the inertial noise "
-      "is stated too small, add to flight.yaml gnss.processes: [{}]; without it the covariances "
-      "are too small",
+      "the GNSS positions have time-correlated errors: the lag-1 correlation of their residuals is "
+      "{:.2f}, {:.2f}, {:.2f} (east, north, up), and white noise would give {:.2f}, {:.2f}, {:.2f} "
+      "(p = {:.1g}). A process of {:g} s and {:g}, {:g}, {:g} m fits them. Unless the inertial "
+      "noise is stated too small, add to flight.yaml gnss.processes: [{}]; without it the "
+      "covariances are too small",
       test.lag1.x(), test.lag1.y(), test.lag1.z(), test.lag1_expected.x(), test.lag1_expected.y(),
       test.lag1_expected.z(), std::min(test.p_value_together, test.p_value.minCoeff()),
       process.tau_s, process.sigma_enu_m.x(), process.sigma_enu_m.y(), process.sigma_enu_m.z(),
@@ -279,7 +276,7 @@ const char* Say(facts::AttitudeInPairs::Size size) {
     case facts::AttitudeInPairs::Size::kNoise:
       return "noise level";
     case facts::AttitudeInPairs::Size::kHeld:
-      return "tactical grade or better, held by the sigmas given";
+      return "tactical grade or better, covered by the stated sigmas";
     case facts::AttitudeInPairs::Size::kAbsorbed:
       break;
   }
@@ -289,8 +286,8 @@ const char* Say(facts::AttitudeInPairs::Size size) {
 
 std::string Say(const facts::AttitudeInPairs& fact) {
   return fmt::format(
-      "the attitude error of the trajectory ({}) changes the {} by {:.3f} m at {:.0f} m, whose own "
-      "sigma is {:.3f} m: {}",
+      "the attitude error of the trajectory ({}) changes the {} by {:.3f} m at a range of {:.0f} "
+      "m, against its own sigma of {:.3f} m: {}",
       Triple(fact.sigma_rph_rad),
       fact.of_planes ? "distance of a point from its plane" : "difference of a pair", fact.change_m,
       fact.range_m, fact.pair_sigma_m, Say(fact.size));
@@ -298,32 +295,34 @@ std::string Say(const facts::AttitudeInPairs& fact) {
 
 std::string Say(const facts::StripsAlike& fact) {
   return fmt::format(
-      "{} strip{}{}: four parallel strips, or three of which one crosses or lies at another "
-      "height, "
-      "determine yaw more reliably",
+      "only {} strip{}{}: yaw is more reliable with four parallel strips, or with three if one "
+      "crosses the others or has another height",
       fact.strips, fact.strips == 1 ? "" : "s",
       fact.strips == 3 ? ", parallel and at one height" : "");
 }
 
-std::string Say(const facts::FewPairs& fact) { return fmt::format("only {} pairs", fact.pairs); }
+std::string Say(const facts::FewPairs& fact) {
+  return fmt::format("only {} pairs: the result needs tens of pairs to be reliable", fact.pairs);
+}
 
 std::string Say(const facts::SigmasWidened& fact) {
   std::string text = fmt::format(
       "the reliable sigmas are {:.1f}, {:.1f} and {:.1f} times those of the normal matrix "
-      "(sigma_scaled_deg: {}), which take the errors of the trajectory as new at every epoch",
+      "(sigma_scaled_deg: {}), which assume independent trajectory errors at every epoch",
       fact.ratio.x(), fact.ratio.y(), fact.ratio.z(), Triple(fact.scaled_rad));
   if (fact.times_stated) {
-    return text + fmt::format("; by {} they last, and scatter the angles by {}", fact.source,
-                              Triple(fact.scattered_rad));
+    return text + fmt::format(
+                      "; according to {} they are time-correlated, and contribute {} to the sigmas",
+                      fact.source, Triple(fact.scattered_rad));
   }
   text += fmt::format(
-      "; an attitude error that is constant over the flight, of {} in roll, pitch and yaw by {}, "
-      "is "
-      "absorbed without a trace",
+      "; a constant attitude error of {} in roll, pitch and yaw, as stated by {}, is absorbed "
+      "without showing",
       Triple(fact.constant_rad), fact.source);
   if (fact.times_shown) {
     text += fmt::format(
-        ", and the pairs show errors that last for about {:.0f} s and scatter the angles by {}",
+        ", and the pairs show errors with a correlation time of about {:.0f} s, which contribute "
+        "{} to the sigmas",
         fact.tau_s, Triple(fact.scattered_rad));
   }
   return text;
@@ -334,13 +333,13 @@ std::string Say(const facts::NotEstimated& fact) {
 }
 
 std::string Say(const facts::NetworkDiffers& fact) {
-  return fmt::format(
-      "differs from the dynamic network by {} (p = {:.2g}): {}", Triple(fact.difference_rad),
-      fact.p_value,
-      fact.contradicts
-          ? "more than their covariances explain, so the trajectory holds an attitude error beyond "
-            "its stated sigma, and the network's angles are the mounting's"
-          : "within what their covariances explain");
+  return fmt::format("differs from the dynamic network by {} (p = {:.2g}): {}",
+                     Triple(fact.difference_rad), fact.p_value,
+                     fact.contradicts
+                         ? "more than their covariances explain, so the trajectory has an attitude "
+                           "error above its stated sigma, and the angles of the network are "
+                           "those of the mounting"
+                         : "within what their covariances explain");
 }
 
 }  // namespace

@@ -21,9 +21,9 @@ struct ErrorProcess {
 struct ErrorModel {
   ErrorProcess position;
   ErrorProcess attitude;
-  /// If true, the tilt error keeps its direction in the navigation frame when the aircraft turns,
-  /// so roll and pitch errors have opposite signs on opposite strips. If false, the error is fixed
-  /// in the body frame.
+  /// If true, the tilt error keeps its direction in the navigation frame when the aircraft turns.
+  /// Roll and pitch errors then have opposite signs on opposite strips. If false, the error is
+  /// fixed in the body frame.
   bool tilt_in_nav = false;
 };
 

@@ -165,7 +165,7 @@ class Adjuster {
     return terms;
   }
 
-  // Rotates the noise as libor does, by R_me alone: the position sigmas then lie along ECEF axes,
+  // Rotates the noise as libor does, by R_me alone. The position sigmas then lie along ECEF axes,
   // and the derivatives of R_nb lack the factor R_en.
   void TurnAsLibor(const GaussHelmertPair& pair, PairTerms* terms, Matrix3d* B_i,
                    Matrix3d* B_j) const {

@@ -8,7 +8,7 @@
 namespace dn::internal {
 
 /// Nodes in time. A function is represented by its values at the nodes and is linear between them
-/// within each strip; in a strip with a single node it is constant.
+/// within each strip. In a strip with a single node it is constant.
 class TimeNodes {
  public:
   /// Places the nodes evenly within each strip, and one node in a strip much shorter than the

@@ -11,30 +11,30 @@ struct Interval {
   bool Contains(double x) const { return x >= low && x <= high; }
 };
 
-/// Probability that a chi-square variable with dof > 0 degrees of freedom stays below x.
+/// Returns the probability that a chi-square variable with dof > 0 degrees of freedom is below x.
 double ChiSquareCdf(double x, double dof);
 
-/// Probability that it exceeds x, to full relative accuracy also where that is tiny.
+/// Returns the probability that it exceeds x. Tiny probabilities also have full relative accuracy.
 double ChiSquareTail(double x, double dof);
 
-/// Inverse of ChiSquareCdf for 0 < p < 1.
+/// Returns the inverse of ChiSquareCdf for 0 < p < 1.
 double ChiSquareQuantile(double p, double dof);
 
-/// Interval that holds a chi-square variable divided by its dof with the given probability, equal
-/// tails. The mean NEES of n independent errors of dimension d lies in ChiSquareInterval(p, n d)
-/// when the covariance is right.
+/// Returns the interval that contains a chi-square variable divided by its dof with the given
+/// probability; both tails are equal. If the covariance is correct, the mean NEES of n independent
+/// errors of dimension d is in ChiSquareInterval(p, n d) with probability p.
 Interval ChiSquareInterval(double probability, double dof);
 
-/// Quantile of the standard normal distribution, 0 < p < 1.
+/// Returns the quantile of the standard normal distribution for 0 < p < 1.
 double NormalQuantile(double p);
 
-/// Shares of successes in n trials of probability p that hold at least the given probability,
-/// equal tails (exact binomial).
+/// Returns the interval that contains the success rate of n trials of probability p with at least
+/// the given probability. Both tails are equal (exact binomial).
 Interval BinomialInterval(double probability, long n, double p);
 
-/// Probability that the values depart so far from a uniform distribution on [0, 1] when they follow
-/// it (Kolmogorov and Smirnov). Each value is a rank among `of_reference` others, known to one step
-/// of them. At least one value.
+/// Returns the p-value of the Kolmogorov-Smirnov test that the values are uniform on [0, 1]. Each
+/// value is a rank among `of_reference` other values, so it is known to one step of these. `values`
+/// must not be empty.
 double UniformityP(std::vector<double> values, double of_reference);
 
 }  // namespace dn

@@ -6,23 +6,23 @@
 
 namespace dn {
 
-/// How good a thing is that a text or a cell says.
+/// Rating of the statement in a text or cell, which selects its colour.
 enum class Tone { kPlain, kGood, kDoubtful, kBad };
 
-/// A number as a person reads it, with the value behind it.
+/// A number as displayed, with its full value.
 struct Number {
   enum class Style {
-    kDecimals,     ///< `digits` after the point
-    kSignificant,  ///< `digits` in all
+    kDecimals,     ///< `digits` after the decimal point
+    kSignificant,  ///< `digits` significant digits
   };
-  double value = 0.0;  ///< as the result file has it; not finite: there is none
+  double value = 0.0;  ///< as in the result file; not finite if there is no value
   int digits = 4;
   Style style = Style::kSignificant;
-  double scale = 1.0;       ///< shown is scale * value
-  std::string source = {};  ///< where a file has it, "result.json#/boresight/sigma_deg/0"
+  double scale = 1.0;       ///< the displayed number is scale * value
+  std::string source = {};  ///< its place in a file: "result.json#/boresight/sigma_deg/0"
 };
 
-/// The digits that are shown; a dash where there is no number.
+/// Returns the displayed digits; a dash if the value is not finite.
 std::string ToText(const Number& number);
 
 /// One cell of a table.
@@ -31,7 +31,7 @@ struct Cell {
   Tone tone = Tone::kPlain;
 };
 
-/// Rows of as many cells as there are columns.
+/// A table; each row has one cell per column.
 struct Table {
   std::string title;
   std::vector<std::string> columns;
@@ -44,32 +44,32 @@ struct Paragraph {
   Tone tone = Tone::kPlain;
 };
 
-/// Lines that keep their form: a configuration, a table of a program.
+/// Preformatted lines, such as a configuration or the table of a program.
 struct Listing {
   std::string title;
   std::string text;
 };
 
-/// Ordinates over an abscissa, with a band from `low` to `high` where these are given.
+/// A curve of y over x, with a band from `low` to `high` if these are given.
 struct Curve {
   std::string label;
   std::vector<double> x;
   std::vector<double> y;
   std::vector<double> low = {};
   std::vector<double> high = {};
-  bool points = false;  ///< else joined
+  bool points = false;  ///< false: joined by lines
 };
 
-/// Curves that one zooms into.
+/// A chart of curves into which the reader can zoom.
 struct SeriesChart {
   std::string title;
   std::string x_label;
   std::string y_label;
   std::vector<Curve> curves;
-  bool log_scales = false;  ///< both axes
+  bool log_scales = false;  ///< true: both axes are logarithmic
 };
 
-/// Clouds of points; `curves` are drawn over them.
+/// A chart of point clouds, with `curves` drawn over them.
 struct ScatterChart {
   std::string title;
   std::string x_label;
@@ -78,7 +78,8 @@ struct ScatterChart {
   std::vector<Curve> curves = {};
 };
 
-/// A bar from 0 to `value`, and the interval from `low` to `high`; NaN: no bar, no interval.
+/// A bar from 0 to `value`, and an interval from `low` to `high`. NaN omits the bar or the
+/// interval.
 struct Bar {
   std::string label;
   std::string group;
@@ -87,14 +88,14 @@ struct Bar {
   double high = 0.0;
 };
 
-/// Bars by label, and beside each other by group.
+/// A bar chart by label; the bars of a label are grouped next to each other.
 struct BarChart {
   std::string title;
   std::string x_label;
   std::vector<Bar> bars;
 };
 
-/// Points whose colour is a value, between `low` and `high` by its logarithm.
+/// Points whose colour shows the logarithm of a value between `low` and `high`.
 struct ValuedPoints {
   std::string label = {};
   std::vector<double> x = {};
@@ -104,8 +105,8 @@ struct ValuedPoints {
   double high = 0.0;
 };
 
-/// Areas, lines and points seen from above, one scale for both axes, m. Where there are valued
-/// points, these alone are coloured.
+/// A map of areas, lines and points in m, with one scale for both axes. If there are valued points,
+/// only these are coloured.
 struct MapChart {
   std::string title;
   std::vector<Curve> lines;
@@ -114,12 +115,12 @@ struct MapChart {
   ValuedPoints valued = {};
 };
 
-/// A matrix in colours from -1 to 1.
+/// A matrix whose values from -1 to 1 are shown as colours.
 struct HeatMap {
   std::string title;
   std::vector<std::string> rows;
   std::vector<std::string> columns;
-  std::vector<std::vector<double>> values;  ///< by row; NaN: none
+  std::vector<std::vector<double>> values;  ///< by row; NaN leaves a cell empty
 };
 
 using Chart = std::variant<SeriesChart, ScatterChart, BarChart, MapChart, HeatMap>;
@@ -128,20 +129,20 @@ using Content = std::variant<Paragraph, Table, Listing, Chart>;
 struct Section {
   std::string title;
   std::vector<Content> contents;
-  bool folded = false;  ///< for the few who want to know
+  bool folded = false;  ///< true: closed until the reader opens it
 };
 
-/// The answer to "may I rely on it?", and what stands behind it.
+/// Verdict on the reliability of a result, with its reasons and key figures.
 struct Headline {
   std::string word;    ///< "calibrated"
-  std::string answer;  ///< one sentence that says what the word means here
+  std::string answer;  ///< one sentence: the meaning of the word for this result
   Tone tone = Tone::kPlain;
   std::vector<std::string> reasons = {};
-  std::vector<Table> figures = {};     ///< the few numbers that matter most
-  std::vector<std::string> next = {};  ///< what to do
+  std::vector<Table> figures = {};     ///< the few most important numbers
+  std::vector<std::string> next = {};  ///< recommended actions
 };
 
-/// What a page says, as values: how it looks is for its renderers.
+/// Content of a page as values; renderers determine its layout.
 struct Document {
   std::string title;
   std::string subtitle;
@@ -149,15 +150,15 @@ struct Document {
   std::vector<Section> sections = {};
 };
 
-/// The points of a curve that a screen shows: at most `most`, the least and the greatest ordinate
-/// (and the widest band) of each stretch among them.
+/// Returns a curve with at most `most` points for display. It keeps the smallest and the largest
+/// ordinate of each interval, and the limits of the widest band.
 Curve Thinned(const Curve& curve, std::size_t most);
 
-/// One HTML file with its style, its charts and their data; it needs no network. Texts are escaped
-/// wherever they stand.
+/// Returns one HTML file with its style, charts and data; it needs no network. All texts are
+/// escaped.
 std::string ToHtml(const Document& document);
 
-/// Headlines and tables for a terminal.
+/// Returns the headlines and tables as text for a terminal.
 std::string ToText(const Document& document);
 
 }  // namespace dn

@@ -6,16 +6,17 @@
 
 namespace dn {
 
-/// Keys keep the order in which they are written.
+/// JSON value whose objects keep the order in which their keys are written.
 using Json = nlohmann::ordered_json;
 
-/// A vector as an array, a matrix as an array of rows. NaN becomes null, as JSON has no other word
-/// for it.
+/// Returns a vector as an array, and a matrix as an array of rows. Non-finite values become null,
+/// because JSON cannot represent them.
 Json ToJson(const Eigen::Ref<const Eigen::VectorXd>& vector);
 Json ToJsonMatrix(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
 
-/// Text of a result file: two blanks of indent, shortest digits that read back to the same value,
-/// final newline. Bytes that are not UTF-8 become the replacement character.
+/// Returns the text of a result file: two spaces of indentation, the shortest digits that read back
+/// to the same value, and a final newline. Bytes that are not UTF-8 become the replacement
+/// character.
 std::string FormatJson(const Json& json);
 
 }  // namespace dn

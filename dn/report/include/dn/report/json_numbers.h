@@ -8,7 +8,7 @@
 
 namespace dn {
 
-// JSON has no NaN: what cannot be told is null.
+// These functions read null as NaN, because JSON cannot represent NaN.
 inline double NumberFromJson(const Json& json) {
   return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
 }

@@ -4,8 +4,8 @@
 
 namespace dn {
 
-/// Words in lines of at most 100 characters, a newline at the end; `indent` stands before all lines
-/// but the first.
+/// Returns the words in lines of at most 100 characters with a final newline. All lines but the
+/// first start with `indent`.
 std::string Wrapped(const std::string& text, const std::string& indent);
 
 }  // namespace dn

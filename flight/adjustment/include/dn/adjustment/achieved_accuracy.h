@@ -7,15 +7,16 @@
 
 namespace dn {
 
-/// Standard deviations of a smoothed trajectory over its nodes, of every axis by itself.
+/// Median and maximum, over the nodes, of the standard deviations of a smoothed trajectory. Each
+/// axis is treated by itself.
 struct AchievedAccuracy {
-  TrajectorySigma median, largest;  ///< t_s: of no meaning
+  TrajectorySigma median, largest;  ///< their t_s is not set
 };
 
-/// There must be a node.
+/// Returns the accuracy from the standard deviations at the nodes; `sigma` must not be empty.
 AchievedAccuracy AccuracyOf(const std::vector<TrajectorySigma>& sigma);
 
-/// {"median_enu_m", "largest_enu_m", "median_rph_deg", "largest_rph_deg"}.
+/// Returns {"median_enu_m", "largest_enu_m", "median_rph_deg", "largest_rph_deg"}.
 Json AccuracyJson(const AchievedAccuracy& accuracy);
 
 }  // namespace dn

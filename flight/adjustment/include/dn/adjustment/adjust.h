@@ -20,7 +20,7 @@ namespace dn {
 
 class AdjustmentRun;
 
-/// One stage of an adjustment; dn/calibration/stages.h has those that there are.
+/// One stage of an adjustment; dn/calibration/stages.h has the predefined ones.
 struct AdjustmentStage {
   std::string name;
   std::function<void(AdjustmentRun&)> run;
@@ -30,27 +30,28 @@ struct AdjustmentStage {
 struct AdjustOptions {
   bool with_pairs = true;  ///< false: INS/GNSS only
   int threads = 1;
-  int max_iterations = 40;  ///< of each stage
-  /// Called at the start of a stage and after every iteration ("lidar, robust", 3 iterations done).
+  int max_iterations = 40;  ///< per stage
+  /// Called at the start of a stage and after every iteration, with the number of finished
+  /// iterations: ("lidar, robust", 3).
   std::function<void(const std::string& stage, int iterations)> progress = {};
-  /// Polled between epochs and iterations; true ends the work with Interrupted.
+  /// Polled between epochs and iterations; if it returns true, the adjustment throws Interrupted.
   std::function<bool()> interrupted = {};
-  /// Called once when the pairs have joined the network, before the first stage that uses them, for
-  /// blocks and factors of your own that the start of the boresight and the rejection of pairs
-  /// should see. Not without pairs. The stage "before lidar" calls it.
+  /// Called once after the pairs were added to the network, before the first stage that uses them.
+  /// Add blocks and factors of your own here if the start of the boresight and the rejection of
+  /// pairs must include them. The stage "before lidar" calls it; without pairs it is not called.
   std::function<void(FlightNetwork&)> customise_before_lidar = {};
-  /// Called once when the network stands complete, gross errors left out, before the final least
-  /// squares: the place to add blocks and factors of your own that need no start. The stage
-  /// "before final" calls it.
+  /// Called once on the complete network, after the rejection of outliers and before the final
+  /// least squares. Add blocks and factors of your own here if they need no robust stage before.
+  /// The stage "before final" calls it.
   std::function<void(FlightNetwork&)> customise = {};
-  /// Run in this order; empty: DefaultStages(with_pairs).
+  /// The stages in the order in which they run; if empty, DefaultStages(with_pairs).
   std::vector<AdjustmentStage> stages = {};
   FlightNetworkOptions network;
 
   void Validate() const;
 };
 
-/// The adjustment did not converge; the message says in which stage, and what was seen.
+/// Thrown if the adjustment did not converge; the message names the stage and the observed values.
 class NotConverged : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -66,44 +67,51 @@ struct StageReport {
   double time_s = 0.0;
 };
 
-/// A solved flight.
+/// A solved flight with the record of its adjustment.
 struct Adjustment {
   std::unique_ptr<FlightNetwork> network;
   std::string alignment_method;
-  double node_rate_hz = 0.0;  ///< NodeRateHz
+  double node_rate_hz = 0.0;  ///< from NodeRateHz
   std::vector<StageReport> stages;
-  int iterations = 0;  ///< of all stages
+  int iterations = 0;  ///< sum over all stages
   bool converged = false;
-  long outliers = 0;  ///< pairs rejected
-  /// GNSS epochs whose position or velocity contradicts all other data, left out; indices into
-  /// Flight::gnss, in time order.
+  long outliers = 0;  ///< number of rejected pairs
+  /// GNSS epochs whose position or velocity was rejected because it contradicts all other data;
+  /// indices into Flight::gnss, in time order.
   std::vector<std::size_t> gnss_rejected;
-  /// Of the INS/GNSS solution with the epochs that are left; untested where another cause of misfit
-  /// was found.
+  /// Test of the GNSS residuals for time-correlated errors, in the INS/GNSS solution without the
+  /// rejected epochs. It is not made if another cause of the misfit was found.
   GnssCorrelation gnss_correlation;
-  /// The GNSS clock as the INS/GNSS solution estimates it beside the assumed model, where that takes
-  /// away at least half of the misfit. The epochs are screened with it; the result is that of the
-  /// assumed model.
+  /// GNSS clock error, estimated by the INS/GNSS solution in addition to the assumed model. It is
+  /// set if it removes at least half of the misfit. The GNSS epochs are then screened with the
+  /// estimated clock, but the result uses the assumed model.
   std::optional<ClockEstimate> gnss_clock;
-  /// What its user should look into: the adjustment stands, but its model is in doubt.
+  /// Warnings for the user: the adjustment is complete, but its model is in doubt.
   std::vector<Finding> warnings;
-  double residual_initial_m = 0.0;  ///< mean norm of the pairs' differences before the lidar stages
-  double residual_final_m = 0.0;    ///< of the pairs kept, at the solution
+  /// Mean norm of the pair differences before the lidar stages.
+  double residual_initial_m = 0.0;
+  double residual_final_m = 0.0;  ///< the same for the kept pairs, at the solution
   double cost = 0.0;
   double time_s = 0.0;
-  /// What its solutions shared, which serves the covariances as well.
+  /// Symbolic analysis shared by the solves; the covariances reuse it.
   std::shared_ptr<SharedAnalysis> analysis = std::make_shared<SharedAnalysis>();
 };
 
-/// Adjusts a flight in stages: alignment and forward filter; INS/GNSS, from which GNSS positions
-/// and velocities that contradict all other data are taken out one by one; boresight alone with the
-/// trajectory held; everything with a robust loss on GNSS and pairs; rejection of pairs; final
-/// least squares. Increments are integrated anew whenever the biases have moved, and at the end.
+/// Adjusts a flight in stages:
+///   1. alignment and forward filter;
+///   2. INS/GNSS, with one-by-one rejection of GNSS positions and velocities that contradict all
+///      other data;
+///   3. boresight alone, with the trajectory constant;
+///   4. all unknowns, with a robust loss on GNSS and pairs;
+///   5. rejection of pairs;
+///   6. final least squares.
+/// The increments are integrated again if the biases have changed, and at the end.
 ///
-/// Robust losses (`robust` of flight.yaml) belong to the stages on the way. The final stage is plain
-/// least squares over what was kept, so that covariances and tests of the result are exact.
+/// Robust losses (`robust` in flight.yaml) apply to the intermediate stages only. The final stage
+/// is plain least squares over the kept data, so that covariances and tests of the result are
+/// exact.
 ///
-/// Needs the flight's imu and gnss (and pairs, when with_pairs). Throws InvalidInput (also when
+/// Requires the flight's imu and gnss, and pairs if with_pairs is set. Throws InvalidInput (also if
 /// more than a third of the GNSS epochs contradict the inertial data), NotConverged, Interrupted.
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
 

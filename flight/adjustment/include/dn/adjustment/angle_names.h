@@ -2,7 +2,7 @@
 
 namespace dn {
 
-/// The angles of the boresight, in the order of its coordinates.
+/// Names of the boresight angles, in the order of the boresight's coordinates.
 inline constexpr const char* kAngleNames[] = {"roll", "pitch", "yaw"};
 
 }  // namespace dn

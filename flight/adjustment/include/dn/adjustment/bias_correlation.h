@@ -8,21 +8,22 @@
 
 namespace dn {
 
-/// Correlation of the boresight (rows roll, pitch, yaw) with the total biases (sum of the processes
-/// of an axis, columns x, y, z) that hold at t_s; zero without processes.
+/// Correlation of the boresight (rows roll, pitch, yaw) with the total biases at t_s (columns x, y,
+/// z). The total bias of an axis is the sum of its processes; the correlation is zero without
+/// processes.
 struct BiasCorrelationAt {
   double t_s = 0.0;
   Eigen::Matrix3d gyro = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d accel = Eigen::Matrix3d::Zero();
 };
 
-/// At every node. `marginals` must have its selected inverse; boresight are the columns of the
-/// boresight.
+/// Returns the correlations at every node. `marginals` must have its selected inverse; `boresight`
+/// are the columns of the boresight in the covariance matrix.
 std::vector<BiasCorrelationAt> BiasCorrelationOverTime(const FlightNetwork& network,
                                                        const Marginals& marginals,
                                                        const Marginals::Columns& boresight);
 
-/// Mean epoch of the pairs in use, s; that of the first node without any.
+/// Returns the mean epoch of the active pairs, s; the epoch of the first node if there are none.
 double LidarBarycentre(const FlightNetwork& network);
 
 }  // namespace dn

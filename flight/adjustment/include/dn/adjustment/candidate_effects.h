@@ -11,33 +11,33 @@
 
 namespace dn {
 
-/// Something that the data of a flight may contain and its network lacks.
+/// An effect that may be present in the data of a flight but is not modelled in its network.
 struct CandidateEffect {
   std::string name;         ///< as in `effects:` of a scenario and `estimate:` of a flight
-  std::string unit;         ///< of reported values
+  std::string unit;         ///< unit of reported values
   double per_si = 1.0;      ///< reported = SI value * per_si
-  Eigen::VectorXd typical;  ///< usual size of each component, SI
-  std::string remedy;       ///< what to correct or to estimate, naming the keys
-  EffectTimes times;        ///< when it is there
+  Eigen::VectorXd typical;  ///< typical size of each component, SI
+  std::string remedy;       ///< proposed correction or estimate, with the keys' names
+  EffectTimes times;        ///< the times at which it acts
   EffectModel model;        ///< d residual / d component, SI
 };
 
-/// An effect of the estimator, without its model.
+/// Returns an effect of the estimator as a candidate with an empty model.
 CandidateEffect DescribeEffect(const EstimableEffect& effect);
 
-/// An effect of one's own that is looked for beside those of the estimator.
+/// A user-defined effect that is tested in addition to those of the estimator.
 struct OwnEffect {
   std::string name;
   EffectAction action;
-  Eigen::VectorXd typical;  ///< usual size of each component, SI
+  Eigen::VectorXd typical;  ///< typical size of each component, SI
 };
 
-/// Every effect that the network can be tested for and has not among its unknowns: those of GNSS
-/// and of the inertial sensors, and of the lidar where the network has pairs. A step of the
-/// boresight is one candidate for every time between two strips.
+/// Returns every effect that the network can be tested for and does not estimate. These are GNSS
+/// effects, inertial effects and, with pairs, lidar effects. For a step of the boresight there is
+/// one candidate per time between two strips, six at most.
 ///
-/// The derivatives are those of the factors that estimate the effect, at the present values. `own`
-/// ones come last, in their order; of those that touch no factor the model is empty.
+/// The derivatives are those of the factors that estimate the effect, at the present values. The
+/// effects in `own` come last, in their order; the model of one that acts on no factor is empty.
 std::vector<CandidateEffect> CandidateEffects(const FlightNetwork& network, int threads = 1,
                                               const std::vector<OwnEffect>& own = {});
 

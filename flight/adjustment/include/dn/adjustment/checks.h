@@ -6,79 +6,89 @@
 
 namespace dn {
 
-/// Residuals of one kind against what their redundancy lets them be. p-values hold for the family:
-/// they are multiplied by the number of tests of the model check.
+/// Residuals of one kind compared with their redundancy. The p-values of all checks are
+/// family-wise: they are multiplied by the number of tests of the model check.
 struct GroupCheck {
   std::string name;                   ///< "lidar p2p", "inertial gyro", "gnss position east" ...
-  long observations = 0;              ///< residuals
-  double redundancy = 0.0;            ///< what the fit leaves of them
+  long observations = 0;              ///< number of residuals
+  double redundancy = 0.0;            ///< sum of their redundancy numbers
   double variance_ratio = 1.0;        ///< sum of squares / redundancy
-  double ratio_beside_effects = 1.0;  ///< the same with the effects found among the unknowns
-  double p_value = 1.0;               ///< of a ratio this far from 1, either way
+  double ratio_beside_effects = 1.0;  ///< the same if the found effects were estimated
+  double p_value = 1.0;               ///< of a ratio this far from 1, two-sided
   double worst_t_s = 0.0;
   double worst_standardised = 0.0;  ///< residual / root of its redundancy number
 };
 
-/// Residuals that may share errors: the sum over windows of the squared sum of their residuals.
+/// Test for errors that residuals share: sum, over time windows, of the squared sum of the
+/// residuals in the window.
 struct CommonErrorCheck {
   std::string name;      ///< "gnss position, over 60 s" ...
-  std::string group;     ///< whose residuals
-  std::string worst;     ///< of pairs of strips: those that disagree most, where significant
-  double ratio = 1.0;    ///< of that sum to its expectation
-  double p_value = 1.0;  ///< of a ratio this large
-  double sigma = 0.0;    ///< of the common error, in sigmas of one residual; 0 where none shows
-  double damage = 0.0;   ///< largest move of a watched unknown by such errors, in its sigmas
-  double log_evidence = 0.0;  ///< nats, for a common error of the likeliest size against none
-  bool explained = false;     ///< no longer significant beside the effects found
+  std::string group;     ///< group of the residuals
+  std::string worst;     ///< of strip pairs: the pair that disagrees most, if significant
+  double ratio = 1.0;    ///< that sum over its expectation
+  double p_value = 1.0;  ///< of a ratio this large, one-sided
+  double sigma = 0.0;    ///< size of the common error, in sigmas of one residual; 0 if none
+  double damage = 0.0;   ///< largest shift of a watched unknown by such errors, in its sigmas
+  /// Nats, for a common error of the likeliest size against no common error.
+  double log_evidence = 0.0;
+  bool explained = false;  ///< no longer significant if the found effects are estimated
 };
 
-/// An effect that the data show and the network lacks, by a score test: to first order.
+/// An effect that is significant in the data and not estimated by the network. Score test, first
+/// order.
 struct EffectCheck {
   std::string name;
   std::string unit;
   std::string remedy;
   double p_value = 1.0;
-  double log_evidence = 0.0;  ///< nats, against its absence, at sizes around the usual one
-  Eigen::VectorXd estimate;   ///< in `unit`, beside the effects before it
+  /// Nats, against its absence, averaged over sizes around the typical one.
+  double log_evidence = 0.0;
+  Eigen::VectorXd estimate;  ///< in `unit`, jointly with the other found effects
   Eigen::VectorXd sigma;
-  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< move of the boresight by it
-  double damage = 0.0;  ///< largest move of a watched unknown, in its sigmas
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< shift of the boresight
+  double damage = 0.0;  ///< largest shift of a watched unknown, in its sigmas
   std::vector<std::string> inseparable_from;
 };
 
-/// A way in which the data depart from the model that no effect of the table is: a score test beside
-/// the effects found, against the noise that the pairs show where that is above the stated one.
+/// An unmodelled discrepancy: a deviation of the data from the model that no effect of the table
+/// describes. It is a score test that is made after the found effects are estimated. Its noise
+/// level is the one that the pairs show, if that is above the stated one.
 struct DepartureCheck {
   std::string name;  ///< "laser vectors by scan angle" ...
   double statistic = 0.0;
   int dof = 0;
   double p_value = 1.0;
-  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< move of the boresight by what shows
-  double damage = 0.0;  ///< largest move of a watched unknown by it, in its sigmas
+  /// Shift of the boresight by the estimated discrepancy.
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
+  double damage = 0.0;  ///< largest shift of a watched unknown, in its sigmas
 };
 
-/// An effect that in its usual size would move a watched unknown by more than its sigma, and that the
-/// data would not show: of its components the one that moves it farthest, by itself.
+/// An undetectable effect: its typical size is below its minimal detectable bias (MDB), but shifts
+/// a watched unknown by more than the unknown's sigma. Only the component with the largest shift is
+/// given; each component is taken by itself.
 struct UnseenEffect {
   std::string name;
-  std::string component;            ///< "x", "east"; empty where there is one only
-  std::string unit;                 ///< of both sizes
-  double usual = 0.0;               ///< 1 sigma of what is to be expected
-  double minimal_detectable = 0.0;  ///< Baarda's (RowTest), to first order; infinite: no size shows
-  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< move of the boresight at `usual`
-  double damage = 0.0;  ///< there, of the watched unknown that moves farthest, in its sigmas
+  std::string component;  ///< "x", "east"; empty if the effect has one component
+  std::string unit;       ///< unit of both sizes
+  double usual = 0.0;     ///< typical size: one prior sigma
+  /// MDB (Baarda, see RowTest), first order; infinite if no size is detectable.
+  double minimal_detectable = 0.0;
+  /// Shift of the boresight at the size `usual`.
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
+  double damage = 0.0;  ///< largest shift of a watched unknown at that size, in its sigmas
 };
 
-/// An effect that explains the data as well as an unknown that is estimated: of all that do, the one
-/// that moves the watched unknowns farthest in its place.
+/// A competing effect: it explains the data as well as an estimated unknown. If several do, it is
+/// the one that shifts the watched unknowns farthest when it replaces the unknown.
 struct RivalCheck {
   std::string unknown, rival;
-  double log_evidence = 0.0;  ///< nats, of the rival against the unknown
-  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< with the rival, from that without
-  double damage = 0.0;  ///< largest move of a watched unknown, in its sigmas
+  double log_evidence = 0.0;  ///< nats, of the competing effect against the unknown
+  /// Boresight with the competing effect minus boresight with the unknown.
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
+  double damage = 0.0;  ///< largest shift of a watched unknown, in its sigmas
 };
 
-/// A stated prior of an unknown against what all other data say of it.
+/// Test of the stated prior of an unknown against the prediction from all other data.
 struct PriorCheck {
   std::string unknown;
   double statistic = 0.0;

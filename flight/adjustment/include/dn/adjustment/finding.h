@@ -10,41 +10,43 @@
 
 namespace dn {
 
-/// The trust a boresight deserves. gauss_helmert_flight.h and docs/method/model-check.md define
-/// each verdict.
+/// Verdict on a boresight. gauss_helmert_flight.h and docs/method/model-check.md define the
+/// conditions of each value.
 enum class Verdict {
-  kCalibrated,     ///< the angles are the mounting's, within their covariance
-  kAbsorbed,       ///< they hold an error of the trajectory: consistent, but not the mounting's
-  kNotObservable,  ///< the data do not determine them
-  kContradicted,   ///< the data contradict the assumed model; wins over the others
+  kCalibrated,  ///< the angles are those of the mounting, within their covariance
+  /// They contain an error of the trajectory: consistent, but not those of the mounting.
+  kAbsorbed,
+  kNotObservable,  ///< the data do not determine the angles
+  kContradicted,   ///< the data contradict the assumed model; overrides the others
 };
 
-/// What may be found, one type each with the numbers that tell it. dn/calibration/words.h says them.
+/// The kinds of findings, each a type with the numbers that describe it. dn/calibration/words.h
+/// formats them as sentences.
 namespace facts {
 
-/// An unmodelled effect is significant.
+/// An effect that is not modelled is significant.
 struct EffectPresent {
   EffectCheck effect;
-  bool moves_boresight = false;  ///< else the trajectory
+  bool moves_boresight = false;  ///< otherwise the trajectory
 };
 
-/// The data depart from the model in a way that no effect explains.
+/// The data contain an unmodelled discrepancy, which no effect explains.
 struct DepartureUnnamed {
   DepartureCheck departure;
 };
 
-/// What an unknown is estimated for has another cause as likely.
+/// Another effect explains the data as well as an estimated unknown.
 struct UnknownAmbiguous {
   RivalCheck check;
-  bool moves_boresight = false;  ///< else the trajectory
+  bool moves_boresight = false;  ///< otherwise the trajectory
 };
 
-/// Residuals of a group are larger than their stated noise.
+/// The residuals of a group are larger than their stated noise.
 struct VarianceTooLarge {
   GroupCheck group;
 };
 
-/// Residuals share errors that are taken as independent.
+/// Residuals share errors, but the model assumes that they are independent.
 struct ErrorsShared {
   CommonErrorCheck common;
 };
@@ -54,17 +56,17 @@ struct PriorContradicted {
   PriorCheck prior;
 };
 
-/// The flight states that a diagnosis found what its configuration does not model.
+/// flight.yaml states that a diagnosis found a discrepancy that its configuration does not model.
 struct GapUnexplained {
   std::string what;
 };
 
-/// Boresight angles that no mounting has.
+/// The boresight angles are too large for any mounting.
 struct MountingImpossible {
   Eigen::Vector3d angles_rad;
 };
 
-/// The body flies on its back.
+/// The body is upside down.
 struct UpsideDown {};
 
 struct Sigma0TooLarge {
@@ -72,42 +74,42 @@ struct Sigma0TooLarge {
 };
 
 struct PairsLeftOut {
-  double share = 0.0;  ///< of all pairs
+  double share = 0.0;  ///< share of all pairs
 };
 
 struct GnssLeftOut {
-  double share = 0.0;  ///< of all epochs
+  double share = 0.0;  ///< share of all epochs
 };
 
-/// The innovations of the GNSS positions ask for another lever arm of the antenna.
+/// The innovations of the GNSS positions indicate another lever arm of the antenna.
 struct GnssLeverArmOff {
   Eigen::Vector3d correction_b_m;
 };
 
-/// The time tags of GNSS are off against those of the inertial data.
+/// The GNSS time tags disagree with those of the inertial data.
 struct GnssTimeOff {
   ClockEstimate clock;
-  double damage = 0.0;           ///< largest move of a watched unknown by it, in its sigmas
-  bool moves_boresight = false;  ///< else the trajectory
+  double damage = 0.0;  ///< largest shift of a watched unknown by the clock error, in its sigmas
+  bool moves_boresight = false;  ///< otherwise the trajectory
 };
 
-/// Innovations of a sensor are larger or smaller than the model expects.
+/// The innovations of a sensor are larger or smaller than the model predicts.
 struct InnovationSize {
   std::string sensor;  ///< "GNSS positions", "GNSS velocities"
-  double ratio = 1.0;  ///< their root mean square over the expected one
+  double ratio = 1.0;  ///< root mean square over the expected one
 };
 
-/// The GNSS positions have errors that last, and the network lacks them.
+/// The GNSS positions have time-correlated errors that the network does not model.
 struct GnssErrorsLast {
   GnssCorrelation test;
 };
 
 /// The standard deviation of an angle exceeds 0.5 deg.
 struct SigmaTooLarge {
-  int angle = 0;  ///< 0 roll, 1 pitch, 2 yaw; so below
+  int angle = 0;  ///< 0 roll, 1 pitch, 2 yaw, here and below
 };
 
-/// The standard deviation of an angle is far above what a single pair resolves.
+/// The standard deviation of an angle exceeds ten times the resolution of a single pair.
 struct SigmaAbovePairs {
   int angle = 0;
 };
@@ -117,26 +119,26 @@ struct AnglesInseparable {
   int second = 0;
 };
 
-/// Nothing speaks against a network that has the trajectory's errors among its unknowns.
+/// No test speaks against a network that estimates the trajectory's errors.
 struct TrajectoryEstimated {};
 
-/// What the attitude error of a trajectory makes of the difference of a pair, or of the distance of
-/// a point from its plane.
+/// Change of a pair's difference, or of a point's distance from its plane, by the attitude error of
+/// the trajectory.
 struct AttitudeInPairs {
   enum class Size {
     kNoise,     ///< at the noise level of the pairs
-    kHeld,      ///< above it, of tactical grade or better
-    kAbsorbed,  ///< the angles hold it
+    kHeld,      ///< above it; the trajectory is of tactical grade or better
+    kAbsorbed,  ///< above it; the boresight angles absorb the error
   };
   Size size = Size::kNoise;
-  bool of_planes = false;         ///< points on planes take the place of pairs below
-  Eigen::Vector3d sigma_rph_rad;  ///< of roll, pitch and heading
-  double change_m = 0.0;          ///< of the difference of a pair
-  double range_m = 0.0;           ///< mean
-  double pair_sigma_m = 0.0;      ///< of the pairs' own noise
+  bool of_planes = false;         ///< true: points on planes instead of pairs
+  Eigen::Vector3d sigma_rph_rad;  ///< sigma of roll, pitch and heading
+  double change_m = 0.0;          ///< sigma of that change
+  double range_m = 0.0;           ///< mean range
+  double pair_sigma_m = 0.0;      ///< sigma of the pairs' own noise
 };
 
-/// Too few strips, or too much alike, for a reliable yaw.
+/// The strips are too few or too similar for a reliable yaw.
 struct StripsAlike {
   int strips = 0;
 };
@@ -145,29 +147,29 @@ struct FewPairs {
   long pairs = 0;
 };
 
-/// Reliable sigmas that are much larger than those of the normal matrix.
+/// The reliable sigmas are much larger than those of the normal matrix.
 struct SigmasWidened {
   Eigen::Vector3d ratio;
   Eigen::Vector3d scaled_rad;     ///< sigmas of the normal matrix, times sigma0
-  Eigen::Vector3d scattered_rad;  ///< by errors of the trajectory that last for a while
-  Eigen::Vector3d constant_rad;   ///< by those that last for the whole flight
-  std::string source;             ///< what states the accuracy of the trajectory
-  bool times_stated = false;      ///< it states how long the errors last, too
-  bool times_shown = false;       ///< the pairs show it
-  double tau_s = 0.0;             ///< for how long, by the pairs
+  Eigen::Vector3d scattered_rad;  ///< by time-correlated errors of the trajectory
+  Eigen::Vector3d constant_rad;   ///< by errors that are constant over the flight
+  std::string source;             ///< file or section that states the accuracy of the trajectory
+  bool times_stated = false;      ///< true: it also states the correlation time
+  bool times_shown = false;       ///< true: the pairs indicate the correlation time
+  double tau_s = 0.0;             ///< correlation time that the pairs indicate
 };
 
-/// An unknown under `estimate` that a method on a fixed trajectory does not have.
+/// An unknown under `estimate` that a method on a fixed trajectory does not model.
 struct NotEstimated {
   std::string unknown;
-  std::string because;  ///< what the method knows
+  std::string because;  ///< the unknowns that the method models
 };
 
-/// The boresight of another method beside that of the dynamic network.
+/// Comparison of the boresight with that of the dynamic network.
 struct NetworkDiffers {
   Eigen::Vector3d difference_rad;
   double p_value = 1.0;
-  bool contradicts = false;  ///< by more than their covariances explain
+  bool contradicts = false;  ///< the difference is larger than the covariances explain
 };
 
 }  // namespace facts
@@ -181,13 +183,14 @@ using Fact = std::variant<
     facts::TrajectoryEstimated, facts::AttitudeInPairs, facts::StripsAlike, facts::FewPairs,
     facts::SigmasWidened, facts::NotEstimated, facts::NetworkDiffers>;
 
-/// What speaks for or against the assumed model, or for the verdict.
+/// A fact for or against the assumed model, or a reason of the verdict.
 struct Finding {
   Fact fact;
-  bool contradicts = false;  ///< the results must not be relied on
-  double evidence = 0.0;     ///< nats for it as the cause; infinite where there is no other
+  bool contradicts = false;  ///< true: do not rely on the results
+  /// Nats, for this fact as the cause; infinite if there is no other cause.
+  double evidence = 0.0;
 
-  /// The fact, where it is of this type; null elsewhere.
+  /// Returns the fact if it is of type T, otherwise null.
   template <class T>
   const T* As() const {
     return std::get_if<T>(&fact);

@@ -14,54 +14,55 @@
 
 namespace dn {
 
-/// What the trajectory states about its own accuracy at the epochs of the pairs (root mean
-/// squares).
+/// Accuracy of a trajectory at the epochs of the pairs, as stated by its files or by flight.yaml.
+/// The sigmas are root mean squares over the epochs.
 struct TrajectoryAccuracy {
   Eigen::Vector3d sigma_ned_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma_rph_rad = Eigen::Vector3d::Zero();
-  /// Mean covariance of the attitude in body axes, rad^2: that of an error constant in body.
+  /// Mean covariance of the attitude in body axes, rad^2: the covariance of an error that is
+  /// constant in body.
   Eigen::Matrix3d attitude_covariance_rad2 = Eigen::Matrix3d::Zero();
   std::string source;  ///< name of the file, or "the section trajectory of flight.yaml"
   StatedBy stated_by = StatedBy::kDataSheet;
-  /// From `trajectory_covariance.txt` where there is one, at the epochs of all pairs: how the
-  /// errors of the smoother correlate in time.
+  /// Covariance of the poses over time, from `trajectory_covariance.txt`. It is absent if that file
+  /// does not exist or does not cover the epochs of all pairs.
   std::optional<PoseCovariance> covariance = {};
 };
 
-/// How the poses at the pairs' epochs came about.
+/// Method and accuracy of the pose interpolation at the pairs' epochs.
 struct PoseInterpolation {
   std::string method;
   double median_step_s = 0.0;
-  /// rms and maximum of the angle between cubic and linear interpolation at the pairs' epochs, rad:
-  /// a bound of the error of the cubic one.
+  /// Rms and maximum of the angle between cubic and linear interpolation at the pairs' epochs, rad.
+  /// They bound the error of the cubic interpolation.
   double cubic_minus_linear_rms_rad = 0.0;
   double cubic_minus_linear_max_rad = 0.0;
 };
 
-/// The geometry of the strips as the paper's operating envelope asks for it.
+/// Geometry of the strips, with the criteria of the operating envelope in the paper.
 struct StripDiversity {
   int strips = 0;
-  bool crossing = false;  ///< two strips whose courses differ by 20 deg or more, modulo 180 deg
-  bool heights = false;   ///< two strips whose heights differ by 5 % of the range or more
+  bool crossing = false;  ///< the courses of two strips differ by 20 deg or more, modulo 180 deg
+  bool heights = false;   ///< the heights of two strips differ by 5 % of the range or more
 
-  /// Four strips, or three of which one crosses or lies at another height.
+  /// Returns true for four strips, or for three if one crosses or has another height.
   bool sufficient() const { return strips >= 4 || (strips == 3 && (crossing || heights)); }
 };
 
-/// A flight adjusted on its fixed trajectory, with what stands behind the result.
+/// A flight adjusted on its fixed trajectory: problem, adjustment, covariances and model check.
 struct GaussHelmertCalibration {
   GaussHelmertProblem problem;
   GaussHelmertOptions options;
   GaussHelmertResult adjustment;
   TrajectoryScatter scatter;
   TrajectoryAccuracy accuracy;
-  /// Of the attitude error that is constant over the flight, rad^2 in body: the share of the
-  /// trajectory's attitude covariance that the pairs do not show to vary.
+  /// Covariance of the attitude error that is constant over the flight, rad^2 in body. It is the
+  /// share of the trajectory's attitude covariance that does not vary according to the pairs.
   Eigen::Matrix3d constant_rad2 = Eigen::Matrix3d::Zero();
   PoseInterpolation interpolation;
   StripDiversity diversity;
   double mean_range_m = 0.0;
-  /// With the reliable covariance; sigma_apriori_rad and sigma_scaled_rad beside it.
+  /// Boresight with its reliable covariance; sigma_apriori_rad and sigma_scaled_rad are set.
   BoresightResult boresight;
   ModelCheck model_check;
   AdjustmentFigures figures;
@@ -69,73 +70,84 @@ struct GaussHelmertCalibration {
   double covariance_time_s = 0.0;
 };
 
-/// How the adjustment on a fixed trajectory runs.
+/// Options of CalibrateGaussHelmert and CalibratePlanes.
 struct GaussHelmertFlightOptions {
   int threads = 1;
   std::function<void(const std::string& stage)> progress = {};
   std::function<bool()> interrupted = {};  ///< polled between stages; true throws Interrupted
 };
 
-/// The problem of a flight's pairs on its trajectory: poses interpolated (PoseInterpolator; with
-/// gh.libor_compat linearly, as libor does), P from the section `trajectory`, W from the pairs'
-/// covariances or lidar.sigma_p_m, the prior of lidar.boresight_sigma_deg.
-/// Throws InvalidInput naming the times when a pair's epoch lies outside the trajectory.
+/// Returns the adjustment problem for the pairs of a flight on its trajectory. The poses are
+/// interpolated by PoseInterpolator (linearly with gh.libor_compat, as in libor). P is from the
+/// section `trajectory`, W from the pairs' covariances or lidar.sigma_p_m, and the prior from
+/// lidar.boresight_sigma_deg. `interpolation` may be null.
+///
+/// Throws InvalidInput with the times if the epoch of a pair is outside the trajectory.
 GaussHelmertProblem MakeGaussHelmertProblem(const Flight& flight, int threads = 1,
                                             PoseInterpolation* interpolation = nullptr);
 
-/// From what the smoother wrote beside the trajectory's file: `trajectory_covariance.txt` (where it
-/// covers the pairs) and `trajectory_sigma.txt`, as `dn smooth` writes them, or POSPac's smrmsg;
-/// from the one that trajectory.sigma_file names; or else from the section `trajectory`. Throws
-/// InvalidInput naming the epoch when the file does not cover the pairs, or a sigma is not
-/// positive; when the two files are of different runs.
+/// Returns the accuracy of a trajectory from the first of these sources that exists:
+///   1. the file that trajectory.sigma_file names;
+///   2. the smoother's files next to the trajectory: `trajectory_covariance.txt` (if it covers the
+///      pairs) and `trajectory_sigma.txt` of `dn smooth`, or smrmsg of POSPac;
+///   3. the section `trajectory` of flight.yaml.
+/// Throws InvalidInput with the epoch if the file does not cover the pairs or a sigma is not
+/// positive. Throws it too if the two files are of different runs.
 TrajectoryAccuracy ReadTrajectoryAccuracy(const Flight& flight, const GaussHelmertProblem& problem);
 
-/// Boresight of a flight with a trajectory and pairs by the Gauss-Helmert adjustment. lidar.robust:
-/// none is the paper's outlier rule, huber and cauchy are robust losses of width 2.5.
+/// Estimates the boresight of a flight with a trajectory and pairs by the Gauss-Helmert adjustment.
+/// lidar.robust: `none` is the outlier rule of the paper, `huber` and `cauchy` are robust losses of
+/// width 2.5.
 ///
-/// The covariance is ReliableCovariance; the verdict is
-///   not_observable  as AssessObservability says of the normal matrix, AssessLargestSigma of the
-///                   reliable sigmas,
-///   absorbed        the attitude errors of the trajectory at the two epochs of a pair (stated, or
-///                   shown by the pairs where that is more) change its difference by more than
-///                   half its own sigma, and exceed 0.01 deg in roll or pitch or 0.02 deg in
-///                   heading: the angles make the cloud consistent, but hold that error,
-///   contradicted    the pairs show an effect of the lidar (time tags, lever arm, ranges, scan
-///                   angles) that moves the boresight by more than its sigma, the misclosures have
-///                   more than twice their stated variance beside the effects found, more than 30 %
-///                   of the pairs are outliers, the stated prior contradicts the pairs, or an angle
-///                   exceeds 15 deg (model_check); wins over the others,
-///   calibrated      else,
-/// with the reasons. Effects are looked for beside errors of the trajectory that last, of
-/// the stated size or larger. Hidden stay those that look like such errors: late tags in quiet
-/// flight, a lever arm in strips at one height, a mount that moves, and an attitude error that is
-/// constant over the flight. Throws InvalidConfig when `estimate` does not name the boresight;
-/// InvalidInput, RankDeficient, NotConverged, Interrupted.
+/// The covariance is ReliableCovariance. The verdict, with its reasons, is
+///   not_observable  by AssessObservability for the normal matrix, or by AssessLargestSigma for the
+///                   reliable sigmas;
+///   absorbed        the attitude errors of the trajectory at the two epochs of a pair (as stated,
+///                   or as the pairs show if that is more) change its difference by more than half
+///                   its own sigma, and exceed 0.01 deg in roll or pitch or 0.02 deg in heading.
+///                   The angles make the cloud consistent, but contain that error;
+///   contradicted    (model_check) the pairs show an effect of the lidar (time tags, lever arm,
+///                   ranges, scan angles) that shifts the boresight by more than its sigma, or show
+///                   an unmodelled discrepancy; the misclosures have more than twice their stated
+///                   variance after the found effects; more than 30 % of the pairs are outliers;
+///                   the stated prior contradicts the pairs; or an angle exceeds 15 deg. It
+///                   overrides the others;
+///   calibrated      otherwise.
+///
+/// Effects are tested jointly with time-correlated errors of the trajectory, of the stated size or
+/// larger. Effects that resemble such errors stay undetectable: late tags in quiet flight, a lever
+/// arm in strips at one height, a mount that moves, and an attitude error that is constant over the
+/// flight.
+///
+/// Throws InvalidConfig if `estimate` does not name the boresight; InvalidInput, RankDeficient,
+/// NotConverged, Interrupted.
 GaussHelmertCalibration CalibrateGaussHelmert(const Flight& flight,
                                               const GaussHelmertFlightOptions& options = {});
 
-/// Difference of two results of one flight.
+/// Difference of two boresight results of one flight.
 struct MethodDifference {
   Eigen::Vector3d difference_rad = Eigen::Vector3d::Zero();   ///< a - b, a left perturbation
-  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();  ///< of the difference
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();  ///< covariance of the difference
   double mahalanobis2 = 0.0;                                  ///< d^T C^-1 d
-  double p_value = 1.0;  ///< of it, chi-square with three degrees of freedom
+  double p_value = 1.0;  ///< of mahalanobis2, chi-square with three degrees of freedom
 
   Eigen::Vector3d sigma_rad() const { return covariance_rad2.diagonal().cwiseSqrt(); }
 };
 
-/// `b` uses all that `a` does, and more (the dynamic network: all data at once), and is efficient
-/// where its model holds. Its error is then uncorrelated with the difference, which hence has the
-/// covariance C_a - C_b; in a direction in which `a` is the better one, C_b - C_a. None is taken for
-/// less than a tenth of the larger: better that one itself is not known.
-/// Source: Hausman (1978), corollary 2.6.
+/// Compares the results of two methods. `b` must use all data of `a` and more, and be efficient if
+/// its model holds; the dynamic network is, because it uses all data at once. The error of `b` is
+/// then uncorrelated with the difference, whose covariance is C_a - C_b. In directions in which `a`
+/// is more accurate it is C_b - C_a. The variance in any direction is at least a tenth of the
+/// larger of the two, because the covariances themselves are not known better. Source: Hausman
+/// (1978), corollary 2.6.
 MethodDifference Compare(const BoresightResult& a, const BoresightResult& b);
 
-/// Of results that share no data: the covariance of the difference is C_a + C_b.
+/// Compares results that share no data: the covariance of the difference is C_a + C_b.
 MethodDifference CompareIndependent(const BoresightResult& a, const BoresightResult& b);
 
-/// Turns the verdict of a Gauss-Helmert result to `absorbed` where the dynamic network of the same
-/// flight contradicts it (p < 0.0027, three sigma), and adds the comparison to the reasons.
+/// Changes the verdict of a Gauss-Helmert result from `calibrated` to `absorbed` if the dynamic
+/// network contradicts it (p < 0.0027, three sigma). Both must be of the same flight. Adds the
+/// comparison to the reasons.
 void AssessAgainstNetwork(const BoresightResult& network, GaussHelmertCalibration* gauss_helmert);
 
 }  // namespace dn

@@ -10,17 +10,17 @@
 
 namespace dn {
 
-/// `gnss_errors` of report.json: the test for errors of the GNSS positions that last (null where it
-/// was not made), and what each of gnss.processes came out as: number of states, root mean square
-/// of the estimates and of their standard deviations over the states, east, north, up, m.
-/// `marginals` must have its selected inverse.
+/// Returns `gnss_errors` of report.json: the test for time-correlated errors of the GNSS positions
+/// (null if not made), and a summary of each of gnss.processes. A summary has the number of states.
+/// It also has the root mean squares, over the states, of the estimates and of their standard
+/// deviations; east, north, up, m. `marginals` must have its selected inverse.
 Json GnssErrorsJson(const Adjustment& adjustment, const Marginals& marginals);
 
-/// gnss_errors.txt: at every GNSS epoch of the network t, the sum of the processes east, north, up
-/// [m], and its standard deviations. `marginals` must have its selected inverse.
+/// Returns the text of gnss_errors.txt: per GNSS epoch of the network t, the sum of the processes
+/// east, north, up [m], and its standard deviations. `marginals` must have its selected inverse.
 std::string FormatGnssErrors(const FlightNetwork& network, const Marginals& marginals);
 
-/// facts::GnssErrorsLast where the test finds errors that last. Nothing elsewhere.
+/// Returns facts::GnssErrorsLast if the test finds time-correlated errors, otherwise nullopt.
 std::optional<Finding> WarningOfGnssErrors(const Adjustment& adjustment);
 
 }  // namespace dn

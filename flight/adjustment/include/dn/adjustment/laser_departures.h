@@ -10,27 +10,27 @@
 
 namespace dn {
 
-/// More strips than a test of all of them together is good for.
+/// Largest number of strips for which LaserByStrip is tested.
 inline constexpr std::size_t kMostStripsTogether = 24;
 
 struct ScanAngleRange {
   double low_rad = 0.0, high_rad = 0.0;
 };
 
-/// The range of the scan angles that occur, widened to nadir; never empty.
+/// Returns the range of the scan angles of the pairs, widened to include nadir; it is never empty.
 ScanAngleRange ScanAnglesOf(const LidarConfig& lidar, const std::vector<PairEnds>& pairs);
 
-/// Ways in which laser vectors may be off that no effect of the table is: what has no name can be
-/// found by them, and is never corrected.
-
-/// The laser vectors are off by a smooth function of the scan angle: Gaussian bumps from one angle to
-/// another, three components (sensor axes, m) each.
+/// Returns the discrepancy that offsets laser vectors by a smooth function of the scan angle. The
+/// function is a sum of Gaussian bumps at equal steps over the range, with three components each
+/// (sensor axes, m). The discrepancies of this header are not effects of the table: they are tested
+/// to find unnamed causes, and are never corrected.
 OwnEffect LaserByScanAngle(const LidarConfig& lidar, const ScanAngleRange& range);
-/// The same over the scan angles of the network's pairs, or of these.
+/// The same over the scan angles of the network's pairs, or of the given pairs.
 OwnEffect LaserByScanAngle(const FlightNetwork& network);
 OwnEffect LaserByScanAngle(const LidarConfig& lidar, const std::vector<PairEnds>& pairs);
 
-/// The laser vectors are off by a constant in each strip: three components (sensor axes, m) each.
+/// Returns the discrepancy that offsets laser vectors by a constant in each strip, with three
+/// components each (sensor axes, m).
 OwnEffect LaserByStrip(const std::vector<StripInterval>& strips);
 
 }  // namespace dn

@@ -9,7 +9,7 @@
 
 namespace dn {
 
-/// The misclosure of a pair, linear and whitened:
+/// Linearised, whitened misclosure of a pair:
 ///
 ///   r = w + A dtheta + B_i e(t_i) + B_j e(t_j),    e: position in map (m), attitude in body (rad).
 struct PairRows {
@@ -19,45 +19,47 @@ struct PairRows {
   Eigen::Matrix<double, 3, 6> B_i, B_j;
 };
 
-/// What is known of the boresight beside the pairs, about the present values.
+/// Prior of the boresight, in addition to the pairs, about the present values.
 struct BoresightPrior {
   Eigen::Matrix3d weight = Eigen::Matrix3d::Zero();    ///< rad^-2
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  ///< weight times (present - stated)
 };
 
-/// How much larger than stated the errors of a flight are.
+/// Scale factors of the stated errors of a flight.
 struct ErrorScale {
-  double position = 1.0;  ///< of the trajectory
+  double position = 1.0;  ///< of the trajectory's position errors
   double attitude = 1.0;
-  double white = 1.0;  ///< what is new in every pair
+  double white = 1.0;  ///< of the white noise of each pair
 };
 
-/// The pairs of a flight with the boresight and the lasting errors of the trajectory as unknowns:
-/// each strip has an error constant over it, and one that is linear between nodes in time, each of
-/// half the stated variance, independent of those of the other strips.
+/// The pairs of a flight with the boresight and the time-correlated errors of the trajectory as
+/// unknowns. Each strip has a constant error, and an error that is linear between nodes in time.
+/// Each of the two has half the stated variance. The errors of different strips are independent.
 class LastingErrors {
  public:
-  /// Every candidate has one part for each of the rows, in their order. strips: at least one.
-  /// error_sqrt: a square root of the stated covariance of an error, position first.
+  /// Each candidate's model has one part per row, in the order of `rows`. `strips` must not be
+  /// empty. `error_sqrt` is a square root of the stated covariance of an error, position first.
   LastingErrors(const std::vector<PairRows>& rows, const std::vector<StripInterval>& strips,
                 const Eigen::Matrix<double, 6, 6>& error_sqrt, const BoresightPrior& prior,
                 const std::vector<CandidateEffect>& candidates);
 
-  /// What the pairs say beside errors of one scale.
+  /// Likelihood and scores for one scale of the errors.
   struct AtScale {
-    double log_likelihood = 0.0;  ///< without effects, and without a constant
+    double log_likelihood = 0.0;  ///< without effects, up to a constant
     double chi2 = 0.0;            ///< weighted sum of squares at the solution, without effects
-    /// Of the candidates. Its shift is that of the Gauss-Helmert adjustment, which takes the
+    /// Score of the candidates. Its shift is that of the Gauss-Helmert adjustment, which takes the
     /// trajectory as given.
     JointScore score;
   };
+  /// Solves for errors of one scale. Dense: O(n^3) in the number n of unknowns.
   AtScale At(const ErrorScale& scale) const;
 
-  /// Covariance of the Gauss-Helmert adjustment's boresight by errors of one scale, rad^2.
-  Eigen::Matrix3d OfBoresight(const ErrorScale& scale) const;
+  /// Returns the covariance, rad^2, of the boresight of the Gauss-Helmert adjustment under errors
+  /// of one scale.
+  Eigen::Matrix3d BoresightCovariance(const ErrorScale& scale) const;
 
-  /// What is left of the sum of squares without lasting errors, with effects of this size (of all
-  /// components, SI) among the unknowns, over what was left before.
+  /// Returns the sum of squares with effects of this size (all components, SI) over that without
+  /// effects; both without time-correlated errors.
   double ShareLeft(const Eigen::VectorXd& effects) const;
 
  private:
@@ -66,10 +68,11 @@ class LastingErrors {
 
   BoresightPrior prior_;
   double rows_ = 0.0;
-  double rr_ = 0.0;         // w^T w
-  Eigen::VectorXd b_, Lr_;  // J^T w, L^T w; J: boresight, then errors in units of their sigma
-  Eigen::MatrixXd H_, G_;   // J^T J, J^T L
-  Eigen::MatrixXd LL_;      // L^T L
+  double rr_ = 0.0;  // w^T w
+  // J^T w, L^T w; columns of J: boresight, then errors in units of their sigma.
+  Eigen::VectorXd b_, Lr_;
+  Eigen::MatrixXd H_, G_;  // J^T J, J^T L
+  Eigen::MatrixXd LL_;     // L^T L
   std::vector<Eigen::Index> first_;
 };
 

@@ -4,8 +4,8 @@
 
 namespace dn {
 
-/// GNSS measurements of a network that are not in use: of one epoch the position, the velocity or
-/// both.
+/// Numbers of GNSS measurements of a network that are not active. An epoch can have its position,
+/// its velocity or both left out.
 struct LeftOutGnss {
   long positions = 0;
   long velocities = 0;

@@ -9,13 +9,13 @@
 
 namespace dn {
 
-/// What an effect is made of at one end of a pair.
+/// Derivatives of a pair's residual at one end, from which the models of effects are composed.
 struct PairEnd {
   double t_s = 0.0;
   Eigen::Vector3d u_s;       ///< laser vector in the sensor frame, m
   Eigen::Matrix3d J_r_u;     ///< d residual / d laser vector in the sensor frame
   Eigen::Matrix3d J_r_a;     ///< d residual / d lever arm in body
-  Eigen::Vector3d J_r_t;     ///< d residual / d tag: of a late tag of this end (tag = t + dt)
+  Eigen::Vector3d J_r_t;     ///< d residual / d tag of this end, for tag = t + dt
   Eigen::Matrix3d J_r_turn;  ///< d residual / d rotation vector of the boresight
 };
 
@@ -24,13 +24,14 @@ struct PairEnds {
   PairEnd i, j;
 };
 
-/// What an effect of the lidar, of the estimator's or one's own, does to these pairs.
+/// Returns a lidar effect, of the estimator or user-defined, as a candidate with its model for
+/// these pairs.
 CandidateEffect OnPairs(const EstimableEffect& effect, const Flight& flight,
                         const std::vector<PairEnds>& pairs);
 CandidateEffect OnPairs(const OwnEffect& own, const std::vector<PairEnds>& pairs);
 
-/// The effects of a scanner whose mount stands still. What estimates them is not the adjustment of
-/// these pairs.
+/// Returns the effects of a scanner whose mount does not move. Their remedies name the dynamic
+/// network, because an adjustment of these pairs alone does not estimate them.
 std::vector<CandidateEffect> EffectsOfScanner(const Flight& flight,
                                               const std::vector<PairEnds>& pairs);
 

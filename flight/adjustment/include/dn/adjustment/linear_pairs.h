@@ -10,27 +10,29 @@
 
 namespace dn {
 
-/// The pairs that a Gauss-Helmert adjustment has kept, linear at its result and whitened.
+/// The pairs kept by a Gauss-Helmert adjustment, linearised at its result and whitened.
 struct LinearPairs {
   std::vector<PairRows> rows;
-  std::vector<PairEnds> ends;  ///< what effects are made of; the factor is the place in rows
-  std::vector<Eigen::Matrix3d> whiten;  ///< takes a misclosure in map, m, to the rows' unit
-  std::vector<std::size_t> pair;        ///< of GaussHelmertProblem::pairs
+  /// Derivatives for the models of effects; `factor` is the index into rows.
+  std::vector<PairEnds> ends;
+  std::vector<Eigen::Matrix3d> whiten;  ///< whitening matrix of a misclosure in map, per m
+  std::vector<std::size_t> pair;        ///< index into GaussHelmertProblem::pairs
   /// Square root of the stated covariance of an error of the trajectory: position in map (m),
   /// attitude in body (rad).
   Eigen::Matrix<double, 6, 6> error_sqrt = Eigen::Matrix<double, 6, 6>::Zero();
   BoresightPrior prior;
-  /// Of the noise of a row, the share of its variance that is the pairs' own; the rest is the stated
-  /// error of the trajectory, as if it were new in every pair. Mean over the pairs.
+  /// Share of the pairs' own noise in the variance of a row, on average over the pairs. The rest is
+  /// the stated error of the trajectory, taken as independent for every pair.
   double share_of_pairs = 1.0;
 };
 
-/// Covariance of a pair's misclosure in map by its own noise and by errors of the trajectory at both
-/// ends of `scale` times the stated size, m^2.
+/// Returns the covariance, m^2, of a pair's misclosure in map. It has the pair's own noise, and
+/// errors of the trajectory at both ends of `scale` times the stated size.
 Eigen::Matrix3d MisclosureCovariance(const GaussHelmertPair& pair, const PairLinearisation& at,
                                      const ErrorScale& scale = {});
 
-/// Of more than 20000 pairs a part, evenly. `calibration` has its boresight and accuracy.
+/// Linearises the kept pairs; of more than 20000 pairs, every n-th. The boresight and the accuracy
+/// of `calibration` must be set.
 LinearPairs LinearisePairs(const Flight& flight, const GaussHelmertCalibration& calibration);
 
 }  // namespace dn

@@ -6,20 +6,20 @@
 
 namespace dn {
 
-/// Poses between the epochs of a trajectory.
+/// Interpolates poses between the epochs of a trajectory.
 ///
 /// Position: cubic Hermite from positions and velocities (InterpolatePose). Attitude: with q_k of
 /// the epoch before t,
 ///
 ///   q(t) = q_k Exp( sum_m l_m(t) Log(q_k^-1 q_m) ),      m = k-1, k, k+1, k+2,
 ///
-/// l_m the Lagrange polynomials on the four epochs: rotation vectors, never Euler angles, so there
-/// is no singular attitude and no wrap of heading. Where a neighbour is missing, or further than
-/// three of the present steps, the polynomial has one or two degrees less.
+/// where l_m are the Lagrange polynomials on the four epochs. Rotation vectors have no singular
+/// attitude and no wrap of heading. A neighbour that is missing, or further away than three times
+/// the present step, is not used; the degree of the polynomial is then one or two lower.
 ///
 /// Error in attitude, for an oscillation of amplitude a and frequency f sampled at f_s, in the
 /// middle of a step: 0.0234 (2 pi f / f_s)^4 a, against 0.125 (2 pi f / f_s)^2 a of a linear
-/// interpolation. At 10 Hz and 1 Hz of motion: 0.4 % of the amplitude instead of 5 %; at 200 Hz,
+/// interpolation. With 1 Hz of motion, at 10 Hz: 0.4 % of the amplitude instead of 5 %; at 200 Hz:
 /// 2e-8.
 class PoseInterpolator {
  public:
@@ -28,12 +28,12 @@ class PoseInterpolator {
     kLinear,  ///< linear in position, spherical linear in attitude
   };
 
-  /// Poses by increasing time, at least two.
+  /// Takes the poses in increasing time; throws InvalidInput if there are fewer than two.
   explicit PoseInterpolator(std::vector<MapPose> poses);
 
-  /// Throws InvalidInput naming the time and the span when t_s is outside.
+  /// Returns the pose at t_s. Throws InvalidInput with the time and the span if t_s is outside.
   MapPose At(double t_s, Method method = Method::kCubic) const;
-  /// At t_s, or at the end that is nearer.
+  /// Returns the pose at t_s, or at the nearer end if t_s is outside.
   MapPose Nearest(double t_s) const;
 
  private:

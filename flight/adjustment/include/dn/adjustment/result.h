@@ -21,7 +21,8 @@ struct TrajectorySigma {
   Eigen::Vector3d rph_rad;  ///< roll, pitch, heading
 };
 
-/// Total bias (sum of the processes of an axis) at one node, with its standard deviation.
+/// Total bias of one node with its standard deviation. The total bias of an axis is the sum of its
+/// processes.
 struct BiasEstimate {
   double t_s = 0.0;
   Eigen::Vector3d gyro_radps;
@@ -38,7 +39,7 @@ struct BiasCorrelation {
   double rms = 0.0;
 };
 
-/// One estimated calibration unknown besides the boresight: correction to the assumed value.
+/// Estimate of a calibration unknown other than the boresight: the correction of its assumed value.
 struct UnknownEstimate {
   std::string name;
   std::string unit;
@@ -46,7 +47,7 @@ struct UnknownEstimate {
   std::vector<double> sigma;
 };
 
-/// Figures of an adjustment.
+/// Summary figures of an adjustment.
 struct AdjustmentFigures {
   double sigma0 = 0.0;  ///< sqrt(chi2 / redundancy)
   double chi2 = 0.0;    ///< twice the cost
@@ -56,25 +57,26 @@ struct AdjustmentFigures {
   long nodes = 0;
   long parameters = 0;
   long imu_epochs = 0;
-  long gnss_epochs = 0;      ///< kept
-  long correspondences = 0;  ///< kept
+  long gnss_epochs = 0;      ///< number kept
+  long correspondences = 0;  ///< number kept
   long outliers = 0;
 };
 
-/// The trajectory part of an adjusted flight with its posterior covariance.
+/// Trajectory of an adjusted flight: posterior sigmas, biases and statistics.
 struct TrajectoryResult {
   std::vector<TrajectorySigma> sigma;  ///< at the nodes
   std::vector<BiasEstimate> biases;    ///< at the nodes
   AdjustmentFigures figures;
-  Eigen::VectorXd redundancy;  ///< RedundancyNumbers of every row of the linearised network
-  std::vector<SeriesStatistics> residuals;    ///< whitened, after the fit, per sensor and axis
-  std::vector<SeriesStatistics> innovations;  ///< of the forward filter, per sensor and axis
-  double nis_position = 0.0;                  ///< mean normalised innovation squared / 3
-  double nis_velocity = 0.0;                  ///< 0 without velocities
-  std::vector<Finding> warnings;              ///< what the statistics say against the assumed model
+  Eigen::VectorXd redundancy;  ///< RedundancyNumbers of all rows of the linearised network
+  std::vector<SeriesStatistics> residuals;  ///< whitened, after the fit, per sensor and axis
+  /// Innovations of the diffuse-prior forward filter, per sensor and axis.
+  std::vector<SeriesStatistics> innovations;
+  double nis_position = 0.0;      ///< mean normalised innovation squared / 3, expected 1
+  double nis_velocity = 0.0;      ///< the same; 0 without velocities
+  std::vector<Finding> warnings;  ///< warnings from the statistics
 };
 
-/// The boresight with its posterior covariance.
+/// The boresight with its posterior covariance and its verdict.
 struct BoresightResult {
   Eigen::Vector3d angles_rad =
       Eigen::Vector3d::Zero();  ///< rotation vector about the body axes, total
@@ -83,54 +85,63 @@ struct BoresightResult {
   double condition_number = 0.0;  ///< of the reduced normal matrix
   BiasCorrelation accel_bias;
   BiasCorrelation gyro_bias;
-  /// Of methods whose reliable covariance is not the inverse of their normal matrix: from that, and
-  /// the same times sigma0.
+  /// Sigmas from the inverse of the normal matrix, and the same times sigma0. They are set by
+  /// methods whose reliable covariance is a different one.
   std::optional<Eigen::Vector3d> sigma_apriori_rad;
   std::optional<Eigen::Vector3d> sigma_scaled_rad;
   Verdict verdict = Verdict::kCalibrated;
-  std::vector<Finding> reasons;  ///< those that decide first
+  std::vector<Finding> reasons;  ///< the deciding ones first
 
   Eigen::Vector3d sigma_rad() const { return covariance_rad2.diagonal().cwiseSqrt(); }
   Eigen::Matrix3d correlation() const;
 };
 
-/// What a single pair resolves: its own sigma_p at the mean range, rad.
+/// Returns the angle that a single pair resolves, rad: its own sigma_p at the mean range.
 double PairResolution(const Flight& flight);
 
-/// Sets the verdict to not observable, with the reasons, where a standard deviation exceeds 0.5 deg.
+/// Sets the verdict to not observable, and adds the reasons, if a standard deviation exceeds 0.5
+/// deg.
 void AssessLargestSigma(const Eigen::Vector3d& sigma_rad, BoresightResult* result);
 
-/// Sets the verdict to not observable, with the reasons, when two angles correlate by more than
-/// 0.999. Else calibrated.
+/// Sets the verdict to not observable, and adds the reasons, if two angles correlate by more than
+/// 0.999. Otherwise sets it to calibrated.
 void AssessSeparability(BoresightResult* result);
 
-/// Sets the verdict to not observable, with the reasons, when two angles correlate by more than 0.999,
-/// a standard deviation that the geometry leaves exceeds ten times PairResolution, beyond three
-/// times the attitude sigma that no geometry helps against, or else as AssessLargestSigma says.
-/// Else calibrated.
+/// Sets the verdict to not observable, and adds the reasons, in three cases:
+///   - two angles are inseparable (AssessSeparability);
+///   - a sigma exceeds ten times PairResolution plus three times the attitude sigma, which no
+///     geometry reduces;
+///   - none of these, but a sigma exceeds 0.5 deg (AssessLargestSigma).
+/// Otherwise sets it to calibrated.
+///
+/// `sigma_rad` are the sigmas of the boresight, `attitude_sigma_rad` those of the trajectory's
+/// attitude.
 void AssessObservability(const Flight& flight, const Eigen::Vector3d& sigma_rad,
                          const Eigen::Vector3d& attitude_sigma_rad, BoresightResult* result);
 
-/// Posterior covariances of the trajectory and of the biases, figures, and statistics. `marginals`
-/// must have its selected inverse.
+/// Returns the posterior covariances of the trajectory and of the biases, figures, and statistics.
+/// `marginals` must have its selected inverse.
 TrajectoryResult ExtractTrajectory(const Adjustment& adjustment, const Marginals& marginals);
 
-/// The boresight with covariance and its correlations with every bias. Throws RankDeficient when it
-/// is held.
+/// Returns the boresight with its covariance and its correlations with all biases. The verdict is
+/// that of AssessObservability, and absorbed instead of calibrated if the adjustment has warnings.
+/// Throws RankDeficient if the boresight is constant.
 BoresightResult ExtractBoresight(const Adjustment& adjustment, const Marginals& marginals);
 
-/// Covariance of the total bias (sum of the processes of an axis) that holds at t_s, in (rad/s)^2
-/// or (m/s^2)^2; zero without processes. `marginals` must have its selected inverse.
+/// Returns the covariance at t_s of the total bias (per axis, the sum of its processes), in
+/// (rad/s)^2 or (m/s^2)^2. It is zero without processes. `marginals` must have its selected
+/// inverse.
 Eigen::Matrix3d TotalBiasCovariance(const std::vector<ProcessChain>& chains, double t_s,
                                     const Marginals& marginals);
 
-/// The other estimated unknowns with their standard deviations.
+/// Returns the other estimated unknowns with their standard deviations.
 std::vector<UnknownEstimate> ExtractUnknowns(const Adjustment& adjustment,
                                              const Marginals& marginals);
 
-/// The adjusted trajectory between the nodes: strapdown propagation from each node through the
-/// inertial samples, the closing error at the next node spread linearly. Every sample epoch at
-/// least min_spacing_s after the last, and every node. The same for any number of threads.
+/// Returns the adjusted trajectory at all nodes, and between them at the sample epochs that are at
+/// least min_spacing_s after the previous point. Each node's pose is propagated through the
+/// inertial samples; the closing error at the next node is distributed linearly. The result does
+/// not depend on the number of threads.
 std::vector<NavPoint> DenseTrajectory(const FlightNetwork& network, double min_spacing_s,
                                       int threads = 1);
 

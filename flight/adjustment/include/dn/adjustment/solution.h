@@ -11,44 +11,47 @@
 
 namespace dn {
 
-/// A solved flight: its network as it was linearised at the solution, with the marginal covariances
-/// of every unknown, from which all results are read.
+/// A solved flight: its network, linearised at the solution, and the marginal covariances of all
+/// unknowns. All results are derived from these.
 ///
 ///   const dn::Solution solution(flight);
 ///   const dn::BoresightResult boresight = solution.Boresight();
 ///
-/// What takes time is computed when it is first asked for, and kept: one object is for one thread
+/// Expensive results are computed on first use and cached, so an object may be used by one thread
 /// at a time. The flight must outlive the solution.
 class Solution {
  public:
-  /// Adjusts the flight. Throws as Adjust, and RankDeficient where the data leave an unknown free.
+  /// Adjusts the flight. Throws as Adjust does, and RankDeficient if an unknown is not determined.
   explicit Solution(const Flight& flight, const AdjustOptions& options = {});
   Solution(Flight&& flight, const AdjustOptions& options = {}) = delete;
 
-  /// Of a flight that is adjusted.
+  /// Takes a flight that is already adjusted.
   explicit Solution(Adjustment adjustment, int threads = 1);
 
   const Adjustment& adjustment() const { return adjustment_; }
   const FlightNetwork& network() const { return *adjustment_.network; }
-  /// With their selected inverse.
+  /// The marginals have their selected inverse.
   const Marginals& marginals() const { return marginals_; }
   const LinearizedNetwork& linearized() const { return marginals_.linearized(); }
 
-  /// Sigmas of poses and biases, figures of the adjustment, statistics of its residuals.
+  /// Returns sigmas of poses and biases, figures of the adjustment, and statistics of its
+  /// residuals.
   const TrajectoryResult& trajectory() const;
 
-  /// Whether the data are those that the assumed model would produce.
+  /// Returns the tests whether the data agree with the assumed model.
   const ModelCheck& model_check() const;
 
-  /// The boresight with the verdict of its geometry. Throws RankDeficient when it is held.
+  /// Returns the boresight with the verdict of its geometry. Throws RankDeficient if it is
+  /// constant.
   BoresightResult Boresight() const;
-  /// The same with the verdict of the model check before it.
+  /// Returns the same with the verdict and the findings of the model check (Assess).
   BoresightResult CheckedBoresight() const;
 
-  /// The other estimated unknowns.
+  /// Returns the other estimated unknowns.
   std::vector<UnknownEstimate> Unknowns() const;
 
-  /// Joint covariance of poses on the strips, as ExtractTrajectoryCovariance chooses them.
+  /// Returns the joint covariance of poses on the strips, at the nodes chosen by
+  /// ExtractTrajectoryCovariance.
   TrajectoryCovariance PoseCovariance(const std::vector<StripInterval>& strips) const;
 
  private:

@@ -9,54 +9,56 @@
 
 namespace dn {
 
-/// A staged adjustment under way, as its stages see it.
+/// The state of a staged adjustment, on which the stages work.
 class AdjustmentRun {
  public:
-  /// Both must outlive the run.
+  /// `flight` and `options` must outlive the run.
   AdjustmentRun(const Flight& flight, const AdjustOptions& options);
 
   const Flight& flight() const { return flight_; }
   const AdjustOptions& options() const { return options_; }
 
-  /// Those of the network, on the threads of the run.
+  /// Returns the options of the network with the threads of the run.
   FlightNetworkOptions network_options() const;
 
-  /// Throws InvalidConfig where no stage has made it yet.
+  /// Returns the network; throws InvalidConfig if no stage has made it yet.
   FlightNetwork& network();
 
-  /// Of the nodes of the network as it stands. Raw inertial data are taken last, as increments
-  /// between fewer nodes decide as well what is left out; from the start on where the options have
-  /// stages or blocks of a user's own, which only the first network would get.
+  /// Kind of inertial edges in the present network. Raw inertial data are used only at the end:
+  /// preintegrated increments between fewer nodes are enough to reject outliers. They are used from
+  /// the start if the options have their own stages or customise_before_lidar: a second network
+  /// would not have the blocks and factors of the user.
   NetworkConfig::Inertial inertial() const { return inertial_; }
   void TakeRawInertial() { inertial_ = NetworkConfig::Inertial::kRaw; }
 
-  /// What is known so far.
+  /// Returns the result so far, for reading and writing.
   Adjustment& result() { return result_; }
 
-  /// Tells the progress that a step begins. Throws Interrupted where that is wished.
+  /// Reports the start of a step to `progress`. Throws Interrupted if `interrupted` returns true.
   void Announce(const std::string& step) const;
 
-  /// Last steps of a stage, in standard deviations of all unknowns together: of the last one, of one
-  /// after which the next goes on, and of one that only decides what is left out.
+  /// Convergence bounds for Solve: length of the last step, in standard deviations of all unknowns
+  /// together. They are for the final stage, for a stage whose result the next one refines, and for
+  /// a stage that only decides on rejections.
   static constexpr double kFinalSigmas = 1e-3;
   static constexpr double kStageSigmas = 0.1;
   static constexpr double kRoughSigmas = 1.0;
 
-  /// Solves the network as it stands until a step is shorter than `sigma_tolerance`, and adds a
-  /// StageReport of that name; ending at the iteration limit is no error. Throws NotConverged where
-  /// the cost is not finite, Interrupted.
+  /// Solves the present network until a step is shorter than `sigma_tolerance`, and adds a
+  /// StageReport with the given name. Reaching the iteration limit is not an error. Throws
+  /// NotConverged if the cost is not finite, and Interrupted.
   void Solve(const std::string& name, int max_iterations, double sigma_tolerance = kStageSigmas);
 
-  /// Of every GNSS position and velocity, of every pair.
+  /// Sets the loss of all GNSS positions and velocities, or of all pairs.
   void SetGnssLoss(const Loss& loss);
   void SetPairLoss(const Loss& loss);
 
-  /// Takes another network in place of the present one, until TakeBack gives it back for that.
+  /// Swaps in another network; TakeBack swaps the original in again and returns the other one.
   void StandIn(std::unique_ptr<FlightNetwork> network);
   std::unique_ptr<FlightNetwork> TakeBack();
   bool has_stand_in() const { return set_aside_ != nullptr; }
 
-  /// Mean norm of the differences of the pairs that are in use, m; 0 without any.
+  /// Returns the mean norm of the differences of the active pairs, m; 0 if there are none.
   double MeanPairDifference();
 
  private:
@@ -67,72 +69,78 @@ class AdjustmentRun {
   std::unique_ptr<FlightNetwork> set_aside_;
 };
 
-/// The stages of Adjust in their order:
+/// Returns the stages of Adjust in their order:
 ///
-///   name                   | function          | what it does
-///   -----------------------|-------------------|-------------------------------------------------
-///   network                | MakeNetwork       | alignment, forward filter, nodes, inertial and GNSS
-///                          |                   | edges
+///   name                   | function          | purpose
+///   -----------------------|-------------------|------------------------------------------------
+///   network                | MakeNetwork       | alignment, forward filter, nodes, inertial and
+///                          |                   | GNSS edges
 ///   INS/GNSS               | SolveInsGnss      | solves it with a robust loss on GNSS
-///   GNSS clock             | SettleGnssClock   | nodes at the times of the GNSS epochs, where the
-///                          |                   | clock is estimated
-///   GNSS screening         | ScreenGnss        | takes out what contradicts all other data
-///   pairs                  | AddPairs          | edges of the pairs
-///   before lidar           | AddOwnBeforeLidar | AdjustOptions::customise_before_lidar
-///   boresight start        | StartBoresight    | boresight alone, the trajectory held
-///   lidar, robust          | SolvePairsRobustly| everything, with a robust loss on the pairs as well
-///   pair rejection         | RejectPairs       | takes out pairs that cannot be noise
-///   inertial rate          | GoToInertialRate  | with `inertial: raw`: nodes at every inertial epoch
-///   before final           | AddOwnBeforeFinal | AdjustOptions::customise
-///   final least squares    | SolveFinally      | no robust loss; increments integrated anew
+///   GNSS clock             | SettleGnssClock   | moves nodes to the times of the GNSS epochs, if
+///                          |                   | the clock is estimated
+///   GNSS screening         | ScreenGnss        | rejects GNSS data that contradict all other data
+///   pairs                  | AddPairs          | adds the edges of the pairs
+///   before lidar           | AddOwnBeforeLidar | calls AdjustOptions::customise_before_lidar
+///   boresight start        | StartBoresight    | boresight alone, with the trajectory constant
+///   lidar, robust          | SolvePairsRobustly| everything, with a robust loss on the pairs too
+///   pair rejection         | RejectPairs       | rejects pairs whose residuals cannot be noise
+///   inertial rate          | GoToInertialRate  | with `inertial: raw`: nodes at all IMU epochs
+///   before final           | AddOwnBeforeFinal | calls AdjustOptions::customise
+///   final least squares    | SolveFinally      | integrates increments again, no robust loss
 ///
-/// Without pairs the first four and the last three.
+/// Without pairs, returns the first four and the last three.
 std::vector<AdjustmentStage> DefaultStages(bool with_pairs = true);
 
-/// The place of a stage in a list, for insert and erase. Throws InvalidConfig naming the stages
-/// that there are.
+/// Returns the position of a stage in a list, for insert and erase. Throws InvalidConfig with the
+/// names of the stages in the list.
 std::vector<AdjustmentStage>::iterator StageNamed(const std::string& name,
                                                   std::vector<AdjustmentStage>* stages);
 
-/// Makes the network with its trajectory from the alignment. Throws InvalidInput.
+/// Makes the network with the initial trajectory from the alignment. Throws InvalidInput.
 void MakeNetwork(AdjustmentRun& run);
 
-/// The loss on GNSS is that of gnss.robust, Huber's by default. It stays until SolveFinally.
+/// Solves the INS/GNSS network. The loss on GNSS is that of gnss.robust, Huber by default. It
+/// applies until SolveFinally.
 void SolveInsGnss(AdjustmentRun& run);
 
-/// Solves anew with nodes at the times of the epochs that the estimated clock tells, as long as the
-/// two lie more than 5 ms apart.
+/// Makes nodes at the times of the GNSS epochs according to the estimated clock, and solves again.
+/// Repeats this while node and epoch are more than 5 ms apart.
 void SettleGnssClock(AdjustmentRun& run);
 
-/// Takes out gross errors of single epochs and offsets of whole runs, whichever stands out more,
-/// until nothing changes. Where offset and drift of the clock show in the misfit, that is done with
-/// both among the unknowns, and the assumed network is solved without the same epochs
-/// (Adjustment::gnss_clock). Another cause for all epochs is a warning, or InvalidInput where a clock
-/// steps. Throws InvalidInput where more than a third of the epochs contradict, or nothing fits.
+/// Rejects outliers at single GNSS epochs and offsets over several epochs, the most significant
+/// first, until nothing changes.
+///
+/// If the misfit shows an offset and a drift of the clock, the screening estimates both. The
+/// assumed network is then solved without the same epochs (Adjustment::gnss_clock). Any other cause
+/// that affects all epochs gives a warning, or InvalidInput if a clock steps. Also throws
+/// InvalidInput if more than a third of the epochs contradict, or if inertial data and GNSS do not
+/// fit.
 void ScreenGnss(AdjustmentRun& run);
 
-/// Throws InvalidInput where no pair joins two nodes.
+/// Adds the edges of the pairs. Throws InvalidInput if no pair joins two nodes.
 void AddPairs(AdjustmentRun& run);
 
-/// Gauss-Newton on the boresight alone, with Cauchy weights at the median scale.
+/// Estimates the boresight alone by Gauss-Newton, with Cauchy weights at the median scale.
 void StartBoresight(AdjustmentRun& run);
 
-/// The loss on the pairs is that of lidar.robust, Cauchy's by default. It stays until SolveFinally.
+/// Solves the network with pairs. The loss on the pairs is that of lidar.robust, Cauchy by default.
+/// It applies until SolveFinally.
 void SolvePairsRobustly(AdjustmentRun& run);
 
-/// Takes out the pairs whose residuals exceed what noise of the median scale brings.
+/// Rejects the pairs whose residuals exceed the noise at the median scale.
 void RejectPairs(AdjustmentRun& run);
 
-/// With `inertial: raw` the network anew with nodes at every inertial epoch, where it has not, with
-/// what is in use of the measurements, from the present trajectory.
+/// With `inertial: raw`, makes the network again with nodes at every inertial epoch, from the
+/// present trajectory and with the measurements that are active. Does nothing if the network
+/// already has these nodes.
 void GoToInertialRate(AdjustmentRun& run);
 
-/// Calls the user's functions, where there are any.
+/// Call the user's functions if they are set.
 void AddOwnBeforeLidar(AdjustmentRun& run);
 void AddOwnBeforeFinal(AdjustmentRun& run);
 
-/// Least squares of what was kept: every robust loss of a GNSS epoch or a pair ends here, so that
-/// the inverse of the normal matrix is the covariance of the estimate. Throws NotConverged.
+/// Solves the least squares of the kept data without robust losses, so that the inverse of the
+/// normal matrix is the covariance of the estimate. Throws NotConverged.
 void SolveFinally(AdjustmentRun& run);
 
 }  // namespace dn

@@ -6,16 +6,16 @@
 
 namespace dn {
 
-/// How far swaths are apart in height: shares of pairs of points of their overlap by the difference
-/// of height of the two points.
+/// Height separation of swaths: shares of the point pairs in their overlap by the height difference
+/// of the two points.
 class SwathSeparation {
  public:
-  /// up_m: that difference, m.
+  /// Adds a pair; up_m is its height difference, m.
   void Add(double up_m);
 
-  /// Shares from 0 to 1, NaN without pairs: `to_8_cm`, `8_to_16_cm`, `above_16_cm`, the classes of
-  /// the images that the USGS Lidar Base Specification asks for; `within_3_cm`, `within_5_cm`,
-  /// `within_10_cm`, the standard levels of Leica HxMap's comparison of strips.
+  /// Returns shares from 0 to 1, NaN without pairs. `to_8_cm`, `8_to_16_cm` and `above_16_cm` are
+  /// the classes of the images in the USGS Lidar Base Specification. `within_3_cm`, `within_5_cm`
+  /// and `within_10_cm` are the standard levels of the strip comparison in Leica HxMap.
   Json ToJson() const;
 
  private:

@@ -9,13 +9,14 @@
 
 namespace dn {
 
-/// Of each strip the path of the poses, and beside it the ground as far to the left and to the
-/// right as the pairs of the strip reach: no outline where it has none.
+/// Returns for each strip the line of the poses, and the outline of the ground that its pairs cover
+/// to the left and right. The outline is empty if the strip has no pairs.
 std::vector<Swath> SwathsOfPairs(const std::vector<StripInterval>& strips,
                                  const std::vector<PairResidual>& pairs,
                                  const PoseInterpolator& poses);
 
-/// swaths.json: per strip `strip`, `line_en_m`, `outline_en_m`, to the centimetre.
+/// Returns the text of swaths.json: per strip `strip`, `line_en_m`, `outline_en_m`, rounded to 1
+/// cm.
 std::string FormatSwaths(const std::vector<Swath>& swaths);
 
 }  // namespace dn

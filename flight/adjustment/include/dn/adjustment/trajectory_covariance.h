@@ -9,10 +9,10 @@
 
 namespace dn {
 
-/// Joint covariance of the adjusted poses at nodes spread evenly over the strips, up to 64 and at
-/// least two in each; nothing (no epochs) without strips, or with more than 32.
+/// Returns the joint covariance of the adjusted poses at nodes spread evenly over the strips, up to
+/// 64 nodes and at least two per strip. It is empty without strips, or with more than 32.
 ///
-/// Six columns of the covariance matrix are solved for per node.
+/// Solves for six columns of the covariance matrix per node.
 TrajectoryCovariance ExtractTrajectoryCovariance(const Adjustment& adjustment,
                                                  const Marginals& marginals,
                                                  const std::vector<StripInterval>& strips);

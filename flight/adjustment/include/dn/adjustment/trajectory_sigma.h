@@ -6,7 +6,8 @@
 
 namespace dn {
 
-/// Standard deviations of the poses at the nodes. `marginals` must have its selected inverse.
+/// Returns the standard deviations of the poses at the nodes. `marginals` must have its selected
+/// inverse.
 std::vector<TrajectorySigma> TrajectorySigmas(const FlightNetwork& network,
                                               const Marginals& marginals);
 

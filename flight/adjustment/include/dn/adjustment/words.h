@@ -8,13 +8,13 @@
 
 namespace dn {
 
-/// "calibrated", "absorbed", "not_observable", "contradicted".
+/// Returns "calibrated", "absorbed", "not_observable" or "contradicted".
 const char* Word(Verdict verdict);
 
-/// Of a trajectory without boresight: "consistent", "contradicted".
+/// Returns "consistent" or "contradicted", for a trajectory without boresight.
 const char* Word(const ModelCheck& check);
 
-/// One sentence, without its full stop: what, how much, and what to do.
+/// Return one sentence per finding, without its full stop: what is wrong, how much, and what to do.
 std::string Words(const Finding& finding);
 
 std::vector<std::string> Words(const std::vector<Finding>& findings);

@@ -145,10 +145,11 @@ struct GaussHelmertResult {
 /// N^-1 is the covariance only if the trajectory errors are white, that is, independent between
 /// epochs. Real trajectory errors are correlated in time: see trajectory_scatter.h.
 ///
-/// Throws InvalidInput if there are fewer than two different pairs, a value is not finite, a sigma
-/// is not positive or a covariance is not positive definite. Throws RankDeficient, naming the
-/// direction, if the pairs leave a direction of the boresight undetermined; InvalidConfig for bad
-/// options. Missing convergence is reported in the result, not thrown.
+/// Throws InvalidInput if there are fewer than two different pairs, or if a value is not finite.
+/// Also throws it if a sigma is not positive or a covariance is not positive definite. Throws
+/// RankDeficient, naming the direction, if the pairs leave a direction of the boresight
+/// undetermined; InvalidConfig for bad options. Missing convergence is reported in the result, not
+/// thrown.
 ///
 /// Source: Brun & Skaloud, eqs. of the linearised model and appendix; Pope (1972) for the
 /// iteration.

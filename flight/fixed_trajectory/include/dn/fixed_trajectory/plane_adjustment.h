@@ -42,7 +42,7 @@ struct PlaneProblem {
 /// Options of the plane adjustment.
 struct PlaneAdjustmentOptions {
   /// A plane is left out if the rms of its points exceeds this multiple of the median rms of all
-  /// planes: its strips probably observe different surfaces. 0 disables the step.
+  /// planes. Its strips probably observe different surfaces. 0 disables the step.
   double plane_medians = 3.0;
   /// A point is left out, once, if its residual exceeds this many standard deviations; the standard
   /// deviation is estimated from the median of all residuals. 0 disables the step.

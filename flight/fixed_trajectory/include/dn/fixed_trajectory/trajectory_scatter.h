@@ -107,10 +107,10 @@ struct TrajectoryScatter {
 /// The stated variance is that of the total error at an epoch. A share x of the attitude variance
 /// is constant over the flight. It leaves no trace in w because the boresight absorbs it. x s_a^2
 /// is reported as constant_share, see ReliableCovariance; the processes have the remaining
-/// variance. Prior of x: Jeffreys' prior of a proportion, 1 / (pi sqrt(x (1 - x))), by its
-/// Gauss-Lobatto nodes 0, 1/2, 1 with weights 1 : 2 : 1. Prior of s_a and s_p: log-normal within a
-/// factor of 1.3 (smoother, s_p = s_a) or 1.6 (data sheet, independent), with the mean of the
-/// square at 1.
+/// variance. The prior of x is Jeffreys' prior of a proportion, 1 / (pi sqrt(x (1 - x))). It is
+/// represented by its Gauss-Lobatto nodes 0, 1/2, 1 with weights 1 : 2 : 1. The priors of s_a and
+/// s_p are log-normal with the mean of the square at 1. They are within a factor of 1.3 (smoother,
+/// s_p = s_a) or 1.6 (data sheet, independent).
 ///
 /// All processes have equal prior probability. Positions correlate for 5 or 25 s. Attitudes
 /// correlate for 30, 100 or 300 s, or over a strip but not across turns. Their tilt error is fixed
@@ -119,9 +119,9 @@ struct TrajectoryScatter {
 /// 1000 s are also included. The disagreement between strips weights these processes, as far as it
 /// can.
 ///
-/// If the covariance of the errors over time is stated, C is that covariance times a scale s^2,
-/// with the same likelihood and the prior of a smoother. Its epochs are refined once: between two
-/// of them the error follows a random-walk bridge.
+/// If the covariance of the errors over time is stated, C is that covariance times a scale s^2. The
+/// likelihood is the same, and the prior is that of a smoother. Its epochs are refined once:
+/// between two of them the error follows a random-walk bridge.
 ///
 /// Cost: linear in the number of pairs, plus 18 to 52 tridiagonalisations of order 6 x nodes (0.3
 /// to 0.6 s at 64 nodes). Throws InvalidConfig for bad options, InvalidInput if the result does not
@@ -131,13 +131,12 @@ TrajectoryScatter EstimateTrajectoryScatter(const GaussHelmertProblem& problem,
                                             const TrajectoryScatterOptions& options);
 
 /// Returns max(sigma0^2, (chi2 + 10) / (redundancy + 8)). The second term matters only for a
-/// handful of observations, whose sigma0 is uncertain: the assumed noise then counts as ten
+/// handful of observations, whose sigma0 is uncertain. The assumed noise then counts as ten
 /// additional observations (mean of the inverse chi-square posterior).
 double ReliableVarianceFactor(double sigma0, double chi2, long redundancy);
 
-/// Returns the total covariance of the boresight: the white part, the part from time-correlated
-/// errors, and the attitude error that is constant over the flight, which the boresight absorbs
-/// completely,
+/// Returns the total covariance of the boresight. It consists of the white part, the part from
+/// time-correlated errors, and the constant attitude error, which the boresight absorbs completely:
 ///
 ///   C = f N^-1 + C_scatter + C_attitude,      f = ReliableVarianceFactor
 ///
