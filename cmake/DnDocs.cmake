@@ -35,7 +35,7 @@ endif()
 if(Python3_FOUND AND DN_BUILD_APPS)
   set(DN_MAN_DIR ${PROJECT_BINARY_DIR}/man)
   add_custom_target(man
-    COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/docs/templates/man_pages.py
+    COMMAND Python3::Interpreter ${PROJECT_SOURCE_DIR}/cmake/man_pages.py
       $<TARGET_FILE:dn_program> ${DN_MAN_DIR}
     VERBATIM COMMENT "Writing the manual pages to ${DN_MAN_DIR}")
   file(MAKE_DIRECTORY ${DN_MAN_DIR})

@@ -2,7 +2,7 @@
 
 A page may link to any file of the repository. The file is copied into the site and the link is
 adapted, so that the same Markdown works in a source browser and in the site. Warnings end a strict
-build: broken links and anchors, pages outside the navigation, resources from the network.
+build: broken links and anchors, headers that do not exist, resources from the network.
 """
 import html.parser
 import logging
@@ -22,6 +22,7 @@ ALIASES = {"README.md": "docs/index.md"}
 
 LINK = re.compile(r"(\]\()([^()\s#]+)((?:#[^()\s]*)?\))")
 FENCE = re.compile(r"^ *(```|~~~)")
+HEADER = re.compile(r"(?<![\w/.])dn/[a-z_/]+\.h\b")
 
 log = logging.getLogger("mkdocs.hooks.site")
 
@@ -39,12 +40,29 @@ def on_files(files, config):
     return files
 
 
-def on_nav(nav, config, files):
-    in_nav = {page.file.src_path for page in nav.pages}
-    for file in files.documentation_pages():
-        if file.src_path not in in_nav:
-            log.warning(f"{file.src_path} is missing in the navigation, docs/templates/mkdocs.yml.in")
-    return nav
+def listed_pages(entries):
+    """All pages of a navigation or of a part of it."""
+    for entry in entries:
+        for target in entry.values():
+            yield from [target] if isinstance(target, str) else listed_pages(target)
+
+
+def on_config(config):
+    """Appends to each section the pages of its folder that the navigation does not list."""
+    docs = pathlib.Path(config["docs_dir"])
+    listed = set(listed_pages(config["nav"]))
+    for section in config["nav"]:
+        for title, entries in section.items():
+            folder = docs / title.lower()
+            if isinstance(entries, list) and folder.is_dir():
+                others = {path.relative_to(docs).as_posix() for path in folder.glob("*.md")} - listed
+                entries += [{first_heading(docs / page): page} for page in sorted(others)]
+    return config
+
+
+def first_heading(path):
+    heading = re.search(r"^# (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return heading.group(1).replace("`", "") if heading else path.stem
 
 
 def site_path(path, config, files):
@@ -73,6 +91,9 @@ def on_page_markdown(markdown, page, config, files):
         relative = os.path.relpath(target, os.path.dirname(page.file.src_path))
         return link.group(1) + relative + link.group(3)
 
+    for header in sorted(set(HEADER.findall(markdown))):
+        if not any(ROOT.glob(f"*/include/{header}")) and not any(ROOT.glob(f"*/*/include/{header}")):
+            log.warning(f"{page.file.src_path} names {header}, which is not a public header")
     lines, in_code = [], False
     for line in markdown.split("\n"):
         if FENCE.match(line):

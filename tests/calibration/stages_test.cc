@@ -96,7 +96,7 @@ TEST(Stages, OneMayBeAdded) {
   EXPECT_EQ(adjustment.stages.back().name, "final least squares");
 }
 
-// As docs/your-own-problem.md shows it.
+// As docs/reference/networks.md shows it.
 TEST(Stages, PairsMayBeJudgedTwice) {
   const SimulatedFlight sim = WithWrongPairs(5);
   AdjustOptions options;
