@@ -13,6 +13,8 @@ ENTRY = re.compile(r"^  (\S.*)$")
 USAGE = re.compile(r"^Usage: (.*)$")
 EXAMPLE = re.compile(r"^Example: (.*)$")
 
+COLUMN = 30  # where descriptions start in a help text
+
 EXIT_STATUS = [
     ("0", "The work succeeded."),
     ("1", "The work failed, or its result must not be relied on."),
@@ -28,9 +30,13 @@ def escape(text):
 
 
 def split_entry(line):
-    """Name and description of '  --out TEXT REQUIRED     Results'; the description may be absent."""
-    parts = re.split(r"\s{2,}", line.strip(), maxsplit=1)
-    return parts[0], parts[1] if len(parts) > 1 else ""
+    """Name and description of '  --out TEXT REQUIRED     Results'.
+
+    The description starts at a fixed column, or on the next line if the name is too long for that.
+    """
+    if len(line) > COLUMN and line[COLUMN - 1] == " ":
+        return line[:COLUMN].strip(), line[COLUMN:].strip()
+    return line.strip(), ""
 
 
 class Help:
@@ -67,7 +73,8 @@ def help_of(program, *command):
 def entries(pairs):
     lines = []
     for name, description in pairs:
-        lines += [".TP", f".B {escape(name)}", escape(description or " ")]
+        # A long list of choices may be broken after a comma.
+        lines += [".TP", f".B {escape(name)}".replace(",", ",\\:"), escape(description or " ")]
     return lines
 
 
@@ -75,6 +82,8 @@ def page(name, version, help_text, see_also):
     summary = (help_text.description or [name])[0]
     lines = [
         f'.TH {name.upper()} 1 "" "{version}" "User Commands"',
+        ".ad l",
+        ".nh",
         ".SH NAME",
         f"{escape(name)} \\- {escape(summary)}",
         ".SH SYNOPSIS",

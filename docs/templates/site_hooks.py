@@ -16,9 +16,11 @@ from mkdocs.structure.files import File
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # Pages of the site that lie outside docs/.
-PAGES = {"developers/contributing.md": "CONTRIBUTING.md", "developers/changes.md": "CHANGELOG.md"}
-# Files whose links lead to another page of the site.
-ALIASES = {"README.md": "docs/index.md"}
+PAGES = {
+    "readme.md": "README.md",
+    "developers/contributing.md": "CONTRIBUTING.md",
+    "developers/changes.md": "CHANGELOG.md",
+}
 
 LINK = re.compile(r"(\]\()([^()\s#]+)((?:#[^()\s]*)?\))")
 FENCE = re.compile(r"^ *(```|~~~)")
@@ -70,7 +72,6 @@ def site_path(path, config, files):
     if not path.is_relative_to(ROOT) or not path.is_file():
         return None
     relative = path.relative_to(ROOT).as_posix()
-    path = ROOT / ALIASES.get(relative, relative)
     for file in files:
         if os.path.realpath(file.abs_src_path) == str(path):
             return file.src_path
