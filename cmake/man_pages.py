@@ -43,7 +43,7 @@ class Help:
     """A help text in parts."""
 
     def __init__(self, text):
-        self.description, self.usage, self.example = [], "", []
+        self.description, self.usage, self.notes, self.example = [], "", [], []
         self.sections = []  # (title, [[name, description], ...])
         for line in text.splitlines():
             self.add(line)
@@ -56,13 +56,15 @@ class Help:
             self.sections.append((section.group(1), []))
         elif example or self.example:
             self.example.append(example.group(1) if example else line.strip())
+        elif self.notes:
+            self.notes.append(line.strip())
         elif self.sections and line.startswith("    ") and self.sections[-1][1]:
             entry = self.sections[-1][1][-1]
             entry[1] = (entry[1] + " " + line.strip()).strip()
         elif self.sections and ENTRY.match(line):
             self.sections[-1][1].append(list(split_entry(line)))
         elif line.strip():
-            self.description.append(line.strip())
+            (self.notes if self.sections else self.description).append(line.strip())
 
 
 def help_of(program, *command):
@@ -78,8 +80,14 @@ def entries(pairs):
     return lines
 
 
+def first_sentence(lines):
+    if len(lines) == 1:
+        return lines[0]
+    return re.split(r"[.:;] ", " ".join(lines))[0].removesuffix(".")
+
+
 def page(name, version, help_text, see_also):
-    summary = (help_text.description or [name])[0]
+    summary = first_sentence(help_text.description) or name
     lines = [
         f'.TH {name.upper()} 1 "" "{version}" "User Commands"',
         ".ad l",
@@ -93,6 +101,8 @@ def page(name, version, help_text, see_also):
     ]
     for title, pairs in help_text.sections:
         lines += [f'.SH "{title.upper()}"', *entries(pairs)]
+    if help_text.notes:
+        lines += [".SH NOTES", *map(escape, filter(None, help_text.notes))]
     lines += [".SH \"EXIT STATUS\"", *entries(EXIT_STATUS)]
     if help_text.example:
         lines += [".SH EXAMPLE", ".nf", *map(escape, filter(None, help_text.example)), ".fi"]
