@@ -27,7 +27,7 @@ if(DN_MKDOCS)
   configure_file(docs/templates/mkdocs.yml.in mkdocs.yml @ONLY)
   # mkdocs empties the folder of the site, so that the API comes last.
   add_custom_target(docs
-    COMMAND ${DN_MKDOCS} --quiet build --strict --clean --config-file ${PROJECT_BINARY_DIR}/mkdocs.yml
+    COMMAND ${DN_MKDOCS} build --strict --clean --config-file ${PROJECT_BINARY_DIR}/mkdocs.yml
     ${api_command} VERBATIM
     COMMENT "Writing the site to ${DN_DOCS_DIR}")
 endif()
