@@ -96,7 +96,7 @@ TEST(Stages, OneMayBeAdded) {
   EXPECT_EQ(adjustment.stages.back().name, "final least squares");
 }
 
-// This is the example of docs/tutorials/build-your-own-network.md.
+// As docs/reference/networks.md shows it.
 TEST(Stages, PairsMayBeJudgedTwice) {
   const SimulatedFlight sim = WithWrongPairs(5);
   AdjustOptions options;

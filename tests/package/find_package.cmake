@@ -30,30 +30,51 @@ foreach(file IN LISTS exported)
   endforeach()
 endforeach()
 
-# The text of the README's first block of a language.
-function(readme_block language out)
-  file(READ ${DN_SOURCE_DIR}/README.md readme)
-  string(FIND "${readme}" "```${language}\n" begin)
-  string(SUBSTRING "${readme}" ${begin} -1 readme)
-  string(FIND "${readme}" "\n" line)
-  math(EXPR line "${line} + 1")
-  string(SUBSTRING "${readme}" ${line} -1 readme)
-  string(FIND "${readme}" "```" end)
-  string(SUBSTRING "${readme}" 0 ${end} readme)
-  file(WRITE ${out} "${readme}")
+# The text of the block number `index` (from 0) of a language in a page.
+function(page_block page language index out)
+  file(READ ${DN_SOURCE_DIR}/${page} text)
+  foreach(i RANGE ${index})
+    string(FIND "${text}" "```${language}\n" begin)
+    if(begin EQUAL -1)
+      message(FATAL_ERROR "${page} has no ${language} block number ${index}")
+    endif()
+    string(SUBSTRING "${text}" ${begin} -1 text)
+    string(FIND "${text}" "\n" line)
+    math(EXPR line "${line} + 1")
+    string(SUBSTRING "${text}" ${line} -1 text)
+  endforeach()
+  string(FIND "${text}" "```" end)
+  string(SUBSTRING "${text}" 0 ${end} text)
+  set(${out} "${text}" PARENT_SCOPE)
 endfunction()
 
 set(compilers -G ${GENERATOR} -D CMAKE_C_COMPILER=${C_COMPILER} -D CMAKE_CXX_COMPILER=${CXX_COMPILER}
   -D CMAKE_CXX_FLAGS=${CXX_FLAGS} -D CMAKE_PREFIX_PATH=${prefix})
 
-# The README's program by the README's CMake lines, on a machine without PCL.
-readme_block(cpp ${SCRATCH_DIR}/readme/main.cc)
-readme_block(cmake ${SCRATCH_DIR}/readme/CMakeLists.txt)
-run(${CMAKE_COMMAND} -S ${SCRATCH_DIR}/readme -B ${SCRATCH_DIR}/readme/build ${compilers}
-  -D CMAKE_DISABLE_FIND_PACKAGE_PCL=ON)
-run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/readme/build)
-run(${SCRATCH_DIR}/readme/build/mine)
-message(STATUS "readme: ${output}")
+# The programs of the README and of the tutorial by the CMake lines of the tutorial, on a machine
+# without PCL. The tutorial links more layers in its last program.
+set(tutorial docs/tutorials/build-your-own-network.md)
+page_block(${tutorial} cmake 0 lists)
+page_block(${tutorial} cmake 1 more_layers)
+function(run_page name page index lists output_has)
+  set(folder ${SCRATCH_DIR}/${name})
+  page_block(${page} cpp ${index} program)
+  file(WRITE ${folder}/main.cc "${program}")
+  file(WRITE ${folder}/CMakeLists.txt "${lists}")
+  run(${CMAKE_COMMAND} -S ${folder} -B ${folder}/build ${compilers}
+    -D CMAKE_DISABLE_FIND_PACKAGE_PCL=ON)
+  run(${CMAKE_COMMAND} --build ${folder}/build)
+  run(${folder}/build/mine)
+  message(STATUS "${name}: ${output}")
+  if(NOT output MATCHES "${output_has}")
+    message(FATAL_ERROR "${page}: program ${index} no longer prints ${output_has}")
+  endif()
+endfunction()
+run_page(readme README.md 0 "${lists}" "z = [0-9.]+ \\+- 0\\.0[0-9] m")
+run_page(tutorial_unknown ${tutorial} 0 "${lists}" "5 stations: z = 9[45].*3 stations: .*offset")
+run_page(tutorial_factor ${tutorial} 1 "${lists}" "largest residual: .*distance.*sigma0")
+string(REGEX REPLACE "target_link_libraries[^\n]*\n" "${more_layers}" lists "${lists}")
+run_page(tutorial_flight ${tutorial} 2 "${lists}" "with the altimeter.*altimeter offset [12]\\.[0-9]+ \\+-")
 
 # A project of several layers, that of PCL among them where it was built.
 run(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${SCRATCH_DIR}/build ${compilers}

@@ -18,8 +18,7 @@ using Eigen::Vector3d;
 
 constexpr double kExact_m = 1e-6;  // 45 m/s times the resolution of time (6e-11 s), with margin
 
-/// Returns the rotation by Rodrigues' formula. This and the georeferencing of docs/reference/conventions.md
-/// are written out here.
+/// Rodrigues' formula, and the georeferencing of docs/reference/conventions.md, written out.
 Matrix3d Rotation(const Vector3d& phi) {
   const double angle = phi.norm();
   if (angle == 0.0) return Matrix3d::Identity();
