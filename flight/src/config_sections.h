@@ -12,6 +12,9 @@ namespace dn::internal {
 /// The least standard deviation [m], as of every number that must be positive.
 inline constexpr double kLeastSigmaM = 1e-12;
 
+/// The most error processes of a sensor: each adds states to every node of the network.
+inline constexpr std::size_t kMostProcesses = 20;
+
 /// Forward-right-down from forward-left-up, and back: a half turn about x.
 inline Eigen::Vector3d FlipBody(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 

@@ -17,6 +17,7 @@ void CheckLimits(const Scenario& scenario, const PlaceOfKey& place);
 
 /// The same once it is known how long the flight takes.
 void CheckDuration(double duration_s);
+void CheckPulses(const LidarScenario& lidar, double strips_s);
 void CheckSamples(const ImuScenario& imu, double duration_s);
 
 }  // namespace dn

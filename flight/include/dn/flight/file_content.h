@@ -49,8 +49,8 @@ struct FileContent {
 /// Never throws for what a file holds.
 FileContent LookAtFile(const std::filesystem::path& file);
 
-/// What the regular files of a folder hold, in order of their names; those of hidden files, YAML and
-/// JSON are left out.
+/// What the entries of a folder hold, in order of their names. Folders, hidden files, YAML and JSON
+/// are left out; what is no file that can be read, as a link that leads nowhere, is of unknown kind.
 std::vector<FileContent> LookAtFolder(const std::filesystem::path& folder);
 
 }  // namespace dn

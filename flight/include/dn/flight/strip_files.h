@@ -9,7 +9,8 @@
 namespace dn {
 
 /// The point clouds of a flight: the .las, .laz and .txt files in the folder `strips` of its data,
-/// sorted by name; none where there is no such folder.
+/// sorted by name; none where there is no such folder. Links that lead back to themselves are left
+/// out.
 std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& flight_folder);
 
 /// The same; throws InvalidInput where there are none.

@@ -93,7 +93,7 @@ struct MatchResult {
 ///
 /// The alignment of `source` is changed to the one found. Deterministic for any number of threads.
 /// Throws InvalidInput as MatchSource::Read, where there are fewer than two strips, and where no two
-/// of them overlap.
+/// of them overlap; InvalidConfig for a gsd_m below a tenth of the distance between the points.
 MatchResult MatchFlight(FlightMatchSource* source, const MatchOptions& options);
 
 /// The first of these stages alone: turns the boresight of `source` until the strips lie together to

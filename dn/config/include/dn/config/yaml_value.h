@@ -3,6 +3,7 @@
 #include <dn/error.h>
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -40,10 +41,14 @@ class YamlValue {
   /// Value under a key of this map; absent when there is none.
   YamlValue operator[](const std::string& key) const;
 
-  /// Elements of a list; a single value that is no list counts as a list of one.
-  std::vector<YamlValue> Items() const;
-  /// Elements of a list; anything else is an error.
-  std::vector<YamlValue> List() const;
+  /// Number of elements of a list or keys of a map; 0 of anything else.
+  std::size_t size() const;
+
+  /// Elements of a list; a single value that is no list counts as a list of one. Throws where there
+  /// are more than `most`.
+  std::vector<YamlValue> Items(std::size_t most = SIZE_MAX) const;
+  /// Elements of a list; anything else is an error, as are more than `most`.
+  std::vector<YamlValue> List(std::size_t most = SIZE_MAX) const;
 
   /// Conversions; each throws naming the wanted type or range and what was found.
   std::string Text() const;
@@ -106,13 +111,14 @@ YamlValue ParseYaml(const std::string& text, const std::string& file);
 
 /// The YAML text with another value (YAML, too) under a path of keys such as "plan.lines"; maps that
 /// are not there on the way are added, comments are lost. Throws InvalidConfig for what is not YAML,
-/// and where a key on the way holds something else than a map.
+/// for a path longer than 200 characters, and where a key on the way holds something else than a
+/// map.
 std::string WithYamlValue(const std::string& text, const std::string& path,
                           const std::string& value);
 
 /// The same for changes "key.of.keys=value", one after the other. Throws InvalidConfig also for what
 /// is none; `example` is what its message shows.
-std::string WithYamlChanges(std::string text, const std::vector<std::string>& changes,
+std::string WithYamlChanges(const std::string& text, const std::vector<std::string>& changes,
                             const std::string& example);
 
 }  // namespace dn

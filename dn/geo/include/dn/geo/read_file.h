@@ -18,6 +18,9 @@ inline constexpr std::uintmax_t kMostYamlBytes = std::uintmax_t{1} << 20;
 void ExpectRegularFile(const std::filesystem::path& file,
                        std::uintmax_t most_bytes = kMostFileBytes);
 
+/// Whether the path is a symbolic link that leads, perhaps over others, back to itself.
+bool IsCircularLink(const std::filesystem::path& path);
+
 /// All bytes of a file. Throws InvalidInput as ExpectRegularFile does, and when it cannot be read.
 std::string ReadWholeFile(const std::filesystem::path& file,
                           std::uintmax_t most_bytes = kMostFileBytes);
