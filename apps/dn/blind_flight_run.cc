@@ -96,6 +96,15 @@ std::optional<BlindSignature> SignatureOfContent(const BlindFlight& flight) {
   }
 }
 
+/// Removes what a program that was killed left staged in its folder of results.
+void RemoveStaged(const fs::path& out) {
+  try {
+    const OutputDirectory swept(out);
+  } catch (const std::exception&) {
+    return;  // it had no folder of results yet
+  }
+}
+
 /// Runs a command of this program; `read` makes the outcome of its result file.
 template <class T, class Read>
 Outcome<T> RunCommand(const std::vector<std::string>& arguments, const fs::path& out,
@@ -106,6 +115,8 @@ Outcome<T> RunCommand(const std::vector<std::string>& arguments, const fs::path&
   fs::path log = out;
   log += ".log";
   const ProcessUsage usage = RunProgram(command, log, {kLongestRun_s, [] { return SignalCame(); }});
+  constexpr int kFirstSignal = 128;
+  if (usage.exit_code > kFirstSignal) RemoveStaged(out);
   Outcome<T> outcome;
   outcome.time_s = usage.wall_s;
   const fs::path result = out / result_name;

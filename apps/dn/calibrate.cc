@@ -2,6 +2,7 @@
 #include <dn/calibration/swaths.h>
 #include <dn/calibration/words.h>
 #include <dn/flight/truth.h>
+#include <dn/names.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -220,7 +221,7 @@ void ExpectTrajectory(const CalibrateOptions& options, const FlightConfig& confi
   throw InvalidInput(
       fmt::format("the trajectory {} does not exist, and {} needs one; make it with "
                   "`dn smooth {} --out DIR` and give it with --trajectory DIR/trajectory.out",
-                  name, method, options.flight));
+                  name, method, QuoteForShell(options.flight)));
 }
 
 struct GaussHelmertRun {

@@ -13,7 +13,6 @@
 
 #include "command.h"
 #include "data_hints.h"
-#include "shown_text.h"
 #include "strip_lines.h"
 
 namespace dn::apps {
@@ -351,7 +350,7 @@ void Check(const CheckArguments& options, Run& run) {
   report["problems"] = contents.problems;
   Summarise(contents.flight, &report);
   for (const std::string& problem : contents.problems) {
-    fmt::print("problem         {}\n", Printable(problem));
+    fmt::print("problem         {}\n", problem);
   }
   if (contents.first_problem) std::rethrow_exception(contents.first_problem);
   run.AddFile("config.resolved.yaml", FormatFlightConfig(contents.flight.config));

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <optional>
 #include <system_error>
 #include <thread>
 
@@ -18,6 +19,7 @@ namespace dn::apps {
 namespace {
 
 constexpr std::chrono::milliseconds kPoll{5};
+constexpr double kGrace_s = 2.0;
 constexpr int kCannotRun = 127;
 
 double Seconds(const timeval& t) {
@@ -26,7 +28,7 @@ double Seconds(const timeval& t) {
 
 // Between fork and exec: system calls only.
 [[noreturn]] void Become(std::vector<char*>& arguments, const char* output_file, pid_t parent) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (::getppid() != parent) _exit(kCannotRun);  // it died before
   const int file = ::open(output_file, O_WRONLY | O_CREAT | O_TRUNC, 0644);
   if (file >= 0) {
@@ -55,7 +57,8 @@ ProcessUsage RunProgram(const std::vector<std::string>& command,
                         const std::filesystem::path& output_file, const ProcessLimits& limits) {
   const auto start = std::chrono::steady_clock::now();
   const pid_t child = Start(command, output_file.string());
-  bool killed = false, interrupted = false;
+  bool interrupted = false;
+  std::optional<double> asked_at_s;
   int status = 0;
   rusage usage{};
   for (;;) {
@@ -65,10 +68,12 @@ ProcessUsage RunProgram(const std::vector<std::string>& command,
       throw std::system_error(errno, std::generic_category(), "wait4");
     }
     interrupted = interrupted || (limits.interrupted && limits.interrupted());
-    if (!killed && (interrupted || SecondsSince(start) > limits.longest_s)) {
-      ::kill(child, SIGKILL);
-      killed = true;
+    const double now_s = SecondsSince(start);
+    if (!asked_at_s && (interrupted || now_s > limits.longest_s)) {
+      ::kill(child, SIGTERM);
+      asked_at_s = now_s;
     }
+    if (asked_at_s && now_s > *asked_at_s + kGrace_s) ::kill(child, SIGKILL);
     std::this_thread::sleep_for(kPoll);
   }
   const double wall_s = SecondsSince(start);

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "input_files.h"
+#include "memory_advice.h"
 #include "option_checks.h"
 #include "shown_text.h"
 
@@ -56,7 +57,8 @@ std::string OutputText(const std::filesystem::filesystem_error& error) {
   return fmt::format("{}: {}", error.path1().string(), error.code().message());
 }
 
-Failure Classify(const std::exception& error, const CommonOptions& options) {
+Failure Classify(const std::exception& error, const std::string& command,
+                 const CommonOptions& options) {
   if (dynamic_cast<const dn::Interrupted*>(&error) != nullptr || SignalCame()) {
     return {130, "interrupted", InterruptedText(options)};
   }
@@ -80,8 +82,7 @@ Failure Classify(const std::exception& error, const CommonOptions& options) {
   }
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
       dynamic_cast<const std::length_error*>(&error) != nullptr) {
-    return {1, "memory",
-            "out of memory; lower network.node_rate_hz or thin the pairs (lidar.pairs)"};
+    return {1, "memory", "out of memory; " + MemoryAdvice(command)};
   }
   return {1, "internal", error.what()};
 }
@@ -114,9 +115,20 @@ void RememberCommandLine(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) CommandLine().push_back(argv[i]);
 }
 
-void Say(const std::string& line) {
-  const std::string text = Printable(line) + "\n";
+namespace {
+
+void WriteLine(const std::string& line) {
+  const std::string text = line + "\n";
   std::fwrite(text.data(), 1, text.size(), stderr);  // nobody is left to be told of a failure
+}
+
+}  // namespace
+
+void Say(const std::string& line) { WriteLine(Printable(line)); }
+
+void SayJson(const Json& line) {
+  constexpr bool kAsciiOnly = true;
+  WriteLine(line.dump(-1, ' ', kAsciiOnly, Json::error_handler_t::replace));
 }
 
 namespace {
@@ -251,11 +263,14 @@ int Execute(const std::string& command, const CommonOptions& options,
   Failure failure;
   try {
     run.TakeOutput();  // fail before the work, not after it
+    for (const std::filesystem::path& link : options.inputs.circular_links) {
+      run.progress.Warn("the link " + link.string() + " leads back to itself; it is left out");
+    }
     const int exit_code = RunBody(run, body);
     run.Publish();
     return FlushStandardOutput(command) ? exit_code : 1;
   } catch (const std::exception& error) {
-    failure = Classify(error, options);
+    failure = Classify(error, command, options);
   }
   return EndFailed(run, failure);
 }

@@ -49,6 +49,9 @@ std::string WithLocation(const InvalidInput& error);
 /// A line on stderr, where it can be written.
 void Say(const std::string& line);
 
+/// The same of JSON, which spells control characters in its own way.
+void SayJson(const Json& line);
+
 /// What was printed may wait in a buffer that cannot be written, on a full disk say: false, and an
 /// error line.
 bool FlushStandardOutput(const std::string& command);

@@ -7,6 +7,7 @@
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 #include <dn/interrupted.h>
+#include <dn/names.h>
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -115,7 +116,7 @@ void ExpectTrajectory(const GeorefOptions& options, bool own) {
   throw InvalidInput(fmt::format(
       "the flight has no trajectory; make one with `dn smooth {} --out DIR` and give it with "
       "--trajectory DIR/trajectory.out",
-      options.flight));
+      QuoteForShell(options.flight)));
 }
 
 StripErrors ReadErrors(const GeorefOptions& options, const FlightConfig& config,

@@ -13,14 +13,16 @@ FlightConfig WithTrajectory(FlightConfig config, const std::string& trajectory) 
 }
 
 bool HasTrajectory(const FlightConfig& config) {
-  const auto is_file = [&](const std::filesystem::path& name) {
+  // What is no regular file is for the reader to refuse.
+  const auto is_there = [&](const std::filesystem::path& name) {
     std::error_code none;
-    return std::filesystem::is_regular_file(config.folder / name, none);
+    const auto type = std::filesystem::status(config.folder / name, none).type();
+    return type != std::filesystem::file_type::not_found;
   };
-  if (config.trajectory && is_file(config.trajectory->file)) return true;
+  if (config.trajectory && is_there(config.trajectory->file)) return true;
   const std::string usual = TrajectoryConfig().file;
   const bool named = config.trajectory && config.trajectory->file != usual;
-  return !named && (is_file(usual) || is_file("trajectory.txt"));
+  return !named && (is_there(usual) || is_there("trajectory.txt"));
 }
 
 }  // namespace dn::apps

@@ -1,14 +1,15 @@
 #include <dn/error.h>
 #include <dn/flight/atomic_file.h>
 #include <dn/flight/strip_files.h>
+#include <dn/names.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 #include "command.h"
 #include "flight_draft.h"
-#include "shown_text.h"
 
 namespace dn::apps {
 namespace {
@@ -42,7 +43,8 @@ const char* KindName(FileKind kind) {
 
 std::vector<FileContent> ContentsOf(const fs::path& folder) {
   std::vector<FileContent> contents = LookAtFolder(folder);
-  if (!fs::is_directory(folder / "lidar")) return contents;
+  std::error_code none;
+  if (!fs::is_directory(folder / "lidar", none)) return contents;
   for (FileContent& content : LookAtFolder(folder / "lidar")) {
     if (content.kind == FileKind::kPairs) contents.push_back(std::move(content));
   }
@@ -50,11 +52,12 @@ std::vector<FileContent> ContentsOf(const fs::path& folder) {
 }
 
 void ExpectFolder(const fs::path& folder) {
-  if (!fs::is_directory(folder)) {
+  std::error_code none;
+  if (!fs::is_directory(folder, none)) {
     throw InvalidConfig("there is no folder '" + folder.string() + "'");
   }
   const fs::path file = folder / "flight.yaml";
-  if (!fs::exists(fs::symlink_status(file))) return;
+  if (!fs::exists(fs::symlink_status(file, none))) return;
   throw InvalidConfig("the folder has a flight.yaml, which is left as it is; remove or rename it",
                       FileLocation{file.string(), 0, 0});
 }
@@ -74,17 +77,17 @@ void Init(const InitArguments& options, Run& run) {
   WriteFileAtomically(folder / "flight.yaml", draft.Text());
   for (const FileContent& content : contents) {
     if (content.kind == FileKind::kUnknown || content.kind == FileKind::kPointCloud) continue;
-    fmt::print("found    {:<22} {}\n", Printable(content.file.lexically_relative(folder).string()),
+    fmt::print("found    {:<22} {}\n", content.file.lexically_relative(folder).string(),
                KindName(content.kind));
   }
   for (const fs::path& strip : FindStripFiles(folder)) {
-    fmt::print("found    {:<22} a strip\n", Printable(strip.lexically_relative(folder).string()));
+    fmt::print("found    {:<22} a strip\n", strip.lexically_relative(folder).string());
   }
-  for (const std::string& text : draft.notes()) fmt::print("note     {}\n", Printable(text));
-  for (const std::string& text : draft.found()) fmt::print("settled  {}\n", Printable(text));
-  for (const std::string& text : draft.Missing()) fmt::print("missing  {}\n", Printable(text));
+  for (const std::string& text : draft.notes()) fmt::print("note     {}\n", text);
+  for (const std::string& text : draft.found()) fmt::print("settled  {}\n", text);
+  for (const std::string& text : draft.Missing()) fmt::print("missing  {}\n", text);
   fmt::print("wrote    {}\nnext     dn check {}\n", (folder / "flight.yaml").string(),
-             folder.string());
+             QuoteForShell(folder.string()));
   run.report["missing"] = draft.Missing();
 }
 

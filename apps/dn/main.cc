@@ -1,14 +1,14 @@
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <malloc.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <cstdio>
-#include <iostream>
 #include <new>
+#include <sstream>
 
 #include "command.h"
+#include "standard_output.h"
 #include "usage_error.h"
 
 namespace {
@@ -20,12 +20,6 @@ void OpenStandardStreams() {
     if (::fcntl(fd, F_GETFD) >= 0 || errno != EBADF) continue;
     ::open("/dev/null", fd == STDOUT_FILENO ? O_RDONLY : O_WRONLY);
   }
-}
-
-// Results are printed at the end of the work; an unwritable stdout must not end it before.
-void BufferStandardOutput() {
-  static std::array<char, std::size_t{1} << 20> buffer;
-  std::setvbuf(stdout, buffer.data(), _IOFBF, buffer.size());
 }
 
 // Large matrices come and go with every step of an adjustment: what they leave is kept for the next
@@ -68,8 +62,10 @@ int ParseAndRun(int argc, char** argv) {
       dn::apps::Say(dn::apps::UsageError(program, error));
       return 2;
     }
-    program.exit(error);
-    return std::cout.flush() ? 0 : 1;
+    std::ostringstream help;
+    program.exit(error, help, help);
+    fmt::print("{}", help.str());
+    return dn::apps::FlushStandardOutput("help") ? 0 : 1;
   }
   dn::apps::RememberCommandLine(argc, argv);
   return action();
@@ -81,7 +77,7 @@ int main(int argc, char** argv) {
   OpenStandardStreams();
   KeepFreedMemory();
   dn::apps::InstallSignalHandlers();
-  BufferStandardOutput();
+  dn::apps::GuardStandardOutput();
   try {
     return ParseAndRun(argc, argv);
   } catch (const std::bad_alloc&) {

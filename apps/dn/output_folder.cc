@@ -4,6 +4,7 @@
 #include <dn/flight/accuracy_files.h>
 #include <dn/flight/flight.h>
 #include <dn/flight/strip_files.h>
+#include <dn/geo/read_file.h>
 #include <dn/report/json.h>
 #include <dn/sim/scenario.h>
 #include <fmt/format.h>
@@ -43,6 +44,16 @@ void AddFolder(const fs::path& folder, Inputs* inputs) {
   }
 }
 
+void AddCircularLinks(const fs::path& flight_folder, Inputs* inputs) {
+  for (const char* folder : {"lidar", "strips"}) {
+    std::error_code none;
+    for (const fs::directory_entry& entry : fs::directory_iterator(flight_folder / folder, none)) {
+      if (IsCircularLink(entry.path())) inputs->circular_links.push_back(entry.path());
+    }
+  }
+  std::sort(inputs->circular_links.begin(), inputs->circular_links.end());
+}
+
 void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>& changes,
                   Inputs* inputs) {
   try {
@@ -54,6 +65,7 @@ void AddDataFiles(const fs::path& folder_or_file, const std::vector<std::string>
     if (config.gnss) AddData(folder / config.gnss->file, inputs);
     if (config.trajectory) AddData(folder / config.trajectory->file, inputs);
     inputs->strips = FindStripFiles(folder);
+    AddCircularLinks(folder, inputs);
     if (config.trajectory) AddAccuracy(config, inputs);
     if (!config.lidar) return;
     for (const fs::path& file : FindPairFiles(folder, config.lidar->p2p)) AddData(file, inputs);

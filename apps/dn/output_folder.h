@@ -11,6 +11,7 @@ struct Inputs {
   std::vector<std::filesystem::path> folders;  ///< of the flight and of the data it names
   std::vector<std::filesystem::path> files;
   std::vector<std::filesystem::path> strips = {};  ///< point clouds, which few commands read
+  std::vector<std::filesystem::path> circular_links = {};  ///< among the data; they are left out
 
   std::vector<std::filesystem::path> All() const;  ///< files and strips
 };

@@ -102,7 +102,7 @@ void Progress::ShowJson(const Moment& moment, bool entered) {
     line["of"] = moment.share->of;
   }
   if (moment.left_s) line["left_s"] = *moment.left_s;
-  Say(line.dump(-1, ' ', false, Json::error_handler_t::replace));
+  SayJson(line);
 }
 
 void Progress::Warn(const std::string& message) {

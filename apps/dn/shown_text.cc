@@ -34,6 +34,24 @@ std::string Escaped(std::string_view bytes) {
   return text;
 }
 
+/// Whether more bytes may complete the character at the start of the text.
+bool IsUnfinished(std::string_view text) {
+  constexpr std::size_t kLongestCharacter = 4;
+  if (text.size() >= kLongestCharacter) return false;
+  for (const std::string_view rest : {"\x80", "\x80\x80", "\x80\x80\x80"}) {
+    if (CharacterBytes(std::string(text).append(rest)) == text.size() + rest.size()) return true;
+  }
+  return false;
+}
+
+/// Takes the first character off the text, as a terminal may have it.
+std::string TakeCharacter(std::string_view* text) {
+  const std::size_t bytes = CharacterBytes(*text);
+  const std::string_view character = text->substr(0, std::max<std::size_t>(bytes, 1));
+  text->remove_prefix(character.size());
+  return bytes == 0 || HasControls(character) ? Escaped(character) : std::string(character);
+}
+
 /// At most so many bytes from the start, no character torn apart.
 std::string_view Begin(std::string_view text, std::size_t bytes) {
   while (bytes > 0 && bytes < text.size() && Continues(text[bytes])) --bytes;
@@ -56,17 +74,28 @@ std::string Shortened(std::string_view word) {
 std::string Printable(std::string_view text) {
   std::string line, word;
   while (!text.empty()) {
-    const std::size_t bytes = CharacterBytes(text);
-    const std::string_view character = text.substr(0, std::max<std::size_t>(bytes, 1));
-    text.remove_prefix(character.size());
+    const std::string character = TakeCharacter(&text);
     if (character == " ") {
       line += Shortened(word) + " ";
       word.clear();
     } else {
-      word += bytes == 0 || HasControls(character) ? Escaped(character) : std::string(character);
+      word += character;
     }
   }
   return line + Shortened(word);
+}
+
+std::string PrintableStream::Next(std::string_view bytes) {
+  const std::string joined = unfinished_ + std::string(bytes);
+  std::string_view left = joined;
+  std::string shown;
+  while (!left.empty() && !IsUnfinished(left)) {
+    const bool ends_line = left.front() == '\n';
+    shown += ends_line ? "\n" : TakeCharacter(&left);
+    if (ends_line) left.remove_prefix(1);
+  }
+  unfinished_ = left;
+  return shown;
 }
 
 std::string Quoted(std::string_view word) {

@@ -12,6 +12,16 @@
 set -euo pipefail
 shards=$1 out=$2
 shift 2
+
+# A word in single quotes for the shell that parallel starts. Quotes behind every brace keep
+# parallel from replacing it: {} would become the number of the shard.
+quoted() {
+  local word=${1//\'/\'\\\'\'}
+  printf "'%s'" "${word//\{/\{\'\'}"
+}
+
+command=$(quoted "${DN:-dn}")
+for word in "$@"; do command+=" $(quoted "$word")"; done
 mkdir -p "$out"
 seq "$shards" | parallel --joblog "$out/jobs.log" --resume-failed --line-buffer --tag \
-  "${DN:-dn}" "${@@Q}" --shard "{}/$shards" --threads 1 --out "$out/shard_{}"
+  "$command --shard {}/$(quoted "$shards") --threads 1 --out $(quoted "$out/shard_"){}"

@@ -1,5 +1,6 @@
 #include "glob.h"
 
+#include <dn/geo/read_file.h>
 #include <fnmatch.h>
 
 #include <algorithm>
@@ -46,7 +47,7 @@ std::vector<fs::path> Glob(const fs::path& folder, const std::string& pattern) {
   if (IsWild(pattern)) {
     std::erase_if(found, [](const fs::path& file) {
       std::error_code none;
-      return fs::is_directory(file, none);
+      return fs::is_directory(file, none) || IsCircularLink(file);
     });
   }
   std::sort(found.begin(), found.end());

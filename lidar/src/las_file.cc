@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kMostLasBytes = std::uintmax_t{1} << 42;
 constexpr std::uint64_t kMostHeadBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kMostWktBytes = std::uint64_t{1} << 20;
+// Programs write a handful.
+constexpr std::uint64_t kMostRecords = 10000;
 constexpr double kMostScaleM = 1e3;
 constexpr double kMostOffsetM = 1e9;
 
@@ -184,8 +186,25 @@ class LasFileReader {
     return std::string(bytes.substr(0, bytes.find('\0')));
   }
 
+  /// Throws where so many records cannot be in `room`, each with a header, or no one needs them.
+  void ExpectRoomForRecords(const char* what, std::size_t count_at, std::uint64_t count,
+                            std::uint64_t room, std::size_t header) const {
+    const std::string promised = std::to_string(count) + " " + what + " (byte " +
+                                 std::to_string(count_at) + ") are promised";
+    if (count > room / header) {
+      Fail(promised + ", but there are " + Bytes(room) + " for them, and each has at least " +
+           std::to_string(header) + "; repair it");
+    }
+    if (count > kMostRecords) {
+      Fail(promised + ", at most " + std::to_string(kMostRecords) +
+           " are read; remove needless records");
+    }
+  }
+
   void ReadVlrs() {
     const auto count = Number<std::uint32_t>(las::kVlrCountAt);
+    ExpectRoomForRecords("variable length records", las::kVlrCountAt, count,
+                         las_.head.size() - las_.header_bytes, las::kVlrHeaderBytes);
     std::size_t at = las_.header_bytes;
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::size_t room = las_.head.size() - at;
@@ -236,11 +255,18 @@ class LasFileReader {
 
   void ReadEvlrs() {
     const auto count = Number<std::uint32_t>(las::kEvlrCountAt);
-    auto at = Number<std::uint64_t>(las::kEvlrAt);
-    if (at < las_.points_end()) {
-      Fail("the extended records begin (byte 235) at byte " + std::to_string(at) +
+    const auto begin = Number<std::uint64_t>(las::kEvlrAt);
+    if (begin < las_.points_end()) {
+      Fail("the extended records begin (byte 235) at byte " + std::to_string(begin) +
            ", before the end of the points at byte " + std::to_string(las_.points_end()));
     }
+    if (begin > las_.file_bytes) {
+      Fail("the extended records begin (byte 235) at byte " + std::to_string(begin) +
+           ", beyond the end of the file of " + Bytes(las_.file_bytes));
+    }
+    ExpectRoomForRecords("extended records", las::kEvlrCountAt, count, las_.file_bytes - begin,
+                         las::kEvlrHeaderBytes);
+    std::uint64_t at = begin;
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::string name = "extended record " + std::to_string(i + 1) + " of " +
                                std::to_string(count) + " (byte 243), at byte " + std::to_string(at);
@@ -259,6 +285,13 @@ class LasFileReader {
       }
       at += las::kEvlrHeaderBytes + bytes;
     }
+    ExpectLittleElse(begin - las_.points_end() + las_.file_bytes - at);
+  }
+
+  /// What follows the points is copied with them.
+  void ExpectLittleElse(std::uint64_t bytes) const {
+    if (bytes <= kMostHeadBytes || Number<std::uint64_t>(las::kWaveformAt) != 0) return;
+    Fail(Bytes(bytes) + " behind the points belong to no record of which it knows; repair it");
   }
 
   // Well-known text takes precedence over GeoTIFF keys: if a file has both, the keys are the older

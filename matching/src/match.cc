@@ -53,6 +53,8 @@ constexpr double kCoarsePlaces = 300.0;  // approximate number per strip pair
 constexpr double kToleranceCells = 2.5;
 constexpr double kShrink = 5.0;
 constexpr int kMostLevels = 12;
+// A smaller ground sampling distance would leave a hundred empty cells or more for each point.
+constexpr double kLeastShareOfSpacing = 0.1;
 constexpr double kMostCells = 4e8;  // cells of a raster, 3 GB
 constexpr double kMostPointsOfPatch = 3000.0;
 constexpr std::size_t kPatchesAtOnce = 800;
@@ -151,7 +153,7 @@ class Matcher {
       throw InvalidInput("correspondences need two strips or more, but there " +
                          std::string(source_.strips().size() == 1 ? "is one" : "are 0"));
     }
-    result_.gsd_m = options_.gsd_m ? *options_.gsd_m : GsdOfDensity(source_, options_.threads);
+    result_.gsd_m = ChooseGsd();
     ReadSamples();
     double search_m = FirstSearch();
     for (int level = 0; level < kMostLevels && search_m > kFineSearch * BaseCell(); ++level) {
@@ -196,6 +198,20 @@ class Matcher {
     throw InvalidInput(
         "no two strips have ground in common; check that they cover one area and that "
         "strips_crs and the trajectory belong to the points",
+        {source_.strips().front().files.front().string()});
+  }
+
+  double ChooseGsd() const {
+    Tell("density of strip " + source_.strips().front().name);
+    const double spacing_m = GsdOfDensity(source_, options_.threads);
+    const double gsd_m = options_.gsd_m.value_or(spacing_m);
+    if (gsd_m >= kLeastShareOfSpacing * spacing_m) return gsd_m;
+    throw InvalidConfig(
+        fmt::format("the ground sampling distance is said to be {:.3g} m, but strip {} has one "
+                    "point in {:.2g} m by {:.2g} m; give at least {:.2g} m (--gsd, or lidar.gsd_m "
+                    "of flight.yaml), or no distance at all",
+                    gsd_m, source_.strips().front().name, spacing_m, spacing_m,
+                    kLeastShareOfSpacing * spacing_m),
         {source_.strips().front().files.front().string()});
   }
 

@@ -17,6 +17,7 @@ void CheckLimits(const Scenario& scenario, const PlaceOfKey& place);
 
 /// Checks the limits that depend on the duration of the flight; throws as CheckLimits does.
 void CheckDuration(double duration_s);
+void CheckPulses(const LidarScenario& lidar, double strips_s);
 void CheckSamples(const ImuScenario& imu, double duration_s);
 
 }  // namespace dn

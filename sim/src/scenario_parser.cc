@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kSecondsPerWeek = 604800.0;
 constexpr double kMostWater = 0.9;
+constexpr std::size_t kMostLines = 1000;
+constexpr std::size_t kMostEffects = 100;
 
 Geodetic ReadOrigin(const YamlValue& value) {
   const Eigen::Vector3d origin = value.Vector3();
@@ -86,7 +88,7 @@ PlanScenario ReadPlan(const YamlValue& s, const std::string& file) {
   plan.warm_up_s = s["warm_up_s"].NotNegativeOr(0.0);
   plan.where = s[s["strips"] ? "strips" : "lines"].where();
   if (s["lines"]) {
-    for (const YamlValue& row : s["lines"].List()) plan.lines.push_back(ReadLine(row));
+    for (const YamlValue& row : s["lines"].List(kMostLines)) plan.lines.push_back(ReadLine(row));
   }
   const double bank_deg = s["bank_deg"].PositiveOr(25.0);
   if (bank_deg > 60.0) s["bank_deg"].Fail("must be at most 60");
@@ -240,7 +242,7 @@ Scenario ParseScenario(const std::string& yaml_text, const std::string& where) {
   scenario.lidar = ReadLidar(root["lidar"]);
   scenario.pairs = ReadPairScenario(root["pairs"], scenario.lidar.gsd_m);
   if (root["effects"]) {
-    for (const YamlValue& item : root["effects"].List()) {
+    for (const YamlValue& item : root["effects"].List(kMostEffects)) {
       scenario.effects.push_back(ReadEffect(item));
     }
   }

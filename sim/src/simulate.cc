@@ -93,6 +93,12 @@ void CheckClearance(const Scenario& scenario, const std::vector<StripInterval>& 
   }
 }
 
+double Duration(const std::vector<StripInterval>& strips) {
+  double sum_s = 0.0;
+  for (const StripInterval& strip : strips) sum_s += strip.t1_s - strip.t0_s;
+  return sum_s;
+}
+
 /// Returns the contents of flight.yaml: the assumed model without any true values.
 FlightConfig AssumedConfig(const Scenario& scenario, const std::vector<StripInterval>& strips) {
   FlightConfig config;
@@ -168,6 +174,7 @@ SimulatedFlight Simulate(const Scenario& scenario, const SimulateOptions& option
                                         flown.begin_s, flown.begin_s + flown.plan.duration_s);
   AddOwnErrors(options.own, out.truth, &effects);
   out.strips = Strips(scenario.plan, flown);
+  if (scenario.strips) CheckPulses(scenario.lidar, Duration(out.strips));
   const auto terrain = std::make_shared<const Terrain>(scenario.terrain);
   CheckClearance(scenario, out.strips, *out.truth, *terrain);
 

@@ -288,6 +288,23 @@ TEST(CliBadInput, ANamedPipeForAFile) {
   ExpectFailure(flight.Run("calibrate"), flight, 2, "configuration", "this is a named pipe");
 }
 
+TEST(CliBadInput, ANamedPipeForWhatBelongsToATrajectory) {
+  for (const char* name : {"trajectory.out", "trajectory_sigma.txt", "trajectory_covariance.txt"}) {
+    const DamagedFlight flight;
+    fs::copy(SmoothResult() / "trajectory.out", flight.path());
+    fs::remove(flight.path() / name);
+    ASSERT_EQ(mkfifo((flight.path() / name).c_str(), 0600), 0);
+    const ProgramRun run = flight.Run("calibrate", {"--method", "gh"});
+    ExpectFailure(run, flight, 1, "input", "this is a named pipe");
+    EXPECT_THAT(run.err, HasSubstr(name));
+  }
+  const DamagedFlight flight;
+  const fs::path pipe = flight.path() / "given.out";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  ExpectFailure(flight.Run("calibrate", {"--method", "gh", "--trajectory", pipe}), flight, 1,
+                "input", "this is a named pipe");
+}
+
 TEST(CliBadInput, AScenarioThatIsADevice) {
   const DamagedFlight flight;
   const ProgramRun run = RunProgram({"simulate", "/dev/zero", "--out", flight.out().string()});

@@ -2,6 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <csignal>
+#include <system_error>
+#include <thread>
+
 #include "page_numbers.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
@@ -99,16 +104,49 @@ TEST(BlindCheckUsage, AScenarioThatIsNoneIsNamed) {
   EXPECT_THAT(run.err, HasSubstr("'nowhere' is neither a scenario file nor a shipped scenario"));
 }
 
+/// A staging folder lies anywhere below, or a folder vanishes while it is looked at.
+bool HoldsStaging(const fs::path& folder) {
+  std::error_code error;
+  for (fs::recursive_directory_iterator at(folder, error), end; at != end; at.increment(error)) {
+    if (at->path().filename().string().starts_with(".dn-staging")) return true;
+  }
+  return static_cast<bool>(error);
+}
+
+/// Waits until a program that was asked to end has removed what it staged.
+bool NothingStaysStaged(const fs::path& folder) {
+  for (int i = 0; i < 50; ++i) {
+    if (!HoldsStaging(folder)) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return false;
+}
+
+/// When the first flight has landed, the other one is in the hands of its program.
+ProgramOptions TwoAtATime(const fs::path& out) {
+  ProgramOptions options;
+  options.arguments = Arguments(out, "1/1");
+  options.arguments[2] = "50";
+  options.arguments[8] = "2";
+  options.signal_after = "flights (";
+  return options;
+}
+
+TEST(BlindCheckUsage, AKilledCheckLeavesNothingStaged) {
+  const TempFolder folder;
+  ProgramOptions options = TwoAtATime(folder.path() / "out");
+  options.signal = SIGKILL;
+  const ProgramRun run = RunProgram(options);
+  EXPECT_EQ(run.signal, SIGKILL);
+  EXPECT_TRUE(NothingStaysStaged(folder.path() / "out" / "runs"));
+}
+
 TEST(BlindCheckUsage, AnInterruptedCheckEndsItsPrograms) {
   const TempFolder folder;
-  ProgramOptions options;
-  options.arguments = Arguments(folder.path() / "out", "1/1");
-  options.arguments[2] = "50";
-  // When the first flight has landed, the other one is in the hands of its program.
-  options.arguments[8] = "2";
+  ProgramOptions options = TwoAtATime(folder.path() / "out");
   options.signal = SIGINT;
-  options.signal_after = "flights (";
   const ProgramRun run = RunProgram(options);
+  EXPECT_TRUE(NothingStaysStaged(folder.path() / "out" / "runs"));
   EXPECT_EQ(run.exit_code, 130) << run.err;
   EXPECT_FALSE(NamesIn(folder.path() / "out" / "records").empty());
   EXPECT_FALSE(fs::exists(folder.path() / "out" / "blind_check.json"));

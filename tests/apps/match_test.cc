@@ -109,6 +109,20 @@ TEST_F(Matching, BareStripsGivePositions) {
   EXPECT_TRUE(Read("bare/swaths.json")["swaths"][0]["line_en_m"].empty());
 }
 
+TEST_F(Matching, ADistanceFarBelowThatOfThePointsIsRefused) {
+  for (const char* gsd : {"1e-9", "1e-3"}) {
+    ProgramOptions options;
+    options.arguments = {
+        "match",   In("flight/strips/1.las"), In("flight/strips/2.las"), "--gsd", gsd, "--out",
+        In("fine")};
+    options.max_memory_bytes = 2L << 30;
+    const ProgramRun run = RunProgram(options);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, HasSubstr("one point in"));
+    EXPECT_THAT(run.err, HasSubstr("1.las"));
+  }
+}
+
 TEST_F(Matching, AFlightWithoutStripsIsToldWhereTheyBelong) {
   const ProgramRun run = RunProgram({"match", ShortFlight().string(), "--out", In("none")});
   EXPECT_EQ(run.exit_code, 1);

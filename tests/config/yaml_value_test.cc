@@ -83,4 +83,51 @@ TEST(YamlValue, LooksUpWithoutChangingTheFile) {
   EXPECT_TRUE(b["new"].absent());
 }
 
+TEST(YamlValue, AListLongerThanItsBoundHasItsPlace) {
+  const YamlValue root = ParseYaml("a: [1, 2]\nb: 3\nc: {x: 1, y: 2}\n", "file.yaml");
+  EXPECT_EQ(root["a"].List(2).size(), 2u);
+  EXPECT_EQ(Fault([&] { root["a"].List(1); }), "1:4 a: has 2 elements, at most 1 are read");
+  EXPECT_EQ(Fault([&] { root["a"].Items(1); }), "1:4 a: has 2 elements, at most 1 are read");
+  EXPECT_EQ(root["b"].Items(1).size(), 1u);
+  EXPECT_EQ(root["a"].size(), 2u);
+  EXPECT_EQ(root["b"].size(), 0u);
+  EXPECT_EQ(root["c"].size(), 2u);
+  EXPECT_EQ(root["d"].size(), 0u);
+}
+
+TEST(YamlValue, NestingWithoutEndIsNamed) {
+  for (const std::string& text : {std::string(100000, '['), "a: " + std::string(100000, '{')}) {
+    EXPECT_THAT(Fault([&] { ParseYaml(text, "file.yaml"); }), HasSubstr("more than 500 deep"));
+  }
+}
+
+std::string FaultOfChange(const std::string& change) {
+  try {
+    WithYamlChanges(kText, {change}, "a=1");
+  } catch (const InvalidConfig& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(YamlChanges, AreMadeOneAfterTheOther) {
+  const YamlValue changed = ParseYaml(
+      WithYamlChanges(kText, {"a=2", "new.key=[1]", "new.key=[3, 4]", "b.c=~"}, "a=1"), "x");
+  EXPECT_EQ(changed["a"].Number(), 2.0);
+  EXPECT_THAT(changed["new"]["key"].NumberList(), ElementsAre(3, 4));
+  EXPECT_TRUE(changed["b"]["c"].absent());
+  EXPECT_EQ(WithYamlChanges(kText, {}, "a=1"), kText);
+}
+
+TEST(YamlChanges, AKeyWithoutEndIsNoKey) {
+  std::string deep = "a";
+  for (int i = 0; i < 20000; ++i) deep += ".a";
+  for (const std::string& key : {deep, std::string(5000, 'x')}) {
+    const std::string fault = FaultOfChange(key + "=1");
+    EXPECT_THAT(fault, HasSubstr("at most 200"));
+    EXPECT_LT(fault.size(), 200u);
+  }
+  EXPECT_EQ(FaultOfChange(std::string(200, 'x') + "=1"), "");
+}
+
 }  // namespace dn::yaml_value_test

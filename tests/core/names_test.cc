@@ -34,4 +34,14 @@ TEST(Names, ControlCharactersAreSeenAndBlanked) {
   }
 }
 
+TEST(QuoteForShell, AsAShellReadsIt) {
+  EXPECT_EQ(QuoteForShell("flights/lar-3_a.b"), "flights/lar-3_a.b");
+  EXPECT_EQ(QuoteForShell(""), "''");
+  EXPECT_EQ(QuoteForShell("my flight"), "'my flight'");
+  EXPECT_EQ(QuoteForShell("$(touch x);`y`"), "'$(touch x);`y`'");
+  EXPECT_EQ(QuoteForShell("it's"), "'it'\\''s'");
+  EXPECT_EQ(QuoteForShell("~"), "'~'");
+  EXPECT_EQ(QuoteForShell("a\n'\\b"), "$'a\\x0A\\x27\\x5Cb'");
+}
+
 }  // namespace dn::names_test

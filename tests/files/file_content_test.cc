@@ -2,6 +2,8 @@
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -140,6 +142,13 @@ TEST(FileContent, ATrajectoryThatStandsAtFirst) {
   EXPECT_EQ(content.trajectory->attitude, Attitude::kRollPitchYawEnu);
 }
 
+TEST(FileContent, ALongTrajectoryThatStandsAtFirst) {
+  const FileContent content =
+      Look(TrajectoryText("utm:", Attitude::kRollPitchYawEnu, false, 120000));
+  ASSERT_EQ(content.kind, FileKind::kTrajectory);
+  EXPECT_EQ(content.trajectory->attitude, Attitude::kRollPitchYawEnu);
+}
+
 TEST(FileContent, PositionsWithSigmasThatMoveNorthAreNoTrajectory) {
   std::string text;
   for (int i = 0; i < 400; ++i) {
@@ -179,6 +188,21 @@ TEST(FileContent, AFolderInOrderWithoutWhatIsWrittenByUs) {
   ASSERT_EQ(contents.size(), 2u);
   EXPECT_EQ(contents[0].kind, FileKind::kImu);
   EXPECT_EQ(contents[1].kind, FileKind::kGnss);
+}
+
+TEST(FileContent, WhatIsNoFileInAFolderSaysWhy) {
+  const TempFolder folder;
+  folder.Write("a.txt", Rows(100, 1, "46.5, 6.5, 400"));
+  std::filesystem::create_directory(folder.path() / "folder");
+  std::filesystem::create_symlink("loop.txt", folder.path() / "loop.txt");
+  std::filesystem::create_symlink("nowhere", folder.path() / "lost.txt");
+  ASSERT_EQ(mkfifo((folder.path() / "pipe.txt").c_str(), 0600), 0);
+  const std::vector<FileContent> contents = LookAtFolder(folder.path());
+  ASSERT_EQ(contents.size(), 4u);
+  EXPECT_EQ(contents[0].kind, FileKind::kGnss);
+  EXPECT_THAT(contents[1].why, ::testing::HasSubstr("symbolic links"));
+  EXPECT_THAT(contents[2].why, ::testing::HasSubstr("does not exist"));
+  EXPECT_THAT(contents[3].why, ::testing::HasSubstr("a named pipe"));
 }
 
 }  // namespace dn::file_content_test

@@ -205,6 +205,28 @@ TEST(FlightConfigErrors, AxesAndOffsetsThatCannotBe) {
   ExpectBad("imu:\n  grade: airins\n  rate_unit: grad/s\n", "imu.rate_unit", 3);
 }
 
+std::string Repeated(const std::string& item, int count) {
+  std::string list = item;
+  for (int i = 1; i < count; ++i) list += ", " + item;
+  return "[" + list + "]";
+}
+
+TEST(FlightConfigErrors, ListsThatNobodyWritesByHand) {
+  const std::string gyro = "{type: random_constant, sigma_deg_h: 1}";
+  const std::string accel = "{type: random_constant, sigma_mg: 1}";
+  const std::string gnss = "{type: gauss_markov, sigma_enu_m: [1, 1, 1], tau_s: 1}";
+  const std::string processes = "    processes: ";
+  ExpectBad("imu:\n  grade: ln200\n  gyro:\n" + processes + Repeated(gyro, 21) + "\n",
+            "imu.gyro.processes: has 21 elements, at most 20", 4);
+  ExpectBad("imu:\n  grade: ln200\n  accel:\n" + processes + Repeated(accel, 1000) + "\n",
+            "imu.accel.processes: has 1000 elements, at most 20", 4);
+  ExpectBad("gnss:\n  processes: " + Repeated(gnss, 21) + "\n", "at most 20", 2);
+  ExpectBad("estimate: " + Repeated("boresight", 1001) + "\n", "at most 1000", 1);
+  ExpectBad("strips: " + Repeated("{name: a, t0: 1, t1: 2}", 1001) + "\n", "at most 1000", 1);
+  ExpectBad("lidar:\n  gsd_m: 1\n  p2p: " + Repeated("a", 10001) + "\n", "at most 10000", 3);
+  ExpectBad("imu:\n  grade: ln200\n  vibration: " + Repeated("{}", 1001) + "\n", "at most 1000", 3);
+}
+
 TEST(FlightConfigErrors, DeepNestingIsRefused) {
   EXPECT_FALSE(Parses(std::string(100000, '[')));
   EXPECT_FALSE(Parses("name: " + std::string(100000, '{')));

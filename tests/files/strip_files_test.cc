@@ -21,6 +21,15 @@ TEST(StripFiles, AreFoundByTheirEndings) {
   EXPECT_EQ(names, (std::vector<std::string>{"a.TXT", "b.las", "c.laz"}));
 }
 
+TEST(StripFiles, ALinkToItselfIsNone) {
+  const testing::TempFolder folder;
+  folder.Write("strips/a.las", "");
+  std::filesystem::create_symlink("b.las", folder.path() / "strips/b.las");
+  std::filesystem::create_symlink("d.las", folder.path() / "strips/c.las");
+  std::filesystem::create_symlink("c.las", folder.path() / "strips/d.las");
+  EXPECT_EQ(FindStripFiles(folder.path()).size(), 1u);
+}
+
 TEST(StripCrsCheck, AContradictionIsNamed) {
   StripCrs utm;
   utm.epsg = 32632;

@@ -19,7 +19,7 @@ ERROR_LINE = re.compile(r"^dn(?: [\w-]+)?: error: (.*)$")
 EMPTY_WORDS = re.compile(
     r"\bdimension\b|\binternal\b|basic_string|vector::|bad_alloc|std::|\bstod\b|Eigen|_M_|__cxx|"
     r"errno|\(null\)|\d{60,}")
-NOT_A_NUMBER = re.compile(r"(?<![\w'\"])[-+]?nan(?![\w'\"])", re.IGNORECASE)
+NOT_A_NUMBER = re.compile(r"(?<![\w'\"])[-+]?(?:nan|inf)(?![\w'\"])", re.IGNORECASE)
 NOT_STARTED = "error while loading shared libraries"  # too little memory for the loader
 LEFTOVER = re.compile(r"\.part($|/)|staging|\.tmp($|/)|(^|/)core($|\.)")
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
@@ -35,6 +35,7 @@ def judge(outcome, arena, needs_location=False, echoes="", heard=True, peak_mb=P
     findings += judge_end(outcome, arena, peak_mb)
     if outcome.exit_code in (1, 2) and heard:
         findings += judge_message(outcome, needs_location, echoes)
+    findings += judge_output(outcome, echoes)
     findings += judge_folder(arena, anywhere)
     findings += judge_result(outcome, arena)
     return findings
@@ -76,6 +77,16 @@ def judge_message(outcome, needs_location, echoes):
             for what in bad_in(message, needs_location, echoes)
             ] + [("message", "control characters: " + repr(line[:200]))
                  for line in lines if CONTROL.search(line)][:1]
+
+
+def judge_output(outcome, echoes):
+    """What is printed is for people and terminals."""
+    for line in outcome.out.split("\n"):
+        if CONTROL.search(line):
+            return [("output", "control characters: " + repr(line[:200]))]
+        if NOT_A_NUMBER.search(line) and not NOT_A_NUMBER.search(echoes):
+            return [("output", "not a number: " + line[:200])]
+    return []
 
 
 def without_echoes(message, echoes):

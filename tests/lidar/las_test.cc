@@ -9,6 +9,7 @@
 #include "testing/expect_invalid.h"
 #include "testing/las_bytes.h"
 #include "testing/temp_file.h"
+#include "testing/temp_folder.h"
 
 namespace dn::las_test {
 
@@ -330,8 +331,8 @@ TEST(LasHeader, ReportsFalseStatementsOfVersionFour) {
   };
   with(107, std::uint32_t{2}, "two different numbers of points");
   with(235, std::uint64_t{375}, "the extended records begin (byte 235) at byte 375");
-  with(235, ~std::uint64_t{0}, "extended record 1 of 1");
-  with(243, std::uint32_t{2}, "extended record 2 of 2");
+  with(235, ~std::uint64_t{0}, "beyond the end of the file");
+  with(243, std::uint32_t{2}, "2 extended records (byte 243) are promised");
   with(end + 20, ~std::uint64_t{0}, "extended record 1 of 1");
   with(247, ~std::uint64_t{0}, "points of 30 bytes from byte");
   with(375 + 22, 1e10, "GPS time 1e+10 of point 1");
@@ -340,6 +341,39 @@ TEST(LasHeader, ReportsFalseStatementsOfVersionFour) {
   waveforms.minor = 3;
   waveforms.format = 4;
   ExpectRefusedWith(waveforms, 227, std::uint64_t{300}, "the waveforms begin (byte 227)");
+}
+
+LasBytes WithExtendedRecords() {
+  LasBytes las = ThreePoints();
+  las.minor = 4;
+  las.format = 6;
+  return las;
+}
+
+/// A file of three points and a hole, which promises so many extended records from `begin` on.
+void ExpectRecordsRefused(std::uint32_t count, std::uint64_t begin, std::uint64_t file_bytes,
+                          const std::string& what) {
+  const testing::TempFolder folder;
+  std::string bytes = WithExtendedRecords().Build();
+  LasBytes::Put(begin == 0 ? std::uint64_t{bytes.size()} : begin, 235, &bytes);
+  LasBytes::Put(count, 243, &bytes);
+  folder.Write("strip.las", bytes);
+  std::filesystem::resize_file(folder.path() / "strip.las", file_bytes);
+  testing::ExpectInvalidIn([&] { OpenStrip(folder.path() / "strip.las"); }, what, "strip.las");
+}
+
+TEST(LasHeader, RecordsWithoutEndAreRefused) {
+  constexpr std::uint64_t kLarge = std::uint64_t{300} << 30;
+  ExpectRecordsRefused(4294967295u, 0, kLarge, "4294967295 extended records (byte 243)");
+  ExpectRecordsRefused(4294967295u, 0, 1000, "each has at least 60");
+  ExpectRecordsRefused(10001, 0, kLarge, "at most 10000 are read");
+  ExpectRecordsRefused(1, kLarge - 60, kLarge, "belong to no record");
+  ExpectRecordsRefused(1, 0, kLarge, "belong to no record");
+  ExpectRecordsRefused(1, kLarge + 1, kLarge, "beyond the end of the file");
+  LasBytes las = ThreePoints();
+  ExpectRefusedWith(las, 100, std::uint32_t{4000000000u}, "4000000000 variable length records");
+  for (int i = 0; i < 10001; ++i) las.vlrs.push_back({"somebody", 7, ""});
+  ExpectRefused(las.Build(), "at most 10000 are read");
 }
 
 TEST(LasHeader, LazIsRecognisedByItsRecord) {

@@ -96,6 +96,13 @@ TEST(ReadPairs, RejectsFilesThatAreNotRegular) {
   ExpectInvalid([&] { ReadPairs(folder.path(), {"lidar"}); }, "a folder, not a regular file", 0);
 }
 
+TEST(ReadPairs, AWildPatternPassesALinkToItselfBy) {
+  const TempFolder folder;
+  folder.Write("lidar/a.txt", kPlain);
+  std::filesystem::create_symlink("b.txt", folder.path() / "lidar/b.txt");
+  EXPECT_EQ(ReadPairs(folder.path(), {"lidar/*.txt"}).files.size(), 1u);
+}
+
 TEST(ReadPairs, NamesThePatternThatMatchesNothing) {
   const TempFolder folder;
   folder.Write("a.txt", kPlain);

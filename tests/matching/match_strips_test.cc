@@ -46,6 +46,18 @@ class BareStrips : public ::testing::Test {
   TempFolder folder_;
 };
 
+TEST_F(BareStrips, ADistanceFarBelowThatOfThePointsIsRefused) {
+  Write(RoughTown());
+  for (const double gsd_m : {1e-12, 1e-9, 1e-3, 0.04}) {
+    BareMatchSource source = Source();
+    MatchOptions options;
+    options.gsd_m = gsd_m;
+    EXPECT_THROW(MatchBareStrips(&source, options), InvalidConfig) << gsd_m;
+    testing::ExpectInvalidIn([&] { MatchBareStrips(&source, options); },
+                             "has one point in 0.53 m by 0.53 m", "1.txt");
+  }
+}
+
 TEST_F(BareStrips, PairsAreTheSamePointOfTheGroundWithinTheirSigmas) {
   Write(RoughTown());
   BareMatchSource source = Source();

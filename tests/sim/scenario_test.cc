@@ -150,6 +150,13 @@ TEST(ParseScenario, RejectsScenariosTooLargeForMemory) {
   expect(kGood + "terrain: {base_m: 1e6}\n", "terrain.base_m", 7);
   expect(kGood + "terrain:\n  relief_m: 1e6\n", "terrain.relief_m", 8);
   expect(kGood + "pairs: {count: 6000000}\n", "pairs.count is 6e+06", 7);
+  std::string effects, lines;
+  for (int i = 0; i < 1001; ++i) {
+    effects += "{}, ";
+    lines += "[0, 0, 1000, 0, 200, 40], ";
+  }
+  expect(kGood + "effects: [" + effects + "]\n", "effects: has 1001 elements, at most 100", 7);
+  expect(Replace(kGood, "lines: [", "lines: [" + lines), "at most 1000", 4);
 }
 
 TEST(ParseScenario, ChecksEffects) {

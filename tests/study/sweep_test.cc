@@ -69,6 +69,29 @@ TEST(Sweep, RefusesWhatIsNone) {
   EXPECT_THROW(Sweep::Parse("base: lar3\nsweep: {imu.preset: [airins]}", "x.yaml"), InvalidConfig);
 }
 
+TEST(Sweep, IsCountedBeforeItsValuesAreRead) {
+  std::string values = "0";
+  for (int i = 1; i < 150000; ++i) values += "," + std::to_string(i);
+  EXPECT_THAT(ErrorOf("  pairs.count: [" + values + "]\n"),
+              HasSubstr("makes more than 10000 designs"));
+  std::string named = "v0: 1";
+  for (int i = 1; i < 60000; ++i) named += ", v" + std::to_string(i) + ": 1";
+  EXPECT_THAT(ErrorOf("  pairs.count: {" + named + "}\n"),
+              HasSubstr("makes more than 10000 designs"));
+}
+
+TEST(Sweep, NamesAreFitForATerminal) {
+  EXPECT_THAT(ErrorOf("  pairs.count: {\"\\e[31mred\": 1, b: 2}\n"),
+              HasSubstr("the name ' [31mred' holds a line break"));
+}
+
+TEST(Sweep, WhatIsFreeMustBeAnUnknown) {
+  EXPECT_THAT(ErrorOf("  pairs.count: [5]\nestimate: [gnss_lever_arn]\n"),
+              HasSubstr("unknown name 'gnss_lever_arn'; did you mean 'gnss_lever_arm'?"));
+  EXPECT_THAT(ErrorOf("  estimate: [[], [gnss_lever_arn]]\n"),
+              HasSubstr("did you mean 'gnss_lever_arm'?"));
+}
+
 TEST(Sweep, ARowHasTheStudyOfItsDesign) {
   const SmallSweep small;
   const Sweep sweep = small.Parse("  pairs.count: [200, 400]\n");

@@ -1,5 +1,6 @@
 #include <dn/config/yaml_value.h>
 #include <dn/names.h>
+#include <yaml-cpp/depthguard.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -32,6 +33,13 @@ std::string OnOneLine(const YAML::Node& node) {
   out.SetSeqFormat(YAML::Flow);
   out << node;
   return out.c_str();
+}
+
+std::string FaultText(const YAML::Exception& error) {
+  if (dynamic_cast<const YAML::DeepRecursion*>(&error) != nullptr) {
+    return "lists and maps are nested more than 500 deep";
+  }
+  return "not valid YAML: " + error.msg;
 }
 
 /// Throws InvalidConfig unless `node`, which is found under `parent` on the way to `path`, is a
@@ -125,8 +133,14 @@ YamlValue YamlValue::operator[](const std::string& key) const {
   return {child.IsDefined() ? Node{child} : Node(), path, file_, where()};
 }
 
-std::vector<YamlValue> YamlValue::List() const {
+std::size_t YamlValue::size() const { return absent() || IsScalar() ? 0 : node_->yaml.size(); }
+
+std::vector<YamlValue> YamlValue::List(std::size_t most) const {
   if (!node_->yaml.IsSequence()) FailType("a list");
+  if (size() > most) {
+    Fail("has " + std::to_string(size()) + " elements, at most " + std::to_string(most) +
+         " are read");
+  }
   std::vector<YamlValue> items;
   for (std::size_t i = 0; i < node_->yaml.size(); ++i) {
     items.push_back({{node_->yaml[i]}, path_ + "[" + std::to_string(i) + "]", file_, where()});
@@ -134,8 +148,8 @@ std::vector<YamlValue> YamlValue::List() const {
   return items;
 }
 
-std::vector<YamlValue> YamlValue::Items() const {
-  if (node_->yaml.IsSequence()) return List();
+std::vector<YamlValue> YamlValue::Items(std::size_t most) const {
+  if (node_->yaml.IsSequence()) return List(most);
   return {*this};
 }
 
@@ -246,15 +260,20 @@ YamlValue ParseYaml(const std::string& text, const std::string& file) {
     }
     return YamlValue({root}, "", file, {file, 1, 1});
   } catch (const YAML::Exception& e) {
-    throw InvalidConfig("not valid YAML: " + e.msg,
-                        FileLocation{file, LineNumber(e.mark), e.mark.column + 1});
+    throw InvalidConfig(FaultText(e), FileLocation{file, LineNumber(e.mark), e.mark.column + 1});
   }
 }
 
-std::string WithYamlValue(const std::string& text, const std::string& path,
-                          const std::string& value) {
+namespace {
+
+constexpr std::size_t kLongestPath = 200;
+
+void SetValue(const YAML::Node& root, const std::string& path, const std::string& value) {
+  if (path.size() > kLongestPath) {
+    throw InvalidConfig("'" + Shown(path) + "' is no key: it has " + std::to_string(path.size()) +
+                        " characters, at most " + std::to_string(kLongestPath) + " are read");
+  }
   try {
-    YAML::Node root = YAML::Load(text);
     YAML::Node place = root;
     std::size_t begin = 0;
     for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', begin)) {
@@ -267,25 +286,45 @@ std::string WithYamlValue(const std::string& text, const std::string& path,
     }
     ExpectRoomForKeys(place, path, path.substr(0, begin));
     place[path.substr(begin)] = YAML::Load(value);
+  } catch (const YAML::Exception& e) {
+    throw InvalidConfig(path + ": " + FaultText(e));
+  }
+}
+
+using Change = std::pair<std::string, std::string>;
+
+std::string WithValues(const std::string& text, const std::vector<Change>& changes) {
+  if (changes.empty()) return text;
+  try {
+    const YAML::Node root = YAML::Load(text);
+    for (const auto& [path, value] : changes) SetValue(root, path, value);
     YAML::Emitter out;
     out << root;
     return std::string(out.c_str()) + "\n";
   } catch (const YAML::Exception& e) {
-    throw InvalidConfig(path + ": not valid YAML: " + e.msg);
+    throw InvalidConfig(changes.front().first + ": " + FaultText(e));
   }
 }
 
-std::string WithYamlChanges(std::string text, const std::vector<std::string>& changes,
+}  // namespace
+
+std::string WithYamlValue(const std::string& text, const std::string& path,
+                          const std::string& value) {
+  return WithValues(text, {{path, value}});
+}
+
+std::string WithYamlChanges(const std::string& text, const std::vector<std::string>& changes,
                             const std::string& example) {
+  std::vector<Change> values;
   for (const std::string& change : changes) {
     const std::size_t equals = change.find('=');
     if (equals == 0 || equals == std::string::npos) {
       throw InvalidConfig("'" + WithoutControls(change) +
                           "' is not of the form key=value; write for example " + example);
     }
-    text = WithYamlValue(text, change.substr(0, equals), change.substr(equals + 1));
+    values.emplace_back(change.substr(0, equals), change.substr(equals + 1));
   }
-  return text;
+  return WithValues(text, values);
 }
 
 }  // namespace dn

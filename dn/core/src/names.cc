@@ -32,6 +32,12 @@ std::size_t ControlBytes(std::string_view text) {
   return beyond_ascii ? 2 : 0;
 }
 
+bool IsPlainInShell(char c) {
+  constexpr std::string_view kPlain = "_-./=:@%+,";
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+         kPlain.find(c) != std::string_view::npos;
+}
+
 }  // namespace
 
 std::string NearestName(const std::string& word, const std::vector<std::string>& candidates) {
@@ -63,6 +69,26 @@ std::string WithoutControls(std::string_view text) {
     text.remove_prefix(control > 0 ? control : 1);
   }
   return plain;
+}
+
+std::string QuoteForShell(std::string_view word) {
+  if (!word.empty() && std::all_of(word.begin(), word.end(), IsPlainInShell)) {
+    return std::string(word);
+  }
+  const bool controls = HasControls(word);
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string quoted = controls ? "$'" : "'";
+  for (const char c : word) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (controls && (byte < 0x20 || byte >= 0x7F || c == '\'' || c == '\\')) {
+      quoted.append("\\x").append(1, kDigits[byte >> 4]).append(1, kDigits[byte & 15U]);
+    } else if (c == '\'') {
+      quoted += "'\\''";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "'";
 }
 
 }  // namespace dn

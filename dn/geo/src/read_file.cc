@@ -70,6 +70,12 @@ void ExpectRegularFile(const fs::path& file, std::uintmax_t most_bytes) {
   }
 }
 
+bool IsCircularLink(const fs::path& path) {
+  std::error_code error;
+  const bool followed = fs::exists(path, error);
+  return !followed && error == std::errc::too_many_symbolic_link_levels;
+}
+
 std::string ReadWholeFile(const fs::path& file, std::uintmax_t most_bytes) {
   std::ifstream in = Open(file, most_bytes);
   std::string content;

@@ -1,6 +1,7 @@
 #include "fixed_trajectory.h"
 
 #include <dn/error.h>
+#include <dn/names.h>
 #include <dn/report/distributions.h>
 #include <dn/rotation.h>
 
@@ -50,7 +51,7 @@ void CheckTrajectory(const Flight& flight) {
   throw InvalidInput(
       "the trajectory was adjusted together with lidar pairs (by `dn calibrate`), and the lidar "
       "data would be used a second time; make one without them with `dn smooth " +
-          flight.config.folder.string() +
+          QuoteForShell(flight.config.folder.string()) +
           " --out DIR` and give it with --trajectory DIR/trajectory.out",
       {(flight.config.folder / flight.config.trajectory->file).string()});
 }

@@ -6,6 +6,8 @@
 #include <system_error>
 #include <vector>
 
+#include "is_there.h"
+
 namespace dn {
 namespace {
 
@@ -44,8 +46,7 @@ std::optional<fs::path> FindSmrmsg(const fs::path& trajectory) {
 }
 
 std::optional<fs::path> IfThere(const fs::path& file) {
-  std::error_code none;
-  return fs::is_regular_file(file, none) ? std::optional(file) : std::nullopt;
+  return internal::IsThere(file) ? std::optional(file) : std::nullopt;
 }
 
 }  // namespace

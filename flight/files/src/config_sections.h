@@ -12,6 +12,9 @@ namespace dn::internal {
 /// Least standard deviation, m; the same limit holds for every number that must be positive.
 inline constexpr double kLeastSigmaM = 1e-12;
 
+/// Largest number of error processes of a sensor: each adds states to every node of the network.
+inline constexpr std::size_t kMostProcesses = 20;
+
 /// Converts between forward-right-down and forward-left-up: a half turn about x.
 inline Eigen::Vector3d FlipBody(const Eigen::Vector3d& v) { return {v.x(), -v.y(), -v.z()}; }
 

@@ -9,6 +9,7 @@ namespace internal {
 namespace {
 
 const char* const kBoresight = "boresight";
+constexpr std::size_t kMostEntries = 1000;
 
 const EffectSpec& FixedEffect(const YamlValue& value, const std::string& name) {
   const EffectSpec* effect = FindEffect(name);
@@ -71,7 +72,7 @@ void ReadMap(const YamlValue& item, EstimateEntry* entry) {
 
 std::vector<EstimateEntry> ReadEstimate(const YamlValue& section) {
   std::vector<EstimateEntry> entries;
-  for (const YamlValue& item : section.Items()) {
+  for (const YamlValue& item : section.Items(kMostEntries)) {
     EstimateEntry entry;
     entry.where = item.where();
     item.IsMap() ? ReadMap(item, &entry) : ReadWord(item, &entry);

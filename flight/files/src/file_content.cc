@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <fstream>
 #include <numbers>
+#include <system_error>
 
 #include "plausible_motion.h"
 #include "trajectory_content.h"
@@ -22,6 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kRowsLookedAt = 4000;
+// Of a day at 200 Hz every half minute has some rows.
+constexpr std::size_t kMostSpacedRows = 50000;
 constexpr double kMostSigmaM = 1000.0;
 // Limit between GNSS receivers and inertial sensors: the former have at most this rate, the latter
 // a higher one.
@@ -187,6 +190,42 @@ void DescribeBinary(const std::string& beginning, std::uintmax_t size, FileConte
   }
 }
 
+void AppendRow(const TextTable& from, std::size_t row, TextTable* to) {
+  to->columns = from.columns;
+  to->values.insert(to->values.end(), from.row(row), from.row(row) + from.columns);
+  to->lines.push_back(from.lines[row]);
+}
+
+TextTable EverySecondRow(const TextTable& table) {
+  TextTable kept;
+  kept.file = table.file;
+  for (std::size_t i = 0; i < table.rows(); i += 2) AppendRow(table, i, &kept);
+  return kept;
+}
+
+/// Rows of the whole file, evenly spaced where there are more than are kept.
+TextTable SpacedRows(const fs::path& file) {
+  TextTableReader reader(file, {});
+  TextTable rows;
+  rows.file = file;
+  std::size_t step = 1, skipped = 0;
+  while (reader.Next(kRowsLookedAt)) {
+    for (std::size_t i = 0; i < reader.table().rows(); ++i) {
+      if (skipped > 0) {
+        --skipped;
+        continue;
+      }
+      AppendRow(reader.table(), i, &rows);
+      if (rows.rows() >= kMostSpacedRows) {
+        rows = EverySecondRow(rows);
+        step *= 2;
+      }
+      skipped = step - 1;
+    }
+  }
+  return rows;
+}
+
 void DescribeText(FileContent* content) {
   const TextTable table = ReadTextTable(content->file, {}, '#', kRowsLookedAt);
   content->columns = table.columns;
@@ -204,7 +243,7 @@ void DescribeText(FileContent* content) {
     DescribeGnss(table, content);
   } else if (!take_trajectory(table) && !DescribeImu(table, step_s, content) &&
              // The first rows may be at rest on the ground, without a course.
-             !take_trajectory(ReadTextTable(content->file, {}))) {
+             !take_trajectory(SpacedRows(content->file))) {
     content->why = std::to_string(table.columns) + " columns, which match no known kind of file";
     if (table.columns >= 4 && internal::CoordinatesOf(table) == "utm:") {
       content->why += "; for GNSS positions in a grid, set gnss.file and gnss.crs";
@@ -257,7 +296,8 @@ FileContent LookAtFile(const fs::path& file) {
 std::vector<FileContent> LookAtFolder(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && !IsOwnFile(entry.path())) files.push_back(entry.path());
+    std::error_code none;  // a link may lead nowhere; LookAtFile says so
+    if (!entry.is_directory(none) && !IsOwnFile(entry.path())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
   std::vector<FileContent> contents;

@@ -14,6 +14,7 @@ namespace {
 
 // Characters of `unexplained`: a part of the data with names of strips, and a shape.
 constexpr std::size_t kLongestUnexplained = 1000;
+constexpr std::size_t kMostStrips = 1000;
 
 namespace fs = std::filesystem;
 
@@ -155,7 +156,7 @@ FlightConfig ParseFile(const std::string& text, const fs::path& file) {
 std::vector<StripInterval> ReadStrips(const YamlValue& list) {
   std::vector<StripInterval> strips;
   if (!list) return strips;
-  for (const YamlValue& item : list.List()) {
+  for (const YamlValue& item : list.List(kMostStrips)) {
     StripInterval strip = ReadStrip(item);
     const auto same = [&](const StripInterval& s) { return s.name == strip.name; };
     if (std::any_of(strips.begin(), strips.end(), same)) {

@@ -23,7 +23,7 @@ GnssProcess ReadGnssProcess(const YamlValue& item) {
 std::vector<GnssProcess> ReadGnssProcesses(const YamlValue& section) {
   std::vector<GnssProcess> processes;
   if (!section["processes"]) return processes;
-  for (const YamlValue& item : section["processes"].List()) {
+  for (const YamlValue& item : section["processes"].List(internal::kMostProcesses)) {
     processes.push_back(ReadGnssProcess(item));
   }
   return processes;

@@ -9,6 +9,9 @@
 namespace dn::internal {
 namespace {
 
+// A list in a configuration is written by hand.
+constexpr std::size_t kMostVibrations = 1000;
+
 double ProcessSigma(const YamlValue& item, const char* key, ToSi to_si) {
   return to_si(item[key].Positive());
 }
@@ -43,7 +46,7 @@ void ReadSensor(const YamlValue& section, const ProcessKeys& keys, const YamlVal
     if (section[keys.white]) noise.white = keys.white_to_si(section[keys.white].Positive());
     if (section["processes"]) {
       noise.processes.clear();
-      for (const YamlValue& item : section["processes"].List()) {
+      for (const YamlValue& item : section["processes"].List(kMostProcesses)) {
         noise.processes.push_back(ReadProcess(item, keys));
       }
     }
@@ -114,7 +117,7 @@ ImuConfig ReadImuSection(const YamlValue& section, bool body_is_flu) {
   if (section["grade"]) imu.grade = section["grade"].Name();
   imu.model = ReadImuNoise(section, "grade");
   if (section["vibration"]) {
-    for (const YamlValue& item : section["vibration"].List()) {
+    for (const YamlValue& item : section["vibration"].List(kMostVibrations)) {
       imu.model.vibration.push_back(ReadVibration(item));
     }
   }

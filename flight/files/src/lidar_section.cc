@@ -10,6 +10,7 @@ namespace dn::internal {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;  // allows axes written with three digits
+constexpr std::size_t kMostPatterns = 10000;
 constexpr double kRoundOff = 4e-16;
 constexpr double kMaxCosineOfAxes = 1e-2;  // allows half a degree from a right angle
 
@@ -106,7 +107,8 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
   LidarConfig lidar;
   if (section["p2p"]) {
     lidar.p2p.clear();
-    for (const YamlValue& item : section["p2p"].Items()) lidar.p2p.push_back(item.Text());
+    for (const YamlValue& item : section["p2p"].Items(kMostPatterns))
+      lidar.p2p.push_back(item.Text());
     if (lidar.p2p.empty()) section["p2p"].Fail("must name at least one file");
   }
   lidar.time_offset_s = ReadTimeOffset(section);

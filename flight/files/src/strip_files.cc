@@ -1,5 +1,6 @@
 #include <dn/error.h>
 #include <dn/flight/strip_files.h>
+#include <dn/geo/read_file.h>
 
 #include <algorithm>
 #include <cctype>
@@ -29,7 +30,9 @@ std::vector<fs::path> FindStripFiles(const fs::path& flight_folder) {
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(flight_folder / "strips", none)) {
     const bool hidden = entry.path().filename().string().starts_with('.');
-    if (!hidden && IsStripName(entry.path())) files.push_back(entry.path());
+    if (!hidden && IsStripName(entry.path()) && !IsCircularLink(entry.path())) {
+      files.push_back(entry.path());
+    }
   }
   std::sort(files.begin(), files.end());
   return files;

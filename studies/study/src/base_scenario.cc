@@ -1,6 +1,8 @@
 #include "base_scenario.h"
 
+#include <dn/error.h>
 #include <dn/sim/scenario.h>
+#include <dn/study/design.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -24,6 +26,16 @@ BaseScenario ReadBaseScenario(const YamlValue& base, const std::string& where) {
 std::string JoinedYaml(const YamlValue& list) {
   std::string text;
   for (const YamlValue& item : list.List()) text += (text.empty() ? "" : ", ") + item.Yaml();
+  return text;
+}
+
+std::string ReadEstimateList(const YamlValue& list) {
+  std::string text = JoinedYaml(list);
+  try {
+    ParseEstimate(text);
+  } catch (const InvalidConfig& error) {
+    list.Fail(error.what());
+  }
   return text;
 }
 

@@ -18,4 +18,7 @@ BaseScenario ReadBaseScenario(const YamlValue& base, const std::string& where);
 /// The elements of a list of YAML, joined by commas.
 std::string JoinedYaml(const YamlValue& list);
 
+/// The same of a list of unknowns. Throws InvalidConfig at its place for a name of none.
+std::string ReadEstimateList(const YamlValue& list);
+
 }  // namespace dn

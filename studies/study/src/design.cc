@@ -24,16 +24,8 @@ constexpr std::size_t kFewestGnssEpochs = 3;
                       ". Fly at least two strips that overlap, best one across the others");
 }
 
-std::vector<EstimateEntry> EstimateOf(const std::string& list) {
-  try {
-    return ParseFlightConfig("name: study\nestimate: [boresight, " + list + "]\n", {}).estimate;
-  } catch (const InvalidConfig& error) {
-    throw InvalidConfig(std::string("estimate [") + list + "]: " + error.what());
-  }
-}
-
 void FreeUnknowns(const DesignOptions& options, Flight* flight) {
-  if (!options.estimate.empty()) flight->config.estimate = EstimateOf(options.estimate);
+  if (!options.estimate.empty()) flight->config.estimate = ParseEstimate(options.estimate);
 }
 
 void LimitNodeRate(double most_hz, Flight* flight) {
@@ -140,6 +132,14 @@ void PlanSensors(StudyDesign* design) {
 }
 
 }  // namespace
+
+std::vector<EstimateEntry> ParseEstimate(const std::string& list) {
+  try {
+    return ParseFlightConfig("name: study\nestimate: [boresight, " + list + "]\n", {}).estimate;
+  } catch (const InvalidConfig& error) {
+    throw InvalidConfig(std::string("estimate [") + list + "]: " + error.what());
+  }
+}
 
 StudyDesign DesignOf(const Scenario& scenario, const DesignOptions& options) {
   SimulatedFlight simulated = Fly(scenario, options);

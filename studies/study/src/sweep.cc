@@ -1,9 +1,11 @@
 #include <dn/config/yaml_value.h>
 #include <dn/error.h>
+#include <dn/names.h>
 #include <dn/study/sweep.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "base_scenario.h"
@@ -14,26 +16,39 @@ namespace {
 constexpr std::uint64_t kMostDesigns = 10000;
 const char* const kEstimate = "estimate";
 
-SweepKey ReadKey(const YamlValue& values, const std::string& path) {
-  SweepKey key{path, {}};
+std::vector<SweepValue> ReadValues(const YamlValue& values) {
+  std::vector<SweepValue> read;
   if (values.IsMap()) {
-    for (const std::string& name : values.Keys()) {
-      key.values.push_back({name, values[name].Yaml()});
-    }
+    for (const std::string& name : values.Keys()) read.push_back({name, values[name].Yaml()});
   } else {
-    for (const YamlValue& value : values.List()) {
-      key.values.push_back({value.Yaml(), value.Yaml()});
-    }
+    for (const YamlValue& value : values.List()) read.push_back({value.Yaml(), value.Yaml()});
   }
+  return read;
+}
+
+SweepKey ReadKey(const YamlValue& values, const std::string& path) {
+  SweepKey key{path, ReadValues(values)};
   if (key.values.empty()) values.Fail("has no values");
-  for (std::size_t i = 1; i < key.values.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      if (key.values[i].label == key.values[j].label) {
-        values.Fail("the value '" + key.values[i].label + "' stands there twice");
-      }
+  std::set<std::string> labels;
+  for (const SweepValue& value : key.values) {
+    if (HasControls(value.label)) {
+      values.Fail("the name '" + WithoutControls(value.label) +
+                  "' holds a line break or another control character");
+    }
+    if (!labels.insert(value.label).second) {
+      values.Fail("the value '" + value.label + "' stands there twice");
     }
   }
   return key;
+}
+
+/// Counts the designs before any of their values is read.
+void ExpectFewDesigns(const YamlValue& keys) {
+  std::uint64_t size = 1;
+  for (const std::string& path : keys.Keys()) {
+    size *= std::max<std::uint64_t>(keys[path].size(), 1);
+    if (size > kMostDesigns) keys.Fail(fmt::format("makes more than {} designs", kMostDesigns));
+  }
 }
 
 }  // namespace
@@ -46,15 +61,11 @@ Sweep Sweep::Parse(const std::string& yaml_text, const std::string& where) {
   BaseScenario base = ReadBaseScenario(root["base"], where);
   sweep.base_ = std::move(base.path);
   sweep.base_text_ = std::move(base.text);
-  if (root[kEstimate]) sweep.estimate_ = JoinedYaml(root[kEstimate]);
+  if (root[kEstimate]) sweep.estimate_ = ReadEstimateList(root[kEstimate]);
   const YamlValue keys = root["sweep"];
   if (!keys.IsMap()) keys.Fail("expected a map from keys of the scenario to their values");
+  ExpectFewDesigns(keys);
   for (const std::string& path : keys.Keys()) sweep.keys_.push_back(ReadKey(keys[path], path));
-  std::uint64_t size = 1;
-  for (const SweepKey& key : sweep.keys_) {
-    size *= key.values.size();
-    if (size > kMostDesigns) keys.Fail(fmt::format("makes more than {} designs", kMostDesigns));
-  }
   sweep.ExpectScenarios();
   return sweep;
 }
@@ -62,6 +73,7 @@ Sweep Sweep::Parse(const std::string& yaml_text, const std::string& where) {
 void Sweep::ExpectScenarios() const {
   for (std::uint64_t number = 1; number <= size(); ++number) {
     try {
+      ParseEstimate(EstimateOf(number));
       const Scenario scenario = ScenarioOf(number);
       const bool swept = std::any_of(keys_.begin(), keys_.end(),
                                      [](const SweepKey& key) { return key.path == "imu.preset"; });

@@ -16,6 +16,10 @@ std::string JoinNames(const std::vector<std::string>& names);
 /// including U+0080 to U+009F in UTF-8.
 bool HasControls(std::string_view text);
 
+/// Returns a word as a POSIX shell must read it: unchanged if possible, else in quotes. A word with
+/// control characters is written as bash, zsh and ksh read it, $'\xNN'.
+std::string QuoteForShell(std::string_view word);
+
 /// Returns the text with a blank in place of every control character, so that it fits on one line
 /// of any output.
 std::string WithoutControls(std::string_view text);

@@ -3,6 +3,7 @@
 #include <dn/error.h>
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -41,10 +42,15 @@ class YamlValue {
   /// Returns the value of a key of this map; an absent value if the key is missing.
   YamlValue operator[](const std::string& key) const;
 
-  /// Returns the elements of a list; a single value counts as a list of one.
-  std::vector<YamlValue> Items() const;
-  /// Returns the elements of a list; throws InvalidConfig for any other value.
-  std::vector<YamlValue> List() const;
+  /// Returns the number of elements of a list or of keys of a map; 0 for any other value.
+  std::size_t size() const;
+
+  /// Returns the elements of a list; a single value counts as a list of one. Throws InvalidConfig
+  /// for more than `most` elements.
+  std::vector<YamlValue> Items(std::size_t most = SIZE_MAX) const;
+  /// Returns the elements of a list. Throws InvalidConfig for any other value and for more than
+  /// `most` elements.
+  std::vector<YamlValue> List(std::size_t most = SIZE_MAX) const;
 
   /// The conversions below throw InvalidConfig if the value has another type or is out of range.
   /// The message gives the expected type or range and the actual value.
@@ -113,14 +119,15 @@ YamlValue ParseYaml(const std::string& text, const std::string& file);
 
 /// Returns the YAML text with `value` (also YAML) set at a path of keys such as "plan.lines".
 /// Missing maps along the path are added; comments are lost. Throws InvalidConfig if either text is
-/// not YAML, or if a key along the path holds something other than a map.
+/// not YAML, if the path is longer than 200 characters, or if a key along the path holds something
+/// other than a map.
 std::string WithYamlValue(const std::string& text, const std::string& path,
                           const std::string& value);
 
 /// Applies changes "key.of.keys=value" one after the other, as WithYamlValue does. Throws
 /// InvalidConfig also for a change without '=' or key; the message shows `example` as a correct
 /// one.
-std::string WithYamlChanges(std::string text, const std::vector<std::string>& changes,
+std::string WithYamlChanges(const std::string& text, const std::vector<std::string>& changes,
                             const std::string& example);
 
 }  // namespace dn

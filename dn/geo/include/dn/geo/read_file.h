@@ -18,6 +18,9 @@ inline constexpr std::uintmax_t kMostYamlBytes = std::uintmax_t{1} << 20;
 void ExpectRegularFile(const std::filesystem::path& file,
                        std::uintmax_t most_bytes = kMostFileBytes);
 
+/// Tells whether the path is a symbolic link that leads back to itself, perhaps over other links.
+bool IsCircularLink(const std::filesystem::path& path);
+
 /// Returns all bytes of a file. Throws InvalidInput as ExpectRegularFile does, and if the file
 /// cannot be read.
 std::string ReadWholeFile(const std::filesystem::path& file,

@@ -49,8 +49,8 @@ struct FileContent {
 /// Does not throw for any content of the file.
 FileContent LookAtFile(const std::filesystem::path& file);
 
-/// Returns the content of the regular files of a folder, sorted by name. Hidden files and the
-/// project's own files (YAML, JSON, pages, results) are left out.
+/// Returns the content of the entries of a folder, sorted by name. Folders, hidden files, YAML and
+/// JSON are left out. An entry that cannot be read, such as a dangling link, is of unknown kind.
 std::vector<FileContent> LookAtFolder(const std::filesystem::path& folder);
 
 }  // namespace dn

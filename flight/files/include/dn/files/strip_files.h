@@ -9,7 +9,8 @@
 namespace dn {
 
 /// Returns the point clouds of a flight sorted by name: the .las, .laz and .txt files in the folder
-/// `strips` of its data. The list is empty if there is no such folder.
+/// `strips` of its data. Circular links are left
+/// out. The list is empty if there is no such folder.
 std::vector<std::filesystem::path> FindStripFiles(const std::filesystem::path& flight_folder);
 
 /// Returns the same files; throws InvalidInput if there are none.

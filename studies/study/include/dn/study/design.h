@@ -36,6 +36,10 @@ struct DesignOptions {
   std::function<bool()> interrupted = {};  ///< polled; true ends the work with Interrupted
 };
 
+/// The unknowns of DesignOptions::estimate, with the boresight first. Throws InvalidConfig for a name
+/// that is not that of an unknown, and names the nearest one.
+std::vector<EstimateEntry> ParseEstimate(const std::string& list);
+
 /// The flight that a scenario describes, with perfect sensors that state the scenario's noise. Of
 /// its effects only the faults gnss_outage and imu_gap count, which are times without data. Throws
 /// RankDeficient where no two strips see the same ground, or no pairs are wanted; InvalidConfig
