@@ -20,16 +20,21 @@ class UnusableOutput : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Whether a results folder may hold a file of this name: FILE or FOLDER/FILE, relative, without ".."
+/// and control characters, and not hidden.
+bool IsResultName(const std::string& name);
+
 /// Collects the files of a result directory and publishes them together, all or none: Add stages a
 /// file, Commit renames all of them; without Commit the destructor removes what was staged.
 ///
 /// One run at a time: the directory is locked as long as the object lives (where its file system
 /// knows locks). Files are staged in a directory inside it that only this user may enter and whose
 /// name nobody can foresee; what a killed run left there, also half committed, is undone by the
-/// next one.
+/// next one. A commit that was not begun in this very directory is refused, never undone.
 class OutputDirectory {
  public:
-  /// Makes the directory if absent. Throws UnusableOutput when another run holds it,
+  /// Makes the directory if absent. Throws UnusableOutput when another run holds it, or the journal
+  /// of a commit lies in it that no run has begun there;
   /// std::filesystem::filesystem_error when it cannot be made or written.
   explicit OutputDirectory(std::filesystem::path directory);
   ~OutputDirectory();
