@@ -32,6 +32,8 @@ bool ResultFolder::Has(const std::string& name) const {
 }
 
 Facts ResultFolder::Read(const std::string& name) const {
+  const auto known = files_.find(name);
+  if (known != files_.end()) return known->second;
   const std::filesystem::path file = PathOf(name);
   std::error_code none;
   if (!std::filesystem::exists(file, none)) return {name, Json(), rows_left_};
@@ -39,7 +41,7 @@ Facts ResultFolder::Read(const std::string& name) const {
   limits.values = values_left_;
   Json json = ParseJson(ReadWholeFile(file, limits.bytes), file.string(), limits);
   values_left_ -= CountValues(json);
-  return {name, std::move(json), rows_left_};
+  return files_.emplace(name, Facts(name, std::move(json), rows_left_)).first->second;
 }
 
 std::optional<TextTable> ResultFolder::Numbers(const std::string& name, std::size_t columns) const {

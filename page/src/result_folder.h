@@ -4,6 +4,7 @@
 #include <dn/geo/text_table.h>
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -34,6 +35,7 @@ class ResultFolder {
   std::filesystem::path folder_;
   RowsLeft rows_left_;
   mutable std::size_t values_left_;
+  mutable std::map<std::string, Facts> files_;  // those that were read, by name
   Facts report_;
 };
 

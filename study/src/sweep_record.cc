@@ -9,7 +9,7 @@ double Size(const JsonPlace& place) { return place.Number(0.0, kMostFigure); }
 
 double Correlation(const JsonPlace& place) {
   constexpr double kRounding = 1e-6;
-  return place.Number(-1.0 - kRounding, 1.0 + kRounding);
+  return place.Number(0.0, 1.0 + kRounding);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "changed_copy.h"
 #include "page_numbers.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
@@ -96,17 +97,6 @@ TEST_F(SeriesOfThree, WhatDoesNotFitTogetherIsRefused) {
   EXPECT_THAT(mixed.err, HasSubstr("no shard of the series"));
 }
 
-/// A copy of the first shard in which a JSON file is changed.
-fs::path ChangedShard(const fs::path& shard, const fs::path& copy, const std::string& file,
-                      const std::function<void(Json*)>& change) {
-  fs::remove_all(copy);
-  fs::copy(shard, copy, fs::copy_options::recursive);
-  Json json = Json::parse(ContentOf(copy / file));
-  change(&json);
-  std::ofstream(copy / file) << json.dump() << "\n";
-  return copy;
-}
-
 TEST_F(SeriesOfThree, ARecordIsTheOneThatItsNameSays) {
   const std::string record = "flights/000005.json";
   const std::pair<const char*, Json> changes[] = {{"seed", 7},
@@ -122,8 +112,8 @@ TEST_F(SeriesOfThree, ARecordIsTheOneThatItsNameSays) {
                                                   {"epochs", {{1.0, 2.0}}},
                                                   {"made_from", "0123"}};
   for (const auto& [key, value] : changes) {
-    const fs::path changed = ChangedShard(One(), Path("changed"), record,
-                                          [&, k = key, v = value](Json* json) { (*json)[k] = v; });
+    const fs::path changed = ChangedCopy(One(), Path("changed"), record,
+                                         [&, k = key, v = value](Json* json) { (*json)[k] = v; });
     const ProgramRun merge = Merge({changed, Two()}, Path("refused"));
     EXPECT_EQ(merge.exit_code, 1) << key;
     EXPECT_THAT(merge.err, HasSubstr("not the record of this flight: /" + std::string(key)));
@@ -156,15 +146,15 @@ TEST_F(SeriesOfThree, TheReportOfAShardIsThatOfItsRecords) {
       {"made_from", "0123", "not of one run"}};
   for (const auto& [key, value, message] : changes) {
     const fs::path changed =
-        ChangedShard(One(), Path("changed"), "report.json",
-                     [&, k = key, v = value](Json* json) { (*json)["series"][k] = v; });
+        ChangedCopy(One(), Path("changed"), "report.json",
+                    [&, k = key, v = value](Json* json) { (*json)["series"][k] = v; });
     const ProgramRun merge = Merge({changed, Two()}, Path("refused"));
     EXPECT_EQ(merge.exit_code, 1) << key;
     EXPECT_THAT(merge.err, HasSubstr(message));
   }
   const fs::path other_build =
-      ChangedShard(One(), Path("changed"), "flights/made_from.json",
-                   [](Json* json) { (*json)["program"] = std::string(64, '0'); });
+      ChangedCopy(One(), Path("changed"), "flights/made_from.json",
+                  [](Json* json) { (*json)["program"] = std::string(64, '0'); });
   EXPECT_THAT(Merge({other_build, Two()}, Path("refused")).err, HasSubstr("not of one run"));
   EXPECT_THAT(Fly(other_build, "1/2").err, HasSubstr("another build of this version"));
 }
@@ -223,7 +213,7 @@ class SweepOfTwo : public ::testing::Test {
   static ProgramRun MergeChanged(const std::function<void(Json*)>& change) {
     const fs::path& work = folder_->path();
     const fs::path changed =
-        ChangedShard(work / "1", work / "changed", "designs/000001.json", change);
+        ChangedCopy(work / "1", work / "changed", "designs/000001.json", change);
     return Merge({changed, work / "2"}, work / "merged");
   }
 

@@ -346,6 +346,16 @@ TEST(Page, ShowsABoundedNumberOfRows) {
   ExpectRefused(Folder("result.json", Result("dn", 0.2, 0.001), report), "more texts than a page");
 }
 
+TEST(Page, WhatIsNoRegularFileIsRefusedByName) {
+  Folder folder("result.json", Json());
+  std::filesystem::remove(folder.path() / "result.json");
+  std::filesystem::create_directory(folder.path() / "result.json");
+  ExpectRefused(folder, "this is a folder, not a regular file");
+  std::filesystem::remove(folder.path() / "result.json");
+  std::filesystem::create_symlink("/dev/zero", folder.path() / "result.json");
+  ExpectRefused(folder, "this is a device, not a regular file");
+}
+
 TEST(Page, NamesTheFileThatIsNoJson) {
   Folder folder("result.json", Json());
   folder.Write("result.json", "{\"boresight\":\n [}");
