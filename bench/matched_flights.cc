@@ -5,7 +5,7 @@
 #include <dn/flight/flight.h>
 #include <dn/flight/truth.h>
 #include <dn/lidar/mounting.h>
-#include <dn/report/json.h>
+#include <dn/report/json_reader.h>
 #include <dn/rotation.h>
 #include <fmt/format.h>
 
@@ -49,7 +49,7 @@ struct Options {
 Json ReadJson(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();
-  return Json::parse(text.str());
+  return ParseJson(text.str(), file.string());
 }
 
 apps::ProcessUsage Run(const Options& options, const std::vector<std::string>& arguments,

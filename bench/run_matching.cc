@@ -1,6 +1,6 @@
 /// run_matching: simulates two strips of several sizes at one point density and runs `dn match` on
 /// them. Prints time and memory by number of points, and the exponents of their growth.
-#include <dn/report/json.h>
+#include <dn/report/json_reader.h>
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -65,7 +65,7 @@ std::string ScenarioText(double line_length_m) {
 Json ReadJson(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();
-  return Json::parse(text.str());
+  return ParseJson(text.str(), file.string());
 }
 
 apps::ProcessUsage Run(const Options& options, const std::vector<std::string>& arguments,

@@ -1,6 +1,6 @@
 /// run_sizes: simulates flights of several lengths, runs `dn calibrate` on each as a user would,
 /// and prints and writes the time and memory used.
-#include <dn/report/json.h>
+#include <dn/report/json_reader.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -152,8 +152,8 @@ Json Calibrated(const Options& options, const fs::path& flight) {
                                           : "exit code " + std::to_string(usage.exit_code);
     return row;
   }
-  const Json result = Json::parse(ReadText(out / "result.json"));
-  const Json report = Json::parse(ReadText(out / "report.json"));
+  const Json result = ParseJson(ReadText(out / "result.json"), "result.json");
+  const Json report = ParseJson(ReadText(out / "report.json"), "report.json");
   row["timing_s"] = result["timing_s"];
   for (const char* key : {"nodes", "parameters", "iterations", "imu_epochs", "correspondences"}) {
     row[key] = result["adjustment"][key];

@@ -13,8 +13,8 @@
 #include "command.h"
 #include "fleet.h"
 #include "option_checks.h"
-#include "record_folder.h"
-#include "series.h"
+#include "series_records.h"
+#include "sha256.h"
 
 namespace dn::apps {
 namespace {
@@ -57,6 +57,7 @@ std::string FailureOf(const BlindRecord& record) {
 }
 
 std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFolder& folder,
+                             const RecordReader<BlindRecord>& reader,
                              const std::vector<std::uint64_t>& numbers, Run* run) {
   BlindSuite suite{options.seed, options.scenarios};
   if (!options.only.empty()) suite.only = ContentOf(options.only);
@@ -64,7 +65,7 @@ std::vector<BlindRecord> Fly(const BlindCheckArguments& options, const RecordFol
                             options.discard_flights};
   std::vector<BlindRecord> records(numbers.size());
   const auto fly = [&](std::size_t k) {
-    std::optional<BlindRecord> record = folder.Read(numbers[k], &BlindRecordFromJson);
+    std::optional<BlindRecord> record = folder.Read(numbers[k], reader);
     if (!record) {
       record = RunBlindFlight(DrawBlindFlight(suite, static_cast<int>(numbers[k])), how);
       folder.Write(numbers[k], ToJson(*record));
@@ -84,11 +85,14 @@ void BlindCheck(const BlindCheckArguments& options, Run& run) {
                           {"scenarios", ScenariosJson(options.scenarios)},
                           {"gap_options", options.gap_options},
                           {"only", options.only},
-                          {"version", DN_VERSION}};
+                          {"version", DN_VERSION},
+                          {"program", ProgramHash()}};
   const Series series{"blind-check", 1, static_cast<std::uint64_t>(options.flights),
-                      ParseShard(options.shard)};
+                      ParseShard(options.shard), RecordFolder::HashOf(made_from)};
+  for (const char* name : {"flights", "truth", "runs"}) ExpectRealFolder(options.common.out / name);
   const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
-  const std::vector<BlindRecord> records = Fly(options, folder, series.Numbers(), &run);
+  const std::vector<BlindRecord> records =
+      Fly(options, folder, BlindRecordReader(made_from), series.Numbers(), &run);
   run.report["seed"] = options.seed;
   run.report["series"] = SeriesToJson(series);
   AddBlindCheckResults(made_from, records, &run);

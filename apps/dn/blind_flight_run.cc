@@ -11,6 +11,8 @@
 
 #include "child_process.h"
 #include "interruption.h"
+#include "json_file.h"
+#include "output_folder.h"
 #include "read_text.h"
 
 namespace dn::apps {
@@ -125,7 +127,8 @@ Outcome<T> RunCommand(const std::vector<std::string>& arguments, const fs::path&
     return outcome;
   }
   try {
-    outcome.result = read(Json::parse(ReadText(result)));
+    const Json json = ReadJsonFile(result);
+    outcome.result = read(JsonPlace(json, result.string()));
   } catch (const std::exception& error) {
     outcome.failure = error.what();
   }
@@ -136,7 +139,7 @@ Outcome<BlindCalibration> Calibrate(const fs::path& flight, const fs::path& out,
                                     const Eigen::Vector3d& boresight_deg) {
   return RunCommand<BlindCalibration>(
       {"calibrate", flight.string()}, out, "result.json",
-      [&](const Json& json) { return CalibrationFromResultJson(json, boresight_deg); });
+      [&](const JsonPlace& json) { return CalibrationFromResultJson(json, boresight_deg); });
 }
 
 void RunCommands(const Places& places, const std::vector<std::string>& gap_options,
@@ -160,6 +163,7 @@ void RunCommands(const Places& places, const std::vector<std::string>& gap_optio
 
 BlindRecord RunBlindFlight(const BlindFlight& flight, const BlindRunOptions& options) {
   const Places places(options.out, flight.number);
+  ExpectRealFolder(places.flight);
   BlindRecord record = TruthOf(flight);
   try {
     WriteFlight(flight, places);

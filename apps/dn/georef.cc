@@ -4,7 +4,6 @@
 #include <dn/flight/flight.h>
 #include <dn/flight/georeference_strip.h>
 #include <dn/flight/strip_files.h>
-#include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 #include <dn/interrupted.h>
 #include <dn/names.h>
@@ -15,6 +14,7 @@
 
 #include "command.h"
 #include "given_trajectory.h"
+#include "json_file.h"
 #include "option_checks.h"
 #include "shown_text.h"
 
@@ -69,33 +69,25 @@ Vector3d ParseAngles(const std::string& text) {
   return angles_deg * kRadPerDeg;
 }
 
-/// Numbers of a list in a JSON file. Throws Json's own exceptions.
-Vector3d ToVector(const Json& list) {
-  if (list.size() != 3) throw std::invalid_argument("no list of three");
-  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+BoresightOfResult ReadBoresight(const JsonPlace& boresight) {
+  BoresightOfResult result;
+  result.angles_rad = boresight.At("angles_deg").FiniteVector3() * kRadPerDeg;
+  result.covariance_rad2 = boresight.At("covariance_deg2").Matrix3() * (kRadPerDeg * kRadPerDeg);
+  const bool finite = result.covariance_rad2.allFinite();
+  if (!finite || result.covariance_rad2.llt().info() != Eigen::Success) {
+    boresight.At("covariance_deg2").Fail("is not positive definite");
+  }
+  return result;
 }
 
 BoresightOfResult ReadResult(const fs::path& file) {
-  BoresightOfResult result;
-  const std::string text = ReadWholeFile(file, kMostYamlBytes * 64);
   try {
-    const Json boresight = Json::parse(text).at("boresight");
-    result.angles_rad = ToVector(boresight.at("angles_deg")) * kRadPerDeg;
-    const Json& rows = boresight.at("covariance_deg2");
-    for (int i = 0; i < 3; ++i) {
-      result.covariance_rad2.row(i) =
-          ToVector(rows.at(static_cast<std::size_t>(i))) * kRadPerDeg * kRadPerDeg;
-    }
-  } catch (const std::exception&) {
-    throw InvalidInput(
-        "this is no result of `dn calibrate`: boresight.angles_deg or "
-        "boresight.covariance_deg2 is missing",
-        {file.string()});
+    const Json json = ReadJsonFile(file);
+    return ReadBoresight(JsonPlace(json, file.string()).At("boresight"));
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(std::string("this is no result of `dn calibrate`: ") + error.what(),
+                       error.where());
   }
-  if (result.covariance_rad2.llt().info() != Eigen::Success) {
-    throw InvalidInput("boresight.covariance_deg2 is not positive definite", {file.string()});
-  }
-  return result;
 }
 
 void ExpectGeoreferenceable(const FlightConfig& config) {

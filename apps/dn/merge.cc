@@ -2,12 +2,10 @@
 #include <dn/names.h>
 #include <fmt/format.h>
 
-#include <fstream>
 #include <map>
 
 #include "command.h"
-#include "record_folder.h"
-#include "series.h"
+#include "series_records.h"
 
 namespace dn::apps {
 namespace {
@@ -21,25 +19,17 @@ struct MergeArguments {
 
 fs::path ReportFile(const fs::path& folder) { return folder / "report.json"; }
 
-Json ReportOf(const fs::path& folder) {
-  std::ifstream in(ReportFile(folder), std::ios::binary);
-  return Json::parse(in, nullptr, false);
-}
-
 /// The series that the run in a folder has flown, or a shard of it.
 Series SeriesOf(const fs::path& folder) {
   const fs::path file = ReportFile(folder);
-  const Json report = ReportOf(folder);
-  if (!report.is_object() || !report.contains("series")) {
+  const Json report = RecordFolder::IsThere(file) ? ReadJsonFile(file) : Json();
+  const JsonPlace place(report, file.string());
+  if (!place.Has("series")) {
     throw InvalidInput(
         "it tells of no finished run of dn monte-carlo, dn blind-check or dn study --sweep",
         {file.string()});
   }
-  try {
-    return SeriesFromJson(report.at("series"));
-  } catch (const Json::exception& error) {
-    throw InvalidInput(std::string("its 'series' is not one: ") + error.what(), {file.string()});
-  }
+  return SeriesFromJson(place.At("series"));
 }
 
 bool SameSeries(const Series& a, const Series& b) {
@@ -50,6 +40,7 @@ bool SameSeries(const Series& a, const Series& b) {
 struct Shards {
   Series series;  ///< the whole
   Json made_from;
+  std::string made_from_file;
   std::map<std::uint64_t, fs::path> records;
 };
 
@@ -64,7 +55,7 @@ void ExpectSame(const Shards& shards, const Series& series, const Json& made_fro
 void Add(const Series& shard, const fs::path& folder, Shards* shards) {
   for (const std::uint64_t number : shard.Numbers()) {
     const fs::path file = RecordFolder::FileOf(folder, number);
-    if (!fs::exists(file)) throw InvalidInput("the record is missing", {file.string()});
+    if (!RecordFolder::IsThere(file)) throw InvalidInput("the record is missing", {file.string()});
     if (!shards->records.emplace(number, file).second) {
       throw InvalidConfig(fmt::format("flight {} is in two of the folders: {} and {}", number,
                                       shards->records.at(number).string(), file.string()));
@@ -85,15 +76,23 @@ void ExpectComplete(const Shards& shards) {
                                   count, shards.series.flights, JoinNames(missing)));
 }
 
+void ExpectOneRun(const Series& series, const Json& made_from, const std::string& folder) {
+  if (RecordFolder::HashOf(made_from) == series.made_from) return;
+  throw InvalidInput("report.json and made_from.json are not of one run; run the command again",
+                     {ReportFile(folder).string()});
+}
+
 Shards Gather(const std::vector<std::string>& folders) {
   Shards shards;
   for (const std::string& folder : folders) {
     const Series series = SeriesOf(folder);
     const fs::path records = fs::path(folder) / RecordFolderName(series.command);
     const Json made_from = RecordFolder::MadeFrom(records);
+    ExpectOneRun(series, made_from, folder);
     if (shards.records.empty()) {
-      shards.series = {series.command, series.first, series.flights, {}};
+      shards.series = {series.command, series.first, series.flights, {}, series.made_from};
       shards.made_from = made_from;
+      shards.made_from_file = RecordFolder::MadeFromFile(records).string();
     }
     ExpectSame(shards, series, made_from, folder);
     Add(series, records, &shards);
@@ -102,34 +101,53 @@ Shards Gather(const std::vector<std::string>& folders) {
   return shards;
 }
 
-/// The records in the order of their numbers; each is copied to the merged folder.
-template <class Record, class Parse>
-std::vector<Record> Records(const Shards& shards, const RecordFolder& merged, const Parse& parse) {
+/// The records in the order of their numbers; all are read before the first is copied into `folder`.
+template <class Record>
+std::vector<Record> Records(const Shards& shards, const fs::path& folder,
+                            const RecordReader<Record>& reader) {
+  const auto expect_no_signal = [] {
+    if (SignalCame()) throw dn::Interrupted();
+  };
   std::vector<Record> records;
   for (const auto& [number, file] : shards.records) {
-    if (SignalCame()) throw dn::Interrupted();
-    records.push_back(RecordFolder::ReadFile(file, parse));
-    merged.Write(number, ToJson(records.back()));
+    expect_no_signal();
+    records.push_back(RecordFolder::ReadFile(file, number, shards.series.made_from, reader));
+  }
+  const RecordFolder merged(folder, shards.made_from);
+  std::size_t k = 0;
+  for (const auto& [number, file] : shards.records) {
+    expect_no_signal();
+    merged.Write(number, ToJson(records[k++]));
   }
   return records;
+}
+
+/// The list of inputs in the report of a shard.
+Json InputsOf(const fs::path& folder) {
+  const fs::path file = ReportFile(folder);
+  const Json report = ReadJsonFile(file);
+  const JsonPlace place(report, file.string());
+  return place.Has("inputs") ? place.At("inputs").json() : Json::array();
 }
 
 void Merge(const MergeArguments& options, Run& run) {
   const Shards shards = Gather(options.folders);
   const std::string& command = shards.series.command;
+  const JsonPlace made_from(shards.made_from, shards.made_from_file);
   run.progress.Stage("merging", fmt::format("{} flights", shards.series.flights));
-  const RecordFolder merged(options.common.out / RecordFolderName(command), shards.made_from);
+  const fs::path folder = options.common.out / RecordFolderName(command);
   run.report["series"] = SeriesToJson(shards.series);
-  run.report["inputs"] = ReportOf(options.folders.front()).value("inputs", Json::array());
+  run.report["inputs"] = InputsOf(options.folders.front());
   if (command == "monte-carlo") {
-    AddMonteCarloResults(shards.made_from,
-                         Records<FlightRecord>(shards, merged, &FlightRecordFromJson), &run);
+    const auto reader = FlightRecordReader(made_from);
+    AddMonteCarloResults(shards.made_from, Records(shards, folder, reader), &run);
   } else if (command == "study") {
-    AddSweepResults(shards.made_from, Records<SweepRecord>(shards, merged, &SweepRecordFromJson),
-                    &run);
+    const auto reader = SweepRecordReader(made_from);
+    ExpectAllDesigns(made_from, shards.series);
+    AddSweepResults(shards.made_from, Records(shards, folder, reader), &run);
   } else {
-    AddBlindCheckResults(shards.made_from,
-                         Records<BlindRecord>(shards, merged, &BlindRecordFromJson), &run);
+    const auto reader = BlindRecordReader(made_from);
+    AddBlindCheckResults(shards.made_from, Records(shards, folder, reader), &run);
   }
 }
 

@@ -9,8 +9,8 @@
 #include "command.h"
 #include "fleet.h"
 #include "option_checks.h"
-#include "record_folder.h"
-#include "series.h"
+#include "series_records.h"
+#include "sha256.h"
 
 namespace dn::apps {
 namespace {
@@ -71,15 +71,15 @@ void AddPlots(const MonteCarloSummary& summary, const std::vector<FlightRecord>&
 }
 
 std::vector<FlightRecord> Fly(const MonteCarloArguments& options, const Scenario& scenario,
-                              const RecordFolder& folder, const std::vector<std::uint64_t>& seeds,
-                              Run* run) {
+                              const RecordFolder& folder, const RecordReader<FlightRecord>& reader,
+                              const std::vector<std::uint64_t>& seeds, Run* run) {
   FlightRecordOptions how;
   how.with_pairs = !options.without_pairs;
   how.epoch_spacing_s = options.epoch_spacing_s;
   how.interrupted = [] { return SignalCame(); };
   std::vector<FlightRecord> records(seeds.size());
   const auto fly = [&](std::size_t k) {
-    std::optional<FlightRecord> record = folder.Read(seeds[k], &FlightRecordFromJson);
+    std::optional<FlightRecord> record = folder.Read(seeds[k], reader);
     if (!record) {
       record = RunFlight(scenario, seeds[k], how);
       folder.Write(seeds[k], ToJson(*record));
@@ -99,11 +99,14 @@ void MonteCarlo(const MonteCarloArguments& options, Run& run) {
   const Json made_from = {{"scenario", ScenarioText(options.scenario)},
                           {"with_pairs", !options.without_pairs},
                           {"epoch_spacing_s", options.epoch_spacing_s},
-                          {"version", DN_VERSION}};
+                          {"version", DN_VERSION},
+                          {"program", ProgramHash()}};
   const Series series{"monte-carlo", options.first_seed,
-                      static_cast<std::uint64_t>(options.flights), ParseShard(options.shard)};
+                      static_cast<std::uint64_t>(options.flights), ParseShard(options.shard),
+                      RecordFolder::HashOf(made_from)};
   const RecordFolder folder(options.common.out / RecordFolderName(series.command), made_from);
-  const std::vector<FlightRecord> records = Fly(options, scenario, folder, series.Numbers(), &run);
+  const std::vector<FlightRecord> records =
+      Fly(options, scenario, folder, FlightRecordReader(made_from), series.Numbers(), &run);
   run.report["seed"] = options.first_seed;
   run.report["series"] = SeriesToJson(series);
   AddMonteCarloResults(made_from, records, &run);

@@ -2,15 +2,20 @@
 
 #include <dn/error.h>
 #include <dn/flight/accuracy_files.h>
+#include <dn/flight/atomic_file.h>
 #include <dn/flight/flight.h>
 #include <dn/flight/strip_files.h>
 #include <dn/geo/read_file.h>
-#include <dn/report/json.h>
 #include <dn/sim/scenario.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
-#include <fstream>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "json_file.h"
 
 namespace dn::apps {
 namespace {
@@ -20,6 +25,23 @@ namespace fs = std::filesystem;
 bool Same(const fs::path& a, const fs::path& b) {
   std::error_code none;
   return fs::equivalent(a, b, none);
+}
+
+/// Device and inode: what two names of one file share.
+using FileId = std::pair<dev_t, ino_t>;
+
+std::optional<FileId> IdOf(const fs::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return std::nullopt;
+  return FileId(status.st_dev, status.st_ino);
+}
+
+std::set<FileId> FileIds(const fs::path& folder, const std::vector<std::string>& names) {
+  std::set<FileId> ids;
+  for (const std::string& name : names) {
+    if (const auto id = IdOf(folder / name)) ids.insert(*id);
+  }
+  return ids;
 }
 
 bool Holds(const std::vector<std::string>& names, const std::string& name) {
@@ -105,17 +127,20 @@ Inputs ScenarioInputs(const std::string& name_or_path, const std::vector<std::st
 }
 
 std::vector<std::string> EarlierResults(const fs::path& out) {
-  constexpr std::uintmax_t kLargestReport = std::uintmax_t{64} << 20;
   const fs::path file = out / "report.json";
   std::error_code none;
   if (!fs::is_regular_file(fs::symlink_status(file, none))) return {};
-  if (fs::file_size(file, none) > kLargestReport) return {};
-  std::ifstream in(file, std::ios::binary);
-  const Json report = Json::parse(in, nullptr, false);
-  if (!report.is_object() || report.value("schema", Json()) != "dn.report/1") return {};
   std::vector<std::string> names;
-  for (const Json& name : report.value("files", Json::array())) {
-    if (name.is_string()) names.push_back(name.get<std::string>());
+  try {
+    const Json report = ReadJsonFile(file);
+    const JsonPlace place(report, file.string());
+    if (place.At("schema").Text() != "dn.report/1") return {};
+    for (const JsonPlace& name : place.At("files").Elements()) {
+      if (!name.json().is_string() || !IsResultName(name.Text())) continue;
+      names.push_back(name.Text());
+    }
+  } catch (const InvalidInput&) {
+    return {};  // another program's file, or a damaged one: nothing in it is known to be ours
   }
   return names;
 }
@@ -127,14 +152,14 @@ void ExpectHarmless(const fs::path& out, const Inputs& inputs, bool makes_flight
         "--out {} is a folder of the input data; give a folder of its own", out.string()));
   }
   const std::vector<std::string> earlier = EarlierResults(out);
-  for (const std::string& name : earlier) {
-    for (const fs::path& input : inputs.All()) {
-      if (!Same(out / name, input)) continue;
-      throw InvalidConfig(fmt::format(
-          "--out {} holds an earlier result, which would be removed, and the input {} is part of "
-          "it; give another folder",
-          out.string(), input.string()));
-    }
+  const std::set<FileId> results = FileIds(out, earlier);
+  for (const fs::path& input : inputs.All()) {
+    const auto id = IdOf(input);
+    if (!id || !results.contains(*id)) continue;
+    throw InvalidConfig(fmt::format(
+        "--out {} holds an earlier result, which would be removed, and the input {} is part of "
+        "it; give another folder",
+        out.string(), input.string()));
   }
   std::error_code none;
   const bool flight = fs::exists(fs::symlink_status(out / "flight.yaml", none));
@@ -142,6 +167,14 @@ void ExpectHarmless(const fs::path& out, const Inputs& inputs, bool makes_flight
   throw InvalidConfig(
       fmt::format("--out {} is a flight folder, it holds a flight.yaml{}; give another folder",
                   out.string(), makes_flight ? " that dn simulate did not write" : ""));
+}
+
+void ExpectRealFolder(const fs::path& folder) {
+  std::error_code none;
+  const fs::file_status status = fs::symlink_status(folder, none);
+  if (!fs::exists(status) || fs::is_directory(status)) return;
+  throw UnusableOutput("a file or link is called " + folder.string() +
+                       ", as a folder of the results is; rename it, or give another --out");
 }
 
 }  // namespace dn::apps

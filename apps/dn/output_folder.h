@@ -32,4 +32,7 @@ std::vector<std::string> EarlierResults(const std::filesystem::path& out);
 /// only a command that makes flights may replace one, and only one that such a command made.
 void ExpectHarmless(const std::filesystem::path& out, const Inputs& inputs, bool makes_flight);
 
+/// Throws UnusableOutput where a file or a link stands in the place of a folder of the results.
+void ExpectRealFolder(const std::filesystem::path& folder);
+
 }  // namespace dn::apps

@@ -3,23 +3,30 @@
 #include <dn/flight/atomic_file.h>
 #include <fmt/format.h>
 
-#include "read_text.h"
+#include <system_error>
+#include <vector>
+
+#include "output_folder.h"
+#include "sha256.h"
 
 namespace dn::apps {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kKeyName = "made_from.json";
+constexpr const char* kHashKey = "made_from";
 
 }  // namespace
 
-RecordFolder::RecordFolder(fs::path folder, const Json& made_from) : folder_(std::move(folder)) {
-  const fs::path key = folder_ / kKeyName;
+RecordFolder::RecordFolder(fs::path folder, const Json& made_from)
+    : folder_(std::move(folder)), hash_(HashOf(made_from)) {
+  ExpectRealFolder(folder_);
+  const fs::path key = MadeFromFile(folder_);
   const std::string text = FormatJson(made_from);
-  if (fs::exists(key) && ReadText(key) != text) {
+  if (IsThere(key) && ReadWholeFile(key, JsonLimits{}.bytes) != text) {
     throw InvalidConfig(folder_.string() +
-                        " holds flights of another scenario, version or option (see " +
+                        " holds flights of another scenario, version or option, or of another "
+                        "build of this version (see " +
                         key.string() + "); give another --out, or delete it");
   }
   fs::create_directories(folder_);
@@ -27,7 +34,8 @@ RecordFolder::RecordFolder(fs::path folder, const Json& made_from) : folder_(std
   WriteFileAtomically(key, text);
 }
 
-void RecordFolder::Write(std::uint64_t number, const Json& record) const {
+void RecordFolder::Write(std::uint64_t number, Json record) const {
+  record[kHashKey] = hash_;
   WriteFileAtomically(FileOf(folder_, number), record.dump() + "\n");
 }
 
@@ -35,16 +43,36 @@ fs::path RecordFolder::FileOf(const fs::path& folder, std::uint64_t number) {
   return folder / fmt::format("{:06}.json", number);
 }
 
+bool RecordFolder::IsThere(const fs::path& file) {
+  std::error_code none;
+  return fs::exists(file, none);
+}
+
+fs::path RecordFolder::MadeFromFile(const fs::path& folder) { return folder / "made_from.json"; }
+
 Json RecordFolder::MadeFrom(const fs::path& folder) {
-  const fs::path key = folder / kKeyName;
-  Json made_from = Json::parse(ReadText(key), nullptr, false);
+  const fs::path key = MadeFromFile(folder);
+  Json made_from = ReadJsonFile(key);
   if (!made_from.is_object()) {
     throw InvalidInput("it does not say what flights lie here", {key.string()});
   }
   return made_from;
 }
 
-Json RecordFolder::ParseFile(const fs::path& file) { return Json::parse(ReadText(file)); }
+std::string RecordFolder::HashOf(const Json& made_from) { return Sha256Hex(FormatJson(made_from)); }
+
+void RecordFolder::Refuse(const InvalidInput& error) {
+  throw InvalidInput(std::string("not the record of this flight: ") + error.what() +
+                         "; delete the file to fly it again",
+                     error.where());
+}
+
+void RecordFolder::ExpectHash(const JsonPlace& record, const std::string& hash) {
+  const JsonPlace made_from = record.At(kHashKey);
+  if (made_from.Text() != hash) {
+    made_from.Fail("is of another scenario, option, version or build than made_from.json");
+  }
+}
 
 // Temporary files of runs that were killed; the lock of --out keeps others out of here.
 void RecordFolder::RemoveUnfinished() const {
@@ -53,7 +81,8 @@ void RecordFolder::RemoveUnfinished() const {
     const std::string name = entry.path().filename().string();
     if (name.starts_with('.') && name.ends_with(".part")) unfinished.push_back(entry.path());
   }
-  for (const fs::path& file : unfinished) fs::remove(file);
+  std::error_code none;  // a folder of such a name is not one of these files
+  for (const fs::path& file : unfinished) fs::remove(file, none);
 }
 
 }  // namespace dn::apps

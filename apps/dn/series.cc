@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <limits>
 
 #include "shown_text.h"
 
@@ -50,11 +51,25 @@ Json SeriesToJson(const Series& series) {
   return {{"command", series.command},
           {"first", series.first},
           {"flights", series.flights},
-          {"shard", fmt::format("{}/{}", series.shard.index, series.shard.count)}};
+          {"shard", fmt::format("{}/{}", series.shard.index, series.shard.count)},
+          {"made_from", series.made_from}};
 }
 
-Series SeriesFromJson(const Json& json) {
-  return {json.at("command"), json.at("first"), json.at("flights"), ParseShard(json.at("shard"))};
+Series SeriesFromJson(const JsonPlace& json) {
+  Series series;
+  series.command = json.At("command").Text();
+  const bool is_monte_carlo = series.command == "monte-carlo";
+  if (!is_monte_carlo && series.command != "blind-check" && series.command != "study") {
+    json.At("command").Fail("is no command that makes a series");
+  }
+  series.first = json.At("first").Unsigned();
+  const bool fits = series.first <= std::numeric_limits<std::uint64_t>::max() - kMostFlights;
+  if (!(is_monte_carlo ? fits : series.first == 1)) json.At("first").Fail("is no first number");
+  series.flights = static_cast<std::uint64_t>(json.At("flights").Integer(1, kMostFlights));
+  series.shard = ParseShard(json.At("shard").Text());
+  if (series.shard.index == 0) json.At("shard").Fail("is no shard i/N");
+  series.made_from = json.At("made_from").Text();
+  return series;
 }
 
 std::string RecordFolderName(const std::string& command) {

@@ -2,6 +2,7 @@
 
 #include <dn/montecarlo/blind_record.h>
 #include <dn/montecarlo/flight_record.h>
+#include <dn/report/json_reader.h>
 #include <dn/study/sweep.h>
 
 #include <cstdint>
@@ -25,20 +26,24 @@ CLI::Validator ShardText();
 /// Reads what ShardText has accepted.
 Shard ParseShard(const std::string& text);
 
+/// More flights, or designs, are refused.
+inline constexpr std::uint64_t kMostFlights = 1'000'000;
+
 /// A series of numbered flights, or designs, as report.json tells it to `dn merge`.
 struct Series {
   std::string command;      ///< "monte-carlo", "blind-check", "study"
   std::uint64_t first = 1;  ///< number of the first flight
   std::uint64_t flights = 0;
   Shard shard = {};
+  std::string made_from = {};  ///< hash of its made_from.json
 
   /// Numbers of the flights of the shard. Throws InvalidConfig where it has none.
   std::vector<std::uint64_t> Numbers() const;
 };
 
 Json SeriesToJson(const Series& series);
-/// Throws Json::exception for what is no series.
-Series SeriesFromJson(const Json& json);
+/// Throws InvalidInput for what is no series.
+Series SeriesFromJson(const JsonPlace& json);
 
 /// Where a command keeps its records in --out.
 std::string RecordFolderName(const std::string& command);

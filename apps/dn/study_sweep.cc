@@ -11,19 +11,20 @@
 
 #include "config_text.h"
 #include "fleet.h"
-#include "record_folder.h"
-#include "series.h"
+#include "series_records.h"
+#include "sha256.h"
 
 namespace dn::apps {
 namespace {
 
 std::vector<SweepRecord> StudyAll(const Sweep& sweep, const RecordFolder& folder,
+                                  const RecordReader<SweepRecord>& reader,
                                   const std::vector<std::uint64_t>& numbers, Run* run) {
   DesignOptions design;
   design.interrupted = [] { return SignalCame(); };
   std::vector<SweepRecord> records(numbers.size());
   const auto study = [&](std::size_t k) {
-    std::optional<SweepRecord> record = folder.Read(numbers[k], &SweepRecordFromJson);
+    std::optional<SweepRecord> record = folder.Read(numbers[k], reader);
     if (!record) {
       record = StudyOfSweep(sweep, numbers[k], design);
       folder.Write(numbers[k], ToJson(*record));
@@ -44,6 +45,17 @@ Json PathsJson(const Sweep& sweep) {
   return paths;
 }
 
+/// For each key the labels of its values.
+Json LabelsJson(const Sweep& sweep) {
+  Json labels = Json::array();
+  for (const SweepKey& key : sweep.keys()) {
+    Json of_key = Json::array();
+    for (const SweepValue& value : key.values) of_key.push_back(value.label);
+    labels.push_back(std::move(of_key));
+  }
+  return labels;
+}
+
 long CountSingular(const std::vector<SweepRecord>& records) {
   long singular = 0;
   for (const SweepRecord& record : records) singular += record.failure.empty() ? 0 : 1;
@@ -58,10 +70,14 @@ void RunSweep(const SweepOptions& options, Run& run) {
   const Json made_from = {{"sweep", text},
                           {"base", sweep.base_text()},
                           {"keys", PathsJson(sweep)},
-                          {"version", DN_VERSION}};
-  const Series series{"study", 1, sweep.size(), ParseShard(options.shard)};
+                          {"labels", LabelsJson(sweep)},
+                          {"version", DN_VERSION},
+                          {"program", ProgramHash()}};
+  const Series series{"study", 1, sweep.size(), ParseShard(options.shard),
+                      RecordFolder::HashOf(made_from)};
   const RecordFolder folder(run.options().out / RecordFolderName(series.command), made_from);
-  const std::vector<SweepRecord> records = StudyAll(sweep, folder, series.Numbers(), &run);
+  const std::vector<SweepRecord> records =
+      StudyAll(sweep, folder, SweepRecordReader(made_from), series.Numbers(), &run);
   run.report["series"] = SeriesToJson(series);
   AddSweepResults(made_from, records, &run);
 }

@@ -4,9 +4,12 @@
 
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <system_error>
 #include <thread>
+#include <utility>
 
+#include "changed_copy.h"
 #include "page_numbers.h"
 #include "run_program.h"
 #include "testing/temp_folder.h"
@@ -86,6 +89,42 @@ TEST_F(BlindCheck, MergedShardsAreTheBytesOfOneRun) {
     EXPECT_EQ(ContentOf(merged / name), ContentOf(whole / name)) << name;
   }
   EXPECT_EQ(Json::parse(ContentOf(merged / "blind_check.json")).at("flights"), 2);
+}
+
+TEST_F(BlindCheck, ARecordIsTheOneThatItsNameSays) {
+  const std::pair<const char*, Json> changes[] = {
+      {"number", 2},        {"number", 1e12},
+      {"seed", 5},          {"base", "another"},
+      {"content", "three"}, {"effects", {{{"effect", "x"}, {"value", {1}}}}},
+      {"strips", -1},       {"boresight_deg", {1, 2, nullptr}},
+      {"made_from", "0123"}};
+  for (const auto& [key, value] : changes) {
+    const fs::path changed = ChangedCopy(Path("one"), Path("changed"), "records/000001.json",
+                                         [&, k = key, v = value](Json* json) { (*json)[k] = v; });
+    const std::string message = "not the record of this flight: /" + std::string(key);
+    const ProgramRun merge = RunProgram({"merge", changed, Path("two"), "--out", Path("refused")});
+    EXPECT_EQ(merge.exit_code, 1) << key;
+    EXPECT_THAT(merge.err, HasSubstr(message));
+    const ProgramRun resumed = RunProgram(Arguments(changed, "1/2"));
+    EXPECT_EQ(resumed.exit_code, 1) << key;
+    EXPECT_THAT(resumed.err, HasSubstr(message));
+  }
+}
+
+TEST_F(BlindCheck, AFolderOfItsResultsThatIsALinkIsRefused) {
+  for (const char* name : {"flights", "truth", "runs", "records", "flights/001"}) {
+    const fs::path out = Path("linked"), elsewhere = Path("elsewhere");
+    fs::remove_all(out);
+    fs::create_directories((out / name).parent_path());
+    fs::create_directories(elsewhere / "001");
+    std::ofstream(elsewhere / "001/notes.txt") << "of the user";
+    fs::create_directory_symlink(elsewhere, out / name);
+    const ProgramRun run = RunProgram(Arguments(out, "1/2"));
+    EXPECT_EQ(run.exit_code, 1) << name;
+    EXPECT_THAT(run.err, HasSubstr("a file or link is called"));
+    EXPECT_EQ(NamesIn(elsewhere), std::vector<std::string>{"001"});
+    EXPECT_EQ(NamesIn(elsewhere / "001"), std::vector<std::string>{"notes.txt"});
+  }
 }
 
 TEST_F(BlindCheck, RecordsOfAnotherSeriesAreNotMixed) {

@@ -107,6 +107,45 @@ TEST(CliOutputFolder, AReportCannotNameFilesElsewhere) {
   EXPECT_EQ(ContentOf(folder.path() / "outside.txt"), "of the user");
 }
 
+TEST(CliOutputFolder, ADamagedReportIsIgnored) {
+  const std::string nested = std::string(150'000, '[') + std::string(150'000, ']');
+  const std::string reports[] = {
+      "",
+      "[",
+      "[]",
+      std::string(1'000'000, '['),
+      R"({"schema": "dn.report/1", "files": )" + nested + "}",
+      R"({"schema": "dn.report/1", "files": ["notes.txt"], "files": ["notes.txt"]})",
+      R"({"schema": ["dn.report/1"], "files": ["notes.txt"]})",
+      R"({"schema": "dn.report/1", "files": {"notes.txt": "notes.txt"}})",
+      R"({"schema": "dn.report/1", "files": [".hidden", "a/b/notes.txt", ["notes.txt"], null]})",
+      R"({"schema": "dn.report/1"})"};
+  for (const std::string& report : reports) {
+    SCOPED_TRACE(report.substr(0, 80));
+    const TempFolder folder;
+    folder.Write("r/report.json", report);
+    folder.Write("r/notes.txt", "of the user");
+    folder.Write("r/.hidden", "of the user");
+    const ProgramRun run =
+        RunProgram({"check", ShortFlight().string(), "--out", (folder.path() / "r").string()});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_EQ(ContentOf(folder.path() / "r/notes.txt"), "of the user");
+    EXPECT_EQ(ContentOf(folder.path() / "r/.hidden"), "of the user");
+  }
+}
+
+TEST(CliOutputFolder, APlantedJournalIsRefusedAndTouchesNothing) {
+  const TempFolder folder;
+  folder.Write("bashrc", "of the user");
+  folder.Write("r/.dn-staging-abcdef/.commit", "../bashrc\n");
+  folder.Write("r/.dn-staging-abcdef/bashrc", "evil");
+  const ProgramRun run =
+      RunProgram({"check", ShortFlight().string(), "--out", (folder.path() / "r").string()});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("r/.dn-staging-abcdef/.commit is not the journal of a run"));
+  EXPECT_EQ(ContentOf(folder.path() / "bashrc"), "of the user");
+}
+
 TEST(CliOutputFolder, AnInputThatIsAnEarlierResultIsKept) {
   const TempFolder folder;
   fs::copy(SmoothResult(), folder.path() / "r", fs::copy_options::recursive);

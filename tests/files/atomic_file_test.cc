@@ -1,4 +1,5 @@
 #include <dn/flight/atomic_file.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <iterator>
@@ -115,7 +116,7 @@ TEST(OutputDirectory, CommitsTwice) {
 TEST(OutputDirectory, RejectsNamesThatLeaveIt) {
   const TempFolder folder;
   OutputDirectory results(folder.path());
-  for (const char* name : {"", "../x.txt", "/tmp/x.txt", "a/b/c.txt", "a/", ".."}) {
+  for (const char* name : {"", "../x.txt", "/tmp/x.txt", "a/b/c.txt", "a/", "..", ".hidden"}) {
     SCOPED_TRACE(name);
     ExpectInvalid([&] { results.Add(name, ""); }, "result file name", 0);
   }
@@ -181,9 +182,22 @@ TEST(OutputDirectory, WhatAKilledRunStagedIsSwept) {
   EXPECT_EQ(ReadText(folder.path() / "elsewhere/a.txt"), "of the user");
 }
 
+/// The first line of a journal that a run writes in `folder`/`staging`, which must be there.
+std::string FirstLine(const fs::path& folder, const std::string& staging) {
+  std::string line = "dn.commit/1";
+  for (const fs::path& directory : {folder, folder / staging}) {
+    struct stat status {};
+    EXPECT_EQ(::stat(directory.c_str(), &status), 0) << directory;
+    line += " " + std::to_string(status.st_ino);
+  }
+  return line + "\n";
+}
+
 TEST(OutputDirectory, AHalfCommitOfAKilledRunIsUndone) {
   const TempFolder folder;
-  folder.Write(".dn-staging-Abc123/.commit", "a.txt\nb.txt\nlidar/1_2.txt\nz.txt\n");
+  folder.Write(".dn-staging-Abc123/empty", "");
+  folder.Write(".dn-staging-Abc123/.commit", FirstLine(folder.path(), ".dn-staging-Abc123") +
+                                                 "a.txt\nb.txt\nlidar/1_2.txt\nz.txt\n");
   folder.Write(".dn-staging-Abc123/.replaced/a.txt", "of the user");
   folder.Write(".dn-staging-Abc123/z.txt", "new");
   folder.Write("a.txt", "new");
@@ -194,6 +208,121 @@ TEST(OutputDirectory, AHalfCommitOfAKilledRunIsUndone) {
   EXPECT_EQ(NamesIn(folder.path()), (std::set<std::string>{"a.txt", "z.txt"}));
   EXPECT_EQ(ReadText(folder.path() / "a.txt"), "of the user");
   EXPECT_EQ(ReadText(folder.path() / "z.txt"), "of the user");
+}
+
+/// A results folder with the planted journal of a commit, and files outside that it names.
+class PlantedJournal {
+ public:
+  PlantedJournal() {
+    folder_.Write("victim", "of the user");
+    folder_.Write("bashrc", "of the user");
+    folder_.Write("elsewhere/1_2.txt", "of the user");
+    folder_.Write("out/result.json", "of the user");
+    folder_.Write("out/.dn-staging-Abc123/bashrc", "evil");
+    folder_.Write("out/.dn-staging-Abc123/.replaced/result.json", "evil");
+  }
+
+  fs::path Staging() const { return folder_.path() / "out/.dn-staging-Abc123"; }
+  void Write(const std::string& text) const {
+    folder_.Write("out/.dn-staging-Abc123/.commit", text);
+  }
+  /// As a run of this program writes it, which no other can foresee.
+  void WriteOurs(const std::string& names) const {
+    Write(FirstLine(folder_.path() / "out", ".dn-staging-Abc123") + names);
+  }
+
+  void ExpectRefused(const std::string& why) const {
+    try {
+      const OutputDirectory results(folder_.path() / "out");
+      FAIL() << "the journal was believed";
+    } catch (const UnusableOutput& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(".dn-staging-Abc123/.commit"));
+      EXPECT_THAT(error.what(), ::testing::HasSubstr(why));
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("; delete "));
+    }
+    ExpectUntouched();
+  }
+
+  void ExpectUntouched() const {
+    for (const char* name : {"victim", "bashrc", "elsewhere/1_2.txt", "out/result.json"}) {
+      EXPECT_EQ(ContentOf(folder_.path() / name), "of the user") << name;
+    }
+  }
+
+  const fs::path& path() const { return folder_.path(); }
+
+ private:
+  TempFolder folder_;
+};
+
+TEST(OutputDirectory, AJournalOfAnotherPlaceIsRefused) {
+  for (const std::string text : {"", "../victim\n../bashrc\n", "result.json\n",
+                                 "dn.commit/1\nresult.json\n", "dn.commit/1 1 2\nresult.json\n"}) {
+    SCOPED_TRACE(text);
+    const PlantedJournal planted;
+    planted.Write(text);
+    planted.ExpectRefused("it was written elsewhere");
+  }
+}
+
+TEST(OutputDirectory, AJournalInACopyOfAFolderIsRefused) {
+  const PlantedJournal planted;
+  planted.WriteOurs("result.json\n");
+  fs::copy(planted.path() / "out", planted.path() / "copy", fs::copy_options::recursive);
+  EXPECT_THROW(OutputDirectory{planted.path() / "copy"}, UnusableOutput);
+  EXPECT_EQ(ContentOf(planted.path() / "copy/result.json"), "of the user");
+}
+
+TEST(OutputDirectory, AJournalNamesNothingOutside) {
+  for (const std::string& name :
+       {std::string("../victim"), std::string("a/../../bashrc"), std::string("/tmp"),
+        std::string("a/b/c"), std::string("."), std::string(".."), std::string(""),
+        std::string(".dn-staging-Abc123/x"), std::string("lidar/")}) {
+    SCOPED_TRACE(name);
+    const PlantedJournal planted;
+    planted.WriteOurs("absent.txt\n" + name + "\n");
+    planted.ExpectRefused("a name in it is not that of a result file");
+  }
+}
+
+TEST(OutputDirectory, AJournalReachesNothingThroughALink) {
+  for (const std::string link :
+       {"lidar", ".dn-staging-Abc123/lidar", ".dn-staging-Abc123/.replaced/lidar"}) {
+    SCOPED_TRACE(link);
+    const PlantedJournal planted;
+    fs::create_directory_symlink(planted.path() / "elsewhere", planted.path() / "out" / link);
+    planted.WriteOurs("lidar/1_2.txt\n");
+    planted.ExpectRefused("is no folder");
+  }
+  const PlantedJournal planted;
+  fs::remove_all(planted.Staging() / ".replaced");
+  fs::create_directory_symlink(planted.path(), planted.Staging() / ".replaced");
+  planted.WriteOurs("victim\n");
+  planted.ExpectRefused("is no folder");
+}
+
+TEST(OutputDirectory, AJournalIsARegularFile) {
+  const PlantedJournal fifo;
+  ASSERT_EQ(::mkfifo((fifo.Staging() / ".commit").c_str(), 0600), 0);
+  fifo.ExpectRefused("a named pipe");
+  const PlantedJournal folder;
+  fs::create_directory(folder.Staging() / ".commit");
+  folder.ExpectRefused("a folder");
+  for (const char* target : {"/dev/zero", "../../victim", "nowhere"}) {
+    const PlantedJournal link;
+    fs::create_symlink(target, link.Staging() / ".commit");
+    link.ExpectRefused("it is a link");
+  }
+}
+
+TEST(OutputDirectory, AStagingFolderThatIsALinkIsLeftAlone) {
+  const PlantedJournal planted;
+  planted.WriteOurs("result.json\n");
+  fs::rename(planted.Staging(), planted.path() / "staging");
+  fs::create_directory_symlink(planted.path() / "staging", planted.Staging());
+  { const OutputDirectory results(planted.path() / "out"); }
+  planted.ExpectUntouched();
+  EXPECT_EQ(ContentOf(planted.path() / "staging/bashrc"), "evil");
 }
 
 TEST(OutputDirectory, StagesWhereNobodyElseMayEnter) {

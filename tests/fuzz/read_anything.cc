@@ -11,7 +11,11 @@
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
 #include <dn/lidar/strip_io.h>
+#include <dn/montecarlo/blind_record.h>
+#include <dn/montecarlo/flight_record.h>
+#include <dn/report/json_reader.h>
 #include <dn/sim/scenario.h>
+#include <dn/study/sweep.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -153,6 +157,22 @@ void CheckScenario(const std::string& yaml) {
   Require(scenario.pairs.sigma_p_m > 0.0, "the sigma of the pairs is positive");
 }
 
+void CheckJson(std::string_view text) {
+  const Json json = ParseJson(text, "file.json");
+  const JsonLimits limits;
+  Require(CountValues(json) <= limits.values, "values are bounded");
+  Require(json == ParseJson(json.dump(), "again.json"), "what was read is written and read back");
+}
+
+/// A record is written and read back.
+template <class Read>
+void CheckRecord(std::string_view text, const Read& read) {
+  const Json json = ParseJson(text, "record.json");
+  const std::string written = ToJson(read(JsonPlace(json, "record.json"))).dump();
+  const Json again = ParseJson(written, "again.json");
+  Require(ToJson(read(JsonPlace(again))).dump() == written, "a record is written and read back");
+}
+
 /// Without the leading comment, which says what the body frame of the input was.
 std::string WithoutComment(const std::string& yaml) {
   return yaml.starts_with('#') ? yaml.substr(yaml.find('\n') + 1) : yaml;
@@ -205,6 +225,14 @@ void Read(char reader, std::string_view content) {
       return CheckStrip(scratch.Write("strip.las", content));
     case 'X':
       return CheckStrip(scratch.Write("strip.txt", content));
+    case 'M':
+      return CheckJson(content);
+    case 'D':
+      return CheckRecord(content, &FlightRecordFromJson);
+    case 'W':
+      return CheckRecord(content, &SweepRecordFromJson);
+    case 'E':
+      return CheckRecord(content, &BlindRecordFromJson);
     default:
       scratch.Write("flight.yaml", content);
       return CheckConfig(scratch);

@@ -15,7 +15,9 @@ namespace dn::testing {
 ///   N ReadGnss, NMEA
 ///   P ReadPairs                         F ReadFlightConfig          C ParseScenario
 ///   V ReadTrajectoryCovariance          L OpenStrip, LAS            X OpenStrip, text
-inline constexpr std::string_view kReaders = "TSOIJGRBNPFCVLX";
+///   M ParseJson                         D FlightRecordFromJson      W SweepRecordFromJson
+///   E BlindRecordFromJson
+inline constexpr std::string_view kReaders = "TSOIJGRBNPFCVLXMDWE";
 
 /// Gives the bytes after the first to the reader that the first selects (any other letter: modulo
 /// the number of readers), as a file in memory.

@@ -5,7 +5,7 @@ import pathlib
 import shutil
 import struct
 
-from . import strips
+from . import shards, strips
 from .program import Conditions
 from .rotation import product, quaternion
 
@@ -143,6 +143,7 @@ class Base:
     def __init__(self, program, folder, seed):
         self.program = program
         self.flight = pathlib.Path(folder) / "flight"
+        self.results = pathlib.Path(folder) / "results"  # of commands on the flight
         self.seed = seed
         self.yaml = FLIGHT_YAML
         self.scenario = SCENARIO
@@ -166,6 +167,13 @@ class Base:
         (self.flight / "strips" / "1.las").write_bytes(strips.las(strips.epochs(381060, 381071, 300)))
         (self.flight / "strips" / "2.txt").write_text(strips.text(strips.epochs(381121, 381133, 300)))
         thin_sbet(self.flight / "reference.out", 4)
+        self.results.mkdir()
+
+    def make_results(self):
+        """The results folders that are attacked."""
+        self._run("smooth", self.flight, "--out", self.results / "smoothed")
+        self._run("calibrate", self.flight, "--out", self.results / "calibrated")
+        shards.make(self, self._run)
 
     def _run(self, *arguments):
         outcome = self.program.run([str(a) for a in arguments], self.flight.parent)

@@ -307,4 +307,61 @@ TEST(Page, OfMatchingWithoutPairsSaysSoFirst) {
   EXPECT_EQ(page.sections.at(0).title, "Stages");
 }
 
+/// A result with pairs of strips of these names.
+Json WithStripPairs(const std::vector<std::string>& names) {
+  Json result = Result("dn", 0.2, 0.001);
+  for (const std::string& name : names) {
+    result["strip_pairs"].push_back(
+        {{"strips", name}, {"pairs", 10}, {"after", {{"separation", {{"to_8_cm", 1.0}}}}}});
+  }
+  return result;
+}
+
+void ExpectRefused(const Folder& folder, const std::string& message) {
+  try {
+    PageOf(folder.path());
+    FAIL() << "no refusal";
+  } catch (const InvalidInput& error) {
+    const std::string text = std::string(error.what()) + " (" + error.where().ToString() + ")";
+    EXPECT_THAT(text, HasSubstr(message));
+  }
+}
+
+TEST(Page, APairOfStripsIsThereOnce) {
+  const Folder good("result.json", WithStripPairs({"1 2", "1 3"}));
+  EXPECT_NO_THROW(PageOf(good.path()));
+  const Folder twice("result.json", WithStripPairs(std::vector<std::string>(1000, "1 2")));
+  ExpectRefused(twice, "strip_pairs has '1 2' twice");
+}
+
+TEST(Page, ShowsABoundedNumberOfRows) {
+  Json result = Result("dn", 0.2, 0.001);
+  result["strip_pairs"] = std::vector<Json>(150'000, Json::object());
+  ExpectRefused(Folder("result.json", result), "more rows than a page can show");
+  result = Result("dn", 0.2, 0.001);
+  result["estimates"] = {{"a", {{"value", std::vector<int>(150'000, 0)}}}};
+  ExpectRefused(Folder("result.json", result), "more rows than a page can show");
+  Json report = Report();
+  report["warnings"] = std::vector<std::string>(20'000, "x");
+  ExpectRefused(Folder("result.json", Result("dn", 0.2, 0.001), report), "more texts than a page");
+}
+
+TEST(Page, WhatIsNoRegularFileIsRefusedByName) {
+  Folder folder("result.json", Json());
+  std::filesystem::remove(folder.path() / "result.json");
+  std::filesystem::create_directory(folder.path() / "result.json");
+  ExpectRefused(folder, "this is a folder, not a regular file");
+  std::filesystem::remove(folder.path() / "result.json");
+  std::filesystem::create_symlink("/dev/zero", folder.path() / "result.json");
+  ExpectRefused(folder, "this is a device, not a regular file");
+}
+
+TEST(Page, NamesTheFileThatIsNoJson) {
+  Folder folder("result.json", Json());
+  folder.Write("result.json", "{\"boresight\":\n [}");
+  ExpectRefused(folder, "result.json:2:3");
+  folder.Write("result.json", std::string(1'000'000, '['));
+  ExpectRefused(folder, "nested deeper");
+}
+
 }  // namespace dn::page_test

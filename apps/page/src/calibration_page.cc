@@ -1,3 +1,6 @@
+#include <dn/error.h>
+#include <dn/names.h>
+
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -106,23 +109,35 @@ std::string MethodName(const Facts& result) {
   return method == "planes" ? "plane adjustment" : method;
 }
 
+/// The pairs of strips of a result by name. Throws InvalidInput for a name that is there twice.
+std::map<std::string, Facts> StripPairsByName(const Facts& result) {
+  std::map<std::string, Facts> pairs;
+  for (const Facts& of : result["strip_pairs"].elements()) {
+    const std::string strips = of["strips"].text();
+    if (pairs.emplace(strips, of).second) continue;
+    throw InvalidInput("strip_pairs has '" + WithoutControls(strips) + "' twice");
+  }
+  return pairs;
+}
+
 /// Before and after by each method. Of several, before is what the first shows that has a given
 /// trajectory: the assumed mounting on the trajectory of the user.
 Section SeparationOf(const std::vector<Calibrated>& all) {
   const auto given = std::find_if(all.begin(), all.end(), [](const Calibrated& one) {
     return one.result["method"].text() == "gh" && one.result["strip_pairs"];
   });
+  std::vector<std::map<std::string, Facts>> by_name;
+  for (const Calibrated& one : all) by_name.push_back(StripPairsByName(one.result));
   const Facts first = (given == all.end() ? all.front() : *given).result["strip_pairs"];
   std::vector<Separation> separations;
-  for (std::size_t k = 0; k < first.elements().size(); ++k) {
-    const std::string strips = first[k]["strips"].text();
-    separations.push_back({strips, "before", first[k]["before"]["separation"]});
-    for (const Calibrated& one : all) {
-      for (const Facts& of : one.result["strip_pairs"].elements()) {
-        if (of["strips"].text() != strips) continue;
-        separations.push_back(
-            {strips, "after, " + MethodName(one.result), of["after"]["separation"]});
-      }
+  for (const Facts& pair : first.elements()) {
+    const std::string strips = pair["strips"].text();
+    separations.push_back({strips, "before", pair["before"]["separation"]});
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const auto found = by_name[k].find(strips);
+      if (found == by_name[k].end()) continue;
+      separations.push_back(
+          {strips, "after, " + MethodName(all[k].result), found->second["after"]["separation"]});
     }
   }
   return SeparationSection(separations);

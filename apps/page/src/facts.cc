@@ -1,5 +1,8 @@
 #include "facts.h"
 
+#include <dn/error.h>
+#include <dn/report/json_reader.h>
+
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -7,24 +10,22 @@
 namespace dn::internal {
 namespace {
 
-/// A key of a JSON pointer (RFC 6901).
-std::string Escaped(const std::string& key) {
-  std::string out;
-  for (const char c : key) out += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
-  return out;
-}
+constexpr std::size_t kMostTexts = 10'000;
 
 }  // namespace
 
-Facts::Facts(std::string file, Json json)
-    : source_(std::move(file) + "#"), root_(std::make_shared<const Json>(std::move(json))) {
+Facts::Facts(std::string file, Json json, RowsLeft rows_left)
+    : source_(std::move(file) + "#"),
+      root_(std::make_shared<const Json>(std::move(json))),
+      rows_left_(std::move(rows_left)) {
   json_ = root_.get();
 }
 
 Facts Facts::At(const Json* json, const std::string& key) const {
   Facts place;
-  place.source_ = source_ + "/" + Escaped(key);
+  place.source_ = source_ + "/" + EscapedKey(key);
   place.root_ = root_;
+  place.rows_left_ = rows_left_;
   place.json_ = json;
   return place;
 }
@@ -39,12 +40,21 @@ Facts Facts::operator[](std::size_t index) const {
   return At(there ? &json_->at(index) : nullptr, std::to_string(index));
 }
 
+void Facts::Take(std::size_t rows) const {
+  if (rows > *rows_left_) {
+    throw InvalidInput(source_ + ": this folder has more rows than a page can show");
+  }
+  *rows_left_ -= rows;
+}
+
 std::vector<Facts> Facts::elements() const {
   std::vector<Facts> list;
   if (json_ == nullptr || !json_->is_structured()) return list;
-  for (const std::string& key : keys()) list.push_back((*this)[key]);
-  for (std::size_t k = 0; json_->is_array() && k < json_->size(); ++k) {
-    list.push_back((*this)[k]);
+  Take(json_->size());
+  std::size_t index = 0;
+  for (const auto& item : json_->items()) {
+    list.push_back(At(&item.value(), json_->is_object() ? item.key() : std::to_string(index)));
+    ++index;
   }
   return list;
 }
@@ -52,8 +62,19 @@ std::vector<Facts> Facts::elements() const {
 std::vector<std::string> Facts::keys() const {
   std::vector<std::string> names;
   if (json_ == nullptr || !json_->is_object()) return names;
+  Take(json_->size());
   for (const auto& item : json_->items()) names.push_back(item.key());
   return names;
+}
+
+Curve Facts::points(const std::string& label) const {
+  Curve curve{label, {}, {}};
+  for (std::size_t k = 0; json_ != nullptr && json_->is_array() && k < json_->size(); ++k) {
+    const Facts point = (*this)[k];
+    curve.x.push_back(point[0].number());
+    curve.y.push_back(point[1].number());
+  }
+  return curve;
 }
 
 double Facts::number() const {
@@ -69,7 +90,11 @@ std::string Facts::text() const {
 
 std::vector<std::string> Facts::texts() const {
   std::vector<std::string> list;
-  for (const Facts& element : elements()) list.push_back(element.text());
+  if (json_ == nullptr || !json_->is_array()) return list;
+  if (json_->size() > kMostTexts) {
+    throw InvalidInput(source_ + " has more texts than a page can show");
+  }
+  for (std::size_t k = 0; k < json_->size(); ++k) list.push_back((*this)[k].text());
   return list;
 }
 

@@ -11,12 +11,17 @@
 
 namespace dn::internal {
 
+/// How many elements of lists and objects the files of one folder may still bring onto a page: its
+/// size must not follow from a damaged file.
+using RowsLeft = std::shared_ptr<std::size_t>;
+
 /// A place in a JSON file, whether it is there or not: what is absent, or of another kind, is NaN,
-/// empty, without elements.
+/// empty, without elements. Functions that list elements throw InvalidInput where `rows_left` or
+/// the longest list of texts is exceeded.
 class Facts {
  public:
   Facts() = default;
-  Facts(std::string file, Json json);
+  Facts(std::string file, Json json, RowsLeft rows_left);
 
   Facts operator[](const std::string& key) const;
   Facts operator[](std::size_t index) const;
@@ -29,6 +34,8 @@ class Facts {
   double number() const;
   bool flag() const;
   std::string text() const;
+  /// The points of a list of pairs of numbers.
+  Curve points(const std::string& label) const;
   /// The texts of a list.
   std::vector<std::string> texts() const;
   /// Three numbers; NaN where there are not three.
@@ -42,10 +49,12 @@ class Facts {
 
  private:
   Facts At(const Json* json, const std::string& key) const;
+  void Take(std::size_t rows) const;
   Cell CellOf(Number::Style style, int digits, double scale) const;
 
   std::string source_;  // file#/pointer
   std::shared_ptr<const Json> root_;
+  RowsLeft rows_left_;
   const Json* json_ = nullptr;
 };
 

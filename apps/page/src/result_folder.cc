@@ -2,18 +2,24 @@
 
 #include <dn/error.h>
 #include <dn/geo/read_file.h>
+#include <dn/report/json_reader.h>
 
+#include <memory>
 #include <utility>
 
 namespace dn::internal {
 namespace {
 
 // Far above any that a command writes.
-constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+constexpr std::size_t kMostTextBytes = std::size_t{16} << 20;
+constexpr std::size_t kMostRows = 100'000;
 
 }  // namespace
 
-ResultFolder::ResultFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+ResultFolder::ResultFolder(std::filesystem::path folder)
+    : folder_(std::move(folder)),
+      rows_left_(std::make_shared<std::size_t>(kMostRows)),
+      values_left_(JsonLimits{}.values) {
   report_ = Read("report.json");
   if (report_["schema"].text() == "dn.report/1") return;
   throw InvalidInput("it is no result of dn: there is no report.json of schema dn.report/1",
@@ -26,10 +32,16 @@ bool ResultFolder::Has(const std::string& name) const {
 }
 
 Facts ResultFolder::Read(const std::string& name) const {
-  if (!Has(name)) return {name, Json()};
-  Json json = Json::parse(Text(name), nullptr, false);
-  if (json.is_discarded()) throw InvalidInput("it is no JSON", {PathOf(name).string()});
-  return {name, std::move(json)};
+  const auto known = files_.find(name);
+  if (known != files_.end()) return known->second;
+  const std::filesystem::path file = PathOf(name);
+  std::error_code none;
+  if (!std::filesystem::exists(file, none)) return {name, Json(), rows_left_};
+  JsonLimits limits;
+  limits.values = values_left_;
+  Json json = ParseJson(ReadWholeFile(file, limits.bytes), file.string(), limits);
+  values_left_ -= CountValues(json);
+  return files_.emplace(name, Facts(name, std::move(json), rows_left_)).first->second;
 }
 
 std::optional<TextTable> ResultFolder::Numbers(const std::string& name, std::size_t columns) const {
@@ -38,7 +50,7 @@ std::optional<TextTable> ResultFolder::Numbers(const std::string& name, std::siz
 }
 
 std::string ResultFolder::Text(const std::string& name) const {
-  return Has(name) ? ReadWholeFile(PathOf(name), kMostBytes) : "";
+  return Has(name) ? ReadWholeFile(PathOf(name), kMostTextBytes) : "";
 }
 
 std::optional<FlightConfig> ResultFolder::Config() const {

@@ -4,6 +4,7 @@
 #include <dn/geo/text_table.h>
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -19,7 +20,8 @@ class ResultFolder {
 
   const Facts& report() const { return report_; }
   bool Has(const std::string& name) const;
-  /// A JSON file; nothing where it is absent. Throws InvalidInput for what is no JSON.
+  /// A JSON file; nothing where it is absent. Throws InvalidInput for what is no regular file, no
+  /// JSON, and where the files of the folder together have more values than ParseJson allows.
   Facts Read(const std::string& name) const;
   /// A table of numbers; nothing where it is absent or has other columns.
   std::optional<TextTable> Numbers(const std::string& name, std::size_t columns) const;
@@ -31,6 +33,9 @@ class ResultFolder {
 
  private:
   std::filesystem::path folder_;
+  RowsLeft rows_left_;
+  mutable std::size_t values_left_;
+  mutable std::map<std::string, Facts> files_;  // those that were read, by name
   Facts report_;
 };
 

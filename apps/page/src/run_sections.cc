@@ -1,3 +1,4 @@
+#include <dn/error.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -64,6 +65,10 @@ std::vector<Cell> Three(const Facts& list, int decimals, double scale) {
 
 HeatMap Correlations(const std::string& title, const std::vector<std::string>& rows,
                      const std::vector<std::string>& columns, const Facts& matrix) {
+  constexpr std::size_t kMostFields = 100'000;
+  if (rows.size() * columns.size() > kMostFields) {
+    throw InvalidInput(title + ": more fields than a page can show");
+  }
   HeatMap map{title, rows, columns, {}};
   for (std::size_t r = 0; r < rows.size(); ++r) {
     map.values.emplace_back();

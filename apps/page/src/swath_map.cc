@@ -10,15 +10,6 @@ namespace {
 constexpr std::size_t kMostPlaces = 1800;
 constexpr double kOfAll = 0.98;  // share of the pairs whose colour differs from that of the limit
 
-Curve Points(const std::string& label, const Facts& list) {
-  Curve curve{label, {}, {}};
-  for (const Facts& point : list.elements()) {
-    curve.x.push_back(point[0].number());
-    curve.y.push_back(point[1].number());
-  }
-  return curve;
-}
-
 double QuantileOf(std::vector<double> values, double share) {
   const auto at =
       values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -41,8 +32,8 @@ MapChart SwathMap(const ResultFolder& folder, const std::string& title) {
   MapChart map{title, {}};
   for (const Facts& swath : folder.Read("swaths.json")["swaths"].elements()) {
     const std::string label = "strip " + swath["strip"].text();
-    Curve area = Points(label, swath["outline_en_m"]);
-    Curve line = Points(label, swath["line_en_m"]);
+    Curve area = swath["outline_en_m"].points(label);
+    Curve line = swath["line_en_m"].points(label);
     if (!area.x.empty()) map.areas.push_back(std::move(area));
     if (!line.x.empty()) map.lines.push_back(std::move(line));
   }

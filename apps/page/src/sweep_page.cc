@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "sections.h"
@@ -7,6 +8,7 @@ namespace dn::internal {
 namespace {
 
 constexpr std::size_t kMostDesigns = 30;
+constexpr std::size_t kMostKeys = 30;
 
 double Largest(const Facts& design) { return design["sigma_deg"].vector3().maxCoeff(); }
 
@@ -44,13 +46,12 @@ Headline SweepHeadline(const std::vector<Facts>& designs, std::size_t all) {
 Section ByValue(const Facts& sweep, const std::vector<Facts>& designs) {
   Section section{"What each value allows", {}};
   const std::vector<std::string> keys = sweep["keys"].texts();
-  for (std::size_t key = 0; key < keys.size(); ++key) {
+  for (std::size_t key = 0; key < std::min(keys.size(), kMostKeys); ++key) {
     BarChart chart{"Best design with each value of " + keys[key], "sigma [mdeg]", {}};
-    std::vector<std::string> seen;
+    std::set<std::string> seen;
     for (const Facts& design : designs) {
       const std::string value = design["labels"][key].text();
-      if (std::find(seen.begin(), seen.end(), value) != seen.end()) continue;
-      seen.push_back(value);
+      if (!seen.insert(value).second) continue;
       for (std::size_t k = 0; k < 3; ++k) {
         chart.bars.push_back(
             {value, kBoresightAngles[k], 1e3 * design["sigma_deg"][k].number(), kNone, kNone});

@@ -22,25 +22,10 @@ namespace fs = std::filesystem;
 constexpr std::string_view kStagingPrefix = ".dn-staging-";
 constexpr std::string_view kStagingRandom = "XXXXXX";
 
-bool IsResultName(const std::string& name) {
-  const fs::path path(name);
-  const auto depth = std::distance(path.begin(), path.end());
-  const bool climbs = std::find_if(path.begin(), path.end(), [](const fs::path& part) {
-                        return part == ".." || part == ".";
-                      }) != path.end();
-  return depth >= 1 && depth <= 2 && !path.is_absolute() && !climbs && path.has_filename() &&
-         !HasControls(name);
-}
-
 void CheckName(const std::string& name) {
   if (IsResultName(name)) return;
   throw InvalidInput("result file name '" + name +
                      "' must be FILE or FOLDER/FILE inside the output directory");
-}
-
-bool IsRealDirectory(const fs::path& path) {
-  std::error_code none;
-  return fs::is_directory(fs::symlink_status(path, none));
 }
 
 [[noreturn]] void ThrowErrno(const char* what, const fs::path& path) {
@@ -90,6 +75,16 @@ fs::path MakeStaging(const fs::path& directory) {
 }
 
 }  // namespace
+
+bool IsResultName(const std::string& name) {
+  const fs::path path(name);
+  const auto depth = std::distance(path.begin(), path.end());
+  const bool climbs = std::find_if(path.begin(), path.end(), [](const fs::path& part) {
+                        return part == ".." || part == ".";
+                      }) != path.end();
+  return depth >= 1 && depth <= 2 && !path.is_absolute() && !climbs && path.has_filename() &&
+         name.front() != '.' && !HasControls(name);
+}
 
 OutputDirectory::OutputDirectory(fs::path directory) : directory_(std::move(directory)) {
   fs::create_directories(directory_);
@@ -143,7 +138,7 @@ void OutputDirectory::Remove(const std::vector<std::string>& names) const {
     if (!IsResultName(name)) continue;
     const fs::path file = directory_ / name;
     const bool in_folder = fs::path(name).has_parent_path();
-    if (in_folder && !IsRealDirectory(file.parent_path())) continue;
+    if (in_folder && !internal::IsRealDirectory(file.parent_path())) continue;
     ::unlink(file.c_str());
     if (in_folder) ::rmdir(file.parent_path().c_str());
   }

@@ -1,9 +1,12 @@
 #include "staged_commit.h"
 
+#include <dn/error.h>
 #include <dn/flight/atomic_file.h>
+#include <dn/geo/read_file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include <fstream>
+#include <sstream>
 #include <system_error>
 
 namespace dn::internal {
@@ -23,14 +26,13 @@ bool Exists(const fs::path& path) {
 
 void ExpectRoom(const fs::path& directory, const std::string& name) {
   const fs::path target = directory / name;
-  std::error_code none;
-  if (fs::is_directory(fs::symlink_status(target, none))) {
+  if (IsRealDirectory(target)) {
     throw UnusableOutput("the folder " + target.string() +
                          " has the name of a result file; rename it, or give another --out");
   }
   const fs::path parent = target.parent_path();
   const bool below = parent != directory;
-  if (below && Exists(parent) && !fs::is_directory(fs::symlink_status(parent, none))) {
+  if (below && Exists(parent) && !IsRealDirectory(parent)) {
     throw UnusableOutput("the file or link " + parent.string() +
                          " has the name of a result folder; rename it, or give another --out");
   }
@@ -44,10 +46,57 @@ void Keep(const fs::path& file, const fs::path& kept) {
   if (::link(file.c_str(), kept.c_str()) != 0) fs::rename(file, kept);
 }
 
+// Inode numbers bind a journal to the two directories in which it was written. A copy of them, or
+// a journal that somebody else has put there, has others.
+std::string FirstLine(const fs::path& staging) {
+  std::string line = "dn.commit/1";
+  for (const fs::path& directory : {staging.parent_path(), staging}) {
+    struct stat status {};
+    if (::stat(directory.c_str(), &status) == 0) line += " " + std::to_string(status.st_ino);
+  }
+  return line;
+}
+
+[[noreturn]] void Refuse(const fs::path& staging, const std::string& why) {
+  throw UnusableOutput((staging / kJournal).string() +
+                       " is not the journal of a run that was interrupted in this folder: " + why +
+                       "; delete " + staging.string() + ", or give another --out");
+}
+
+std::string JournalText(const fs::path& staging) {
+  constexpr std::uintmax_t kMostBytes = std::uintmax_t{16} << 20;
+  const fs::path journal = staging / kJournal;
+  std::error_code none;
+  if (fs::is_symlink(fs::symlink_status(journal, none))) Refuse(staging, "it is a link");
+  try {
+    return ReadWholeFile(journal, kMostBytes);
+  } catch (const InvalidInput& error) {
+    Refuse(staging, error.what());
+  }
+}
+
+// A folder between a directory and a file of it may be absent, but no link.
+void ExpectNoLink(const fs::path& staging, const fs::path& folder) {
+  if (!Exists(folder) || IsRealDirectory(folder)) return;
+  Refuse(staging, folder.string() + " is no folder");
+}
+
 std::vector<std::string> NamesInJournal(const fs::path& staging) {
   std::vector<std::string> names;
-  std::ifstream in(staging / kJournal);
-  for (std::string name; std::getline(in, name);) names.push_back(name);
+  if (!Exists(staging / kJournal)) return names;
+  std::istringstream in(JournalText(staging));
+  std::string name;
+  if (!std::getline(in, name) || name != FirstLine(staging)) {
+    Refuse(staging, "it was written elsewhere");
+  }
+  ExpectNoLink(staging, staging / kReplaced);
+  while (std::getline(in, name)) {
+    if (!IsResultName(name)) Refuse(staging, "a name in it is not that of a result file");
+    for (const fs::path& from : {staging.parent_path(), staging, staging / kReplaced}) {
+      ExpectNoLink(staging, (from / name).parent_path());
+    }
+    names.push_back(name);
+  }
   return names;
 }
 
@@ -68,9 +117,14 @@ void UndoOne(const fs::path& staging, const std::string& name) {
 
 }  // namespace
 
+bool IsRealDirectory(const fs::path& path) {
+  std::error_code none;
+  return fs::is_directory(fs::symlink_status(path, none));
+}
+
 void CommitStaged(const fs::path& staging, const std::vector<std::string>& names) {
   const fs::path directory = staging.parent_path();
-  std::string journal;
+  std::string journal = FirstLine(staging) + "\n";
   for (const std::string& name : names) {
     ExpectRoom(directory, name);
     journal += name + "\n";

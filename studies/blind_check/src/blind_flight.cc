@@ -66,11 +66,15 @@ std::vector<std::string> BlindScenarioNames() {
   return names;
 }
 
+std::uint64_t BlindFlightSeed(std::uint64_t suite_seed, int number) {
+  return MixBits(suite_seed ^ MixBits(static_cast<std::uint64_t>(number)));
+}
+
 BlindFlight DrawBlindFlight(const BlindSuite& suite, int number) {
   Random random(suite.seed, fmt::format("blind flight {}", number));
   BlindFlight flight;
   flight.number = number;
-  flight.seed = MixBits(suite.seed ^ MixBits(static_cast<std::uint64_t>(number)));
+  flight.seed = BlindFlightSeed(suite.seed, number);
   flight.base = suite.scenarios[DrawIndex(suite.scenarios.size(), random)];
   flight.scenario = DrawScenario(flight.base, random);
   flight.scenario.name = fmt::format("flight_{:03}", number);

@@ -5,48 +5,14 @@
 
 #include <algorithm>
 
-#include <dn/report/json_numbers.h>
+#include "blind_json.h"
 
 namespace dn {
 namespace {
 
-BlindCause CauseFromJson(const Json& json) {
-  return {json.at("effect"), NumberFromJson(json.at("posterior")),
-          NumbersFromJson(json.at("estimate")), NumbersFromJson(json.at("sigma"))};
-}
-
-std::optional<double> NumberUnder(const Json& section, const char* key) {
-  if (section.is_null() || !section.contains(key) || section.at(key).is_null()) return std::nullopt;
-  return section.at(key).get<double>();
-}
-
-BlindDiagnosis ReadDiagnosis(const Json& json) {
-  const Json& gap = json.at("gap");
-  const Json& verdict = json.at("verdict");
-  BlindDiagnosis diagnosis;
-  diagnosis.detected = gap.at("detected");
-  diagnosis.p_value = NumberFromJson(gap.at("p_value"));
-  diagnosis.verdict = verdict.at("kind");
-  diagnosis.effects = verdict.at("effects");
-  diagnosis.credible_set = verdict.at("credible_set");
-  diagnosis.unknown = verdict.at("unknown");
-  for (const Json& cause : json.at("causes")) diagnosis.causes.push_back(CauseFromJson(cause));
-  diagnosis.shrinkage = NumberUnder(json.at("shrinkage"), "fraction");
-  diagnosis.size_nats_per_obs = NumberUnder(gap.value("size_nats_per_obs", Json()), "value");
-  return diagnosis;
-}
-
-BlindCalibration ReadCalibration(const Json& json, const Eigen::Vector3d& truth_deg) {
-  const Json& boresight = json.at("boresight");
-  const Eigen::Vector3d angles_deg = Vector3FromJson(boresight.at("angles_deg"));
-  BlindCalibration calibration;
-  calibration.verdict = json.at("assessment").at("verdict");
-  calibration.sigma_deg = Vector3FromJson(boresight.at("sigma_deg"));
-  const Eigen::Quaterniond q = Exp(Eigen::Vector3d(kRadPerDeg * angles_deg));
-  const Eigen::Quaterniond q_true = Exp(Eigen::Vector3d(kRadPerDeg * truth_deg));
-  const Eigen::Vector3d error_rad = Log(Eigen::Quaterniond(q * q_true.conjugate()));
-  calibration.error_sigmas = kDegPerRad * error_rad.cwiseQuotient(calibration.sigma_deg);
-  return calibration;
+std::optional<double> NumberUnder(const JsonPlace& section, const char* key) {
+  if (!section.Has(key)) return std::nullopt;
+  return OptionalNumber(section.At(key));
 }
 
 }  // namespace
@@ -64,21 +30,36 @@ BlindRecord TruthOf(const BlindFlight& flight) {
   return record;
 }
 
-BlindDiagnosis DiagnosisFromGapJson(const Json& gap) {
-  try {
-    return ReadDiagnosis(gap);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(std::string("not a gap.json: ") + error.what());
+BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json) {
+  const JsonPlace gap = json.At("gap");
+  const JsonPlace verdict = json.At("verdict");
+  BlindDiagnosis diagnosis;
+  diagnosis.detected = gap.At("detected").Flag();
+  diagnosis.p_value = gap.At("p_value").NumberOrNaN();
+  diagnosis.verdict = WordFromJson(verdict.At("kind"));
+  diagnosis.effects = WordsFromJson(verdict.At("effects"));
+  diagnosis.credible_set = WordsFromJson(verdict.At("credible_set"));
+  diagnosis.unknown = verdict.At("unknown").Flag();
+  diagnosis.causes = CausesFromJson(json.At("causes"));
+  diagnosis.shrinkage = NumberUnder(json.At("shrinkage"), "fraction");
+  if (gap.Has("size_nats_per_obs")) {
+    diagnosis.size_nats_per_obs = NumberUnder(gap.At("size_nats_per_obs"), "value");
   }
+  return diagnosis;
 }
 
-BlindCalibration CalibrationFromResultJson(const Json& result,
+BlindCalibration CalibrationFromResultJson(const JsonPlace& json,
                                            const Eigen::Vector3d& true_boresight_deg) {
-  try {
-    return ReadCalibration(result, true_boresight_deg);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(std::string("not a result.json: ") + error.what());
-  }
+  const JsonPlace boresight = json.At("boresight");
+  const Eigen::Vector3d angles_deg = boresight.At("angles_deg").Vector3();
+  BlindCalibration calibration;
+  calibration.verdict = WordFromJson(json.At("assessment").At("verdict"));
+  calibration.sigma_deg = boresight.At("sigma_deg").Vector3();
+  const Eigen::Quaterniond q = Exp(Eigen::Vector3d(kRadPerDeg * angles_deg));
+  const Eigen::Quaterniond q_true = Exp(Eigen::Vector3d(kRadPerDeg * true_boresight_deg));
+  const Eigen::Vector3d error_rad = Log(Eigen::Quaterniond(q * q_true.conjugate()));
+  calibration.error_sigmas = kDegPerRad * error_rad.cwiseQuotient(calibration.sigma_deg);
+  return calibration;
 }
 
 const char* Word(BlindContent content) {

@@ -1,7 +1,8 @@
+#include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/montecarlo/blind_record.h>
 
-#include <dn/report/json_numbers.h>
+#include "blind_json.h"
 
 namespace dn {
 namespace {
@@ -11,9 +12,10 @@ Json OrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
 }
 
-std::optional<double> OptionalNumber(const Json& json) {
-  return json.is_null() ? std::nullopt : std::optional<double>(json.get<double>());
-}
+// Far above any that a flight has.
+constexpr std::int64_t kMostFlights = 1'000'000;
+constexpr std::int64_t kMostStrips = 100'000;
+constexpr double kMostTime_s = 1e9;
 
 Json EffectToJson(const Effect& effect) {
   Json json = {{"effect", effect.name}, {"value", effect.value}};
@@ -24,14 +26,20 @@ Json EffectToJson(const Effect& effect) {
   return json;
 }
 
-Effect EffectFromJson(const Json& json) {
+Effect EffectFromJson(const JsonPlace& json) {
   Effect effect;
-  effect.name = json.at("effect");
-  effect.value = NumbersFromJson(json.at("value"));
-  if (json.contains("window_s")) {
-    effect.times.window_s = {json.at("window_s").at(0), json.at("window_s").at(1)};
+  effect.name = WordFromJson(json.At("effect"));
+  for (const JsonPlace& value : json.At("value").Elements()) effect.value.push_back(value.Number());
+  const EffectSpec* spec = FindEffect(effect.name);
+  if (spec == nullptr) json.At("effect").Fail("is no effect of the table");
+  if (spec->components.size() != effect.value.size()) {
+    json.At("value").Fail("has not as many numbers as the effect");
   }
-  if (json.contains("t0_s")) effect.times.t0_s = json.at("t0_s").get<double>();
+  if (json.Has("window_s")) {
+    const JsonPlace window = json.At("window_s");
+    effect.times.window_s = {window.At(0).Number(), window.At(1).Number()};
+  }
+  if (json.Has("t0_s")) effect.times.t0_s = json.At("t0_s").Number();
   return effect;
 }
 
@@ -42,9 +50,10 @@ Json SignatureToJson(const std::optional<BlindSignature>& signature) {
           {"nearest", signature->nearest}};
 }
 
-std::optional<BlindSignature> SignatureFromJson(const Json& json) {
+std::optional<BlindSignature> SignatureFromJson(const JsonPlace& json) {
   if (json.is_null()) return std::nullopt;
-  return BlindSignature{json.at("lambda"), json.at("lambda_left"), json.at("nearest")};
+  return BlindSignature{json.At("lambda").Number(), json.At("lambda_left").Number(),
+                        json.At("nearest").Text()};
 }
 
 Json ResultToJson(const BlindDiagnosis& diagnosis) {
@@ -66,20 +75,16 @@ Json ResultToJson(const BlindDiagnosis& diagnosis) {
           {"causes", causes}};
 }
 
-void ResultFromJson(const Json& json, BlindDiagnosis* diagnosis) {
-  diagnosis->detected = json.at("detected");
-  diagnosis->p_value = NumberFromJson(json.at("p_value"));
-  diagnosis->verdict = json.at("verdict");
-  diagnosis->effects = json.at("effects");
-  diagnosis->credible_set = json.at("credible_set");
-  diagnosis->unknown = json.at("unknown");
-  diagnosis->shrinkage = OptionalNumber(json.at("shrinkage"));
-  diagnosis->size_nats_per_obs = OptionalNumber(json.at("size_nats_per_obs"));
-  for (const Json& cause : json.at("causes")) {
-    diagnosis->causes.push_back({cause.at("effect"), NumberFromJson(cause.at("posterior")),
-                                 NumbersFromJson(cause.at("estimate")),
-                                 NumbersFromJson(cause.at("sigma"))});
-  }
+void ResultFromJson(const JsonPlace& json, BlindDiagnosis* diagnosis) {
+  diagnosis->detected = json.At("detected").Flag();
+  diagnosis->p_value = json.At("p_value").NumberOrNaN();
+  diagnosis->verdict = WordFromJson(json.At("verdict"));
+  diagnosis->effects = WordsFromJson(json.At("effects"));
+  diagnosis->credible_set = WordsFromJson(json.At("credible_set"));
+  diagnosis->unknown = json.At("unknown").Flag();
+  diagnosis->shrinkage = OptionalNumber(json.At("shrinkage"));
+  diagnosis->size_nats_per_obs = OptionalNumber(json.At("size_nats_per_obs"));
+  diagnosis->causes = CausesFromJson(json.At("causes"));
 }
 
 Json ResultToJson(const BlindCalibration& calibration) {
@@ -88,10 +93,10 @@ Json ResultToJson(const BlindCalibration& calibration) {
           {"sigma_deg", dn::ToJson(calibration.sigma_deg)}};
 }
 
-void ResultFromJson(const Json& json, BlindCalibration* calibration) {
-  calibration->verdict = json.at("verdict");
-  calibration->error_sigmas = Vector3FromJson(json.at("error_sigmas"));
-  calibration->sigma_deg = Vector3FromJson(json.at("sigma_deg"));
+void ResultFromJson(const JsonPlace& json, BlindCalibration* calibration) {
+  calibration->verdict = WordFromJson(json.At("verdict"));
+  calibration->error_sigmas = json.At("error_sigmas").Vector3();
+  calibration->sigma_deg = json.At("sigma_deg").Vector3();
 }
 
 template <class T>
@@ -102,12 +107,29 @@ Json OutcomeToJson(const Outcome<T>& outcome) {
 }
 
 template <class T>
-Outcome<T> OutcomeFromJson(const Json& json) {
+Outcome<T> OutcomeFromJson(const JsonPlace& json) {
   Outcome<T> outcome;
-  outcome.failure = json.at("failure");
-  outcome.time_s = json.at("time_s");
-  if (!json.at("result").is_null()) ResultFromJson(json.at("result"), &outcome.result.emplace());
+  outcome.failure = json.At("failure").Text();
+  outcome.time_s = json.At("time_s").Number(0.0, kMostTime_s);
+  const JsonPlace result = json.At("result");
+  if (!result.is_null()) ResultFromJson(result, &outcome.result.emplace());
   return outcome;
+}
+
+// The score looks for what a flight contains by the word that says so.
+bool FitsContent(const BlindRecord& record) {
+  switch (record.content) {
+    case BlindContent::kNothing:
+      return record.effects.empty();
+    case BlindContent::kOneEffect:
+    case BlindContent::kLeftOut:
+      return record.effects.size() == 1;
+    case BlindContent::kTwoEffects:
+      return record.effects.size() == 2;
+    case BlindContent::kOutsider:
+      return record.outsider.has_value();
+  }
+  return false;
 }
 
 }  // namespace
@@ -133,21 +155,30 @@ Json ToJson(const BlindRecord& record) {
           {"adapted", OutcomeToJson(record.adapted)}};
 }
 
-BlindRecord BlindRecordFromJson(const Json& json) {
+BlindRecord BlindRecordFromJson(const JsonPlace& json) {
   BlindRecord record;
-  record.number = json.at("number");
-  record.seed = json.at("seed");
-  record.base = json.at("base");
-  record.content = ContentOf(json.at("content"));
-  for (const Json& effect : json.at("effects")) record.effects.push_back(EffectFromJson(effect));
-  const Json& outsider = json.at("outsider");
-  if (!outsider.is_null()) record.outsider = {outsider.at("name"), outsider.at("parameters")};
-  record.boresight_deg = Vector3FromJson(json.at("boresight_deg"));
-  record.strips = json.at("strips");
-  record.signature = SignatureFromJson(json.at("signature"));
-  record.diagnosis = OutcomeFromJson<BlindDiagnosis>(json.at("diagnosis"));
-  record.calibrated = OutcomeFromJson<BlindCalibration>(json.at("calibrated"));
-  record.adapted = OutcomeFromJson<BlindCalibration>(json.at("adapted"));
+  record.number = static_cast<int>(json.At("number").Integer(1, kMostFlights));
+  record.seed = json.At("seed").Unsigned();
+  record.base = json.At("base").Text();
+  try {
+    record.content = ContentOf(json.At("content").Text());
+  } catch (const InvalidInput&) {
+    json.At("content").Fail("is no word for what a flight contains");
+  }
+  for (const JsonPlace& effect : json.At("effects").Elements()) {
+    record.effects.push_back(EffectFromJson(effect));
+  }
+  const JsonPlace outsider = json.At("outsider");
+  if (!outsider.is_null()) {
+    record.outsider = {WordFromJson(outsider.At("name")), outsider.At("parameters").json()};
+  }
+  record.boresight_deg = json.At("boresight_deg").FiniteVector3();
+  record.strips = static_cast<std::size_t>(json.At("strips").Integer(0, kMostStrips));
+  record.signature = SignatureFromJson(json.At("signature"));
+  record.diagnosis = OutcomeFromJson<BlindDiagnosis>(json.At("diagnosis"));
+  record.calibrated = OutcomeFromJson<BlindCalibration>(json.At("calibrated"));
+  record.adapted = OutcomeFromJson<BlindCalibration>(json.At("adapted"));
+  if (!FitsContent(record)) json.At("content").Fail("does not fit the effects and the outsider");
   return record;
 }
 

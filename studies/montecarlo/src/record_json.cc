@@ -2,14 +2,17 @@
 
 #include <dn/report/json_numbers.h>
 
+#include <Eigen/Cholesky>
+
 namespace dn {
 namespace {
 
-Eigen::Matrix3d Matrix3FromJson(const Json& json) {
-  Eigen::Matrix3d matrix;
-  for (int i = 0; i < 3; ++i) matrix.row(i) = Vector3FromJson(json.at(static_cast<std::size_t>(i)));
-  return matrix;
-}
+// Far above any that a flight has.
+constexpr std::int64_t kMostCount = 1'000'000'000'000;
+constexpr std::int64_t kMostRedundancy = 1'000'000'000;
+constexpr double kMostFigure = 1e18;
+constexpr std::size_t kMostEpochs = 1'000'000;
+constexpr std::size_t kMostSeries = 1000;
 
 // t, then per quantity its NEES and three components.
 Json EpochToJson(const EpochErrors& epoch) {
@@ -21,13 +24,13 @@ Json EpochToJson(const EpochErrors& epoch) {
   return row;
 }
 
-EpochErrors EpochFromJson(const Json& row) {
+EpochErrors EpochFromJson(const JsonPlace& row) {
   EpochErrors epoch;
   std::size_t k = 0;
-  epoch.t_s = row.at(k++).get<double>();
+  epoch.t_s = row.At(k++).Number();
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
-    epoch.nees[q] = NumberFromJson(row.at(k++));
-    for (int i = 0; i < 3; ++i) epoch.sigmas[q][i] = NumberFromJson(row.at(k++));
+    epoch.nees[q] = row.At(k++).NumberOrNaN();
+    for (int i = 0; i < 3; ++i) epoch.sigmas[q][i] = row.At(k++).NumberOrNaN();
   }
   return epoch;
 }
@@ -50,23 +53,35 @@ Json SeriesToJson(const std::vector<SeriesStatistics>& series) {
   return rows;
 }
 
-std::vector<SeriesStatistics> SeriesFromJson(const Json& rows) {
+double Figure(const JsonPlace& place) { return place.Number(-kMostFigure, kMostFigure); }
+
+std::vector<SeriesStatistics> SeriesFromJson(const JsonPlace& rows) {
   std::vector<SeriesStatistics> series;
-  for (const Json& row : rows) {
+  for (const JsonPlace& row : rows.Elements(kMostSeries)) {
     SeriesStatistics s;
-    s.sensor = row.at("sensor").get<std::string>();
-    s.axis = row.at("axis").get<std::string>();
-    s.count = row.at("count").get<long>();
-    s.mean = row.at("mean").get<double>();
-    s.variance = row.at("variance").get<double>();
-    s.expected_variance = row.at("expected_variance").get<double>();
-    s.lag1_correlation = row.at("lag1_correlation").get<double>();
-    s.mean_square = row.at("mean_square").get<double>();
-    s.worst = row.at("worst").get<double>();
-    s.worst_t_s = row.at("worst_t_s").get<double>();
+    s.sensor = row.At("sensor").Text();
+    s.axis = row.At("axis").Text();
+    s.count = row.At("count").Integer(0, kMostCount);
+    s.mean = Figure(row.At("mean"));
+    s.variance = Figure(row.At("variance"));
+    s.expected_variance = row.At("expected_variance").Number(0.0, kMostFigure);
+    s.lag1_correlation = Figure(row.At("lag1_correlation"));
+    s.mean_square = row.At("mean_square").Number(0.0, kMostFigure);
+    s.worst = Figure(row.At("worst"));
+    s.worst_t_s = Figure(row.At("worst_t_s"));
     series.push_back(s);
   }
   return series;
+}
+
+// A summary divides by the redundancy and solves with the covariance of every adjusted flight.
+void ExpectAdjusted(const FlightRecord& record, const JsonPlace& json) {
+  if (!record.failure.empty()) return;
+  if (record.redundancy < 1) json.At("redundancy").Fail("is 0 in a flight that was adjusted");
+  if (!record.with_pairs) return;
+  const Eigen::Matrix3d& covariance = record.boresight_covariance_rad2;
+  if (covariance.allFinite() && covariance.llt().info() == Eigen::Success) return;
+  json.At("boresight_covariance_rad2").Fail("is not positive definite");
 }
 
 }  // namespace
@@ -93,25 +108,28 @@ Json ToJson(const FlightRecord& record) {
           {"epochs", epochs}};
 }
 
-FlightRecord FlightRecordFromJson(const Json& json) {
+FlightRecord FlightRecordFromJson(const JsonPlace& json) {
   FlightRecord record;
-  record.seed = json.at("seed").get<std::uint64_t>();
-  record.with_pairs = json.at("with_pairs").get<bool>();
-  record.failure = json.at("failure").get<std::string>();
-  record.boresight_error_rad = Vector3FromJson(json.at("boresight_error_rad"));
-  record.boresight_covariance_rad2 = Matrix3FromJson(json.at("boresight_covariance_rad2"));
-  record.chi2 = json.at("chi2").get<double>();
-  record.redundancy = json.at("redundancy").get<long>();
-  record.outliers = json.at("outliers").get<long>();
-  record.contradicted = json.at("contradicted").get<bool>();
-  record.check_p_value = json.at("check_p_value").get<double>();
-  record.position_rms_m = Vector3FromJson(json.at("position_rms_m"));
-  record.velocity_rms_mps = Vector3FromJson(json.at("velocity_rms_mps"));
-  record.attitude_rms_rad = Vector3FromJson(json.at("attitude_rms_rad"));
-  record.residuals = SeriesFromJson(json.at("residuals"));
-  record.innovations = SeriesFromJson(json.at("innovations"));
-  record.time_s = json.at("time_s").get<double>();
-  for (const Json& row : json.at("epochs")) record.epochs.push_back(EpochFromJson(row));
+  record.seed = json.At("seed").Unsigned();
+  record.with_pairs = json.At("with_pairs").Flag();
+  record.failure = json.At("failure").Text();
+  record.boresight_error_rad = json.At("boresight_error_rad").FiniteVector3();
+  record.boresight_covariance_rad2 = json.At("boresight_covariance_rad2").Matrix3();
+  record.chi2 = json.At("chi2").Number(0.0, kMostFigure);
+  record.redundancy = json.At("redundancy").Integer(0, kMostRedundancy);
+  record.outliers = json.At("outliers").Integer(0, kMostRedundancy);
+  record.contradicted = json.At("contradicted").Flag();
+  record.check_p_value = json.At("check_p_value").Number(0.0, 1.0);
+  record.position_rms_m = json.At("position_rms_m").FiniteVector3();
+  record.velocity_rms_mps = json.At("velocity_rms_mps").FiniteVector3();
+  record.attitude_rms_rad = json.At("attitude_rms_rad").FiniteVector3();
+  record.residuals = SeriesFromJson(json.At("residuals"));
+  record.innovations = SeriesFromJson(json.At("innovations"));
+  record.time_s = json.At("time_s").Number(0.0, kMostFigure);
+  for (const JsonPlace& row : json.At("epochs").Elements(kMostEpochs)) {
+    record.epochs.push_back(EpochFromJson(row));
+  }
+  ExpectAdjusted(record, json);
   return record;
 }
 

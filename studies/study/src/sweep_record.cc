@@ -1,6 +1,18 @@
 #include <dn/study/sweep.h>
 
 namespace dn {
+namespace {
+
+constexpr double kMostFigure = 1e18;
+
+double Size(const JsonPlace& place) { return place.Number(0.0, kMostFigure); }
+
+double Correlation(const JsonPlace& place) {
+  constexpr double kRounding = 1e-6;
+  return place.Number(0.0, 1.0 + kRounding);
+}
+
+}  // namespace
 
 Json ToJson(const SweepRecord& record) {
   return {{"number", record.number},
@@ -15,19 +27,21 @@ Json ToJson(const SweepRecord& record) {
           {"position_m", record.strips.position_m}};
 }
 
-SweepRecord SweepRecordFromJson(const Json& json) {
+SweepRecord SweepRecordFromJson(const JsonPlace& json) {
   SweepRecord record;
-  record.number = json.at("number").get<std::uint64_t>();
-  record.labels = json.at("labels").get<std::vector<std::string>>();
-  record.failure = json.at("failure").get<std::string>();
-  for (std::size_t i = 0; i < 3; ++i) {
-    record.sigma_rad[static_cast<Eigen::Index>(i)] = json.at("sigma_rad").at(i).get<double>();
+  record.number = json.At("number").Unsigned();
+  record.labels = json.At("labels").Texts();
+  record.failure = json.At("failure").Text();
+  record.sigma_rad = json.At("sigma_rad").FiniteVector3();
+  record.condition_number = Size(json.At("condition_number"));
+  record.correlation_angles = Correlation(json.At("correlation_angles"));
+  record.correlation_biases = Correlation(json.At("correlation_biases"));
+  record.strips = {Size(json.At("roll_pitch_rad")), Size(json.At("yaw_rad")),
+                   Size(json.At("position_m"))};
+  const bool positive = record.sigma_rad.minCoeff() > 0.0;
+  if (record.failure.empty() && !positive) {
+    json.At("sigma_rad").Fail("is not positive in a design that determines the boresight");
   }
-  record.condition_number = json.at("condition_number").get<double>();
-  record.correlation_angles = json.at("correlation_angles").get<double>();
-  record.correlation_biases = json.at("correlation_biases").get<double>();
-  record.strips = {json.at("roll_pitch_rad").get<double>(), json.at("yaw_rad").get<double>(),
-                   json.at("position_m").get<double>()};
   return record;
 }
 

@@ -4,19 +4,12 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <vector>
 
 namespace dn {
 
 // These functions read null as NaN, because JSON cannot represent NaN.
 inline double NumberFromJson(const Json& json) {
   return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
-}
-
-inline std::vector<double> NumbersFromJson(const Json& json) {
-  std::vector<double> numbers;
-  for (const Json& number : json) numbers.push_back(NumberFromJson(number));
-  return numbers;
 }
 
 inline Eigen::Vector3d Vector3FromJson(const Json& json) {

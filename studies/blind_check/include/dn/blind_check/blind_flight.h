@@ -40,6 +40,9 @@ std::vector<std::string> BlindScenarioNames();
 /// Its largest component in usual sizes of the table; of a ratio r, (r - 1) / (usual - 1).
 double SizeOf(const Effect& effect);
 
+/// Seed of the simulation of flight `number` in a suite of this seed.
+std::uint64_t BlindFlightSeed(std::uint64_t suite_seed, int number);
+
 /// Draws flight `number`, from 1: the lines (heading, height, length, number), the terrain and the
 /// true boresight; then what it contains: nothing in 20 % of the flights, one effect in 50, two in
 /// 10, an outsider in 20; or what the suite says. It depends on the suite and the

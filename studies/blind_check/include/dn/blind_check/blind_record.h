@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/montecarlo/blind_flight.h>
-#include <dn/report/json.h>
+#include <dn/report/json_reader.h>
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -79,17 +79,17 @@ struct BlindRecord {
 BlindRecord TruthOf(const BlindFlight& flight);
 
 /// Reads gap.json. Throws InvalidInput naming what is missing.
-BlindDiagnosis DiagnosisFromGapJson(const Json& gap);
+BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json);
 
 /// Reads result.json and compares its boresight with the true one. Throws InvalidInput naming what
 /// is missing.
-BlindCalibration CalibrationFromResultJson(const Json& result,
+BlindCalibration CalibrationFromResultJson(const JsonPlace& json,
                                            const Eigen::Vector3d& true_boresight_deg);
 
-/// A record as JSON, and back: doubles survive unchanged. The second throws Json::exception or
-/// InvalidInput for what is no record.
+/// A record as JSON, and back: doubles survive unchanged. The second throws InvalidInput for what
+/// is no record, and for a value beyond its range.
 Json ToJson(const BlindRecord& record);
-BlindRecord BlindRecordFromJson(const Json& json);
+BlindRecord BlindRecordFromJson(const JsonPlace& json);
 
 /// "nothing", "one", "two", "outsider", "left out"; and back, throws InvalidInput for no such word.
 const char* Word(BlindContent content);

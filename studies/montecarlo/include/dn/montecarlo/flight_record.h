@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/calibration/result.h>
-#include <dn/report/json.h>
+#include <dn/report/json_reader.h>
 #include <dn/sim/simulate.h>
 
 #include <Eigen/Core>
@@ -60,8 +60,9 @@ struct FlightRecordOptions {
 FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
                        const FlightRecordOptions& options);
 
-/// A record as JSON, and back: doubles survive unchanged.
+/// A record as JSON, and back: doubles survive unchanged. The second throws InvalidInput for what is
+/// no record, and for a value beyond its range.
 Json ToJson(const FlightRecord& record);
-FlightRecord FlightRecordFromJson(const Json& json);
+FlightRecord FlightRecordFromJson(const JsonPlace& json);
 
 }  // namespace dn

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/report/json.h>
+#include <dn/report/json_reader.h>
 #include <dn/study/report.h>
 #include <dn/study/study.h>
 
@@ -74,9 +74,10 @@ struct SweepRecord {
 /// Studies one design. Interrupted passes through.
 SweepRecord StudyOfSweep(const Sweep& sweep, std::uint64_t number, const DesignOptions& options);
 
-/// A record as JSON, and back: doubles survive unchanged.
+/// A record as JSON, and back: doubles survive unchanged. The second throws InvalidInput for what is
+/// no record, and for a value beyond its range.
 Json ToJson(const SweepRecord& record);
-SweepRecord SweepRecordFromJson(const Json& json);
+SweepRecord SweepRecordFromJson(const JsonPlace& json);
 
 /// sweep.csv: a row per design.
 std::string SweepCsv(const std::vector<std::string>& paths,

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <dn/montecarlo/blind_record.h>
+#include <dn/names.h>
+#include <dn/report/json_reader.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dn {
+
+inline std::optional<double> OptionalNumber(const JsonPlace& json) {
+  return json.is_null() ? std::nullopt : std::optional(json.Number());
+}
+
+/// A name that tables and lists separated by commas can hold.
+inline std::string WordFromJson(const JsonPlace& json) {
+  constexpr std::size_t kLongest = 200;
+  std::string word = json.Text(kLongest);
+  if (HasControls(word) || word.find_first_of(",\"") != std::string::npos) json.Fail("is no name");
+  return word;
+}
+
+inline std::vector<std::string> WordsFromJson(const JsonPlace& json) {
+  std::vector<std::string> words;
+  for (const JsonPlace& word : json.Elements()) words.push_back(WordFromJson(word));
+  return words;
+}
+
+/// Numbers of a list; null stands for an empty one.
+inline std::vector<double> NumbersFromJson(const JsonPlace& json) {
+  std::vector<double> numbers;
+  if (json.is_null()) return numbers;
+  for (const JsonPlace& number : json.Elements()) numbers.push_back(number.NumberOrNaN());
+  return numbers;
+}
+
+/// The causes of gap.json and of a record, which are written alike.
+inline std::vector<BlindCause> CausesFromJson(const JsonPlace& json) {
+  std::vector<BlindCause> causes;
+  for (const JsonPlace& cause : json.Elements()) {
+    causes.push_back({WordFromJson(cause.At("effect")), cause.At("posterior").NumberOrNaN(),
+                      NumbersFromJson(cause.At("estimate")), NumbersFromJson(cause.At("sigma"))});
+  }
+  return causes;
+}
+
+}  // namespace dn
