@@ -12,7 +12,7 @@ inline constexpr double kFamilyLevel = 1e-3;
 /// Judges what was tested and adds the findings, those that contradict first.
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
                  ModelCheck* check);
-void AddFindings(const FlightConfig& config, const GaussHelmertCalibration& calibration,
+void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibration,
                  ModelCheck* check);
 void AddFindings(const FlightConfig& config, const PlaneCalibration& calibration,
                  ModelCheck* check);

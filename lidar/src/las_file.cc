@@ -1,6 +1,7 @@
 #include "las_file.h"
 
 #include <dn/geo/little_endian.h>
+#include <dn/geo/local_frame.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 
@@ -19,6 +20,7 @@ constexpr std::uint64_t kMostHeadBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kMostWktBytes = std::uint64_t{1} << 20;
 constexpr double kMostScaleM = 1e3;
 constexpr double kMostOffsetM = 1e9;
+constexpr double kMostAngleDeg = 180.0;
 
 // Of point formats 0 to 10.
 constexpr std::array<std::size_t, 11> kFormatBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
@@ -199,6 +201,7 @@ class LasFileReader {
       if (vlr.user == "laszip encoded") FailCompressed();
       at += las::kVlrHeaderBytes + vlr.bytes;
       if (vlr.user == "LASF_Spec" && vlr.id == las::kExtraBytesId) ReadExtraBytes(vlr);
+      if (vlr.user == las::kBoresightUser && vlr.id == las::kBoresightId) ReadBoresight(vlr);
       las_.vlrs.push_back(std::move(vlr));
     }
   }
@@ -208,6 +211,22 @@ class LasFileReader {
         ParseExtraBytes(las_.Content(vlr), kFormatBytes[static_cast<std::size_t>(las_.format)],
                         las_.record_bytes, where_);
     if (!las_.extra.empty()) las_.described_bytes = las_.extra.back().at + las_.extra.back().bytes;
+  }
+
+  void ReadBoresight(const Vlr& vlr) {
+    const std::string remedy = "; georeference the file again, or remove the record";
+    if (vlr.bytes != las::kBoresightBytes) {
+      Fail("the record of the boresight (dn, 1) has " + Bytes(vlr.bytes) + " of content, not " +
+           Bytes(las::kBoresightBytes) + remedy);
+    }
+    Eigen::Vector3d deg;
+    for (int i = 0; i < 3; ++i) {
+      deg[i] = Number<double>(vlr.at + las::kVlrHeaderBytes + static_cast<std::size_t>(8 * i));
+    }
+    if (!(deg.cwiseAbs().maxCoeff() <= kMostAngleDeg) || !deg.allFinite()) {
+      Fail("the record of the boresight (dn, 1) has an angle beyond 180 deg" + remedy);
+    }
+    las_.boresight_rad = deg * kRadPerDeg;
   }
 
   // What follows the points.

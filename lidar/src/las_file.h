@@ -26,6 +26,11 @@ inline constexpr std::size_t kIntensityAt = 12, kReturnAt = 14, kLegacyClassAt =
 inline constexpr std::size_t kVlrHeaderBytes = 54, kEvlrHeaderBytes = 60, kDescriptorBytes = 192;
 inline constexpr std::size_t kLegacyReturns = 5, kReturns = 15;
 inline constexpr std::uint16_t kExtraBytesId = 4;
+/// The record of the boresight that the points were computed with: roll, pitch, yaw [deg, FRD] as
+/// three doubles.
+inline constexpr std::string_view kBoresightUser = "dn";
+inline constexpr std::uint16_t kBoresightId = 1;
+inline constexpr std::size_t kBoresightBytes = 24;
 }  // namespace las
 
 /// One of the attributes behind the standard part of a record.
@@ -65,6 +70,7 @@ struct LasFile {
   std::vector<ExtraDimension> extra;
   std::size_t described_bytes = 0;  ///< of a record: standard part and described extra bytes
   StripCrs crs;
+  std::optional<Eigen::Vector3d> boresight_rad;  ///< recorded by a writer of this program
 
   std::uint64_t points_begin() const { return head.size(); }
   std::uint64_t points_end() const { return head.size() + points * record_bytes; }
@@ -94,6 +100,10 @@ std::vector<ExtraDimension> ParseExtraBytes(std::string_view content, std::size_
 /// Description of an attribute; `options` of one without a meaning (type 0): its bytes.
 std::string FormatDescriptor(int type, std::size_t options, const std::string& name,
                              const std::string& description);
+
+/// A variable length record.
+std::string FormatVlr(std::string_view user, std::uint16_t id, std::string_view title,
+                      std::string_view content);
 
 /// The variable length record of these descriptions.
 std::string FormatExtraBytes(const std::string& descriptors);

@@ -14,9 +14,9 @@ namespace dn::internal {
 /// except for what the points themselves change. Coordinates are rounded to the grid of the file.
 class LasWriter final : public StripWriter {
  public:
-  /// with_covariance: six floats more per point, the extra bytes VarianceX, VarianceY, VarianceZ,
+  /// A covariance is six floats more per point, the extra bytes VarianceX, VarianceY, VarianceZ,
   /// CovarianceXY, CovarianceXZ, CovarianceYZ (m^2).
-  LasWriter(const std::filesystem::path& file, LasFile las, bool with_covariance);
+  LasWriter(const std::filesystem::path& file, LasFile las, const StripAdditions& additions);
 
   void Append(const StripCloud& points) override;
   void Finish() override;

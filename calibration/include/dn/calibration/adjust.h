@@ -4,6 +4,7 @@
 #include <dn/builder/flight_nodes.h>
 #include <dn/calibration/clocks.h>
 #include <dn/calibration/finding.h>
+#include <dn/error.h>
 #include <dn/flight/flight.h>
 #include <dn/interrupted.h>
 #include <dn/navigation/alignment.h>
@@ -56,6 +57,21 @@ class NotConverged : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Inertial data and GNSS that no choice of states and biases brings together: wrong axes, units,
+/// coordinates or time tags. The message ends with what to check.
+class SensorsContradict : public InvalidInput {
+ public:
+  /// `finding`: what contradicts by how much; `remedy`: what to check.
+  SensorsContradict(const std::string& finding, const std::string& remedy,
+                    const FileLocation& where)
+      : InvalidInput(finding + remedy, where), finding_(finding) {}
+
+  const std::string& finding() const { return finding_; }
+
+ private:
+  std::string finding_;
+};
+
 /// One solve of the staged adjustment.
 struct StageReport {
   std::string name;
@@ -103,8 +119,10 @@ struct Adjustment {
 /// Robust losses (`robust` of flight.yaml) belong to the stages on the way. The final stage is plain
 /// least squares over what was kept, so that covariances and tests of the result are exact.
 ///
-/// Needs the flight's imu and gnss (and pairs, when with_pairs). Throws InvalidInput (also when
-/// more than a third of the GNSS epochs contradict the inertial data), NotConverged, Interrupted.
+/// Needs the flight's imu and gnss (and pairs, when with_pairs). Throws InvalidInput, NotConverged,
+/// Interrupted; SensorsContradict when more than a third of the GNSS epochs contradict the inertial
+/// data, or when the GNSS residuals are beyond all stated noise. The latter ends the work at once
+/// where half of the epochs lie more than 30 sigmas off and no clock explains it.
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
 
 }  // namespace dn

@@ -13,7 +13,8 @@ namespace dn {
 /// What a boresight is worth; gauss_helmert_flight.h and docs/model-check.md say when it is which.
 enum class Verdict {
   kCalibrated,     ///< the angles are the mounting's, within their covariance
-  kAbsorbed,       ///< they hold an error of the trajectory: consistent, but not the mounting's
+  kAbsorbed,       ///< they hold an error of the trajectory or of the strips' georeferencing:
+                   ///< consistent, but not the mounting's
   kNotObservable,  ///< the data do not determine them
   kContradicted,   ///< the data contradict the assumed model; wins over the others
 };
@@ -51,6 +52,12 @@ struct ErrorsShared {
 /// A stated prior contradicts all other data.
 struct PriorContradicted {
   PriorCheck prior;
+};
+
+/// Laser vectors were computed with a boresight that nobody states the strips were made with.
+struct VectorsAssumed {
+  Eigen::Vector3d boresight_rad;
+  std::string files;  ///< that hold them; empty: strips
 };
 
 /// The flight states that a diagnosis found what its configuration does not model.
@@ -173,10 +180,10 @@ struct NetworkDiffers {
 
 using Fact = std::variant<
     facts::EffectPresent, facts::DepartureUnnamed, facts::UnknownAmbiguous, facts::VarianceTooLarge,
-    facts::ErrorsShared, facts::PriorContradicted, facts::GapUnexplained, facts::MountingImpossible,
-    facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut, facts::GnssLeftOut,
-    facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize, facts::GnssErrorsLast,
-    facts::SigmaTooLarge, facts::SigmaAbovePairs, facts::AnglesInseparable,
+    facts::ErrorsShared, facts::PriorContradicted, facts::VectorsAssumed, facts::GapUnexplained,
+    facts::MountingImpossible, facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut,
+    facts::GnssLeftOut, facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize,
+    facts::GnssErrorsLast, facts::SigmaTooLarge, facts::SigmaAbovePairs, facts::AnglesInseparable,
     facts::TrajectoryEstimated, facts::AttitudeInPairs, facts::StripsAlike, facts::FewPairs,
     facts::SigmasWidened, facts::NotEstimated, facts::NetworkDiffers>;
 

@@ -74,6 +74,7 @@ struct GaussHelmertFlightOptions {
   int threads = 1;
   std::function<void(const std::string& stage)> progress = {};
   std::function<bool()> interrupted = {};  ///< polled between stages; true throws Interrupted
+  VectorOrigin vectors = {};               ///< of planes alone; pairs have theirs in PairData
 };
 
 /// The problem of a flight's pairs on its trajectory: poses interpolated (PoseInterpolator; with

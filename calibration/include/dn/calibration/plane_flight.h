@@ -19,6 +19,7 @@ struct PlaneCalibration {
   Eigen::Matrix3d constant_rad2 = Eigen::Matrix3d::Zero();
   StripDiversity diversity;
   double mean_range_m = 0.0;
+  VectorOrigin origin;  ///< of the points' laser vectors
   /// With the reliable covariance; sigma_apriori_rad and sigma_scaled_rad beside it.
   BoresightResult boresight;
   std::vector<UnknownEstimate> unknowns;  ///< lidar_range_offset where it is estimated
@@ -46,7 +47,8 @@ void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found);
 ///   not_observable  two angles cannot be told apart, or a sigma exceeds 0.5 deg,
 ///   absorbed        the attitude error of the trajectory moves a point off its plane by more than
 ///                   half of the point's own noise, and exceeds 0.01 deg in roll or pitch or
-///                   0.02 deg in heading,
+///                   0.02 deg in heading; or the laser vectors were computed with an assumed
+///                   boresight (GaussHelmertFlightOptions::vectors),
 ///   contradicted    the points have more than twice their stated variance about the planes, or an
 ///                   angle exceeds 15 deg,
 ///   calibrated      else.

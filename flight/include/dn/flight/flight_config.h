@@ -58,7 +58,9 @@ struct LidarConfig {
   std::vector<std::string> p2p{"LiDAR_p2p.txt"};
   double time_offset_s = 0.0;  ///< of the pairs' epochs, tag = t + value; removed on reading
   PairSelection pairs;
-  Mounting mounting;                                   ///< FRD; boresight: initial value
+  Mounting mounting;  ///< FRD; boresight: initial value
+  /// Boresight that the strips were georeferenced with (FRD); absent: not declared.
+  std::optional<Eigen::Vector3d> georeferenced_with_rad;
   std::optional<Eigen::Vector3d> boresight_sigma_rad;  ///< prior; absent: free
   Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
   Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <dn/flight/strip_files.h>
 #include <dn/geo/accuracy_series.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/trajectory.h>
 #include <dn/lidar/mounting.h>
-#include <dn/lidar/strip_io.h>
 #include <dn/lidar/swath.h>
 
 #include <Eigen/Core>
@@ -33,7 +33,7 @@ struct GeoreferenceOptions {
   Mounting mounting;
   /// With which the points of a file without laser vectors were made; absent: the same trajectory.
   std::optional<Trajectory> made_by;
-  Mounting made_with;
+  StripGeoreferencing made_with;
   std::optional<Eigen::Vector2d> time_span_s;  ///< points outside are dropped
   double time_offset_s = 0.0;                  ///< of the points' tags, tag = t + value; they stay
   std::optional<StripErrors> errors;           ///< absent: no covariances
@@ -45,9 +45,9 @@ struct GeoreferencedStrip {
   std::uint64_t points = 0;
   std::uint64_t kept = 0;
   std::map<std::string, std::uint64_t> dropped;  ///< by reason
-  bool own_vectors = false;
-  double t_begin_s = 0.0, t_end_s = 0.0;  ///< of all points
-  double shift_rms_m = 0.0;               ///< by which the points that were kept moved
+  VectorOrigin origin;                           ///< of the laser vectors
+  double t_begin_s = 0.0, t_end_s = 0.0;         ///< of all points
+  double shift_rms_m = 0.0;                      ///< by which the points that were kept moved
   double shift_max_m = 0.0;
   Swath swath;  ///< by the new coordinates; without the name
 };
@@ -57,7 +57,8 @@ struct GeoreferencedStrip {
 ///   p = p_mb + R_mb (Exp([theta]x) T u + a)
 ///
 /// with the laser vectors u of the file, else those that led to its points, u = T^T Exp(-[theta']x)
-/// (R'_mb^T (p' - p'_mb) - a') by the trajectory and the mounting that they were made with.
+/// (R'_mb^T (p' - p'_mb) - a') by the trajectory and the mounting that they were made with
+/// (FindVectorOrigin). The new file records its boresight unless the vectors are only assumed.
 /// Poses are interpolated as InterpolatePose does.
 class StripGeoreferencer {
  public:

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <dn/flight/strip_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/trajectory.h>
-#include <dn/lidar/mounting.h>
 #include <dn/lidar/point_filter.h>
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ struct StripSourceOptions {
   Trajectory trajectory;  ///< of the flight
   /// With which the points of a file without laser vectors were made; absent: `trajectory`.
   std::optional<Trajectory> made_by;
-  Mounting made_with;  ///< boresight included
+  StripGeoreferencing made_with;
   std::optional<Eigen::Vector2d> time_span_s;
   double time_offset_s = 0.0;  ///< of the points' tags, tag = t + value
   PointFilter filter = {};
@@ -43,13 +43,13 @@ struct StripCounts {
   std::uint64_t points = 0;
   std::uint64_t kept = 0;
   std::map<std::string, std::uint64_t> dropped;  ///< by reason
-  bool own_vectors = false;                      ///< else computed from the coordinates
+  std::optional<VectorOrigin> origin;            ///< of the laser vectors; bare strips have none
   double t_begin_s = 0.0, t_end_s = 0.0;         ///< of the points kept, without the offset
 };
 
 /// Reads the laser vectors of strips that belong to a trajectory: those of the file, else
 /// u = T^T Exp(-[theta']x) (R'_mb^T (p' - p'_mb) - a) of its points p', by the trajectory and the
-/// mounting that they were made with.
+/// mounting that they were made with (FindVectorOrigin).
 class StripSource {
  public:
   /// Throws InvalidInput for a trajectory without epochs, InvalidConfig for a name of a coordinate

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <dn/lidar/vector_origin.h>
+
 #include <Eigen/Core>
 #include <filesystem>
 #include <optional>
@@ -25,6 +27,7 @@ struct PairData {
   std::vector<std::filesystem::path> files;
   std::vector<LidarPair> pairs;
   long repeated_pairs_dropped = 0;
+  std::vector<VectorOrigin> origins;  ///< of the laser vectors of each file, the least reliable one
 };
 
 /// Files that the glob patterns (*, ?, [..]; relative to `folder`) name, sorted, each once. Throws
@@ -35,7 +38,8 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 /// Reads the pair files that the glob patterns name (relative to `folder`), in sorted order of
 /// their names. Columns: t_i, t_j, u_i (3), u_j (3), optionally the upper triangle of the
 /// covariance (6). A pair with the epochs and vectors of an earlier one, also with i and j
-/// exchanged or in another file, is dropped and counted: it is no second measurement. Throws
+/// exchanged or in another file, is dropped and counted: it is no second measurement. Vectors count
+/// as measured unless a comment line of the file says otherwise (FormatOriginLine). Throws
 /// InvalidInput naming file:line; also when a pattern matches no file, a time is no second of week,
 /// a vector is shorter than 1 mm or longer than 50 km, a covariance is not positive definite, or
 /// there is no pair. time_offset_s: known error of the epochs, tag = t + value, removed first.
@@ -46,7 +50,8 @@ PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::s
 double MeanRange(const std::vector<LidarPair>& pairs);
 
 /// Text of a pair file with 17 significant digits where needed. Either all pairs carry a
-/// covariance or none does: a file has one number of columns.
-std::string FormatPairs(const std::vector<LidarPair>& pairs);
+/// covariance or none does: a file has one number of columns. The first line states the origin of
+/// computed vectors.
+std::string FormatPairs(const std::vector<LidarPair>& pairs, const VectorOrigin& origin = {});
 
 }  // namespace dn

@@ -32,6 +32,15 @@ class StripWriter {
   virtual void Finish() = 0;
 };
 
+/// Content that a rewritten strip gets.
+struct StripAdditions {
+  /// Every point gets columns (text) or extra bytes (LAS) for its covariance_c_m2.
+  bool covariance = false;
+  /// Boresight that the new points were computed with (FRD, rad): a record of a LAS file, in place
+  /// of an older one. Text has no place for it, and always has laser vectors.
+  std::optional<Eigen::Vector3d> boresight_rad = {};
+};
+
 /// Reads the points of a strip in chunks of at most 65536: memory does not grow with the file.
 class StripReader {
  public:
@@ -44,13 +53,15 @@ class StripReader {
   virtual bool has_time() const = 0;
   virtual bool has_vectors() const = 0;  ///< laser vectors
   virtual const StripCrs& crs() const = 0;
+  /// Boresight that the points were computed with, where the file records it (MakeWriter): rotation
+  /// vector about the body axes (FRD), rad.
+  virtual std::optional<Eigen::Vector3d> boresight_rad() const { return std::nullopt; }
   /// Points of the file, where its header says so.
   virtual std::optional<std::uint64_t> points() const = 0;
 
   /// A writer of a file of the same format, version, coordinate system and further content.
-  /// with_covariance: every point gets columns (text) or extra bytes (LAS) for its covariance_c_m2.
   virtual std::unique_ptr<StripWriter> MakeWriter(const std::filesystem::path& file,
-                                                  bool with_covariance) const = 0;
+                                                  const StripAdditions& additions) const = 0;
 };
 
 /// Opens a strip by the end of its name:

@@ -38,6 +38,24 @@ struct AxesFit {
 /// by the smaller turn.
 AxesFit FitAxes(const BodyDirections& directions);
 
+/// A mistake in the axes of an inertial sensor.
+struct AxesMistake {
+  enum class Sensor { kGyro, kAccel, kBoth };
+  Sensor sensor = Sensor::kGyro;
+  /// Data as declared to right data: one sign, an exchange of two axes, all signs, or of the gyros
+  /// 180/pi or pi/180 (rad/s declared as deg/s, and the reverse).
+  Eigen::Matrix3d M = Eigen::Matrix3d::Identity();
+};
+
+/// The one mistake without which specific force, rates and GNSS positions fit each other, in the
+/// axes of the file. Nullopt where they fit as they are, or where no mistake of the kind explains
+/// the misfit or several do. Reflections of both sensors together count as one, all signs. Mirrored
+/// positions (latitude and longitude exchanged) look like specific forces with all signs reversed.
+///
+/// By alignments in flight over windows of half a minute, whose misfit is the acceleration that the
+/// best attitude leaves. Costs about two dozen of FindBodyDirections.
+std::optional<AxesMistake> FindAxesMistake(const Flight& flight, int threads = 1);
+
 /// Turns of the course against those that the gyros show, with the GNSS tags moved by a lag.
 struct TurnComparison {
   double correlation = 0.0;       ///< as tagged, of the turns over 2 s and more, in -1..1
