@@ -44,6 +44,7 @@ PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
   out.timings.read_s = SecondsSince(start);
 
   GaussHelmertFlightOptions calibrate;
+  calibrate.vectors = opened.origin;
   calibrate.threads = run->options().threads;
   calibrate.progress = [run](const std::string& stage) { run->progress.Stage(stage); };
   calibrate.interrupted = [] { return apps::SignalCame(); };

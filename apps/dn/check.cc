@@ -296,8 +296,9 @@ void PrintHints(const Flight& flight, const DataAgreement& agreement, Json* json
   }
 }
 
-void SummariseStrips(const std::vector<std::filesystem::path>& files, const std::string& crs,
+void SummariseStrips(const std::vector<std::filesystem::path>& files, const FlightConfig& config,
                      Json* json) {
+  const std::string& crs = config.strips_crs;
   fmt::print("strips          {} in {}\n", files.size(), crs);
   Json list = Json::array();
   for (const std::filesystem::path& file : files) {
@@ -309,6 +310,11 @@ void SummariseStrips(const std::vector<std::filesystem::path>& files, const std:
     fmt::print("                {}: {}, {}laser vectors{}{}\n", name, count,
                reader->has_vectors() ? "" : "no ", reader->has_time() ? "" : ", no GPS time",
                note.empty() ? "" : "; " + note);
+    if (config.lidar) {
+      const VectorOrigin origin = FindVectorOrigin(*reader, GeoreferencingOf(config), file);
+      const std::string warning = VectorWarning(origin, name);
+      if (!warning.empty()) fmt::print("look at         {}\n", warning);
+    }
     list.push_back({{"name", name},
                     {"points", reader->points() ? Json(*reader->points()) : Json()},
                     {"laser_vectors", reader->has_vectors()},
@@ -333,7 +339,7 @@ void Summarise(const Flight& flight, Json* json) {
                flight.trajectory->t_end_s());
   }
   const std::vector<fs::path> strips = FindStripFiles(flight.config.folder);
-  if (!strips.empty()) SummariseStrips(strips, flight.config.strips_crs, json);
+  if (!strips.empty()) SummariseStrips(strips, flight.config, json);
   PrintHints(flight, agreement, json);
   for (const auto& [reason, count] : flight.counts) {
     if (count > 0) fmt::print("note            {}: {}\n", reason, count);

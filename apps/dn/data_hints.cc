@@ -217,6 +217,34 @@ std::string TextOf(const DataHint& hint) {
   return hint.key.empty() ? hint.text : hint.text + "; set " + hint.key + ": " + hint.value;
 }
 
+std::string TextOf(const AxesMistake& mistake) {
+  using Sensor = AxesMistake::Sensor;
+  if (mistake.sensor == Sensor::kBoth) {
+    return "the axes of imu.file are left-handed: one has the wrong sign, or two are exchanged, in "
+           "rates and specific forces alike; correct these columns";
+  }
+  const double scale = mistake.M.cwiseAbs().maxCoeff();
+  if (scale != 1.0) {
+    return fmt::format("the angular rates of imu.file fit in {}; correct imu.rate_unit or the file",
+                       scale > 1.0 ? "rad/s, not deg/s" : "deg/s, not rad/s");
+  }
+  if (mistake.sensor == Sensor::kAccel && mistake.M.trace() < -2.0) {
+    return "the specific forces of imu.file have the wrong sign (at rest they point up), or "
+           "gnss.file is mirrored: latitude and longitude exchanged, or the sign of one wrong";
+  }
+  std::string reversed, exchanged;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (mistake.M(axis, axis) < 0.0) reversed += "xyz"[axis];
+    if (mistake.M(axis, axis) == 0.0) exchanged += "xyz"[axis];
+  }
+  std::string what = "all signs reversed";
+  if (!exchanged.empty())
+    what = fmt::format("axes {} and {} exchanged", exchanged[0], exchanged[1]);
+  if (reversed.size() == 1) what = fmt::format("the sign of axis {} reversed", reversed);
+  return fmt::format("the {} of imu.file fit with {}; correct these columns",
+                     mistake.sensor == Sensor::kGyro ? "angular rates" : "specific forces", what);
+}
+
 std::string MatrixText(const Eigen::Matrix3d& matrix) {
   const auto number = [&](int i, int j) { return FormatDouble(matrix(i, j) + 0.0); };  // no -0
   std::string text;

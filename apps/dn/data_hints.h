@@ -30,6 +30,9 @@ std::vector<DataHint> DataHints(const Flight& flight, const DataAgreement& agree
 /// The hint on one line, with the key that mends it.
 std::string TextOf(const DataHint& hint);
 
+/// A mistake in the axes of imu.file, with what mends it.
+std::string TextOf(const AxesMistake& mistake);
+
 /// Axes of data by three letters, say RFU: x right, y forward, z up. R_imu_to_body: to
 /// forward-right-down, a permutation.
 std::string AxesName(const Eigen::Matrix3d& R_imu_to_body);

@@ -1,6 +1,8 @@
 #include "flight_draft.h"
 
+#include <dn/error.h>
 #include <dn/flight/flight.h>
+#include <dn/flight/strip_files.h>
 #include <dn/flight/yaml_sections.h>
 #include <dn/geo/text_table.h>
 #include <dn/imu/white_rows.h>
@@ -113,6 +115,18 @@ Eigen::Vector3d MainAxis(const Eigen::Vector3d& v) {
   return (v[axis] < 0.0 ? -1.0 : 1.0) * Eigen::Vector3d::Unit(axis);
 }
 
+std::size_t CountWithoutVectors(const fs::path& folder) {
+  const std::vector<fs::path> files = FindStripFiles(folder);
+  return static_cast<std::size_t>(std::ranges::count_if(files, [](const fs::path& file) {
+    try {
+      const auto strip = OpenStrip(file);
+      return !strip->has_vectors() && !strip->boresight_rad();
+    } catch (const InvalidInput&) {  // told by the commands that read strips
+      return false;
+    }
+  }));
+}
+
 std::string ListText(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", FormatDouble(v[0]), FormatDouble(v[1]), FormatDouble(v[2]));
 }
@@ -120,7 +134,7 @@ std::string ListText(const Eigen::Vector3d& v) {
 }  // namespace
 
 FlightDraft::FlightDraft(fs::path folder, const std::vector<FileContent>& contents)
-    : folder_(std::move(folder)) {
+    : folder_(std::move(folder)), strips_without_vectors_(CountWithoutVectors(folder_)) {
   for (const FileContent& content : contents) Take(content);
 }
 
@@ -275,8 +289,22 @@ std::string FlightDraft::GnssText() const {
   return text;
 }
 
+std::string FlightDraft::GeoreferencingText() const {
+  if (strips_without_vectors_ == 0) return {};
+  return fmt::format(
+      "  # {} of strips/ hold no laser vectors. These are computed from the points, with the "
+      "boresight\n"
+      "  # that the points were georeferenced with: roll, pitch, yaw; or `boresight`, which is "
+      "boresight_deg.\n"
+      "  # georeferenced_with: {{boresight_deg: [0, 0, 0]}}   # MISSING\n",
+      strips_without_vectors_);
+}
+
 std::string FlightDraft::LidarText() const {
-  if (pairs_.empty()) return {};
+  if (pairs_.empty()) {
+    const std::string georeferencing = GeoreferencingText();
+    return georeferencing.empty() ? "" : "\n# lidar:\n" + georeferencing;
+  }
   std::string files;
   for (const FileContent& file : pairs_) {
     files += (files.empty() ? "" : ", ") + QuoteYaml(Named(file.file));
@@ -291,8 +319,8 @@ std::string FlightDraft::LidarText() const {
       "back.\n"
       "  R_sensor_to_body: {}\n  scan_axis: {}\n  nadir_axis: {}\n"
       "  lever_arm_m: [0, 0, 0]        # MISSING: scanner in body, forward right down, m\n"
-      "  sigma_p_m: 0.1                # assumed: per coordinate of a pair; or gsd_m\n",
-      files, MatrixText(R_bs), ListText(scan_axis_s_), ListText(nadir_s_));
+      "  sigma_p_m: 0.1                # assumed: per coordinate of a pair; or gsd_m\n{}",
+      files, MatrixText(R_bs), ListText(scan_axis_s_), ListText(nadir_s_), GeoreferencingText());
 }
 
 std::string FlightDraft::TrajectoryText() const {
@@ -357,6 +385,11 @@ std::vector<std::string> FlightDraft::Missing() const {
     missing.emplace_back(
         "the attitude of the trajectory is that of a body with axes forward, left, up: write body: "
         "FLU, and lever arms and mounting in it");
+  }
+  if (strips_without_vectors_ > 0) {
+    missing.emplace_back(
+        "lidar.georeferenced_with: the boresight that the strips without laser vectors were "
+        "georeferenced with");
   }
   if (pairs_.empty()) missing.emplace_back("no pairs: calibrate needs them");
   if (!pairs_.empty()) {

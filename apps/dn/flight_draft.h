@@ -39,6 +39,7 @@ class FlightDraft {
   std::string ImuText() const;
   std::string GnssText() const;
   std::string LidarText() const;
+  std::string GeoreferencingText() const;
   std::string TrajectoryText() const;
   std::string ColumnsText() const;
   std::string Named(const std::filesystem::path& file) const;
@@ -46,6 +47,8 @@ class FlightDraft {
   std::filesystem::path folder_;
   std::optional<FileContent> imu_, gnss_, trajectory_, smrmsg_;
   std::vector<FileContent> pairs_;
+  /// Strips that neither hold laser vectors nor record the boresight of their points.
+  std::size_t strips_without_vectors_ = 0;
   std::vector<std::string> found_, notes_, axes_notes_;
   Eigen::Matrix3d R_imu_to_body_ = Eigen::Matrix3d::Identity();
   bool axes_known_ = false;

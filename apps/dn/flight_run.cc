@@ -3,6 +3,7 @@
 #include <dn/calibration/gnss_errors.h>
 #include <dn/calibration/left_out_gnss.h>
 #include <dn/calibration/words.h>
+#include <dn/error.h>
 #include <dn/parallel.h>
 #include <dn/report/plot.h>
 #include <dn/seconds_since.h>
@@ -123,6 +124,20 @@ std::vector<std::string> HintsOf(const Flight& flight, int threads) {
   return texts;
 }
 
+/// A mistake in the axes, else the hints take the place of the general remedy where the sensors
+/// contradict each other.
+Adjustment AdjustNamingCauses(const Flight& flight, const AdjustOptions& options,
+                              const std::vector<std::string>& hints) {
+  try {
+    return Adjust(flight, options);
+  } catch (const SensorsContradict& e) {
+    const auto axes = FindAxesMistake(flight, options.threads);
+    if (axes) throw InvalidInput(e.finding() + TextOf(*axes), {flight.config.imu->file});
+    if (hints.empty()) throw;
+    throw InvalidInput(e.finding() + fmt::format("{}", fmt::join(hints, "; also ")), e.where());
+  }
+}
+
 Json RejectedGnssJson(const FlightRun& flight_run) {
   Json epochs = Json::array();
   for (const std::size_t e : flight_run.adjustment().gnss_rejected) {
@@ -161,7 +176,7 @@ std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_
     run->progress.Stage(stage, iterations > 0 ? fmt::format("{} iterations", iterations) : "");
   };
   options.interrupted = [] { return apps::SignalCame(); };
-  Adjustment adjustment = Adjust(result->flight, options);
+  Adjustment adjustment = AdjustNamingCauses(result->flight, options, result->hints);
   result->timings.solve_s = SecondsSince(solve_start);
 
   const auto covariance_start = std::chrono::steady_clock::now();

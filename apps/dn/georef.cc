@@ -1,4 +1,5 @@
 #include <dn/calibration/swaths.h>
+#include <dn/calibration/words.h>
 #include <dn/error.h>
 #include <dn/flight/accuracy_files.h>
 #include <dn/flight/flight.h>
@@ -36,6 +37,7 @@ struct GeorefOptions {
   std::string boresight;  ///< empty: of the result, else of flight.yaml
   std::string trajectory;
   std::string result;
+  bool anyway = false;  ///< also with a result that cannot be relied on
   bool covariance = false;
   double sigma_range_m = 0.02;
   double divergence_mrad = 0.35;
@@ -43,6 +45,7 @@ struct GeorefOptions {
 
 /// What a result.json says of the boresight.
 struct BoresightOfResult {
+  std::string verdict;  ///< empty: the file has none
   Vector3d angles_rad = Vector3d::Zero();
   Matrix3d covariance_rad2 = Matrix3d::Zero();
 };
@@ -83,11 +86,33 @@ BoresightOfResult ReadBoresight(const JsonPlace& boresight) {
 BoresightOfResult ReadResult(const fs::path& file) {
   try {
     const Json json = ReadJsonFile(file);
-    return ReadBoresight(JsonPlace(json, file.string()).At("boresight"));
+    const JsonPlace root(json, file.string());
+    BoresightOfResult result = ReadBoresight(root.At("boresight"));
+    if (root.Has("assessment")) result.verdict = root.At("assessment").At("verdict").Text();
+    return result;
   } catch (const InvalidInput& error) {
-    throw InvalidInput(std::string("this is no result of `dn calibrate`: ") + error.what(),
+    throw InvalidInput(std::string("this is not a result of `dn calibrate`: ") + error.what(),
                        error.where());
   }
+}
+
+/// Throws InvalidInput for a result that says itself that its angles cannot be relied on.
+void CheckVerdict(const GeorefOptions& given, const BoresightOfResult& result, Run& run) {
+  if (result.verdict == Word(Verdict::kAbsorbed)) {
+    run.progress.Warn(
+        "the result is absorbed: its angles make the points consistent with the data that it was "
+        "computed from, but are not the mounting's; do not use them for another flight");
+  }
+  const bool contradicted = result.verdict == Word(Verdict::kContradicted);
+  if (!contradicted && result.verdict != Word(Verdict::kNotObservable)) return;
+  const std::string what =
+      contradicted ? "the result is contradicted by its own data: its angles must not be relied on"
+                   : "the result is not_observable: its data do not determine all of its angles";
+  const FileLocation where{given.result};
+  if (!given.anyway) {
+    throw InvalidInput(what + "; mend the calibration, or add --anyway", where);
+  }
+  run.progress.Warn(fmt::format("{} ({}); used because of --anyway", what, given.result));
 }
 
 void ExpectGeoreferenceable(const FlightConfig& config) {
@@ -141,6 +166,7 @@ Georef Prepare(const GeorefOptions& given, Run& run) {
   if (!given.boresight.empty()) boresight_rad = ParseAngles(given.boresight);
   std::optional<BoresightOfResult> result;
   if (!given.result.empty()) result = ReadResult(given.result);
+  if (result) CheckVerdict(given, *result, run);
   if (result && !boresight_rad) boresight_rad = result->angles_rad;
   const bool own = HasTrajectory(config);
   ExpectTrajectory(given, own);
@@ -157,8 +183,8 @@ Georef Prepare(const GeorefOptions& given, Run& run) {
     options.made_by =
         std::exchange(options.trajectory, ReadTrajectory(given.trajectory, TextColumns(config)));
   }
-  options.made_with = config.lidar->mounting;
-  options.mounting = options.made_with;
+  options.made_with = GeoreferencingOf(config);
+  options.mounting = config.lidar->mounting;
   if (boresight_rad) options.mounting.boresight_rad = *boresight_rad;
   options.time_span_s = config.time_span_s;
   options.time_offset_s = config.lidar->time_offset_s;
@@ -179,16 +205,18 @@ Json CrsJson(const StripCrs& crs) {
 }
 
 Json StripJson(const std::string& name, const StripCrs& crs, const GeoreferencedStrip& strip) {
-  return {{"name", name},
-          {"points", strip.points},
-          {"kept", strip.kept},
-          {"dropped", strip.dropped},
-          {"laser_vectors", strip.own_vectors ? "file" : "trajectory"},
-          {"t_begin_s", strip.t_begin_s},
-          {"t_end_s", strip.t_end_s},
-          {"shift_rms_m", strip.shift_rms_m},
-          {"shift_max_m", strip.shift_max_m},
-          {"crs", CrsJson(crs)}};
+  return {
+      {"name", name},
+      {"points", strip.points},
+      {"kept", strip.kept},
+      {"dropped", strip.dropped},
+      {"laser_vectors", strip.origin.kind == VectorOrigin::Kind::kMeasured ? "file" : "trajectory"},
+      {"laser_vectors_origin", Word(strip.origin.kind)},
+      {"t_begin_s", strip.t_begin_s},
+      {"t_end_s", strip.t_end_s},
+      {"shift_rms_m", strip.shift_rms_m},
+      {"shift_max_m", strip.shift_max_m},
+      {"crs", CrsJson(crs)}};
 }
 
 Json CovarianceJson(const GeorefOptions& given, const FlightConfig& config) {
@@ -221,6 +249,8 @@ Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
           run.progress.Stage(stage, fmt::format("{} points", points));
         }
       });
+  const std::string assumed = VectorWarning(strip.origin, name);
+  if (!assumed.empty()) run.progress.Warn(assumed);
   strip.swath.strip = file.stem().string();
   swaths->push_back(std::move(strip.swath));
   return StripJson(name, crs, strip);
@@ -291,6 +321,8 @@ void AddGeorefOptions(CLI::App* app, GeorefOptions* options) {
                   "Trajectory of the new points (SBET .out, or text). Default: that of the flight");
   app->add_option("--result", options->result,
                   "result.json of `dn calibrate`: its boresight, and its covariance");
+  app->add_flag("--anyway", options->anyway,
+                "Use --result even if it is contradicted or not_observable");
   app->add_flag("--covariance", options->covariance,
                 "Also write the covariance of every point, from trajectory, boresight and beam");
   app->add_option("--sigma-range-m", options->sigma_range_m,

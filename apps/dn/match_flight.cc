@@ -30,11 +30,27 @@ void ExpectMatchable(const FlightConfig& config) {
   }
 }
 
-void CheckSystems(const std::vector<fs::path>& files, const std::string& strips_crs, Run& run) {
+void WarnIf(const std::string& warning, Run& run) {
+  if (!warning.empty()) run.progress.Warn(warning);
+}
+
+/// Returns the least reliable origin of their laser vectors.
+VectorOrigin CheckStrips(const std::vector<fs::path>& files, const std::string& strips_crs,
+                         const StripGeoreferencing& made_with, Run& run) {
+  VectorOrigin weakest;
+  std::string first;
+  std::size_t assumed = 0;
   for (const fs::path& file : files) {
-    const std::string warning = CheckStripCrs(OpenStrip(file)->crs(), strips_crs, file);
-    if (!warning.empty()) run.progress.Warn(warning);
+    const auto strip = OpenStrip(file);
+    WarnIf(CheckStripCrs(strip->crs(), strips_crs, file), run);
+    const VectorOrigin origin = FindVectorOrigin(*strip, made_with, file);
+    weakest = Weaker(weakest, origin);
+    if (origin.kind != VectorOrigin::Kind::kAssumed) continue;
+    if (++assumed == 1) first = file.filename().string();
   }
+  const std::string others = assumed > 1 ? fmt::format(" (as {} more)", assumed - 1) : "";
+  WarnIf(VectorWarning(weakest, first + others), run);
+  return weakest;
 }
 
 /// The trajectory of a flight, and where it comes from.
@@ -101,11 +117,12 @@ MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& traject
   ExpectMatchable(config);
   run.ReadsStrips();
   const std::vector<fs::path> files = NeedStripFiles(config.folder);
-  CheckSystems(files, config.strips_crs, run);
+  const StripGeoreferencing made_with = GeoreferencingOf(config);
   MatchedFlight matched;
+  matched.origin = CheckStrips(files, config.strips_crs, made_with, run);
   FlightPath path = PathOf(&config, trajectory, run);
   matched.smoothed = std::move(path.smoothed);
-  path.options.made_with = config.lidar->mounting;
+  path.options.made_with = made_with;
   path.options.time_span_s = config.time_span_s;
   path.options.time_offset_s = config.lidar->time_offset_s;
   path.options.filter = filter;
@@ -173,7 +190,10 @@ void AddMatches(const MatchedFlight& matched, Run& run) {
       pairs.back().t_i_s += offset_s;
       pairs.back().t_j_s += offset_s;
     }
-    if (!pairs.empty()) run.AddFile(PairFile(*matched.source, match), FormatPairs(pairs));
+    if (pairs.empty()) continue;
+    const auto& strips = matched.result.strips;
+    run.AddFile(PairFile(*matched.source, match),
+                FormatPairs(pairs, Weaker(*strips[match.i].origin, *strips[match.j].origin)));
   }
   AddMatchFiles(matched.config.name, matched.result, *matched.source, run);
 }

@@ -16,6 +16,7 @@ namespace dn::apps {
 struct MatchedFlight {
   FlightConfig config;  ///< with the trajectory in use
   std::unique_ptr<FlightMatchSource> source;
+  VectorOrigin origin;  ///< of the laser vectors, the least reliable of all strips
   MatchResult result;
   std::unique_ptr<FlightRun> smoothed;  ///< where the flight has no trajectory
 };

@@ -102,14 +102,19 @@ std::string FormatDescriptor(int type, std::size_t options, const std::string& n
   return bytes;
 }
 
-std::string FormatExtraBytes(const std::string& descriptors) {
+std::string FormatVlr(std::string_view user, std::uint16_t id, std::string_view title,
+                      std::string_view content) {
+  constexpr std::size_t kUserBytes = 16, kTitleBytes = 32;
   std::string record(las::kVlrHeaderBytes, '\0');
-  constexpr std::string_view kUser = "LASF_Spec", kTitle = "Extra Bytes";
-  kUser.copy(record.data() + 2, kUser.size());
-  StoreLittleEndian(las::kExtraBytesId, record.data() + 18);
-  StoreLittleEndian(static_cast<std::uint16_t>(descriptors.size()), record.data() + 20);
-  kTitle.copy(record.data() + 22, kTitle.size());
-  return record + descriptors;
+  user.copy(record.data() + 2, kUserBytes);
+  StoreLittleEndian(id, record.data() + 18);
+  StoreLittleEndian(static_cast<std::uint16_t>(content.size()), record.data() + 20);
+  title.copy(record.data() + 22, kTitleBytes);
+  return record.append(content);
+}
+
+std::string FormatExtraBytes(const std::string& descriptors) {
+  return FormatVlr("LASF_Spec", las::kExtraBytesId, "Extra Bytes", descriptors);
 }
 
 double ValueOf(const ExtraDimension& dimension, const char* record) {

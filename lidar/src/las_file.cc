@@ -1,6 +1,7 @@
 #include "las_file.h"
 
 #include <dn/geo/little_endian.h>
+#include <dn/geo/local_frame.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 
@@ -21,6 +22,7 @@ constexpr std::uint64_t kMostWktBytes = std::uint64_t{1} << 20;
 constexpr std::uint64_t kMostRecords = 10000;
 constexpr double kMostScaleM = 1e3;
 constexpr double kMostOffsetM = 1e9;
+constexpr double kMostAngleDeg = 180.0;
 
 // Record lengths of point formats 0 to 10, in bytes.
 constexpr std::array<std::size_t, 11> kFormatBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
@@ -220,6 +222,7 @@ class LasFileReader {
       if (vlr.user == "laszip encoded") FailCompressed();
       at += las::kVlrHeaderBytes + vlr.bytes;
       if (vlr.user == "LASF_Spec" && vlr.id == las::kExtraBytesId) ReadExtraBytes(vlr);
+      if (vlr.user == las::kBoresightUser && vlr.id == las::kBoresightId) ReadBoresight(vlr);
       las_.vlrs.push_back(std::move(vlr));
     }
   }
@@ -229,6 +232,22 @@ class LasFileReader {
         ParseExtraBytes(las_.Content(vlr), kFormatBytes[static_cast<std::size_t>(las_.format)],
                         las_.record_bytes, where_);
     if (!las_.extra.empty()) las_.described_bytes = las_.extra.back().at + las_.extra.back().bytes;
+  }
+
+  void ReadBoresight(const Vlr& vlr) {
+    const std::string remedy = "; georeference the file again, or remove the record";
+    if (vlr.bytes != las::kBoresightBytes) {
+      Fail("the record of the boresight (dn, 1) has " + Bytes(vlr.bytes) + " of content, not " +
+           Bytes(las::kBoresightBytes) + remedy);
+    }
+    Eigen::Vector3d deg;
+    for (int i = 0; i < 3; ++i) {
+      deg[i] = Number<double>(vlr.at + las::kVlrHeaderBytes + static_cast<std::size_t>(8 * i));
+    }
+    if (!(deg.cwiseAbs().maxCoeff() <= kMostAngleDeg) || !deg.allFinite()) {
+      Fail("the record of the boresight (dn, 1) has an angle beyond 180 deg" + remedy);
+    }
+    las_.boresight_rad = deg * kRadPerDeg;
   }
 
   // Reads the data after the points, or checks that the file ends there.

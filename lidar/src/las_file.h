@@ -26,6 +26,11 @@ inline constexpr std::size_t kIntensityAt = 12, kReturnAt = 14, kLegacyClassAt =
 inline constexpr std::size_t kVlrHeaderBytes = 54, kEvlrHeaderBytes = 60, kDescriptorBytes = 192;
 inline constexpr std::size_t kLegacyReturns = 5, kReturns = 15;
 inline constexpr std::uint16_t kExtraBytesId = 4;
+/// The record of the boresight that the points were computed with: roll, pitch, yaw [deg, FRD] as
+/// three doubles.
+inline constexpr std::string_view kBoresightUser = "dn";
+inline constexpr std::uint16_t kBoresightId = 1;
+inline constexpr std::size_t kBoresightBytes = 24;
 }  // namespace las
 
 /// One attribute of a record after its standard part.
@@ -66,6 +71,7 @@ struct LasFile {
   /// Record length covered by the standard part and the described extra bytes.
   std::size_t described_bytes = 0;
   StripCrs crs;
+  std::optional<Eigen::Vector3d> boresight_rad;  ///< recorded by a writer of this program
 
   std::uint64_t points_begin() const { return head.size(); }
   std::uint64_t points_end() const { return head.size() + points * record_bytes; }
@@ -98,6 +104,10 @@ std::vector<ExtraDimension> ParseExtraBytes(std::string_view content, std::size_
 /// bytes.
 std::string FormatDescriptor(int type, std::size_t options, const std::string& name,
                              const std::string& description);
+
+/// Formats a variable length record.
+std::string FormatVlr(std::string_view user, std::uint16_t id, std::string_view title,
+                      std::string_view content);
 
 /// Formats the variable length record that contains these descriptors.
 std::string FormatExtraBytes(const std::string& descriptors);

@@ -111,8 +111,8 @@ double LasReader::Time(std::uint64_t index, const char* record) {
 }
 
 std::unique_ptr<StripWriter> LasReader::MakeWriter(const std::filesystem::path& file,
-                                                   bool with_covariance) const {
-  return std::make_unique<LasWriter>(file, las_, with_covariance);
+                                                   const StripAdditions& additions) const {
+  return std::make_unique<LasWriter>(file, las_, additions);
 }
 
 }  // namespace dn::internal

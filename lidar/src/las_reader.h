@@ -18,9 +18,10 @@ class LasReader final : public StripReader {
   bool has_time() const override { return las_.time_at.has_value(); }
   bool has_vectors() const override { return vector_[0] != nullptr; }
   const StripCrs& crs() const override { return las_.crs; }
+  std::optional<Eigen::Vector3d> boresight_rad() const override { return las_.boresight_rad; }
   std::optional<std::uint64_t> points() const override { return las_.points; }
   std::unique_ptr<StripWriter> MakeWriter(const std::filesystem::path& file,
-                                          bool with_covariance) const override;
+                                          const StripAdditions& additions) const override;
 
  private:
   void ReadRecords(std::uint64_t count, StripCloud* chunk);

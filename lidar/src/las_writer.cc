@@ -1,6 +1,7 @@
 #include "las_writer.h"
 
 #include <dn/geo/little_endian.h>
+#include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
 
 #include <algorithm>
@@ -42,11 +43,22 @@ std::string DescribeRest(std::size_t bytes) {
   return descriptors;
 }
 
-const Vlr* FindExtraBytes(const LasFile& las) {
+const Vlr* FindVlr(const LasFile& las, std::string_view user, std::uint16_t id) {
   for (const Vlr& vlr : las.vlrs) {
-    if (vlr.user == "LASF_Spec" && vlr.id == las::kExtraBytesId) return &vlr;
+    if (vlr.user == user && vlr.id == id) return &vlr;
   }
   return nullptr;
+}
+
+/// Adds a record behind the others, however many `head` has by now.
+void AppendVlr(const LasFile& las, const std::string& record, std::string* head) {
+  const auto count = LoadLittleEndian<std::uint32_t>(head->data() + las::kVlrCountAt);
+  std::size_t end = las.header_bytes;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    end += las::kVlrHeaderBytes + LoadLittleEndian<std::uint16_t>(head->data() + end + 20);
+  }
+  head->insert(end, record);
+  StoreLittleEndian(count + 1, head->data() + las::kVlrCountAt);
 }
 
 [[noreturn]] void FailFull(const LasFile& las) {
@@ -56,19 +68,14 @@ const Vlr* FindExtraBytes(const LasFile& las) {
 
 /// Adds descriptors to the record of the extra bytes; creates this record if it does not exist.
 void InsertDescriptors(const LasFile& las, const std::string& descriptors, std::string* head) {
-  if (const Vlr* vlr = FindExtraBytes(las)) {
+  if (const Vlr* vlr = FindVlr(las, "LASF_Spec", las::kExtraBytesId)) {
     const std::size_t bytes = vlr->bytes + descriptors.size();
     if (bytes > kMostWord) FailFull(las);
     StoreLittleEndian(static_cast<std::uint16_t>(bytes), head->data() + vlr->at + 20);
     head->insert(vlr->at + las::kVlrHeaderBytes + vlr->bytes, descriptors);
     return;
   }
-  const std::size_t end = las.vlrs.empty()
-                              ? las.header_bytes
-                              : las.vlrs.back().at + las::kVlrHeaderBytes + las.vlrs.back().bytes;
-  head->insert(end, FormatExtraBytes(descriptors));
-  StoreLittleEndian(static_cast<std::uint32_t>(las.vlrs.size() + 1),
-                    head->data() + las::kVlrCountAt);
+  AppendVlr(las, FormatExtraBytes(descriptors), head);
 }
 
 /// Returns the positions of the six elements in a record; adds the elements that the file lacks.
@@ -97,11 +104,41 @@ std::array<std::size_t, 6> PlaceCovariance(const LasFile& las, std::string* head
   return at;
 }
 
+std::string BoresightContent(const Eigen::Vector3d& boresight_rad) {
+  std::string content(las::kBoresightBytes, '\0');
+  for (int i = 0; i < 3; ++i) {
+    StoreLittleEndian(boresight_rad[i] * kDegPerRad, content.data() + 8 * i);
+  }
+  return content;
+}
+
+/// The header and records of the new file.
+std::string MakeHead(const LasFile& las, const StripAdditions& additions,
+                     std::optional<std::array<std::size_t, 6>>* covariance_at,
+                     std::size_t* record_bytes) {
+  std::string head = las.head;
+  std::string boresight;
+  if (additions.boresight_rad) boresight = BoresightContent(*additions.boresight_rad);
+  const Vlr* older = FindVlr(las, las::kBoresightUser, las::kBoresightId);
+  if (older != nullptr && !boresight.empty()) {
+    head.replace(older->at + las::kVlrHeaderBytes, boresight.size(), boresight);
+  }
+  if (additions.covariance) *covariance_at = PlaceCovariance(las, &head, record_bytes);
+  if (older == nullptr && !boresight.empty()) {
+    AppendVlr(las,
+              FormatVlr(las::kBoresightUser, las::kBoresightId, "boresight r, p, y [deg, FRD]",
+                        boresight),
+              &head);
+  }
+  return head;
+}
+
 }  // namespace
 
-LasWriter::LasWriter(const std::filesystem::path& file, LasFile las, bool with_covariance)
-    : las_(std::move(las)), head_(las_.head), record_bytes_(las_.record_bytes), file_(file) {
-  if (with_covariance) covariance_at_ = PlaceCovariance(las_, &head_, &record_bytes_);
+LasWriter::LasWriter(const std::filesystem::path& file, LasFile las,
+                     const StripAdditions& additions)
+    : las_(std::move(las)), record_bytes_(las_.record_bytes), file_(file) {
+  head_ = MakeHead(las_, additions, &covariance_at_, &record_bytes_);
   min_.setConstant(std::numeric_limits<double>::infinity());
   max_ = -min_;
   std::fill_n(head_.begin() + las::kSoftwareAt, kSoftwareBytes, '\0');

@@ -14,9 +14,9 @@ namespace dn::internal {
 /// except for fields that depend on the points. Coordinates are rounded to the grid of the file.
 class LasWriter final : public StripWriter {
  public:
-  /// with_covariance: adds six floats per point, the extra bytes VarianceX, VarianceY, VarianceZ,
+  /// A covariance in `additions` adds six floats per point, the extra bytes VarianceX, VarianceY, VarianceZ,
   /// CovarianceXY, CovarianceXZ, CovarianceYZ (m^2).
-  LasWriter(const std::filesystem::path& file, LasFile las, bool with_covariance);
+  LasWriter(const std::filesystem::path& file, LasFile las, const StripAdditions& additions);
 
   void Append(const StripCloud& points) override;
   void Finish() override;

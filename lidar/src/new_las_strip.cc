@@ -62,7 +62,7 @@ LasFile EmptyFile(const std::filesystem::path& path, const LasGrid& grid) {
 class NewLasWriter final : public StripWriter {
  public:
   NewLasWriter(const std::filesystem::path& file, const LasGrid& grid)
-      : writer_(file, EmptyFile(file, grid), false) {
+      : writer_(file, EmptyFile(file, grid), {}) {
     points_.record_bytes = kRecordBytes;
   }
 

@@ -62,10 +62,26 @@ LidarPair ToPair(const double* row, std::size_t columns, int file, const FileLoc
   return pair;
 }
 
+/// The least reliable origin that a comment line states, at any place: files may be joined.
+VectorOrigin ReadOrigin(const std::filesystem::path& path) {
+  VectorOrigin weakest;
+  LineReader lines(path);
+  for (std::string_view line; lines.Next(&line);) {
+    if (!line.starts_with('#')) continue;
+    try {
+      if (const auto origin = ParseOriginLine(line)) weakest = Weaker(weakest, *origin);
+    } catch (const InvalidInput& e) {
+      throw InvalidInput(e.what(), {path.string(), lines.line(), 0});
+    }
+  }
+  return weakest;
+}
+
 void AppendFile(const std::filesystem::path& path, double time_offset_s, PairData& data) {
   TextTable table = ReadTextTable(path, {kPairColumns, kPairColumnsWithCovariance});
   const int file = static_cast<int>(data.files.size());
   data.files.push_back(path);
+  data.origins.push_back(ReadOrigin(path));
   data.pairs.reserve(data.pairs.size() + table.rows());
   FileLocation where{path.string(), 0, 0};
   for (std::size_t i = 0; i < table.rows(); ++i) {
@@ -135,8 +151,8 @@ PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::s
   return data;
 }
 
-std::string FormatPairs(const std::vector<LidarPair>& pairs) {
-  std::string text;
+std::string FormatPairs(const std::vector<LidarPair>& pairs, const VectorOrigin& origin) {
+  std::string text = FormatOriginLine(origin);
   std::string line;
   for (const LidarPair& pair : pairs) {
     line.clear();

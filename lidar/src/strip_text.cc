@@ -46,8 +46,8 @@ bool StripTextReader::Next(StripCloud* chunk) {
 }
 
 std::unique_ptr<StripWriter> StripTextReader::MakeWriter(const std::filesystem::path& file,
-                                                         bool with_covariance) const {
-  return std::make_unique<StripTextWriter>(file, with_covariance);
+                                                         const StripAdditions& additions) const {
+  return std::make_unique<StripTextWriter>(file, additions.covariance);
 }
 
 void StripTextWriter::Append(const StripCloud& points) {

@@ -17,7 +17,7 @@ class StripTextReader final : public StripReader {
   const StripCrs& crs() const override { return crs_; }
   std::optional<std::uint64_t> points() const override { return std::nullopt; }
   std::unique_ptr<StripWriter> MakeWriter(const std::filesystem::path& file,
-                                          bool with_covariance) const override;
+                                          const StripAdditions& additions) const override;
 
  private:
   TextTableReader table_;

@@ -36,11 +36,13 @@ Json LevelJson(const MatchLevel& level) {
 }
 
 Json StripJson(const std::string& name, const StripCounts& counts) {
+  const bool measured = counts.origin && counts.origin->kind == VectorOrigin::Kind::kMeasured;
   return {{"name", name},
           {"points", counts.points},
           {"kept", counts.kept},
           {"dropped", counts.dropped},
-          {"laser_vectors", counts.own_vectors ? "file" : "computed"},
+          {"laser_vectors", measured ? "file" : "computed"},
+          {"laser_vectors_origin", counts.origin ? Json(Word(counts.origin->kind)) : Json()},
           {"t_begin_s", counts.t_begin_s},
           {"t_end_s", counts.t_end_s}};
 }

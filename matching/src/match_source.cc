@@ -22,7 +22,7 @@ bool IsOf(const MatchStrip& wanted, const std::vector<std::uint16_t>& source, st
 /// Adds the counts of a file, except the kept points.
 void Join(const StripCounts& file, StripCounts* all) {
   const bool first = all->points == 0;
-  all->own_vectors = file.own_vectors;
+  all->origin = all->origin ? Weaker(*all->origin, *file.origin) : *file.origin;
   all->t_begin_s = first ? file.t_begin_s : std::min(all->t_begin_s, file.t_begin_s);
   all->t_end_s = first ? file.t_end_s : std::max(all->t_end_s, file.t_end_s);
   all->points += file.points;
@@ -54,7 +54,7 @@ std::vector<MatchStrip> FindMatchStrips(const std::vector<fs::path>& files) {
 
 FlightMatchSource::FlightMatchSource(const StripSourceOptions& options, const LocalFrame& frame,
                                      const std::string& strips_crs, std::vector<MatchStrip> strips)
-    : mounting_(options.made_with),
+    : mounting_(options.made_with.mounting),
       frame_(frame),
       source_(options, frame, strips_crs),
       strips_(std::move(strips)) {}

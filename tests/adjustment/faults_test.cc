@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -26,6 +27,8 @@ using ::testing::HasSubstr;
 constexpr double kWorstNees = 24.0;
 constexpr double kSigmas = 4.0;
 constexpr std::uint64_t kSeed = 3;
+// Twice what the INS/GNSS solution may take, with increments integrated again once.
+constexpr int kMostIterations = 160;
 
 /// Every fault is tested with a small drone and with an aircraft with a navigation-grade sensor.
 class Faults : public ::testing::TestWithParam<const char*> {
@@ -254,6 +257,29 @@ TEST_P(Faults, LateTimeTagsOfTheWholeFlightAreNamed) {
   EXPECT_NEAR(c.adjustment.gnss_clock->offset_s, 0.05,
               kSigmas * c.adjustment.gnss_clock->sigma_offset_s);
   EXPECT_EQ(c.solution.CheckedBoresight().verdict, Verdict::kContradicted);
+}
+
+TEST_P(Faults, SensorsThatContradictEndTheWorkEarly) {
+  const std::vector<std::function<void(ImuSample&)>> mistakes{
+      [](ImuSample& sample) { sample.w_ib_b_radps.z() *= -1.0; },
+      [](ImuSample& sample) { sample.f_b_mps2.z() *= -1.0; },
+      [](ImuSample& sample) { std::swap(sample.w_ib_b_radps.x(), sample.w_ib_b_radps.y()); },
+      [](ImuSample& sample) {
+        sample.w_ib_b_radps *= -1.0;
+        sample.f_b_mps2 *= -1.0;
+      },
+      [](ImuSample& sample) { sample.w_ib_b_radps *= kDegPerRad; }};
+  for (std::size_t m = 0; m < mistakes.size(); ++m) {
+    SCOPED_TRACE(m);
+    Flight flight = sim_.flight;
+    std::ranges::for_each(flight.imu->samples, mistakes[m]);
+    int iterations = 0;
+    AdjustOptions options;
+    options.with_pairs = false;
+    options.progress = [&](const std::string&, int done) { iterations += done > 0 ? 1 : 0; };
+    EXPECT_THROW(Adjust(flight, options), SensorsContradict);
+    EXPECT_LE(iterations, kMostIterations);
+  }
 }
 
 TEST_P(Faults, DataThatDoNotBelongTogetherAreRefused) {

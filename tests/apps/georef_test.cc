@@ -16,6 +16,7 @@ namespace dn::testing::georef_test {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int kPoints = 50;
 constexpr double kGridM = 1e-4;
@@ -118,6 +119,56 @@ TEST(CliGeoref, AResultBringsItsBoresightAndItsCovariance) {
   EXPECT_GT(points.covariance_c_m2[0].trace(), 0.02 * 0.02);
   EXPECT_LT(points.covariance_c_m2[0].trace(), 1.0);
   EXPECT_EQ(ReadAll(flight.out() / "strips/2.las").record_bytes, 28u + 24u);
+}
+
+/// The result of the short flight with another verdict.
+std::string ResultWithVerdict(const DamagedFlight& flight, const std::string& verdict) {
+  Json json = Json::parse(ContentOf(CalibrateResult() / "result.json"));
+  json["assessment"]["verdict"] = verdict;
+  flight.Write("../" + verdict + ".json", json.dump());
+  return (flight.path().parent_path() / (verdict + ".json")).string();
+}
+
+TEST(CliGeoref, AResultThatCannotBeReliedOnNeedsAnyway) {
+  const FlightWithStrips flight;
+  for (const char* verdict : {"contradicted", "not_observable"}) {
+    const std::string result = ResultWithVerdict(flight, verdict);
+    const ProgramRun run = flight.Run("georef", {"--result", result});
+    EXPECT_EQ(run.exit_code, 1) << run.err;
+    EXPECT_THAT(run.err, HasSubstr(std::string("the result is ") + verdict));
+    EXPECT_THAT(run.err, HasSubstr("add --anyway (" + result + ")"));
+    EXPECT_FALSE(fs::exists(flight.out() / "strips"));
+    const ProgramRun anyway = flight.Run("georef", {"--result", result, "--anyway"});
+    EXPECT_EQ(anyway.exit_code, 0) << anyway.err;
+    EXPECT_THAT(anyway.err, HasSubstr("used because of --anyway"));
+    EXPECT_TRUE(fs::exists(flight.out() / "strips/1.txt"));
+  }
+}
+
+TEST(CliGeoref, AnAbsorbedResultIsUsedWithANote) {
+  const FlightWithStrips flight;
+  const ProgramRun run = flight.Run("georef", {"--result", ResultWithVerdict(flight, "absorbed")});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("the result is absorbed"));
+}
+
+TEST(CliGeoref, StripsWithoutVectorsNeedTheBoresightOfTheirPoints) {
+  const FlightWithStrips flight;
+  const std::string warning = "2.las has no laser vectors";
+  EXPECT_THAT(flight.Run("georef").err, HasSubstr(warning));
+  EXPECT_FALSE(OpenStrip(flight.out() / "strips/2.las")->boresight_rad());
+  flight.Replace("flight.yaml", "  boresight_deg: [0, 0, 0]",
+                 "  boresight_deg: [1, 1, 1]\n  georeferenced_with: {boresight_deg: [0, 0, 0]}");
+  const ProgramRun run = flight.Run("georef", {"--boresight", "0.2,0.03,0.35"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.err, Not(HasSubstr(warning)));
+  const StripCloud points = ReadAll(flight.out() / "strips/2.las");
+  for (int i = 0; i < kPoints; ++i) {
+    EXPECT_LT((points.p_c[static_cast<std::size_t>(i)] - flight.Truth(i)).norm(), 3 * kGridM);
+  }
+  const auto recorded_rad = OpenStrip(flight.out() / "strips/2.las")->boresight_rad();
+  ASSERT_TRUE(recorded_rad);
+  EXPECT_NEAR(recorded_rad->z(), 0.35 * kRadPerDeg, 1e-12);
 }
 
 TEST(CliGeoref, AnotherTrajectoryMovesThePoints) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "page_numbers.h"
 #include "run_program.h"
@@ -14,6 +15,8 @@ namespace dn::testing::match_test {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 int CountOf(const std::string& part, const std::string& text) {
   int count = 0;
@@ -66,6 +69,49 @@ TEST_F(Matching, PairsOfStripsCalibrateTheFlight) {
     EXPECT_NEAR(boresight["angles_deg"][i].get<double>(), truth_deg[i],
                 4.0 * boresight["sigma_deg"][i].get<double>());
   }
+}
+
+/// Renames the extra bytes of laser vectors, which nothing looks for then.
+void HideVectors(const fs::path& las) {
+  std::string bytes = ContentOf(las);
+  for (const std::string name : {"ux", "uy", "uz"}) {
+    const std::size_t at = bytes.find(name + std::string(30, '\0'));
+    ASSERT_NE(at, std::string::npos) << name;
+    bytes[at] = 'q';
+  }
+  std::ofstream(las, std::ios::binary) << bytes;
+}
+
+TEST_F(Matching, VectorsOfAnAssumedBoresightDoNotCalibrate) {
+  fs::copy(In("flight"), In("bare_points"), fs::copy_options::recursive);
+  for (const char* name : {"1.las", "2.las"}) {
+    HideVectors(folder_->path() / "bare_points/strips" / name);
+  }
+  const auto calibrate = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"calibrate", In("bare_points"), "--out", In("from_points")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunProgram(arguments);
+  };
+  // The simulated points lie by the true boresight, which flight.yaml does not know.
+  const ProgramRun assumed = calibrate({});
+  EXPECT_EQ(assumed.exit_code, 0) << assumed.err;
+  EXPECT_THAT(assumed.err, HasSubstr("1.las (as 1 more) has no laser vectors"));
+  EXPECT_THAT(ContentOf(In("from_points/lidar/1_2.txt")),
+              StartsWith("# laser vectors computed with boresight 0, 0, 0 deg: assumed\n"));
+  const Json wrong = Read("from_points/result.json");
+  EXPECT_EQ(wrong["assessment"]["verdict"], "absorbed");
+  EXPECT_THAT(wrong["assessment"]["reasons"][0].get<std::string>(),
+              HasSubstr("the laser vectors of 1_2.txt were computed from points"));
+  EXPECT_NEAR(wrong["boresight"]["angles_deg"][0].get<double>(), 0.0, 0.02);
+
+  const ProgramRun declared =
+      calibrate({"--set", "lidar.georeferenced_with={boresight_deg: [0.2, 0.03, 0.35]}"});
+  EXPECT_EQ(declared.exit_code, 0) << declared.err;
+  EXPECT_THAT(declared.err, Not(HasSubstr("has no laser vectors")));
+  const Json right = Read("from_points/result.json");
+  EXPECT_EQ(right["assessment"]["verdict"], "calibrated");
+  EXPECT_NEAR(right["boresight"]["angles_deg"][0].get<double>(), 0.2,
+              4.0 * right["boresight"]["sigma_deg"][0].get<double>());
 }
 
 TEST_F(Matching, AllMethodsRunFromStripsAlone) {

@@ -158,6 +158,16 @@ TEST(FlightConfigErrors, MountingMatrixIsNoRotation) {
             "reflection", 3);
 }
 
+TEST(FlightConfigErrors, Georeferencing) {
+  const std::string begin = "lidar: {gsd_m: 1, georeferenced_with: ";
+  ExpectBad(begin + "declared}\n", "must be `boresight`", 1);
+  ExpectBad(begin + "[1, 2, 3]}\n", "georeferenced_with", 1);
+  ExpectBad(begin + "{}}\n", "georeferenced_with.boresight_deg", 1);
+  ExpectBad(begin + "{boresight: [1, 2, 3]}}\n", "boresight_deg", 1);
+  ExpectBad(begin + "{boresight_deg: [1, 2]}}\n", "boresight_deg", 1);
+  ExpectBad(begin + "{boresight_deg: [1, 2, 181]}}\n", "within -180 and 180", 1);
+}
+
 TEST(FlightConfigErrors, ScanAxes) {
   ExpectBad("lidar: {gsd_m: 1, scan_axis: [1, 1, 0]}\n", "scan_axis: must be a unit vector", 1);
   ExpectBad("lidar: {gsd_m: 1, scan_axis: [0, 0, 1]}\n", "perpendicular to scan_axis", 1);

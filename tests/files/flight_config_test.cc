@@ -68,6 +68,7 @@ lidar:
   lever_arm_m: [0.14, -0.02, 0.21]
   boresight_deg: [0.2, 0.03, 0.35]
   boresight_sigma_deg: [0.1, 0.2, 0.3]
+  georeferenced_with: {boresight_deg: [0.3, -0.1, 1.7]}
   scan_axis: [0, 1, 0]
   nadir_axis: [0.6, 0, 0.8]
   gsd_m: 0.2
@@ -139,6 +140,7 @@ void ExpectSameLidar(const LidarConfig& a, const LidarConfig& b) {
   EXPECT_EQ(a.mounting.lever_arm_b_m, b.mounting.lever_arm_b_m);
   EXPECT_EQ(a.mounting.boresight_rad, b.mounting.boresight_rad);
   EXPECT_EQ(a.boresight_sigma_rad, b.boresight_sigma_rad);
+  EXPECT_EQ(a.georeferenced_with_rad, b.georeferenced_with_rad);
   EXPECT_EQ(a.scan_axis_s, b.scan_axis_s);
   EXPECT_EQ(a.nadir_axis_s, b.nadir_axis_s);
   EXPECT_EQ(a.gsd_m, b.gsd_m);
@@ -283,6 +285,24 @@ TEST(FlightConfig, AcceptsOneBoresightSigmaForAllAxes) {
   const FlightConfig config = Parse("lidar: {gsd_m: 0.2, boresight_sigma_deg: 1.0}");
   EXPECT_NEAR((*config.lidar->boresight_sigma_rad - Eigen::Vector3d::Constant(kDeg)).norm(), 0.0,
               kRelative);
+}
+
+TEST(FlightConfig, TheStripsWereGeoreferencedWithABoresight) {
+  const auto declared = [](const std::string& more) {
+    return Parse("{" + more + "}").lidar->georeferenced_with_rad;
+  };
+  const std::string begin = "lidar: {gsd_m: 0.2, boresight_deg: [0.1, 0.2, 0.3]";
+  EXPECT_FALSE(declared(begin + "}"));
+  EXPECT_FALSE(declared(begin + ", georeferenced_with: ~}"));
+  const Eigen::Vector3d same_rad = kDeg * Eigen::Vector3d(0.1, 0.2, 0.3);
+  EXPECT_LE((*declared(begin + ", georeferenced_with: boresight}") - same_rad).norm(), kRelative);
+  const std::string angles = ", georeferenced_with: {boresight_deg: [1, 2, -3]}";
+  const Eigen::Vector3d other_rad = kDeg * Eigen::Vector3d(1, 2, -3);
+  EXPECT_LE((*declared(begin + angles + "}") - other_rad).norm(), kRelative);
+  const Eigen::Vector3d flipped_rad = kDeg * Eigen::Vector3d(1, -2, 3);
+  const std::string flu =
+      "body: FLU, " + begin + ", R_sensor_to_body: [[1, 0, 0], [0, -1, 0], [0, 0, -1]]";
+  EXPECT_LE((*declared(flu + angles + "}") - flipped_rad).norm(), kRelative);
 }
 
 TEST(FlightConfig, TreatsTildeAsAbsent) {

@@ -68,7 +68,7 @@ struct Survey {
   GeoreferenceOptions Options() const {
     GeoreferenceOptions options;
     options.trajectory = Flown();
-    options.mounting = options.made_with = mounting;
+    options.mounting = options.made_with.mounting = mounting;
     return options;
   }
 };
@@ -139,7 +139,7 @@ TEST_F(GeoreferenceStrip, ANewBoresightMovesLasPointsWhereItSays) {
     const GeoreferencedStrip strip = Run(options, name, "strip.las");
     EXPECT_EQ(strip.points, 40u);
     EXPECT_EQ(strip.kept, 40u);
-    EXPECT_FALSE(strip.own_vectors);
+    EXPECT_EQ(strip.origin.kind, VectorOrigin::Kind::kAssumed);
     EXPECT_GT(strip.shift_rms_m, 1.0);
     EXPECT_GE(strip.shift_max_m, strip.shift_rms_m);
     const StripCloud points = ReadAll(Out("strip.las"));
@@ -164,9 +164,9 @@ TEST_F(GeoreferenceStrip, TextHasItsOwnVectors) {
   const std::vector<double> epochs_s = Epochs(20);
   folder_.Write("strip.txt", Text(epochs_s));
   GeoreferenceOptions options = survey_.Options();
-  options.made_with = Mounting();  // has no influence
+  options.made_with.mounting = Mounting();  // has no influence
   const GeoreferencedStrip strip = Run(options, "map", "strip.txt");
-  EXPECT_TRUE(strip.own_vectors);
+  EXPECT_EQ(strip.origin.kind, VectorOrigin::Kind::kMeasured);
   const StripCloud points = ReadAll(Out("strip.txt"));
   for (std::size_t i = 0; i < epochs_s.size(); ++i) {
     EXPECT_LT((points.p_c[i] - survey_.Ground(epochs_s[i], survey_.mounting.boresight_rad)).norm(),
@@ -338,7 +338,7 @@ struct SourcedStrip {
 SourcedStrip ReadBySource(const Survey& survey, const fs::path& file, const std::string& crs) {
   StripSourceOptions options;
   options.trajectory = survey.Flown();
-  options.made_with = survey.mounting;
+  options.made_with.mounting = survey.mounting;
   const StripSource source(options, survey.motion.frame, crs);
   SourcedStrip strip;
   strip.counts = source.Read(file, [&](const LaserVectors& chunk) {
@@ -352,7 +352,7 @@ TEST_F(GeoreferenceStrip, ASourceFindsTheVectorsThatLedToPoints) {
   const std::vector<double> epochs_s = Epochs(40);
   folder_.Write("strip.las", Las(survey_, PointCrs("utm:32n", survey_.motion.frame), epochs_s));
   const SourcedStrip strip = ReadBySource(survey_, folder_.path() / "strip.las", "utm:32n");
-  EXPECT_FALSE(strip.counts.own_vectors);
+  EXPECT_EQ(strip.counts.origin->kind, VectorOrigin::Kind::kAssumed);
   ASSERT_EQ(strip.vectors.size(), epochs_s.size());
   for (std::size_t i = 0; i < epochs_s.size(); ++i) {
     EXPECT_NEAR((strip.vectors.u_s[i] - Survey::Beam(epochs_s[i])).norm(), 0.0, kGridM);
@@ -363,13 +363,68 @@ TEST_F(GeoreferenceStrip, ASourceTakesTheVectorsOfTheFileAndLeavesOutWhatHasNoPo
   const std::vector<double> epochs_s = Epochs(60);  // the last ones lie after the trajectory
   folder_.Write("strip.txt", Text(epochs_s));
   const SourcedStrip strip = ReadBySource(survey_, folder_.path() / "strip.txt", "map");
-  EXPECT_TRUE(strip.counts.own_vectors);
+  EXPECT_EQ(strip.counts.origin->kind, VectorOrigin::Kind::kMeasured);
   EXPECT_EQ(strip.counts.points, 60u);
   ASSERT_LT(strip.vectors.size(), 60u);
   EXPECT_EQ(strip.counts.dropped.at("after the trajectory"), 60u - strip.vectors.size());
   for (std::size_t i = 0; i < strip.vectors.size(); ++i) {
     EXPECT_EQ(strip.vectors.u_s[i], Survey::Beam(epochs_s[i]));
   }
+}
+
+TEST_F(GeoreferenceStrip, ADeclaredBoresightWinsOverTheInitialOne) {
+  const std::vector<double> epochs_s = Epochs(20);
+  folder_.Write("strip.las", Las(survey_, PointCrs("map", survey_.motion.frame), epochs_s));
+  StripSourceOptions options;
+  options.trajectory = survey_.Flown();
+  options.made_with = {survey_.mounting, survey_.mounting.boresight_rad};
+  options.made_with.mounting.boresight_rad = Vector3d::Zero();
+  const StripSource source(options, survey_.motion.frame, "map");
+  LaserVectors vectors;
+  const StripCounts counts = source.Read(folder_.path() / "strip.las",
+                                         [&](const LaserVectors& chunk) { vectors = chunk; });
+  EXPECT_EQ(counts.origin->kind, VectorOrigin::Kind::kDeclared);
+  EXPECT_EQ(counts.origin->boresight_rad, survey_.mounting.boresight_rad);
+  for (std::size_t i = 0; i < epochs_s.size(); ++i) {
+    EXPECT_NEAR((vectors.u_s[i] - Survey::Beam(epochs_s[i])).norm(), 0.0, kGridM);
+  }
+}
+
+TEST_F(GeoreferenceStrip, ANewFileRecordsTheBoresightOfItsPoints) {
+  const std::vector<double> epochs_s = Epochs(20);
+  folder_.Write("strip.las", Las(survey_, PointCrs("map", survey_.motion.frame), epochs_s));
+  GeoreferenceOptions options = survey_.Options();
+  options.made_with.declared_rad = survey_.mounting.boresight_rad;
+  options.mounting.boresight_rad = Vector3d(-0.1, 0.2, 0.5) * kRadPerDeg;
+  Run(options, "map", "strip.las");
+  // What flight.yaml says of the boresight has no part in it from now on.
+  const SourcedStrip strip = ReadBySource(survey_, Out("strip.las"), "map");
+  EXPECT_EQ(strip.counts.origin->kind, VectorOrigin::Kind::kRecorded);
+  EXPECT_LT((strip.counts.origin->boresight_rad - options.mounting.boresight_rad).norm(), 1e-15);
+  for (std::size_t i = 0; i < epochs_s.size(); ++i) {
+    EXPECT_NEAR((strip.vectors.u_s[i] - Survey::Beam(epochs_s[i])).norm(), 0.0, 3.0 * kGridM);
+  }
+}
+
+TEST_F(GeoreferenceStrip, PointsOfAssumedVectorsRecordNothing) {
+  folder_.Write("strip.las", Las(survey_, PointCrs("map", survey_.motion.frame), Epochs(20)));
+  GeoreferenceOptions options = survey_.Options();
+  options.made_with.mounting.boresight_rad = Vector3d::Zero();
+  EXPECT_EQ(Run(options, "map", "strip.las").origin.kind, VectorOrigin::Kind::kAssumed);
+  EXPECT_FALSE(OpenStrip(Out("strip.las"))->boresight_rad());
+}
+
+TEST_F(GeoreferenceStrip, ARecordAndADeclarationMustAgree) {
+  folder_.Write("strip.las", Las(survey_, PointCrs("map", survey_.motion.frame), Epochs(20)));
+  GeoreferenceOptions options = survey_.Options();
+  options.made_with.declared_rad = survey_.mounting.boresight_rad;
+  Run(options, "map", "strip.las");
+  const auto strip = OpenStrip(Out("strip.las"));
+  EXPECT_EQ(FindVectorOrigin(*strip, options.made_with, Out("strip.las")).kind,
+            VectorOrigin::Kind::kRecorded);
+  options.made_with.declared_rad = Vector3d(0.2, 0.03, 0.36) * kRadPerDeg;
+  ExpectInvalidIn([&] { FindVectorOrigin(*strip, options.made_with, Out("strip.las")); },
+                  "take the key out of flight.yaml", "new_strip.las");
 }
 
 TEST_F(GeoreferenceStrip, ASourceNamesBothSpansWhereNothingIsLeft) {

@@ -117,7 +117,7 @@ TEST_F(Leeward, ThereAndBackThroughAnotherBoresight) {
           .Run(Data("leeward/points.las"), folder.path() / "a.las", quiet);
   EXPECT_EQ(there.kept, 1325u);
   EXPECT_GT(there.shift_rms_m, 20.0);
-  std::swap(options.made_with, options.mounting);
+  std::swap(options.made_with.mounting, options.mounting);
   StripGeoreferencer(options, frame_, crs)
       .Run(folder.path() / "a.las", folder.path() / "b.las", quiet);
   const StripCloud before = ReadAll(Data("leeward/points.las"));

@@ -130,7 +130,8 @@ void CheckPoints(const StripCloud& points) {
 void CheckStrip(const fs::path& file) {
   const auto reader = OpenStrip(file);
   const fs::path copy = fs::path(file).replace_filename("copy" + file.extension().string());
-  const auto writer = reader->MakeWriter(copy, true);
+  const auto writer = reader->MakeWriter(
+      copy, {.covariance = true, .boresight_rad = Eigen::Vector3d(0.1, 0.2, 0.3)});
   std::size_t read = 0;
   for (StripCloud points; reader->Next(&points); read += points.size()) {
     CheckPoints(points);

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <numbers>
+#include <optional>
 
 #include "testing/expect_invalid.h"
 #include "testing/las_bytes.h"
@@ -44,10 +46,12 @@ StripCloud ReadAll(const fs::path& file) {
 
 /// Copies the points of a file to another file; returns the bytes of the copy.
 std::string WrittenAgain(const TempFile& file, bool with_covariance = false,
-                         const std::vector<bool>& drop = {}) {
+                         const std::vector<bool>& drop = {},
+                         const std::optional<Vector3d>& boresight_rad = {}) {
   const fs::path copy = file.path().parent_path() / "copy.las";
   const auto reader = OpenStrip(file.path());
-  const auto writer = reader->MakeWriter(copy, with_covariance);
+  const auto writer =
+      reader->MakeWriter(copy, {.covariance = with_covariance, .boresight_rad = boresight_rad});
   for (StripCloud points; reader->Next(&points);) {
     if (!drop.empty()) points.Drop(drop);
     if (with_covariance) {
@@ -249,10 +253,55 @@ TEST(Las, WaveformsMoveWithTheEndOfThePoints) {
   EXPECT_EQ(WrittenAgain(file, false, {false, false, true}), with_waveforms(expected));
 }
 
+std::string BoresightContent(const Vector3d& deg) {
+  std::string content(24, '\0');
+  for (int i = 0; i < 3; ++i) std::memcpy(content.data() + 8 * i, &deg[i], 8);
+  return content;
+}
+
+TEST(Las, TheBoresightOfThePointsIsARecord) {
+  const Vector3d deg(0.25, -0.5, 1.0);
+  const Vector3d rad = deg * std::numbers::pi / 180.0;
+  LasBytes las = ThreePoints();
+  las.minor = 4;
+  las.format = 6;
+  las.vlrs = {{"somebody", 7, "what nobody knows"}};
+  las.evlrs = {{"somebody", 1, "behind"}};
+  const TempFile file("strip.las", las.Build());
+  EXPECT_FALSE(OpenStrip(file.path())->boresight_rad());
+  const TempFile written("new.las", WrittenAgain(file, false, {}, rad));
+  EXPECT_LT((*OpenStrip(written.path())->boresight_rad() - rad).norm(), 1e-15);
+  EXPECT_EQ(ReadAll(written.path()).p_c, ReadAll(file.path()).p_c);
+  // Without the description, which LasBytes leaves empty.
+  las.vlrs.push_back({"dn", 1, BoresightContent(deg)});
+  EXPECT_EQ(ReadWholeFile(written.path()).size(), las.Build().size());
+
+  // Another one takes its place, also beside a covariance.
+  const TempFile again("again.las", WrittenAgain(written, true, {}, Vector3d(2.0 * rad)));
+  EXPECT_LT((*OpenStrip(again.path())->boresight_rad() - 2.0 * rad).norm(), 1e-15);
+  EXPECT_EQ(ReadAll(again.path()).record_bytes, 30u + 24u);
+  const TempFile both("both.las", WrittenAgain(file, true, {}, rad));
+  EXPECT_LT((*OpenStrip(both.path())->boresight_rad() - rad).norm(), 1e-15);
+  EXPECT_EQ(ReadAll(both.path()).record_bytes, 30u + 24u);
+  EXPECT_EQ(ReadAll(both.path()).p_c, ReadAll(file.path()).p_c);
+}
+
+TEST(Las, ABadRecordOfTheBoresightIsNamed) {
+  const auto expect = [](const std::string& content, const std::string& what) {
+    LasBytes las = ThreePoints();
+    las.vlrs = {{"dn", 1, content}};
+    const TempFile file("strip.las", las.Build());
+    ExpectInvalidIn([&] { OpenStrip(file.path()); }, what, "strip.las");
+  };
+  expect("too short", "the record of the boresight (dn, 1) has 9 bytes of content");
+  expect(BoresightContent({0.0, std::nan(""), 0.0}), "has an angle beyond 180 deg");
+  expect(BoresightContent({0.0, 0.0, -181.0}), "has an angle beyond 180 deg");
+}
+
 TEST(Las, ANewPointMustFitTheGridOfTheFile) {
   const TempFile file("strip.las", ThreePoints().Build());
   const auto reader = OpenStrip(file.path());
-  const auto writer = reader->MakeWriter(file.path().parent_path() / "copy.las", false);
+  const auto writer = reader->MakeWriter(file.path().parent_path() / "copy.las", {});
   StripCloud points;
   reader->Next(&points);
   points.p_c[0].y() += 3e6;

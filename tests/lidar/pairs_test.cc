@@ -166,4 +166,36 @@ TEST(FormatPairs, RoundTripsEveryBit) {
   EXPECT_EQ(*data.pairs[1].covariance_m2, *pair.covariance_m2);
 }
 
+TEST(PairOrigin, IsMeasuredUnlessALineSaysOtherwise) {
+  const TempFolder folder;
+  const VectorOrigin recorded{VectorOrigin::Kind::kRecorded, {0.1, -0.2, 1.0 / 3.0}};
+  const VectorOrigin assumed{VectorOrigin::Kind::kAssumed, {0.0, 0.0, 0.0}};
+  LidarPair pair;
+  pair.u_i_s = pair.u_j_s = Eigen::Vector3d(1, 2, 3);
+  const auto text = [&](double t_i_s, const VectorOrigin& origin) {
+    pair.t_i_s = t_i_s;
+    return FormatPairs({pair}, origin);
+  };
+  folder.Write("1.txt", text(1.0, {}));
+  folder.Write("2.txt", text(2.0, recorded));
+  folder.Write("3.txt", text(3.0, {}) + text(4.0, assumed) + text(5.0, recorded));  // joined
+  const PairData data = ReadPairs(folder.path(), {"*.txt"});
+  ASSERT_EQ(data.origins.size(), 3u);
+  EXPECT_EQ(data.origins[0].kind, VectorOrigin::Kind::kMeasured);
+  EXPECT_EQ(data.origins[1].kind, VectorOrigin::Kind::kRecorded);
+  EXPECT_LT((data.origins[1].boresight_rad - recorded.boresight_rad).norm(), 1e-15);
+  EXPECT_EQ(data.origins[2].kind, VectorOrigin::Kind::kAssumed);
+  EXPECT_EQ(data.pairs.size(), 5u);
+}
+
+TEST(PairOrigin, ADamagedLineIsNamed) {
+  for (const char* rest : {"0, 0, 0 deg: guessed", "0, 0 deg: assumed", "0, 0, 0, 0 deg: assumed",
+                           "0, 0, x deg: assumed", "0, 0, 0"}) {
+    const TempFolder folder;
+    folder.Write("a.txt",
+                 std::string(kPlain) + "# laser vectors computed with boresight " + rest + "\n");
+    ExpectInvalid([&] { ReadPairs(folder.path(), {"a.txt"}); }, "", 2);
+  }
+}
+
 }  // namespace dn::pairs_test

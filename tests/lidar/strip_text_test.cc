@@ -39,7 +39,7 @@ TEST(StripText, IsWrittenWithEveryDigitAndItsCovariance) {
   C << 1, 2, 3, 2, 4, 5, 3, 5, 6;
   points.covariance_c_m2 = {C, C};
   const auto copy = file.path().parent_path() / "copy.txt";
-  const auto writer = reader->MakeWriter(copy, true);
+  const auto writer = reader->MakeWriter(copy, {.covariance = true});
   writer->Append(points);
   EXPECT_FALSE(std::filesystem::exists(copy));
   writer->Finish();

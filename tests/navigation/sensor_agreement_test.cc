@@ -58,6 +58,80 @@ TEST(SensorAgreement, NamesTheAxesOfTheInertialData) {
   }
 }
 
+/// Returns the flight with the data of the inertial sensor multiplied by M^T.
+Flight WithMistake(Flight flight, const AxesMistake& mistake) {
+  for (ImuSample& sample : flight.imu->samples) {
+    if (mistake.sensor != AxesMistake::Sensor::kAccel) {
+      sample.w_ib_b_radps = mistake.M.transpose() * sample.w_ib_b_radps;
+    }
+    if (mistake.sensor != AxesMistake::Sensor::kGyro) {
+      sample.f_b_mps2 = mistake.M.transpose() * sample.f_b_mps2;
+    }
+  }
+  return flight;
+}
+
+TEST(SensorAgreement, NamesTheMistakeInTheAxes) {
+  using Sensor = AxesMistake::Sensor;
+  std::vector<Eigen::Matrix3d> reflections{-Eigen::Matrix3d::Identity()};
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::Matrix3d sign = Eigen::Matrix3d::Identity(), exchange = sign;
+    sign(axis, axis) = -1.0;
+    exchange.row(axis).swap(exchange.row((axis + 1) % 3));
+    reflections.push_back(sign);
+    reflections.push_back(exchange);
+  }
+  for (const Scenario& scenario : {DroneScenario(), AircraftScenario()}) {
+    const Flight flight = Fly(scenario);
+    for (const Sensor sensor : {Sensor::kGyro, Sensor::kAccel, Sensor::kBoth}) {
+      for (const Eigen::Matrix3d& M : reflections) {
+        SCOPED_TRACE(::testing::Message()
+                     << scenario.name << ", sensor " << static_cast<int>(sensor) << ", M\n"
+                     << M);
+        const auto found = FindAxesMistake(WithMistake(flight, {sensor, M}));
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->sensor, sensor);
+        if (sensor != Sensor::kBoth) EXPECT_EQ(found->M, M);
+      }
+    }
+  }
+}
+
+TEST(SensorAgreement, NamesTheUnitOfTheRates) {
+  const Flight flight = Fly(AircraftScenario());
+  for (const double scale : {kDegPerRad, kRadPerDeg}) {
+    Flight scaled = flight;
+    for (ImuSample& sample : scaled.imu->samples) sample.w_ib_b_radps /= scale;
+    const auto found = FindAxesMistake(scaled);
+    ASSERT_TRUE(found) << scale;
+    EXPECT_EQ(found->sensor, AxesMistake::Sensor::kGyro);
+    EXPECT_EQ(found->M(0, 0), scale);
+  }
+}
+
+TEST(SensorAgreement, NamesNoMistakeInRightAxes) {
+  for (const Scenario& scenario : {DroneScenario(), AircraftScenario()}) {
+    SCOPED_TRACE(scenario.name);
+    const Flight flight = Fly(scenario);
+    EXPECT_FALSE(FindAxesMistake(flight));
+    EXPECT_FALSE(FindAxesMistake(InAxes(flight, kFlu)));
+    Flight late = flight;
+    for (MapGnssEpoch& epoch : late.gnss->epochs) epoch.t_s += 30.0;
+    EXPECT_FALSE(FindAxesMistake(late));
+  }
+}
+
+TEST(SensorAgreement, NamesTheMistakeInTheAxesOfTheFile) {
+  Flight flight = InAxes(Fly(AircraftScenario()), kTurned);
+  AxesMistake mistake;
+  mistake.M(0, 0) = -1.0;
+  flight = InAxes(WithMistake(flight, mistake), kTurned.transpose());  // as read
+  flight.config.imu->read.R_imu_to_body = kTurned;
+  const auto found = FindAxesMistake(flight);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->M, mistake.M);
+}
+
 // Without a course, gravity alone determines the smallest turn of the axes.
 TEST(SensorAgreement, GravityAloneKeepsForward) {
   BodyDirections directions;

@@ -51,7 +51,7 @@ ModelCheck CheckGaussHelmert(const Flight& flight, const std::vector<StripInterv
   check.sigma0_beside_effects =
       calibration.figures.sigma0 * std::sqrt(found.share_left / calibration.scatter.expected_ratio);
   check.p_value = check.SmallestPValue();
-  AddFindings(flight.config, calibration, &check);
+  AddFindings(flight, calibration, &check);
   return check;
 }
 

@@ -88,6 +88,26 @@ class Findings {
     }
   }
 
+  void JudgeVectors(const std::optional<PairData>& pairs) {
+    if (!pairs) return;
+    VectorOrigin weakest;
+    std::vector<std::string> assumed;
+    for (std::size_t k = 0; k < pairs->origins.size(); ++k) {
+      if (pairs->origins[k].kind != VectorOrigin::Kind::kAssumed) continue;
+      weakest = Weaker(weakest, pairs->origins[k]);
+      assumed.push_back(pairs->files[k].filename().string());
+    }
+    if (assumed.empty()) return;
+    std::string files = assumed.front();
+    if (assumed.size() > 1) files += " and " + std::to_string(assumed.size() - 1) + " more";
+    JudgeVectors(weakest, files);
+  }
+
+  void JudgeVectors(const VectorOrigin& origin, const std::string& files) {
+    if (origin.kind != VectorOrigin::Kind::kAssumed) return;
+    Add(facts::VectorsAssumed{origin.boresight_rad, files}, false, kCertain);
+  }
+
   void JudgeDiagnosis(const FlightConfig& config) {
     if (!config.unexplained.empty()) Add(facts::GapUnexplained{config.unexplained}, true, kCertain);
   }
@@ -144,6 +164,7 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   Findings findings(check);
   findings.JudgeDiagnosis(network.flight().config);
   findings.JudgePriors();
+  if (check->of_boresight) findings.JudgeVectors(network.flight().pairs);
   if (check->of_boresight) findings.JudgeMounting(Log(network.net.Value(network.boresight)));
   findings.JudgeAttitude(network);
   findings.JudgeGnssClock(adjustment.gnss_clock);
@@ -160,10 +181,11 @@ void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajector
   findings.Sort();
 }
 
-void AddFindings(const FlightConfig& config, const GaussHelmertCalibration& calibration,
+void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibration,
                  ModelCheck* check) {
   Findings findings(check);
-  findings.JudgeDiagnosis(config);
+  findings.JudgeDiagnosis(flight.config);
+  findings.JudgeVectors(flight.pairs);
   findings.JudgePriors();
   findings.JudgeMounting(calibration.boresight.angles_rad);
   findings.JudgeEffects(false);
@@ -179,6 +201,7 @@ void AddFindings(const FlightConfig& config, const PlaneCalibration& calibration
                  ModelCheck* check) {
   Findings findings(check);
   findings.JudgeDiagnosis(config);
+  findings.JudgeVectors(calibration.origin, "");
   findings.JudgeMounting(calibration.boresight.angles_rad);
   findings.JudgeSigma0(check->sigma0_beside_effects);
   findings.JudgeGroups();
@@ -187,11 +210,23 @@ void AddFindings(const FlightConfig& config, const PlaneCalibration& calibration
 
 }  // namespace internal
 
+namespace {
+
+template <class T>
+bool Holds(const ModelCheck& check) {
+  return std::any_of(check.findings.begin(), check.findings.end(),
+                     [](const Finding& finding) { return finding.As<T>() != nullptr; });
+}
+
+}  // namespace
+
 void Assess(const ModelCheck& check, BoresightResult* boresight) {
-  const bool ambiguous = std::any_of(
-      check.findings.begin(), check.findings.end(),
-      [](const Finding& finding) { return finding.As<facts::UnknownAmbiguous>() != nullptr; });
-  if (ambiguous && check.of_boresight) boresight->verdict = Verdict::kNotObservable;
+  if (Holds<facts::VectorsAssumed>(check) && boresight->verdict == Verdict::kCalibrated) {
+    boresight->verdict = Verdict::kAbsorbed;
+  }
+  if (Holds<facts::UnknownAmbiguous>(check) && check.of_boresight) {
+    boresight->verdict = Verdict::kNotObservable;
+  }
   if (check.contradicted()) boresight->verdict = Verdict::kContradicted;
   std::vector<Finding> reasons = check.findings;
   for (const Finding& reason : boresight->reasons) {

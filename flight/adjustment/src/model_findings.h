@@ -12,7 +12,7 @@ inline constexpr double kFamilyLevel = 1e-3;
 /// Evaluates the tests of `check` and adds the findings, the contradicting ones first.
 void AddFindings(const Adjustment& adjustment, const TrajectoryResult& trajectory,
                  ModelCheck* check);
-void AddFindings(const FlightConfig& config, const GaussHelmertCalibration& calibration,
+void AddFindings(const Flight& flight, const GaussHelmertCalibration& calibration,
                  ModelCheck* check);
 void AddFindings(const FlightConfig& config, const PlaneCalibration& calibration,
                  ModelCheck* check);

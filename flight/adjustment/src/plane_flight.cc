@@ -178,6 +178,7 @@ PlaneCalibration CalibratePlanes(const Flight& flight, std::vector<SeenPlane> pl
   const auto start = Clock::now();
   PlaneCalibration calibration;
   calibration.problem = MakePlaneProblem(flight, std::move(planes));
+  calibration.origin = options.vectors;
   stage("plane adjustment");
   PlaneAdjustmentOptions adjust;
   adjust.threads = options.threads;

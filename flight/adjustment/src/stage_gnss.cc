@@ -1,5 +1,6 @@
 #include <dn/calibration/left_out_gnss.h>
 #include <dn/calibration/stages.h>
+#include <dn/calibration/words.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/gnss_correlation.h>
 #include <dn/navigation/gnss_screening.h>
@@ -15,6 +16,7 @@
 #include <set>
 #include <utility>
 
+#include "gnss_fit.h"
 #include "network_at.h"
 #include "relinearisations.h"
 #include "robust_loss_of.h"
@@ -31,6 +33,7 @@ constexpr std::size_t kPositionBlock = 1;  // index in the blocks of a GNSS posi
 constexpr double kLargestRejectedShare = 1.0 / 3.0;
 // Residuals of more than this many times their stated noise are not noise.
 constexpr double kLargestGnssSigma0 = 10.0;
+constexpr double kLargestClockOffsetS = 2.0;
 // Share of the misfit that the clock must remove to be found off.
 constexpr double kExplainedShare = 0.5;
 constexpr EffectId kOffset = EffectId::kGnssTimeOffset, kDrift = EffectId::kGnssTimeDrift;
@@ -63,23 +66,43 @@ void CountRejected(AdjustmentRun& run) {
   if (!TooManyOut(rejected, run.network())) return;
   const std::size_t all = run.network().gnss_edges.size();
   const MapGnssEpoch& first = run.flight().gnss->epochs[rejected.front()];
-  throw InvalidInput("GNSS and inertial data contradict each other at " +
-                         std::to_string(rejected.size()) + " of " + std::to_string(all) +
-                         " GNSS epochs (" + LeftOutText(CountLeftOutGnss(run.network())) +
-                         "), first at t = " + FormatDouble(first.t_s) +
-                         " s: a clock that steps, a changed reference, wrong time tags or wrong "
-                         "axes; correct the data, or limit time_span_s to the good part",
-                     {run.flight().config.gnss->file, first.line});
+  throw SensorsContradict("GNSS and inertial data contradict each other at " +
+                              std::to_string(rejected.size()) + " of " + std::to_string(all) +
+                              " GNSS epochs (" + LeftOutText(CountLeftOutGnss(run.network())) +
+                              "), first at t = " + FormatDouble(first.t_s) + " s: ",
+                          "a clock that steps, a changed reference, wrong time tags or wrong "
+                          "axes; correct the data, or limit time_span_s to the good part",
+                          {run.flight().config.gnss->file, first.line});
+}
+
+[[noreturn]] void FailFit(double sigma0, AdjustmentRun& run) {
+  std::string hint;
+  for (const Finding& warning : run.result().warnings) hint += Words(warning) + "; also ";
+  throw SensorsContradict("inertial data and GNSS do not fit each other, their residuals are " +
+                              FormatDouble(std::round(sigma0 * 10.0) / 10.0) +
+                              " times the stated noise: ",
+                          hint + "check axes, units, lever arm, time tags and the stochastic model",
+                          {run.flight().config.gnss->file});
 }
 
 // Throws InvalidInput if the misfit is too large for any error of the stochastic model.
 void ExpectFit(AdjustmentRun& run) {
   const double sigma0 = EvaluateCost(run.network().net, run.options().threads).sigma0();
   if (!(sigma0 > kLargestGnssSigma0)) return;
-  throw InvalidInput("inertial data and GNSS do not fit each other: their residuals are " +
-                     FormatDouble(std::round(sigma0 * 10.0) / 10.0) +
-                     " times the stated noise; check axes, units, lever arm, time tags and the "
-                     "stochastic model");
+  FailFit(sigma0, run);
+}
+
+/// A clock that is off by more leaves no node near the time of its epochs: no adjustment with the
+/// assumed clock converges.
+void ExpectNearClock(AdjustmentRun& run) {
+  const auto& clock = run.result().gnss_clock;
+  if (!clock || std::abs(clock->offset_s) <= kLargestClockOffsetS) return;
+  throw SensorsContradict(
+      "the GNSS time tags are " + FormatDouble(std::round(std::abs(clock->offset_s) * 1e3) / 1e3) +
+          (clock->offset_s > 0.0 ? " s late" : " s early") +
+          " against those of the inertial data: ",
+      "correct the tags (gnss.time_offset_s), or check the time systems of both files",
+      {run.flight().config.gnss->file});
 }
 
 // Returns the largest ratio, over the axes, of time-correlated to white variance at the first
@@ -125,7 +148,11 @@ class EpochScreener {
     if (const auto misfit = ExplainGnssMisfit(network, marginals)) {
       if (misfit->cause != GnssMisfit::Cause::kClock) return Tell(*misfit);
       FreeClock(misfit->estimate);
+      if (internal::IsHopeless(run_.network())) FailFit(free_.sigma0(), run_);
       return true;
+    }
+    if (internal::IsHopeless(network)) {
+      FailFit(EvaluateCost(network.net, run_.options().threads).sigma0(), run_);
     }
     const GnssScreening screening(network, marginals);
     const std::optional<GnssJump> jump =
@@ -209,7 +236,9 @@ class EpochScreener {
       run_.network().net.Hold(run_.network().net.Find(EffectName(effect)), false);
     }
     SolveInsGnss(run_);
-    SettleGnssClock(run_);
+    if (internal::ClockMayExplain(run_.network(), held_.cost, run_.result().cost)) {
+      SettleGnssClock(run_);
+    }
     free_ = EvaluateCost(run_.network().net, run_.options().threads);
   }
 
@@ -276,6 +305,7 @@ void SolveInsGnss(AdjustmentRun& run) {
   run.SetGnssLoss(internal::LossOf(run.flight().config.gnss->robust, kUsualGnssLoss));
   run.Solve("INS/GNSS, robust", run.options().max_iterations);
   for (int k = 0; k < internal::kMaxRelinearisations && run.network().BiasChange() > 1.0; ++k) {
+    if (k > 0 && internal::IsHopeless(run.network())) break;  // the biases follow something else
     run.network().Relinearise();
     run.Solve("INS/GNSS, new increments", run.options().max_iterations);
   }
@@ -291,6 +321,7 @@ void ScreenGnss(AdjustmentRun& run) {
   screener.Finish();
   CountRejected(run);
   if (!run.result().gnss_clock) ExpectFit(run);
+  ExpectNearClock(run);
 }
 
 }  // namespace dn

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gnss_fit.h"
 #include "network_at.h"
 
 namespace dn {
@@ -28,8 +29,10 @@ double LongestWay(const FlightNetwork& network) {
 
 void SettleGnssClock(AdjustmentRun& run) {
   for (int k = 0; k < kMostLinks && LongestWay(run.network()) > kLongestWayS; ++k) {
+    const double before = run.result().cost;
     run.result().network = internal::NetworkAt(run, run.network().Calibration());
     SolveInsGnss(run);
+    if (!internal::ClockMayExplain(run.network(), before, run.result().cost)) break;
   }
 }
 

@@ -135,6 +135,16 @@ std::string Say(const facts::PriorContradicted& fact) {
       prior.unknown, std::sqrt(prior.statistic / prior.dof), P(prior.p_value), key);
 }
 
+std::string Say(const facts::VectorsAssumed& fact) {
+  return fmt::format(
+      "the laser vectors{} were computed from points with an assumed boresight, {}: the angles "
+      "make "
+      "the strips consistent, but are the mounting's only if the points were georeferenced with "
+      "that one; state it in flight.yaml, lidar.georeferenced_with: {{boresight_deg: [roll, pitch, "
+      "yaw]}}, and match the strips again",
+      fact.files.empty() ? "" : " of " + fact.files, Triple(fact.boresight_rad));
+}
+
 std::string Say(const facts::GapUnexplained& fact) {
   return fmt::format(
       "a diagnosis of the flight found what its configuration does not model: {} (key unexplained "

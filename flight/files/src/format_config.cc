@@ -150,6 +150,10 @@ void WriteLidar(const LidarConfig& lidar, Writer& out) {
   out.Key(1, "boresight_deg", List(lidar.mounting.boresight_rad, &RadFromDeg));
   out.Key(1, "boresight_sigma_deg",
           lidar.boresight_sigma_rad ? List(*lidar.boresight_sigma_rad, &RadFromDeg) : "~");
+  out.Key(1, "georeferenced_with",
+          lidar.georeferenced_with_rad
+              ? "{boresight_deg: " + List(*lidar.georeferenced_with_rad, &RadFromDeg) + "}"
+              : "~");
   out.Key(1, "scan_axis", List(lidar.scan_axis_s));
   out.Key(1, "nadir_axis", List(lidar.nadir_axis_s));
   out.Key(1, "gsd_m", Number(lidar.gsd_m));
@@ -231,6 +235,8 @@ FlightConfig WithBodyFlipped(FlightConfig config) {
   FlipBody(&mounting.R_bs_nominal);
   mounting.lever_arm_b_m = FlipBody(mounting.lever_arm_b_m);
   mounting.boresight_rad = FlipBody(mounting.boresight_rad);
+  auto& georeferenced_with_rad = config.lidar->georeferenced_with_rad;
+  if (georeferenced_with_rad) georeferenced_with_rad = FlipBody(*georeferenced_with_rad);
   return config;
 }
 

@@ -61,13 +61,15 @@ class StripGeoreferencer::Work {
  public:
   Work(const Setup& setup, const fs::path& in) : setup_(setup), in_(in), reader_(OpenStrip(in)) {
     internal::ExpectTimes(*reader_, in);
-    result_.own_vectors = reader_->has_vectors();
+    result_.origin = FindVectorOrigin(*reader_, setup_.options.made_with, in_);
+    made_with_ = setup_.options.made_with.mounting;
+    made_with_.boresight_rad = result_.origin.boresight_rad;
     result_.t_begin_s = std::numeric_limits<double>::infinity();
     result_.t_end_s = -result_.t_begin_s;
   }
 
   GeoreferencedStrip Run(const fs::path& out, const std::function<void(std::uint64_t)>& progress) {
-    const auto writer = reader_->MakeWriter(out, setup_.options.errors.has_value());
+    const auto writer = reader_->MakeWriter(out, Additions());
     for (StripCloud points; reader_->Next(&points);) {
       Renew(&points);
       writer->Append(points);
@@ -83,11 +85,20 @@ class StripGeoreferencer::Work {
  private:
   FileLocation Where() const { return {in_.string()}; }
 
+  StripAdditions Additions() const {
+    StripAdditions additions{.covariance = setup_.options.errors.has_value()};
+    // Points of wrong vectors lie as if by another boresight: nothing that a record could state.
+    if (result_.origin.kind != VectorOrigin::Kind::kAssumed) {
+      additions.boresight_rad = setup_.options.mounting.boresight_rad;
+    }
+    return additions;
+  }
+
   std::vector<Eigen::Vector2d> Line() const {
     std::vector<Eigen::Vector2d> line_en_m;
     for (const double tag_s : EvenTimes(result_.t_begin_s, result_.t_end_s, kPosesOfLine)) {
       const double t_s = tag_s - setup_.options.time_offset_s;
-      if (setup_.paths.FateOf(t_s, result_.own_vectors) != PointFate::kKept) continue;
+      if (setup_.paths.FateOf(t_s, reader_->has_vectors()) != PointFate::kKept) continue;
       line_en_m.emplace_back(setup_.paths.wanted().At(t_s).p_mb.head<2>());
     }
     return line_en_m;
@@ -111,14 +122,14 @@ class StripGeoreferencer::Work {
 
   void RenewPoint(std::size_t i, StripCloud* points) {
     const double t_s = points->t_s[i] - setup_.options.time_offset_s;
-    fates_[i] = setup_.paths.FateOf(t_s, result_.own_vectors);
+    fates_[i] = setup_.paths.FateOf(t_s, reader_->has_vectors());
     if (fates_[i] != PointFate::kKept) return;
     try {
       const Vector3d old_m = setup_.crs.ToMap(points->p_c[i]);
       const MapPose pose = setup_.paths.wanted().At(t_s);
-      const Vector3d u_s = result_.own_vectors ? points->u_s[i]
-                                               : LaserVectorTo(setup_.paths.maker().At(t_s),
-                                                               setup_.options.made_with, old_m);
+      const Vector3d u_s = reader_->has_vectors()
+                               ? points->u_s[i]
+                               : LaserVectorTo(setup_.paths.maker().At(t_s), made_with_, old_m);
       const Vector3d p_m = Georeference(pose, setup_.options.mounting, u_s);
       points->p_c[i] = setup_.crs.FromMap(p_m);
       p_m_[i] = p_m;
@@ -161,6 +172,7 @@ class StripGeoreferencer::Work {
   fs::path in_;
   std::unique_ptr<StripReader> reader_;
   GeoreferencedStrip result_;
+  Mounting made_with_;
   double shift2_m2_ = 0.0;
   std::vector<PointFate> fates_;
   std::vector<double> shifts_m_;

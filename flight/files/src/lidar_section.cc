@@ -12,6 +12,7 @@ namespace {
 constexpr double kUnitTolerance = 1e-3;  // allows axes written with three digits
 constexpr std::size_t kMostPatterns = 10000;
 constexpr double kRoundOff = 4e-16;
+constexpr double kMostAngleDeg = 180.0;
 constexpr double kMaxCosineOfAxes = 1e-2;  // allows half a degree from a right angle
 
 std::string Short(double value) {
@@ -73,6 +74,24 @@ std::optional<Eigen::Vector3d> ReadBoresightSigma(const YamlValue& value) {
   return deg.unaryExpr(&RadFromDeg);
 }
 
+/// `boresight`, which is that of the section, or {boresight_deg: [roll, pitch, yaw]}.
+Eigen::Vector3d ReadGeoreferencing(const YamlValue& value, const Eigen::Vector3d& boresight_rad,
+                                   bool body_is_flu) {
+  if (value.IsScalar()) {
+    if (value.Text() == "boresight") return boresight_rad;
+    value.Fail(
+        "must be `boresight` (lidar.boresight_deg as it stands here) or {boresight_deg: [roll, "
+        "pitch, yaw]}");
+  }
+  value.ExpectMap({"boresight_deg"});
+  const Eigen::Vector3d deg = value["boresight_deg"].Vector3();
+  if (deg.cwiseAbs().maxCoeff() > kMostAngleDeg) {
+    value["boresight_deg"].Fail("must lie within -180 and 180 deg");
+  }
+  const Eigen::Vector3d rad = deg.unaryExpr(&RadFromDeg);
+  return body_is_flu ? FlipBody(rad) : rad;
+}
+
 void ReadPairNoise(const YamlValue& section, LidarConfig& lidar) {
   if (section["gsd_m"]) lidar.gsd_m = section["gsd_m"].Positive();
   if (section["sigma_p_m"]) {
@@ -101,8 +120,8 @@ Eigen::Matrix3d ReadRotation(const YamlValue& value) {
 
 LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
   section.ExpectMap({"p2p", "time_offset_s", "pairs", "R_sensor_to_body", "lever_arm_m",
-                     "boresight_deg", "boresight_sigma_deg", "scan_axis", "nadir_axis", "gsd_m",
-                     "sigma_p_m", "robust"});
+                     "boresight_deg", "boresight_sigma_deg", "georeferenced_with", "scan_axis",
+                     "nadir_axis", "gsd_m", "sigma_p_m", "robust"});
   const auto to_frd = [&](const Eigen::Vector3d& v) { return body_is_flu ? FlipBody(v) : v; };
   LidarConfig lidar;
   if (section["p2p"]) {
@@ -125,6 +144,10 @@ LidarConfig ReadLidarSection(const YamlValue& section, bool body_is_flu) {
         to_frd(section["boresight_deg"].Vector3().unaryExpr(&RadFromDeg));
   }
   lidar.boresight_sigma_rad = ReadBoresightSigma(section["boresight_sigma_deg"]);
+  if (section["georeferenced_with"]) {
+    lidar.georeferenced_with_rad = ReadGeoreferencing(section["georeferenced_with"],
+                                                      lidar.mounting.boresight_rad, body_is_flu);
+  }
   ReadPairNoise(section, lidar);
   if (section["robust"]) lidar.robust = section["robust"].Choice(RobustWords());
   return lidar;

@@ -1,6 +1,8 @@
 #include <dn/error.h>
 #include <dn/flight/strip_files.h>
+#include <dn/geo/local_frame.h>
 #include <dn/geo/read_file.h>
+#include <dn/geo/text_table.h>
 
 #include <algorithm>
 #include <cctype>
@@ -18,12 +20,50 @@ bool IsStripName(const fs::path& file) {
   return ending == ".las" || ending == ".laz" || ending == ".txt";
 }
 
+constexpr double kSameAngleRad = 1e-6 * kRadPerDeg;
+
+std::string AnglesText(const Eigen::Vector3d& rad) {
+  const Eigen::Vector3d deg = rad * kDegPerRad;
+  return FormatDouble(deg.x()) + ", " + FormatDouble(deg.y()) + ", " + FormatDouble(deg.z()) +
+         " deg";
+}
+
 std::string NameOf(const StripCrs& said) {
   const std::string code = said.epsg ? "EPSG:" + std::to_string(*said.epsg) : "";
   return code.empty() ? "'" + said.text + "'" : code;
 }
 
 }  // namespace
+
+StripGeoreferencing GeoreferencingOf(const FlightConfig& config) {
+  return {config.lidar->mounting, config.lidar->georeferenced_with_rad};
+}
+
+VectorOrigin FindVectorOrigin(const StripReader& strip, const StripGeoreferencing& made_with,
+                              const fs::path& file) {
+  using Kind = VectorOrigin::Kind;
+  if (strip.has_vectors()) return {};
+  const auto recorded_rad = strip.boresight_rad();
+  const auto& declared_rad = made_with.declared_rad;
+  if (recorded_rad && declared_rad &&
+      (*recorded_rad - *declared_rad).cwiseAbs().maxCoeff() > kSameAngleRad) {
+    throw InvalidConfig("the file records that it was georeferenced with the boresight " +
+                            AnglesText(*recorded_rad) + ", lidar.georeferenced_with says " +
+                            AnglesText(*declared_rad) + "; take the key out of flight.yaml",
+                        {file.string()});
+  }
+  if (recorded_rad) return {Kind::kRecorded, *recorded_rad};
+  if (declared_rad) return {Kind::kDeclared, *declared_rad};
+  return {Kind::kAssumed, made_with.mounting.boresight_rad};
+}
+
+std::string VectorWarning(const VectorOrigin& origin, const std::string& strip) {
+  if (origin.kind != VectorOrigin::Kind::kAssumed) return {};
+  return strip + " has no laser vectors: they are computed from its points with the boresight " +
+         AnglesText(origin.boresight_rad) +
+         " of lidar.boresight_deg, and are wrong if the points were georeferenced with another; "
+         "state it in flight.yaml, lidar.georeferenced_with: {boresight_deg: [roll, pitch, yaw]}";
+}
 
 std::vector<fs::path> FindStripFiles(const fs::path& flight_folder) {
   std::vector<fs::path> files;

@@ -20,18 +20,19 @@ using internal::PointFate;
 struct StripSource::Setup {
   Setup(const StripSourceOptions& options, const LocalFrame& frame, const std::string& strips_crs)
       : crs(strips_crs, frame),
-        mounting(options.made_with),
+        made_with(options.made_with),
         time_offset_s(options.time_offset_s),
         filter(options.filter),
         paths(options.trajectory, options.made_by, options.time_span_s, frame) {}
 
-  Vector3d VectorOf(const StripCloud& points, std::size_t i, double t_s, bool own_vectors) const {
-    if (own_vectors) return points.u_s[i];
+  Vector3d VectorOf(const StripCloud& points, std::size_t i, double t_s,
+                    const Mounting& mounting) const {
+    if (!points.u_s.empty()) return points.u_s[i];
     return LaserVectorTo(paths.maker().At(t_s), mounting, crs.ToMap(points.p_c[i]));
   }
 
   PointCrs crs;
-  Mounting mounting;
+  StripGeoreferencing made_with;
   double time_offset_s;
   PointFilter filter;
   internal::StripPaths paths;
@@ -51,7 +52,10 @@ StripCounts StripSource::Read(const fs::path& file,
   const FileLocation where{file.string()};
   internal::ExpectTimes(*reader, file);
   StripCounts counts;
-  counts.own_vectors = reader->has_vectors();
+  const VectorOrigin& origin =
+      counts.origin.emplace(FindVectorOrigin(*reader, setup_->made_with, file));
+  Mounting mounting = setup_->made_with.mounting;
+  mounting.boresight_rad = origin.boresight_rad;
   counts.t_begin_s = std::numeric_limits<double>::infinity();
   counts.t_end_s = -counts.t_begin_s;
   double all_begin_s = counts.t_begin_s, all_end_s = counts.t_end_s;
@@ -65,7 +69,7 @@ StripCounts StripSource::Read(const fs::path& file,
       const double t_s = points.t_s[i] - setup_->time_offset_s;
       all_begin_s = std::min(all_begin_s, t_s);
       all_end_s = std::max(all_end_s, t_s);
-      const PointFate fate = setup_->paths.FateOf(t_s, counts.own_vectors);
+      const PointFate fate = setup_->paths.FateOf(t_s, reader->has_vectors());
       if (fate != PointFate::kKept) {
         ++counts.dropped[internal::ReasonOf(fate)];
         continue;
@@ -77,7 +81,7 @@ StripCounts StripSource::Read(const fs::path& file,
       if (!points.source.empty()) vectors.source.push_back(points.source[i]);
       vectors.t_s.push_back(internal::AlignWeek(t_s, setup_->paths.wanted().covered));
       try {
-        vectors.u_s.push_back(setup_->VectorOf(points, i, t_s, counts.own_vectors));
+        vectors.u_s.push_back(setup_->VectorOf(points, i, t_s, mounting));
       } catch (const InvalidInput& e) {
         throw InvalidInput("point " + std::to_string(counts.points) + ": " + e.what(), where);
       }

@@ -39,7 +39,7 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
   const double sigma_m = TypicalGnssSigma(flight);
   const double spacing_s = AlignmentSpacing(flight);
   Eigen::Matrix3d B = Eigen::Matrix3d::Zero();
-  double horizontal2 = 0.0;
+  double horizontal2 = 0.0, squares = 0.0;
   int used = 0;
   Eigen::Quaterniond q_a0 = Eigen::Quaterniond::Identity();
   std::size_t i0 = 0;
@@ -81,6 +81,7 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
                                    r * inertial(track[i0]) -
                                    square * (C * frame.Attraction(track[i1].p_m));
       B += beta * alpha.transpose() / weight;
+      squares += (beta.squaredNorm() + alpha.squaredNorm()) / weight;
       horizontal2 += beta.head<2>().squaredNorm() / weight;
       ++used;
     }
@@ -93,6 +94,8 @@ InFlight AlignInFlight(const Flight& flight, const TimeInterval& span, const Imu
   Eigen::Vector3d signs(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant());
   result.q_mb = Eigen::Quaterniond(
       Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()));
+  const double explained = 2.0 * svd.singularValues().dot(signs);
+  result.misfit_mps2 = std::sqrt(std::max(0.0, squares - explained) / used);
   const double noise_mps2 = std::sqrt(6.0) * sigma_m / (spacing_s * spacing_s);
   const double excess = horizontal2 - 2.0 * used * noise_mps2 * noise_mps2;
   if (excess > 0.0) result.sigma_heading_rad = noise_mps2 / std::sqrt(excess);

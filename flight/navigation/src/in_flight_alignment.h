@@ -27,6 +27,7 @@ double AlignmentSpacing(const Flight& flight);
 struct InFlight {
   Eigen::Quaterniond q_mb = Eigen::Quaterniond::Identity();
   double sigma_heading_rad = 1e9;
+  double misfit_mps2 = 0.0;  ///< root mean square of (beta - R_a alpha) over the squared spacing
   bool valid = false;
 };
 

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "in_flight_alignment.h"
@@ -28,6 +29,8 @@ constexpr double kMostCourseNoiseRad = 0.1;
 constexpr double kLeastTurnS = 2.0;
 constexpr double kMostLagS = 40.0;
 constexpr double kLagStepS = 0.25;
+// The right axes leave at most this share of the misfit of all other axes.
+constexpr double kExplainedMisfit = 0.5;
 constexpr double kAngleSpacingS = 0.05;  // turns last at least kLeastTurnS
 
 /// Mean velocity of the antenna over a time step, map axes.
@@ -92,8 +95,59 @@ std::optional<Vector3d> CourseInBody(const Flight& flight, const Leg& leg, doubl
   return start.q_mb.conjugate() * course_m.normalized();
 }
 
+double WindowLength(const Flight& flight) {
+  return std::max(kShortestWindowS, 8.0 * internal::AlignmentSpacing(flight));
+}
+
+/// Mean misfit of the alignments in windows, m/s^2; nullopt where there are fewer than three.
+std::optional<double> MeanMisfit(const Flight& flight, const std::vector<Leg>& legs, int threads) {
+  const double window_s = WindowLength(flight);
+  std::vector<internal::InFlight> starts(legs.size());
+  ParallelFor(static_cast<int>(legs.size()), threads, [&](int at) {
+    const auto k = static_cast<std::size_t>(at);
+    const double begin_s = legs[k].t_begin_s;
+    starts[k] = internal::AlignInFlight(flight, {begin_s, begin_s + window_s}, {});
+  });
+  double sum = 0.0, n = 0.0;
+  for (const internal::InFlight& start : starts) {
+    if (!start.valid) continue;
+    sum += start.misfit_mps2;
+    n += 1.0;
+  }
+  return n < 3.0 ? std::nullopt : std::optional(sum / n);
+}
+
+/// All that are told apart.
+std::vector<AxesMistake> AllAxesMistakes() {
+  using Sensor = AxesMistake::Sensor;
+  std::vector<AxesMistake> mistakes{{Sensor::kBoth, -Eigen::Matrix3d::Identity()},
+                                    {Sensor::kGyro, kDegPerRad * Eigen::Matrix3d::Identity()},
+                                    {Sensor::kGyro, kRadPerDeg * Eigen::Matrix3d::Identity()}};
+  for (const Sensor sensor : {Sensor::kGyro, Sensor::kAccel}) {
+    mistakes.push_back({sensor, -Eigen::Matrix3d::Identity()});
+    for (int axis = 0; axis < 3; ++axis) {
+      AxesMistake sign{sensor}, exchange{sensor};
+      sign.M(axis, axis) = -1.0;
+      exchange.M.row(axis).swap(exchange.M.row((axis + 1) % 3));
+      mistakes.push_back(sign);
+      mistakes.push_back(exchange);
+    }
+  }
+  return mistakes;
+}
+
+void Undo(const AxesMistake& mistake, ImuData* imu, const Eigen::Matrix3d& R_imu_to_body) {
+  const Eigen::Matrix3d M_b = R_imu_to_body * mistake.M * R_imu_to_body.transpose();
+  for (ImuSample& sample : imu->samples) {
+    if (mistake.sensor != AxesMistake::Sensor::kAccel) {
+      sample.w_ib_b_radps = M_b * sample.w_ib_b_radps;
+    }
+    if (mistake.sensor != AxesMistake::Sensor::kGyro) sample.f_b_mps2 = M_b * sample.f_b_mps2;
+  }
+}
+
 std::vector<Vector3d> CoursesInBody(const Flight& flight, int threads) {
-  const double window_s = std::max(kShortestWindowS, 8.0 * internal::AlignmentSpacing(flight));
+  const double window_s = WindowLength(flight);
   const std::vector<Leg> legs = LegsOfWindows(flight, window_s);
   std::vector<std::optional<Vector3d>> of_leg(legs.size());
   ParallelFor(static_cast<int>(legs.size()), threads, [&](int at) {
@@ -258,6 +312,28 @@ BodyDirections FindBodyDirections(const Flight& flight, int threads) {
   result.course_b = level.normalized();
   result.course_agreement = sum.norm() / static_cast<double>(courses.size());
   return result;
+}
+
+std::optional<AxesMistake> FindAxesMistake(const Flight& flight, int threads) {
+  if (!flight.imu || !flight.gnss) return std::nullopt;
+  const std::vector<Leg> legs = LegsOfWindows(flight, WindowLength(flight));
+  const std::optional<double> declared = MeanMisfit(flight, legs, threads);
+  if (!declared) return std::nullopt;
+  std::optional<AxesMistake> best;
+  double least = *declared, second = *declared;
+  Flight changed = flight;
+  for (const AxesMistake& mistake : AllAxesMistakes()) {
+    changed.imu->samples = flight.imu->samples;
+    Undo(mistake, &*changed.imu, flight.config.imu->read.R_imu_to_body);
+    const double misfit = MeanMisfit(changed, legs, threads).value_or(*declared);
+    if (misfit < least) {
+      second = std::exchange(least, misfit);
+      best = mistake;
+    } else {
+      second = std::min(second, misfit);
+    }
+  }
+  return least < kExplainedMisfit * second ? best : std::nullopt;
 }
 
 AxesFit FitAxes(const BodyDirections& directions) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <dn/lidar/vector_origin.h>
+
 #include <Eigen/Core>
 #include <filesystem>
 #include <optional>
@@ -25,6 +27,7 @@ struct PairData {
   std::vector<std::filesystem::path> files;
   std::vector<LidarPair> pairs;
   long repeated_pairs_dropped = 0;
+  std::vector<VectorOrigin> origins;  ///< of the laser vectors of each file, the least reliable one
 };
 
 /// Returns the files that match the glob patterns (*, ?, [..]; relative to `folder`), sorted and
@@ -34,6 +37,7 @@ std::vector<std::filesystem::path> FindPairFiles(const std::filesystem::path& fo
 
 /// Reads the pair files that match the glob patterns (relative to `folder`), sorted by name. The
 /// columns are t_i, t_j, u_i (3), u_j (3), and optionally the upper triangle of the covariance (6).
+/// Vectors count as measured unless a comment line of the file states otherwise (FormatOriginLine).
 ///
 /// A pair with the epochs and vectors of an earlier pair is not a second measurement: it is dropped
 /// and counted. This also holds if i and j are exchanged or the pair is in another file.
@@ -50,7 +54,8 @@ PairData ReadPairs(const std::filesystem::path& folder, const std::vector<std::s
 double MeanRange(const std::vector<LidarPair>& pairs);
 
 /// Returns the text of a pair file, with up to 17 significant digits. Since a file has a fixed
-/// number of columns, either all pairs or none must have a covariance.
-std::string FormatPairs(const std::vector<LidarPair>& pairs);
+/// number of columns, either all pairs or none must have a covariance. The first line states the
+/// origin of computed vectors.
+std::string FormatPairs(const std::vector<LidarPair>& pairs, const VectorOrigin& origin = {});
 
 }  // namespace dn

@@ -35,6 +35,15 @@ class StripWriter {
   virtual void Finish() = 0;
 };
 
+/// Contents that are added to a rewritten strip.
+struct StripAdditions {
+  /// Adds the covariance_c_m2 of every point as columns (text) or extra bytes (LAS).
+  bool covariance = false;
+  /// Boresight with which the new points were computed (FRD, rad). A LAS file records it, in place of
+  /// an earlier record. A text file cannot, and always has laser vectors.
+  std::optional<Eigen::Vector3d> boresight_rad = {};
+};
+
 /// Reads the points of a strip in chunks of at most 65536, so that memory does not grow with the
 /// file.
 class StripReader {
@@ -48,15 +57,17 @@ class StripReader {
   virtual bool has_time() const = 0;
   virtual bool has_vectors() const = 0;  ///< true if the points have laser vectors
   virtual const StripCrs& crs() const = 0;
+  /// Boresight with which the points were computed, if the file records it (MakeWriter): rotation
+  /// vector about the body axes (FRD), rad.
+  virtual std::optional<Eigen::Vector3d> boresight_rad() const { return std::nullopt; }
   /// Number of points according to the header of the file; nullopt if the header does not contain
   /// it.
   virtual std::optional<std::uint64_t> points() const = 0;
 
   /// Returns a writer for a file with the same format, version, coordinate system and other
-  /// contents. with_covariance: adds the covariance_c_m2 of every point as columns (text) or extra
-  /// bytes (LAS).
+  /// contents.
   virtual std::unique_ptr<StripWriter> MakeWriter(const std::filesystem::path& file,
-                                                  bool with_covariance) const = 0;
+                                                  const StripAdditions& additions) const = 0;
 };
 
 /// Opens a strip. The file name extension selects the format:

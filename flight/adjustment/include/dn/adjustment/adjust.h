@@ -4,6 +4,7 @@
 #include <dn/builder/flight_nodes.h>
 #include <dn/calibration/clocks.h>
 #include <dn/calibration/finding.h>
+#include <dn/error.h>
 #include <dn/flight/flight.h>
 #include <dn/interrupted.h>
 #include <dn/navigation/alignment.h>
@@ -55,6 +56,21 @@ struct AdjustOptions {
 class NotConverged : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// Inertial data and GNSS that no choice of states and biases brings together: wrong axes, units,
+/// coordinates or time tags. The message ends with what to check.
+class SensorsContradict : public InvalidInput {
+ public:
+  /// `finding`: what contradicts by how much; `remedy`: what to check.
+  SensorsContradict(const std::string& finding, const std::string& remedy,
+                    const FileLocation& where)
+      : InvalidInput(finding + remedy, where), finding_(finding) {}
+
+  const std::string& finding() const { return finding_; }
+
+ private:
+  std::string finding_;
 };
 
 /// One solve of the staged adjustment.
@@ -111,8 +127,10 @@ struct Adjustment {
 /// is plain least squares over the kept data, so that covariances and tests of the result are
 /// exact.
 ///
-/// Requires the flight's imu and gnss, and pairs if with_pairs is set. Throws InvalidInput (also if
-/// more than a third of the GNSS epochs contradict the inertial data), NotConverged, Interrupted.
+/// Requires the flight's imu and gnss, and pairs if with_pairs is set. Throws InvalidInput,
+/// NotConverged, Interrupted. Throws SensorsContradict if more than a third of the GNSS epochs
+/// contradict the inertial data, or if the GNSS residuals exceed all stated noise. The latter ends
+/// the work at once if half of the epochs are more than 30 sigmas off and no clock explains it.
 Adjustment Adjust(const Flight& flight, const AdjustOptions& options = {});
 
 }  // namespace dn

@@ -14,7 +14,8 @@ namespace dn {
 /// conditions of each value.
 enum class Verdict {
   kCalibrated,  ///< the angles are those of the mounting, within their covariance
-  /// They contain an error of the trajectory: consistent, but not those of the mounting.
+  /// They contain an error of the trajectory or of the georeferencing of the strips: consistent, but
+  /// not those of the mounting.
   kAbsorbed,
   kNotObservable,  ///< the data do not determine the angles
   kContradicted,   ///< the data contradict the assumed model; overrides the others
@@ -54,6 +55,13 @@ struct ErrorsShared {
 /// A stated prior contradicts all other data.
 struct PriorContradicted {
   PriorCheck prior;
+};
+
+/// Laser vectors were computed with an assumed boresight: neither the strips nor flight.yaml state
+/// the one with which the points were georeferenced.
+struct VectorsAssumed {
+  Eigen::Vector3d boresight_rad;
+  std::string files;  ///< pair files with these vectors; empty for strips
 };
 
 /// flight.yaml states that a diagnosis found a discrepancy that its configuration does not model.
@@ -176,10 +184,10 @@ struct NetworkDiffers {
 
 using Fact = std::variant<
     facts::EffectPresent, facts::DepartureUnnamed, facts::UnknownAmbiguous, facts::VarianceTooLarge,
-    facts::ErrorsShared, facts::PriorContradicted, facts::GapUnexplained, facts::MountingImpossible,
-    facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut, facts::GnssLeftOut,
-    facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize, facts::GnssErrorsLast,
-    facts::SigmaTooLarge, facts::SigmaAbovePairs, facts::AnglesInseparable,
+    facts::ErrorsShared, facts::PriorContradicted, facts::VectorsAssumed, facts::GapUnexplained,
+    facts::MountingImpossible, facts::UpsideDown, facts::Sigma0TooLarge, facts::PairsLeftOut,
+    facts::GnssLeftOut, facts::GnssLeverArmOff, facts::GnssTimeOff, facts::InnovationSize,
+    facts::GnssErrorsLast, facts::SigmaTooLarge, facts::SigmaAbovePairs, facts::AnglesInseparable,
     facts::TrajectoryEstimated, facts::AttitudeInPairs, facts::StripsAlike, facts::FewPairs,
     facts::SigmasWidened, facts::NotEstimated, facts::NetworkDiffers>;
 

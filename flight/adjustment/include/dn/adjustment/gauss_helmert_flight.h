@@ -75,6 +75,7 @@ struct GaussHelmertFlightOptions {
   int threads = 1;
   std::function<void(const std::string& stage)> progress = {};
   std::function<bool()> interrupted = {};  ///< polled between stages; true throws Interrupted
+  VectorOrigin vectors = {};               ///< of planes alone; pairs have theirs in PairData
 };
 
 /// Returns the adjustment problem for the pairs of a flight on its trajectory. The poses are

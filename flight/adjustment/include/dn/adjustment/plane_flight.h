@@ -20,6 +20,7 @@ struct PlaneCalibration {
   Eigen::Matrix3d constant_rad2 = Eigen::Matrix3d::Zero();
   StripDiversity diversity;
   double mean_range_m = 0.0;
+  VectorOrigin origin;  ///< origin of the laser vectors of the points
   /// Boresight with its reliable covariance; sigma_apriori_rad and sigma_scaled_rad are set.
   BoresightResult boresight;
   std::vector<UnknownEstimate> unknowns;  ///< lidar_range_offset, if it is estimated
@@ -48,7 +49,8 @@ void ExpectEnoughPlanes(const PlaneAdjustment& adjustment, std::size_t found);
 ///   not_observable  two angles cannot be separated, or a sigma exceeds 0.5 deg;
 ///   absorbed        the attitude error of the trajectory moves a point off its plane by more than
 ///                   half of the point's own noise, and exceeds 0.01 deg in roll or pitch or
-///                   0.02 deg in heading;
+///                   0.02 deg in heading; or the laser vectors were computed with an assumed
+///                   boresight (GaussHelmertFlightOptions::vectors),
 ///   contradicted    the points have more than twice their stated variance about the planes, or an
 ///                   angle exceeds 15 deg;
 ///   calibrated      otherwise.

@@ -61,6 +61,8 @@ struct LidarConfig {
   double time_offset_s = 0.0;  ///< offset of the time tags, tag = t + value; removed on reading
   PairSelection pairs;
   Mounting mounting;  ///< in FRD; the boresight is the initial value
+  /// Boresight with which the strips were georeferenced (FRD); absent: not declared.
+  std::optional<Eigen::Vector3d> georeferenced_with_rad;
   std::optional<Eigen::Vector3d> boresight_sigma_rad;  ///< prior; absent: no prior
   Eigen::Vector3d scan_axis_s = Eigen::Vector3d::UnitX();
   Eigen::Vector3d nadir_axis_s = Eigen::Vector3d::UnitZ();

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <dn/flight/strip_files.h>
 #include <dn/geo/accuracy_series.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/trajectory.h>
 #include <dn/lidar/mounting.h>
-#include <dn/lidar/strip_io.h>
 #include <dn/lidar/swath.h>
 
 #include <Eigen/Core>
@@ -36,7 +36,7 @@ struct GeoreferenceOptions {
   /// Trajectory from which the points of a file without laser vectors were computed; absent: the
   /// same trajectory.
   std::optional<Trajectory> made_by;
-  Mounting made_with;
+  StripGeoreferencing made_with;
   std::optional<Eigen::Vector2d> time_span_s;  ///< points outside are dropped
   /// Offset of the time tags, tag = t + value; the tags are not changed.
   double time_offset_s = 0.0;
@@ -49,7 +49,7 @@ struct GeoreferencedStrip {
   std::uint64_t points = 0;
   std::uint64_t kept = 0;
   std::map<std::string, std::uint64_t> dropped;  ///< number of dropped points by reason
-  bool own_vectors = false;
+  VectorOrigin origin;                           ///< origin of the laser vectors
   double t_begin_s = 0.0, t_end_s = 0.0;  ///< first and last time tag of all points
   double shift_rms_m = 0.0;               ///< shift of the remaining points by the new coordinates
   double shift_max_m = 0.0;
@@ -62,7 +62,8 @@ struct GeoreferencedStrip {
 ///
 /// with the laser vectors u of the file. If the file has none, u = T^T Exp(-[theta']x) (R'_mb^T (p'
 /// - p'_mb) - a') for its points p'. The primed quantities are the trajectory and the mounting from
-/// which the points were computed. Poses are interpolated with InterpolatePose.
+/// which the points were computed (FindVectorOrigin). The new file records its boresight unless the
+/// old one was only assumed. Poses are interpolated with InterpolatePose.
 class StripGeoreferencer {
  public:
   StripGeoreferencer(GeoreferenceOptions options, const LocalFrame& frame, const PointCrs& crs);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <dn/flight/flight_config.h>
+#include <dn/lidar/mounting.h>
 #include <dn/lidar/strip_io.h>
+#include <dn/lidar/vector_origin.h>
 
 #include <filesystem>
 #include <string>
@@ -21,5 +24,23 @@ std::vector<std::filesystem::path> NeedStripFiles(const std::filesystem::path& f
 /// user; empty if there is nothing to note.
 std::string CheckStripCrs(const StripCrs& said, const std::string& strips_crs,
                           const std::filesystem::path& file);
+
+/// The georeferencing that gave the points of strips their coordinates.
+struct StripGeoreferencing {
+  Mounting mounting;  ///< with the boresight that counts where nothing else is known
+  std::optional<Eigen::Vector3d> declared_rad;  ///< lidar.georeferenced_with of flight.yaml
+};
+
+/// That of a flight, which has a section `lidar`.
+StripGeoreferencing GeoreferencingOf(const FlightConfig& config);
+
+/// The origin of a strip's laser vectors: the file itself; else the boresight that it records; else
+/// the declared one; else that of the mounting. Throws InvalidConfig where record and declaration
+/// differ by more than 1e-6 deg.
+VectorOrigin FindVectorOrigin(const StripReader& strip, const StripGeoreferencing& made_with,
+                              const std::filesystem::path& file);
+
+/// A warning of computed laser vectors whose boresight is only assumed; empty for others.
+std::string VectorWarning(const VectorOrigin& origin, const std::string& strip);
 
 }  // namespace dn

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <dn/flight/strip_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/trajectory.h>
-#include <dn/lidar/mounting.h>
 #include <dn/lidar/point_filter.h>
 
 #include <Eigen/Core>
@@ -33,7 +33,7 @@ struct StripSourceOptions {
   /// Trajectory from which the points of a file without laser vectors were computed; absent:
   /// `trajectory`.
   std::optional<Trajectory> made_by;
-  Mounting made_with;  ///< mounting of the scanner, including the boresight
+  StripGeoreferencing made_with;
   std::optional<Eigen::Vector2d> time_span_s;
   double time_offset_s = 0.0;  ///< offset of the time tags, tag = t + value
   PointFilter filter = {};
@@ -44,14 +44,14 @@ struct StripCounts {
   std::uint64_t points = 0;
   std::uint64_t kept = 0;
   std::map<std::string, std::uint64_t> dropped;  ///< number of dropped points by reason
-  bool own_vectors = false;  ///< laser vectors of the file; false: computed from the coordinates
+  std::optional<VectorOrigin> origin;            ///< of the laser vectors; absent for bare strips
   /// First and last time of the kept points, offset removed.
   double t_begin_s = 0.0, t_end_s = 0.0;
 };
 
 /// Reads the laser vectors of strips that belong to a trajectory. They are those of the file, or
 /// else u = T^T Exp(-[theta']x) (R'_mb^T (p' - p'_mb) - a) of its points p'. The primed quantities
-/// are the trajectory and the mounting from which the points were computed.
+/// are the trajectory and the mounting from which the points were computed (FindVectorOrigin).
 class StripSource {
  public:
   /// Throws InvalidInput for a trajectory without epochs, InvalidConfig for the name of a
