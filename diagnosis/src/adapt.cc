@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 constexpr double kTypicalSizesOfPrior = 10.0;
 constexpr double kEstimatesOfPrior = 3.0;
-// Below it flight.yaml takes no sigma, and a process is none.
+// flight.yaml rejects smaller sigmas; a process with such a sigma is treated as absent.
 constexpr double kLeastSigma = 1e-12;
 
 const EffectSpec& SpecOf(const std::string& effect) {
@@ -23,7 +23,7 @@ const EffectSpec& SpecOf(const std::string& effect) {
   return *spec;
 }
 
-/// The section of a sensor. Throws where the flight has none.
+/// Returns the section of a sensor. Throws InvalidInput if the flight has none.
 template <class Section>
 Section& Need(std::optional<Section>& section, const char* name) {
   if (!section) {
@@ -93,7 +93,7 @@ void RejectEpochs(const Flight&, const GapCause&, const VectorXd&, FlightConfig*
   if (robust == RobustKind::kNone) robust = RobustKind::kHuber;
 }
 
-/// Where flight.yaml states a random effect, and how it is put there.
+/// The key of flight.yaml that models a random effect, and the function that sets it.
 struct Statement {
   EffectId effect;
   const char* key;
@@ -121,7 +121,7 @@ const Statement* FindStatement(EffectId effect) {
   return found == std::end(kStatements) ? nullptr : found;
 }
 
-/// Wide enough to leave the estimate to the data, in the unit of the table.
+/// Returns a prior sigma so wide that the data determine the estimate, in the unit of the table.
 double PriorSigma(const EffectSpec& spec, const VectorXd& estimate) {
   double sigma = 0.0;
   for (const EffectComponent& part : spec.components) {

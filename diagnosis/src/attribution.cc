@@ -45,7 +45,7 @@ class Attributor {
     if (explainer_.options().progress) explainer_.options().progress(stage, fraction);
   }
 
-  /// The flight with these causes; nothing, with a note, where it cannot be adjusted.
+  /// Adjusts the flight with these causes. Returns null and adds a note if it cannot be adjusted.
   std::unique_ptr<ExplainedFlight> TryExplain(const std::vector<GapCause>& causes) {
     try {
       auto explained = std::make_unique<ExplainedFlight>(explainer_.Explain(causes));
@@ -54,8 +54,8 @@ class Attributor {
     } catch (const Interrupted&) {
       throw;
     } catch (const std::exception& error) {
-      out_.notes.push_back("with " + causes.back().effect +
-                           " among the unknowns the flight cannot be adjusted: " + error.what());
+      out_.notes.push_back("the flight cannot be adjusted with " + causes.back().effect +
+                           " among the unknowns: " + error.what());
       return nullptr;
     }
   }
@@ -78,7 +78,8 @@ class Attributor {
     }
   }
 
-  /// A noise was chosen and sized by all that nothing else explained then, of later causes, too.
+  /// Selects and sizes noise effects again. They were estimated before the later causes were known,
+  /// and so may have absorbed errors of these causes.
   void ReconsiderNoise() {
     std::vector<GapCause> causes = out_.causes;
     bool changed = false;
@@ -104,7 +105,7 @@ class Attributor {
     return others;
   }
 
-  /// The flight with all causes but one.
+  /// Returns the flight adjusted with all causes but one; null if that fails.
   const ExplainedFlight* ExplainedWithout(std::size_t k) {
     const std::size_t n = out_.causes.size();
     if (n == 1) return out_.base.get();
@@ -113,7 +114,7 @@ class Attributor {
     return scratch_.get();
   }
 
-  /// An early choice was made beside fewer effects than there are now.
+  /// Revises at most one earlier choice: each was made with fewer effects in the model than now.
   void Revise() {
     for (std::size_t k = 0; k + 1 < out_.causes.size(); ++k) {
       Report("without " + out_.causes[k].effect, 0.7);
@@ -171,7 +172,8 @@ class Attributor {
   const Explainer& explainer_;
   double threshold_nats_;
   Attribution out_;
-  std::vector<std::unique_ptr<ExplainedFlight>> before_;  // with the first causes, one more each
+  // models with the first causes, one more each
+  std::vector<std::unique_ptr<ExplainedFlight>> before_;
   std::unique_ptr<ExplainedFlight> scratch_;
   std::vector<std::pair<std::size_t, std::vector<ScreenedEffect>>> kept_;
   bool revised_ = false;

@@ -22,7 +22,7 @@ constexpr std::size_t kMostStripPairs = 12;
 
 using Factors = std::set<FactorId>;
 
-/// The active pairs of each pair of strips, those with the most first.
+/// Returns the active pairs of each combination of strips, largest groups first.
 std::vector<Factors> ByStrips(const FlightNetwork& network) {
   const std::vector<StripInterval> strips = FindStrips(network.flight());
   const auto strip_at = [&](double t_s) {
@@ -44,7 +44,8 @@ std::vector<Factors> ByStrips(const FlightNetwork& network) {
   return groups;
 }
 
-/// A boresight as a linear function of all data: -G^T (residuals); rows of no part are zero.
+/// A boresight estimate as a linear function of all data, -G^T (residuals). Rows of data that are
+/// not used are zero.
 struct GroupEstimate {
   Eigen::Vector3d theta_rad = Eigen::Vector3d::Zero();
   Eigen::MatrixXd G;
@@ -76,7 +77,7 @@ std::optional<GroupEstimate> FromPairsOf(const Factors& group, const FlightNetwo
   }
 }
 
-/// Orthonormal contrasts between n values of three components.
+/// Returns orthonormal contrasts between n values of three components.
 Eigen::MatrixXd Contrasts(Eigen::Index n) {
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(3 * (n - 1), 3 * n);
   for (Eigen::Index k = 1; k < n; ++k) {

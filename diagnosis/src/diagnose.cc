@@ -38,20 +38,22 @@ namespace {
 
 using namespace internal;
 
-constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // of each kind
-// Share of its evidence that a large effect may lose by what is not of first order.
+constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // number of tiles, and of outages
+// Fraction of its evidence that a large effect may lose to second-order terms.
 constexpr double kSecondOrder = 0.05;
-// Usual sizes beyond which an effect is no ordinary one; and how much of its evidence a discrepancy
-// without a name must have to be in question then, whose many components have their price.
+// Multiple of the typical size above which an effect is implausible, and the fraction of the named
+// evidence at which a discrepancy makes it doubtful. The fraction is below 1 because the evidence
+// of a discrepancy is reduced by its many components.
 constexpr double kPlausibleSizes = 10.0, kNearlyAsMuch = 0.9;
 constexpr double kSurely_sigmas = 2.0;
-// p-value of the high band and of gross errors, which the twins do not have, that counts by itself.
+// p-value at which high-band inertial noise or outliers, which replicates do not contain, decide
+// alone.
 constexpr double kCertain = 1e-3;
-// p-value of twins against twins below which they are no reference.
+// p-value of replicates against replicates below which they are not a valid reference.
 constexpr double kUnequalTwins = 1e-4;
 constexpr double kTrajectoryStepS = 0.01;
-constexpr int kFullTwins = 8;  // of each kind
-// p-value of the flight among its simulated twins below which they are not like it.
+constexpr int kFullTwins = 8;  // without and with the effects each
+// p-value of the flight among its simulated replicates below which they do not reproduce it.
 constexpr double kUnlike = 0.01;
 constexpr long kLeastFlightRedundancy = 30;
 
@@ -72,7 +74,7 @@ double RootExcess(double value, const std::vector<double>& of_twins) {
   return std::sqrt(std::max(0.0, value * value - usual * usual));
 }
 
-/// A flight beside its twins.
+/// A flight compared with its replicates.
 struct Compared {
   Appearance appearance;
   Twins twins;
@@ -95,10 +97,10 @@ class Diagnosis {
     if (options_.depth == GapOptions::Depth::kLimits) return Limits(*base);
     if (base->solution->trajectory().figures.redundancy < kLeastFlightRedundancy) {
       return Unavailable(flight_, options_,
-                         "the measurements hardly exceed the unknowns, so that nothing can "
-                         "contradict; it takes a longer flight");
+                         "the redundancy of the measurements is too low to test the model; fly "
+                         "longer");
     }
-    Report("twins", 0.15);
+    Report("replicates", 0.15);
     before_ = Compare(*base);
     watch_.Lap("twins");
     JudgeGap(*base);
@@ -106,7 +108,7 @@ class Diagnosis {
         Attribute(explainer_, std::move(base), out_.detected, Threshold());
     watch_.Lap("attribution");
     if (attribution.final) {
-      Report("twins with the effects", 0.8);
+      Report("replicates with the effects", 0.8);
       after_ = Compare(*attribution.final);
       watch_.Lap("twins with the effects");
     }
@@ -114,14 +116,14 @@ class Diagnosis {
     FillVerdict(attribution);
     if (attribution.final) {
       MeasureShrinkage(attribution);
-      Report("data held out", 0.85);
+      Report("held-out data", 0.85);
       MeasureHeldOut(attribution);
       watch_.Lap("data held out");
     }
     const Trajectory trajectory(
         DenseTrajectory(attribution.last().solution->network(), kTrajectoryStepS));
     if (options_.depth == GapOptions::Depth::kFull) {
-      Report("simulated twins", 0.88);
+      Report("simulated replicates", 0.88);
       FlyAgain(attribution, trajectory);
       watch_.Lap("simulated twins");
     }
@@ -134,7 +136,7 @@ class Diagnosis {
     return Result(attribution, trajectory);
   }
 
-  /// By the geometry at the solution.
+  /// Computes the detection limits from the geometry at the solution.
   GapResult Limits(const ExplainedFlight& base) {
     out_.could_still_hide = HiddenEffects(*base.screen, kThresholdOfDesignNats, options_.seed);
     out_.validity.observations = base.solution->linearized().rows();
@@ -157,7 +159,8 @@ class Diagnosis {
 
   double Threshold() const { return ThresholdNats(before_.test.evidence_95); }
 
-  /// Linear replicates hold neither raw inertial samples nor outliers.
+  /// Returns whether replicates lack the effect: they contain neither raw inertial samples nor
+  /// outliers.
   static bool OutsideReplicates(const EffectSpec& effect) {
     const bool inertial = effect.sensor == EffectSensor::kImu ||
                           effect.sensor == EffectSensor::kGyro ||
@@ -165,7 +168,8 @@ class Diagnosis {
     return effect.kind == EffectKind::kOutliers || (effect.kind == EffectKind::kNoise && inertial);
   }
 
-  /// Of what the twins cannot show, raw inertial noise and gross errors.
+  /// Returns the largest evidence of raw inertial noise and outliers, which replicates do not
+  /// contain.
   static double NatsOutsideTwins(const ExplainedFlight& explained) {
     double nats = std::max(0.0, explained.coloured_imu_nats);
     for (const ScreenedEffect& effect : explained.effects) {
@@ -195,7 +199,7 @@ class Diagnosis {
     out_.validity.aa_p_value = TwinsAgainstTwins(before_.twins);
     if (out_.validity.aa_p_value >= kUnequalTwins) return;
     out_.validity.notes.push_back(
-        "twins of the flight differ among themselves: nothing can be said of it");
+        "replicates of the flight differ among themselves and are not a valid reference");
   }
 
   void FillSize() {
@@ -244,7 +248,7 @@ class Diagnosis {
     return named;
   }
 
-  /// A fixed effect's values from the adjustment that has it among its unknowns.
+  /// Takes the values of a fixed effect from the adjustment that estimates it.
   static void TakeEstimate(const ExplainedFlight& final, GapCause* cause) {
     for (const UnknownEstimate& unknown : final.solution->Unknowns()) {
       if (unknown.name != cause->effect) continue;
@@ -268,7 +272,8 @@ class Diagnosis {
     AllowForOutsiders(out_.verdict, &out_.causes);
   }
 
-  /// A wrong name for physics without one comes out with any size.
+  /// Returns an effect of implausible size. A wrong name for unmodelled physics can come out with
+  /// any size.
   std::optional<GapImplausible> Implausible(const Attribution& attribution) const {
     const ScreenedEffect* generic = BestGeneric(attribution.base->effects);
     if (generic == nullptr || generic->log_evidence < kNearlyAsMuch * attribution.explained_nats) {
@@ -288,8 +293,9 @@ class Diagnosis {
     return std::nullopt;
   }
 
-  /// A large effect is of more than first order: a discrepancy of many components may fit that as
-  /// well, and is nothing once the flight is adjusted with the effect.
+  /// Returns whether a discrepancy describes the data better than the named effects. The
+  /// second-order terms of a large effect may fit a discrepancy of many components; they vanish
+  /// once the flight is adjusted with the effect.
   bool GenericIsBetter(const Attribution& attribution) const {
     const double margin = std::max(kGenericNats, kSecondOrder * attribution.explained_nats);
     if (attribution.generic_nats <= attribution.explained_nats + kGenericNats) return false;
@@ -319,7 +325,7 @@ class Diagnosis {
     out_.shrinkage = shrinkage;
   }
 
-  /// What the causes are worth for the prediction of data that are taken out.
+  /// Measures how much the causes improve the prediction of held-out data.
   void MeasureHeldOut(const Attribution& attribution) {
     if (!out_.shrinkage) return;
     HeldOutOptions options;
@@ -339,8 +345,8 @@ class Diagnosis {
     }
   }
 
-  /// The best of all further effects gains something of every flight: what it gains of twins is
-  /// nothing that could be reached.
+  /// Computes the reachable gain. The best of all further effects gains something on every flight,
+  /// so its mean gain over replicates is subtracted.
   void FillReachable(const HeldOutGains& gains, GapShrinkage* shrinkage) const {
     double of_twins = 0.0;
     for (const Appearance& twin : after_.twins.all) {
@@ -365,7 +371,7 @@ class Diagnosis {
     state->boresight_sigma_rad = boresight.sigma_rad();
   }
 
-  /// Twins simulated anew, without the effects and with them.
+  /// Simulates replicates without and with the effects.
   void FlyAgain(const Attribution& attribution, const Trajectory& trajectory) {
     const ExplainedFlight& last = attribution.last();
     const LinearTwins linear = NamedLinearTwins(before_.statistics, before_.twins, before_.test);
@@ -387,7 +393,7 @@ class Diagnosis {
     if (out_.validity.like_twins_p.value_or(1.0) < kUnlike) Doubt();
   }
 
-  /// None, with a note, where the simulator cannot fly them.
+  /// Returns no statistics, and adds a note, if the simulator cannot fly the scenario.
   std::vector<NamedStatistics> FlyTwinsWith(const std::vector<GapCause>& causes,
                                             const ExplainedFlight& last,
                                             const Trajectory& trajectory) {
@@ -400,12 +406,12 @@ class Diagnosis {
       const Scenario scenario = TwinScenario(flight_, trajectory, causes, BoresightOf(last));
       return FlyTwins(flight_, scenario, trajectory, options);
     } catch (const InvalidInput& error) {
-      out_.validity.notes.push_back(std::string("no simulated twins: ") + error.what());
+      out_.validity.notes.push_back(std::string("no simulated replicates: ") + error.what());
     }
     return {};
   }
 
-  /// What is named explains the flight in part.
+  /// Lowers the verdict to partial: replicates with the named effects do not reproduce the flight.
   void Doubt() {
     GapVerdict& verdict = out_.verdict;
     if (verdict.kind == GapVerdictKind::kIdentified || verdict.kind == GapVerdictKind::kGroup) {
@@ -417,7 +423,7 @@ class Diagnosis {
   void BreakTies(const Attribution& attribution, const Trajectory& trajectory) {
     const std::vector<Tie> ties = TiesOf(out_);
     if (options_.depth == GapOptions::Depth::kScreen || ties.empty()) return;
-    Report("what would tell the causes apart", 0.97);
+    Report("how to separate the causes", 0.97);
     const ExplainedFlight& last = attribution.last();
     std::vector<std::string> sentences;
     for (const Tie& tie : ties) {
@@ -463,7 +469,7 @@ GapResult DiagnoseByWhatThereIs(const Flight& flight, const GapOptions& options)
   return Diagnosis(flight, options).Run();
 }
 
-/// A flight that cannot be adjusted has no diagnosis, which is an answer.
+/// Turns a failed adjustment into the verdict `unavailable`.
 GapResult WithoutFailing(const Flight& flight, const GapOptions& options) {
   try {
     return DiagnoseByWhatThereIs(flight, options);
@@ -487,7 +493,7 @@ void ExpectEffects(const std::vector<std::string>& names, const char* option) {
   for (const std::string& name : names) {
     if (FindEffect(name) == nullptr) {
       throw InvalidConfig(std::string("diagnosis: ") + option + " names '" + name +
-                          "', which is no effect of the table");
+                          "', which is not an effect of the table");
     }
   }
 }

@@ -27,7 +27,8 @@ bool ShareUnit(const std::vector<EffectComponent>& parts) {
                      [&](const EffectComponent& part) { return part.unit == parts.front().unit; });
 }
 
-/// As sigmas that are the same on every axis.
+/// Returns whether a component has the same text as the one before it, such as equal sigmas on all
+/// axes.
 bool RepeatsTheOneBefore(const EffectSpec& spec, const GapCause& cause, Eigen::Index i) {
   if (i == 0) return false;
   const auto k = static_cast<std::size_t>(i);

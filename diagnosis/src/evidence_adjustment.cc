@@ -12,18 +12,18 @@
 namespace dn::internal {
 namespace {
 
-// A gross error stands by itself: of an effect of the flight or the receiver its neighbours have
-// this share at least, the same way.
+// An outlier is isolated. An effect of the flight or the receiver also changes the neighbouring
+// epochs in the same direction, by at least this fraction.
 constexpr double kNeighbourShare = 0.5;
 constexpr int kMostPasses = 8;
 
 struct Judged {
   FactorId id = -1;
   double statistic = 0.0;
-  Eigen::VectorXd error;  ///< of the prediction, whitened by the sigmas of the measurement
+  Eigen::VectorXd error;  ///< prediction error, whitened by the sigmas of the measurement
 };
 
-/// How much of an error its neighbour has.
+/// Returns the fraction of an error that its neighbour shares.
 double SharedPart(const Judged& one, const Judged& neighbour) {
   return one.error.dot(neighbour.error) / one.error.squaredNorm();
 }
@@ -60,7 +60,7 @@ long TakeOutSingles(const std::vector<Judged>& judged, Network* net) {
 long TakeOutGrossGnss(AdjustmentRun& run) {
   long taken_out = 0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    run.Announce("GNSS, gross errors");
+    run.Announce("GNSS, outliers");
     Marginals marginals(run.network().net, {.threads = run.options().threads});
     marginals.ComputeSelectedInverse();
     long now = 0;
@@ -70,7 +70,7 @@ long TakeOutGrossGnss(AdjustmentRun& run) {
     }
     if (now == 0) break;
     taken_out += now;
-    run.Solve("INS/GNSS, gross errors out", run.options().max_iterations);
+    run.Solve("INS/GNSS, outliers removed", run.options().max_iterations);
   }
   return taken_out;
 }

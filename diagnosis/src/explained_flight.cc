@@ -18,9 +18,10 @@
 namespace dn::internal {
 namespace {
 
-// Shares that good data lose to the thresholds of gross errors.
+// Fractions of good data above the outlier thresholds.
 constexpr double kGoodPairsLost = 6.3e-5, kGoodEpochsLost = 6e-7;
-// A process is judged exactly where the screen gives it this share of the best evidence.
+// A process is evaluated exactly if the screen gives it at least this fraction of the best
+// evidence.
 constexpr double kWithinReach = 0.5;
 constexpr double kWorthJudgingNats = 3.0;
 
@@ -28,7 +29,7 @@ bool IsProcess(const ScreenedEffect& effect) {
   return effect.physical() && EffectRow(*effect.id).process();
 }
 
-/// Gross errors are left out where they stand out; the others are a larger noise of their sensor.
+/// Increases the noise of a sensor by its outliers that are too short to be rejected.
 void AllowForShortGrossErrors(const Flight& flight, const std::vector<GapCause>& causes,
                               FlightConfig* config) {
   const auto times = [](const GapCause& cause, double sigma_m, double norm) {
@@ -119,7 +120,7 @@ void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
   const double best = explained->effects.front().log_evidence;
   for (ScreenedEffect& effect : explained->effects) {
     if (!IsProcess(effect) || effect.log_evidence < kWorthJudgingNats) continue;
-    // Noise of another size is also what a process looks like to it: any process may stand behind.
+    // Scaled noise also fits time-correlated errors, so any process may be the true cause.
     const bool beside_noise = explained->effects.front().id == EffectId::kGnssNoiseScale;
     if (effect.log_evidence < kWithinReach * best && !beside_noise) continue;
     if (options_.interrupted && options_.interrupted()) throw Interrupted();

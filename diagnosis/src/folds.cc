@@ -13,10 +13,11 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kOutageS = 30.0;
-constexpr int kOutagesApart = 6;  // from the begin of one to that of the next, in outages
+constexpr int kOutagesApart = 6;  // from the start of one outage to the next, in outage lengths
 constexpr std::size_t kFewestPairsOfTile = 12;
 
-/// Where on the ground a pair lies, from the node before it: to some tens of metres.
+/// Returns the ground position of each pair from the node before it, accurate to some tens of
+/// metres.
 std::vector<Vector2d> GroundOfPairs(const FlightNetwork& network) {
   const Mounting& mounting = network.flight().config.lidar->mounting;
   std::vector<Vector2d> ground_m;
@@ -27,7 +28,7 @@ std::vector<Vector2d> GroundOfPairs(const FlightNetwork& network) {
   return ground_m;
 }
 
-/// Splits places into tiles of equally many, each time across the longer side.
+/// Splits places into tiles with equal numbers of places, each time across the longer side.
 class Tiles {
  public:
   Tiles(const std::vector<Vector2d>& places_m, int count) : places_m_(places_m) {

@@ -19,10 +19,10 @@ namespace {
 
 constexpr std::size_t kFewestTwins = 3;
 constexpr Eigen::Index kMostConspicuous = 20;
-constexpr std::size_t kMostLinear = 100;  // that the energy distance looks at
+constexpr std::size_t kMostLinear = 100;  // number of linear replicates in the energy distance
 constexpr int kPermutations = 999;
-// By this share the mark of an effect may differ where pairs lie elsewhere, on ground of another
-// shape, as those of a replay do.
+// Relative tolerance of the change caused by an effect in a replay, whose pairs lie
+// elsewhere on ground of another shape.
 constexpr double kOtherGround = 0.25;
 
 NamedStatistics StatisticsOf(const Flight& flight, const std::function<bool()>& interrupted) {
@@ -46,7 +46,7 @@ std::vector<std::string> CommonNames(const std::vector<NamedStatistics>& of,
   return names;
 }
 
-/// In standard deviations of the linear twins from their mean.
+/// Returns the values in standard deviations of the linear replicates from their mean.
 Eigen::VectorXd Standardised(const NamedStatistics& values, const std::vector<std::string>& names,
                              const LinearTwins& linear) {
   Eigen::VectorXd z(static_cast<Eigen::Index>(names.size()));
@@ -57,7 +57,7 @@ Eigen::VectorXd Standardised(const NamedStatistics& values, const std::vector<st
   return z;
 }
 
-/// Some of [0, n) in random order.
+/// Returns `count` different numbers of [0, n) in random order.
 std::vector<std::size_t> Drawn(std::size_t n, std::size_t count, Random* random) {
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -69,7 +69,7 @@ std::vector<std::size_t> Drawn(std::size_t n, std::size_t count, Random* random)
   return order;
 }
 
-/// Distances between all points.
+/// Returns the distances between all points.
 Eigen::MatrixXd Distances(const std::vector<Eigen::VectorXd>& points) {
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd D = Eigen::MatrixXd::Zero(n, n);
@@ -82,7 +82,8 @@ Eigen::MatrixXd Distances(const std::vector<Eigen::VectorXd>& points) {
   return D;
 }
 
-/// 2 E|X - Y| - E|X - X'| - E|Y - Y'| of some points X and all others Y.
+/// Returns the energy distance 2 E|X - Y| - E|X - X'| - E|Y - Y'| of some points X and all others
+/// Y.
 double EnergyDistance(const Eigen::MatrixXd& D, const std::vector<std::size_t>& of) {
   const auto total = static_cast<double>(D.rows()), n = static_cast<double>(of.size());
   Eigen::VectorXd inside = Eigen::VectorXd::Zero(D.rows());
@@ -94,7 +95,7 @@ double EnergyDistance(const Eigen::MatrixXd& D, const std::vector<std::size_t>& 
          outside.dot(D * outside) / (m * m);
 }
 
-/// The statistics in which a flight departs most from the assumed model.
+/// Returns the statistics in which a flight differs most from the assumed model.
 Eigen::VectorXi MostConspicuous(const Eigen::VectorXd& z) {
   Eigen::VectorXi order = Eigen::VectorXi::LinSpaced(z.size(), 0, static_cast<int>(z.size()) - 1);
   std::stable_sort(order.begin(), order.end(),
@@ -102,7 +103,7 @@ Eigen::VectorXi MostConspicuous(const Eigen::VectorXd& z) {
   return order.head(std::min(kMostConspicuous, order.size()));
 }
 
-/// Of the first half of the linear twins.
+/// Returns the shrunk correlation matrix of the first half of the linear replicates.
 Eigen::MatrixXd CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
   const Eigen::Index n = z.front().size();
   const std::size_t half = z.size() / 2;
@@ -113,8 +114,8 @@ Eigen::MatrixXd CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
   return C;
 }
 
-/// Squared length of what a flight is off from the mean of its twins, by the statistics in which it
-/// is most conspicuous.
+/// Returns the squared Mahalanobis distance of a flight from the mean of its replicates, in the
+/// statistics in which the flight differs most from the model.
 double SizeOff(const Eigen::VectorXd& flight, const Eigen::VectorXd& off,
                const Eigen::MatrixXd& correlation) {
   const Eigen::VectorXi most = MostConspicuous(flight);

@@ -15,7 +15,7 @@
 namespace dn::internal {
 namespace {
 
-// Share of its errors that a residual must show to be looked at.
+// Smallest redundancy number of a residual that is used.
 constexpr double kLeastTermRedundancy = 1e-4;
 constexpr int kWindows = 8;
 constexpr int kLongLag = 10;
@@ -30,7 +30,7 @@ std::string SensorOf(const std::string& channel) {
   return gyro ? "gyro" : "accel";
 }
 
-/// The name of a channel without its sensor: "position".
+/// Returns the name of a channel without its sensor: "position".
 std::string QuantityOf(const std::string& channel) {
   for (const char* sensor : {"gnss ", "lidar "}) {
     if (channel.rfind(sensor, 0) == 0) return channel.substr(std::string(sensor).size());
@@ -129,7 +129,7 @@ void Locations::AddWindows(const Series& series) {
   }
 }
 
-// Octaves of cosines over the series, from its length down to where 64 waves fit in.
+// Adds bands of one octave each, from 1 to 63 half waves of cosines over the series.
 void Locations::AddBands(const Series& series) {
   const double length_s = series.terms.back().second - series.terms.front().second;
   if (series.terms.size() < 64 || !(length_s > 0.0)) return;
@@ -250,7 +250,7 @@ double Locations::SizeNats(const Eigen::VectorXd& r) const {
   return count > 0.0 ? nats / count : 0.0;
 }
 
-// A residual over its redundancy number is that of its prediction from all others.
+// A residual divided by its redundancy number is the error of its prediction from all other data.
 double Locations::Rms(const Terms& terms, const Eigen::VectorXd& r) const {
   double sum = 0.0, count = 0.0;
   for (const auto& [row, sigma_m] : terms) {

@@ -24,8 +24,9 @@
 namespace dn::internal {
 namespace {
 
-// Beyond it the data favour the right effect by 19 to 1 with probability .8: its half, the mean of
-// the evidence in nats, less .84 of the standard deviation, its root, is ln 19.
+// Noncentrality at which the data favour the right effect by 19 to 1 with probability 0.8. The
+// evidence in nats has the mean kTold / 2 and the standard deviation sqrt(kTold); the mean minus
+// 0.84 standard deviations is ln 19.
 constexpr double kTold = 11.6;
 constexpr double kSlowestMps = 0.5;
 
@@ -48,7 +49,7 @@ const Candidate* CandidateOf(const Screen& screen, const std::string& effect) {
   return nullptr;
 }
 
-/// The flight's strips as lines to be flown.
+/// Returns the strips of the flight as planned lines.
 std::vector<PlannedLine> LinesOf(const Flight& flight, const Trajectory& estimated) {
   const std::vector<MapPose> poses = estimated.InMap(flight.frame);
   std::vector<PlannedLine> lines;
@@ -66,7 +67,7 @@ std::vector<PlannedLine> LinesOf(const Flight& flight, const Trajectory& estimat
   return lines;
 }
 
-/// How the body moved on the strips beside flying straight.
+/// Returns the rms attitude motion on the strips relative to straight flight.
 TurbulenceScenario MotionOf(const Flight& flight, const Trajectory& estimated) {
   const std::vector<MapPose> poses = estimated.InMap(flight.frame);
   Eigen::Vector3d sum2 = Eigen::Vector3d::Zero();
@@ -131,7 +132,8 @@ std::vector<Attempt> AttemptsOf(const Scenario& plan) {
   return attempts;
 }
 
-/// Of each rival; empty where the plan cannot be flown or has nothing to tell.
+/// Returns the separation from each rival. Returns {} if the plan cannot be flown or leaves an
+/// unknown free.
 std::vector<double> SeparationsOf(const Scenario& scenario, const Flight& flight, const Tie& tie,
                                   const GapOptions& options) {
   SimulateOptions simulate;

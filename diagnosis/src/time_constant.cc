@@ -9,21 +9,21 @@ namespace dn::internal {
 namespace {
 
 constexpr int kMostTauSteps = 6, kMostStepsAside = 4;
-// Half the width of an interval of 95 %, and how far the logarithm of the likelihood falls to its ends.
+// Half width of a 95 % interval in sigmas, and the decrease of the log likelihood at its ends.
 constexpr double kInterval_sigmas = 1.96;
 constexpr double kFall_nats = 0.5 * kInterval_sigmas * kInterval_sigmas;
 
-/// Time constants in equal steps of their logarithm, each tried once.
+/// Time constants in equal steps of their logarithm, each evaluated once.
 class TauSteps {
  public:
   TauSteps(const SizesByTau& sizes, double tau_s) : sizes_(sizes), log_tau_(std::log(tau_s)) {}
 
-  /// In which the likelihood of ln(tau) is a parabola, or nearly.
+  /// Returns the step of ln(tau), over which the log likelihood is nearly a parabola.
   static double length() { return std::log(1.6); }
 
   double LogTau(int step) const { return log_tau_ + step * length(); }
 
-  /// Null where there is no such network.
+  /// Returns null if the network cannot be built.
   const SizeAtTau* At(int step) {
     auto known = known_.find(step);
     if (known == known_.end()) {
@@ -43,7 +43,7 @@ struct LogProcess {
   double tau = 0.0, size = 0.0;
 };
 
-/// Where the likelihood has its maximum between the time constants beside a step.
+/// Maximum of the likelihood between the neighbouring time constants of a step.
 struct TauPeak {
   int step = 0;
   LogProcess at;
@@ -51,10 +51,10 @@ struct TauPeak {
   double relative_sigma = 0.0;  ///< of the size at the time constant
 };
 
-/// The search for the step beside which the likelihood falls to both sides.
+/// Search for the step at which the likelihood decreases on both sides.
 struct Search {
   int last = 0;
-  bool complete = true;  ///< there was a network at all time constants
+  bool complete = true;  ///< all networks could be built
   bool found = false;
 };
 
@@ -96,10 +96,11 @@ std::optional<TauPeak> PeakBeside(TauSteps& steps, int step) {
                  middle.relative_sigma};
 }
 
-/// From the peak to the end of its interval, towards longer (1) or shorter (-1) time constants.
+/// Returns the distance from the peak to the end of its interval, towards longer (1) or shorter
+/// (-1) time constants.
 LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
   LogProcess end = peak.at;
-  double end_root = 0.0;  // of the fall, which is linear in ln(tau) where the likelihood is normal
+  double end_root = 0.0;  // root of the decrease, linear in ln(tau) for a normal likelihood
   for (int k = 1; k <= kMostStepsAside; ++k) {
     const int step = peak.step + direction * k;
     const SizeAtTau* at = steps.At(step);
@@ -116,7 +117,8 @@ LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
   return {end.tau - peak.at.tau, end.size - peak.at.size};
 }
 
-/// In units of a value, by the reach of the interval of its logarithm: upwards it is the wider one.
+/// Returns the relative sigma of a value from the interval of its logarithm, which reaches further
+/// upwards.
 double OfLongerSide(double reach) { return std::expm1(std::abs(reach)) / kInterval_sigmas; }
 
 ProcessEstimate Estimate(TauSteps& steps, const TauPeak& peak) {
@@ -132,8 +134,9 @@ ProcessEstimate Estimate(TauSteps& steps, const TauPeak& peak) {
   return estimate;
 }
 
-/// The flight is too short, or the node rate too low, for the end of the correlation to show: the
-/// size goes with the time constant, which may be anything from where it began on.
+/// Returns the estimate of a search without a maximum: the flight is too short, or the node rate
+/// too low, for the end of the correlation to show. The sigma of the size includes its change since
+/// the start of the search.
 ProcessEstimate OpenEstimate(TauSteps& steps, int last) {
   const SizeAtTau &start = *steps.At(0), &open = *steps.At(last);
   ProcessEstimate estimate;

@@ -18,19 +18,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of a trajectory, what its replay leaves out at the begin and at most at the end.
+// Parts that a replay omits at the start of its trajectory and, at most, at its end.
 constexpr double kLeftOutAtBegin_s = 1.0;
 constexpr double kLeftOutAtEnd_s = 3.5;
 constexpr double kShortestStrip_s = 1.0;
-constexpr double kSlowestImu_hz = 10.0;  // that is simulated
+constexpr double kSlowestImu_hz = 10.0;  // lowest rate that is simulated
 constexpr double kFastestImu_hz = 2000.0;
 constexpr double kGroundBelow_m = 100.0;
 constexpr double kSecondsPerWeek = 604800.0;
 
-/// To a millionth, which is what differences of time tags are good for.
+/// Rounds to a millionth, the accuracy of differences of time tags.
 double RateOf(double step_s) { return std::round(1e6 / step_s) * 1e-6; }
 
-/// The strips as far as they are flown again, under names that files may have.
+/// Returns the strips, cut to the replayed part of the flight, with names that are allowed in
+/// files.
 std::vector<StripInterval> StripsOf(const Flight& flight, const Trajectory& trajectory) {
   std::vector<StripInterval> strips;
   for (StripInterval strip : FindStrips(flight)) {
@@ -50,11 +51,12 @@ ImuScenario ImuOf(const Flight& flight) {
   ImuScenario imu;
   imu.rate_hz = std::clamp(RateOf(flight.imu->nominal_dt_s), kSlowestImu_hz, kFastestImu_hz);
   imu.model = flight.config.imu->model;
-  imu.model.vibration.clear();  // flown as effects
+  imu.model.vibration.clear();  // simulated as effects
   return imu;
 }
 
-/// What the flight states of vibration, as effects: a scenario has no other place for it.
+/// Returns the vibration that flight.yaml states as effects, the only form that a scenario has for
+/// it.
 std::vector<Effect> VibrationOf(const Flight& flight) {
   const EffectSpec& spec = EffectRow(EffectId::kImuVibration);
   std::vector<Effect> effects;
@@ -98,7 +100,7 @@ void AddLidar(const Flight& flight, const Trajectory& trajectory, const Vector3d
   scenario->pairs.sigma_p_m = internal::MedianPairSigma(flight);
 }
 
-/// Nothing is seen, but the ground must lie below the path.
+/// Adds flat ground below the path, for a scenario without pairs.
 void AddNoLidar(const Flight& flight, const Trajectory& trajectory, Scenario* scenario) {
   double lowest_m = std::numeric_limits<double>::infinity();
   for (const MapPose& pose : trajectory.InMap(flight.frame)) {
@@ -117,14 +119,15 @@ void AddNoLidar(const Flight& flight, const Trajectory& trajectory, Scenario* sc
 
 Scenario TwinScenario(const Flight& flight, const Trajectory& estimated,
                       const std::vector<GapCause>& causes, const Vector3d& boresight_rad) {
-  if (!flight.imu || !flight.gnss) throw InvalidInput("a twin needs a flight with IMU and GNSS");
+  if (!flight.imu || !flight.gnss)
+    throw InvalidInput("a replicate needs a flight with IMU and GNSS data");
   Scenario scenario;
   scenario.name = flight.config.name + " twin";
   scenario.origin = flight.frame.origin();
   scenario.start_s = std::fmod(std::max(0.0, estimated.t_begin_s()), kSecondsPerWeek);
   scenario.plan.replay = kTwinTrajectoryFile;
   scenario.plan.strips = StripsOf(flight, estimated);
-  scenario.plan.bank_rad = 25.0 * kRadPerDeg;  // of lines, which a replay has not
+  scenario.plan.bank_rad = 25.0 * kRadPerDeg;  // used by lines only, not by a replay
   scenario.imu = ImuOf(flight);
   scenario.gnss = GnssOf(flight);
   if (flight.pairs && flight.config.lidar && !flight.pairs->pairs.empty()) {
