@@ -31,7 +31,7 @@ const Flight& PlainDrone() {
   return flight;
 }
 
-/// An effect of its usual size.
+/// Returns an effect of its typical size.
 GapCause Usual(const EffectSpec& spec) {
   GapCause cause;
   cause.effect = spec.name;
@@ -204,7 +204,7 @@ TEST(Adapted, IsReadBackHoweverMuchThereIsToSay) {
   EXPECT_EQ(ParseFlightConfig(FormatFlightConfig(adapted), "/f").unexplained, adapted.unexplained);
 }
 
-/// Adjusts a drone flight that has the effect, with it in the estimator, as flight.yaml gives it.
+/// Writes the flight.yaml with these causes in the estimator and reads it back.
 Flight Reread(Flight flight, const std::vector<GapCause>& causes) {
   const std::string text = FormatFlightConfig(Adapted(flight, causes));
   flight.config = ParseFlightConfig(text, "/f");
@@ -242,10 +242,10 @@ TEST(AdaptedFlight, NoiseThatIsStatedFits) {
   EXPECT_NEAR(with, 1.0, kHardlyAnyOf300Pairs);
 }
 
-/// How a flight fits its model.
+/// Fit of a flight to its model.
 struct Fit {
-  double misfit = 0.0;  ///< chi2 less its redundancy, in standard deviations
-  double nees = 0.0;    ///< of the boresight: chi-square with 3 degrees of freedom
+  double misfit = 0.0;  ///< chi2 minus its redundancy, in standard deviations
+  double nees = 0.0;    ///< NEES of the boresight: chi-square with 3 degrees of freedom
 };
 
 Fit FitOf(const SimulatedFlight& flown, const std::vector<GapCause>& stated) {
@@ -258,7 +258,7 @@ Fit FitOf(const SimulatedFlight& flown, const std::vector<GapCause>& stated) {
           error.dot(adjusted.boresight.covariance_rad2.ldlt().solve(error))};
 }
 
-// Within the first strip only, where two of the three pairs of strips have an end.
+// The vibration lasts for the first strip only, where two of the three pairs of strips have an end.
 TEST(AdaptedFlight, VibrationThatIsStatedInItsWindowFits) {
   constexpr int kFlights = 4;
   const StripInterval strip = PlainDrone().config.strips.at(0);

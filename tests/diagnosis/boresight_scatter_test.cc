@@ -20,7 +20,7 @@ double ScatterOf(const std::string& effects) {
 }
 
 TEST(ExcessScatter, IsWhatTheNoiseLeaves) {
-  // Two values that are 2 apart, of sigma 1: the contrasts are 2 / sqrt(2) in each component.
+  // Two values that differ by 2, with sigma 1: the contrasts are 2 / sqrt(2) in each component.
   Eigen::VectorXd values(6);
   values << 0, 0, 0, 2, 2, 2;
   const Eigen::MatrixXd C = Eigen::MatrixXd::Identity(6, 6);

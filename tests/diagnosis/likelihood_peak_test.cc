@@ -8,7 +8,7 @@
 
 namespace dn::internal::likelihood_peak_test {
 
-/// Counts what it is asked for.
+/// Counts the evaluations of a likelihood.
 struct Counted {
   double (*l)(double);
   int* asked;
@@ -21,7 +21,7 @@ struct Counted {
   }
 };
 
-/// 4,000 errors whose size is 1.7, and the likelihood of their size.
+/// Returns the log likelihood of the size of 4,000 errors that have the size 1.7.
 double OfOneSize(double x) { return -4000.0 * (x + 0.5 * 1.7 * 1.7 * std::exp(-2.0 * x)); }
 
 TEST(FindPeak, OfErrorsOfOneSizeIsFoundFromFar) {
@@ -34,7 +34,8 @@ TEST(FindPeak, OfErrorsOfOneSizeIsFoundFromFar) {
   EXPECT_LE(asked, 9);
 }
 
-/// Of a hundred components that a size adds to others' errors: d from 1e-3 to 1e3, c^2 = 1 + 4 d.
+/// Returns the log likelihood of a size that enlarges the errors of a hundred components: d from
+/// 1e-3 to 1e3, c^2 = 1 + 4 d.
 double BesideOthers(double x) {
   const double v = std::exp(2.0 * x);
   double l = 0.0;
@@ -51,7 +52,7 @@ TEST(FindPeak, OfASizeBesideOthersIsFound) {
   const auto peak =
       FindPeak(Counted{&BesideOthers, &asked}, {-2.3, -1.15, 0.0, 1.15, 2.3}, -3.5, 3.5);
   ASSERT_TRUE(peak);
-  // The stationary point: v = 4 makes every term stationary.
+  // v = 4 makes every term stationary.
   EXPECT_NEAR(peak->log_size, std::log(2.0), 0.1 * peak->width);
   constexpr double kStep = 1e-3;
   const double at = std::log(2.0);

@@ -47,8 +47,8 @@ TEST(Signature, WhatTheLibraryLacksIsLeftButForWhatItsRelativesTake) {
 
 TEST(Signature, OfNothingIsNone) { EXPECT_LT(SignatureOf(Perfect(""), Perfect("")).lambda, 1e-9); }
 
-// The best test is that of the effect itself: in data with noise its statistic has the mean
-// lambda + 1, and the standard deviation sqrt(2 + 4 lambda).
+// The best test is that of the effect itself. In data with noise its statistic has the mean lambda
+// + 1 and the standard deviation sqrt(2 + 4 lambda).
 TEST(Signature, IsWhatATestSeesInNoise) {
   const std::string effect = "effects: [{effect: lidar_range_offset, value: [0.05]}]";
   const double lambda = SignatureOf(Perfect(effect), Perfect("")).lambda;

@@ -30,7 +30,7 @@ GapCause LidarLate() {
   return cause;
 }
 
-/// A drone flight, and its twin as `dn simulate` makes it from the files of `dn gap`.
+/// A drone flight, and its replicate as `dn simulate` makes it from the files of `dn gap`.
 struct FlightAndTwin {
   explicit FlightAndTwin(const Scenario& scenario, const std::vector<GapCause>& causes = {})
       : flown(Simulate(scenario, {})) {
@@ -96,7 +96,7 @@ TEST(Twin, AssumesWhatTheFlightAssumes) {
   FlightConfig expected = both.flown.flight.config;
   expected.name = "drone twin";
   FlightConfig twin = both.twin.flight.config;
-  twin.imu->grade = expected.imu->grade;  // the twin has its figures
+  twin.imu->grade = expected.imu->grade;  // the replicate has its noise figures
   EXPECT_EQ(FormatFlightConfig(twin), FormatFlightConfig(expected));
 }
 
