@@ -70,7 +70,7 @@ TEST(Page, SaysOfEveryVerdictWhetherToRelyOnIt) {
   }
 }
 
-// The shards of a series joined make the same bytes as one run.
+// Joined shards of a series must give the same bytes as one run.
 TEST(Page, LeavesOutWhatTwoRunsOfOneWorkDifferIn) {
   Json other = Report();
   other["command"] = "merge";
@@ -180,7 +180,7 @@ TEST(Page, OfMatchingHasTheSwathSeparationBeforeAndAfter) {
   const Section& section = page.sections.at(1);
   EXPECT_EQ(section.title, "Swath separation");
   const Table& table = std::get<Table>(section.contents.at(0));
-  ASSERT_EQ(table.rows.size(), 4u);  // of two strips and of all
+  ASSERT_EQ(table.rows.size(), 4u);  // two strips and all strips
   EXPECT_EQ(TextAt(table, 0, 0), "1-2");
   EXPECT_EQ(TextAt(table, 2, 0), "all");
   EXPECT_EQ(NumberAt(table, 0, 4), 0.5);
@@ -194,7 +194,7 @@ Json StripPairs(double before, double after) {
            {"after", {{"separation", {{"to_8_cm", after}}}}}}};
 }
 
-// Before is of the trajectory that was given, which the Gauss-Helmert adjustment keeps.
+// `before` belongs to the given trajectory, which the Gauss-Helmert adjustment keeps.
 TEST(Page, OfAllMethodsHasTheirSwathSeparationsSideBySide) {
   Json dn = Result("dn", 0.2, 0.001), gh = Result("gh", 0.2, 0.001);
   dn["strip_pairs"] = StripPairs(0.2, 0.9);
@@ -227,7 +227,7 @@ TEST(Page, OfNewStripsSaysHowFarTheyMovedAndMapsThem) {
   EXPECT_EQ(map.areas.size(), 1u);
 }
 
-/// Rows of `columns` numbers, the first the time.
+/// Returns rows of `columns` numbers; the first column is the time.
 std::string Rows(int rows, int columns, double step_s) {
   std::string text;
   for (int k = 0; k < rows; ++k) {

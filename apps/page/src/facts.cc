@@ -7,7 +7,7 @@
 namespace dn::internal {
 namespace {
 
-/// A key of a JSON pointer (RFC 6901).
+/// Escapes a key for a JSON pointer (RFC 6901).
 std::string Escaped(const std::string& key) {
   std::string out;
   for (const char c : key) out += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);

@@ -8,7 +8,7 @@
 namespace dn::internal {
 namespace {
 
-// Far above any that a command writes.
+// Limit of the size of a file, far above that of any file that a command writes.
 constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 
 }  // namespace
@@ -16,7 +16,7 @@ constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 ResultFolder::ResultFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
   report_ = Read("report.json");
   if (report_["schema"].text() == "dn.report/1") return;
-  throw InvalidInput("it is no result of dn: there is no report.json of schema dn.report/1",
+  throw InvalidInput("not a result folder of dn: it has no report.json of schema dn.report/1",
                      {folder_.string()});
 }
 
@@ -28,7 +28,7 @@ bool ResultFolder::Has(const std::string& name) const {
 Facts ResultFolder::Read(const std::string& name) const {
   if (!Has(name)) return {name, Json()};
   Json json = Json::parse(Text(name), nullptr, false);
-  if (json.is_discarded()) throw InvalidInput("it is no JSON", {PathOf(name).string()});
+  if (json.is_discarded()) throw InvalidInput("not a JSON file", {PathOf(name).string()});
   return {name, std::move(json)};
 }
 
@@ -45,7 +45,7 @@ std::optional<FlightConfig> ResultFolder::Config() const {
   try {
     return ParseFlightConfig(Text("config.resolved.yaml"), folder_);
   } catch (const InvalidInput&) {
-    return std::nullopt;  // of a scenario, or of no flight at all
+    return std::nullopt;  // the configuration of a scenario, or none
   }
 }
 
