@@ -19,7 +19,7 @@ constexpr const char* kLines =
     "  across: [0, -600, 0, 600, 240, 45]\n"
     "  long: [-1200, 30, 1200, 30, 200, 45]\n";
 
-/// Candidates over the small scenario, which lies beside their file.
+/// Candidate lines on the small scenario, which is in the folder of their file.
 struct SmallCandidates {
   TempFolder folder;
   std::string where = (folder.path() / "candidates.yaml").string();
@@ -40,7 +40,7 @@ std::string ErrorOf(const std::string& target, const std::string& lines) {
   return "no error";
 }
 
-/// The shortest of all choices that meet the target, each of them studied.
+/// Returns the shortest choice of lines that meets the target, found by a study of every choice.
 std::vector<std::size_t> ShortestOfAll(const LineCandidates& candidates) {
   LineSearch all;
   const std::size_t n = candidates.names.size();

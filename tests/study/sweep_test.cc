@@ -14,7 +14,7 @@ namespace dn::testing::sweep_test {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A sweep over the two strips, beside which its base lies.
+/// A sweep over the two strips; its base is in the same folder.
 struct SmallSweep {
   TempFolder folder;
   std::string where = (folder.path() / "sweep.yaml").string();

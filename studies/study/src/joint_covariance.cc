@@ -11,7 +11,7 @@ namespace {
 
 const char* const kBoresight = "boresight";
 
-/// Numbers that are a sum over blocks, each times a matrix of its own.
+/// Numbers that are a sum over blocks, each multiplied by its own matrix.
 struct Quantity {
   std::string name;
   std::vector<std::string> components;
@@ -52,7 +52,7 @@ std::vector<Quantity> Calibration(const FlightNetwork& network) {
   return quantities;
 }
 
-/// The sum of chains at a time; scale(chain) takes a block to the quantity.
+/// Appends the sum of chains at a time; scale(chain) maps a block to the quantity.
 template <class Scale>
 void AppendTotal(const std::vector<ProcessChain>& chains, double t_s, Quantity quantity,
                  const Scale& scale, std::vector<Quantity>* quantities) {
@@ -89,7 +89,7 @@ std::vector<BlockId> BlocksOf(const std::vector<Quantity>& quantities) {
   return blocks;
 }
 
-/// The matrix that takes all blocks, one below the other, to all quantities.
+/// Returns the matrix that maps all blocks, stacked, to all quantities.
 Eigen::MatrixXd Sums(const std::vector<Quantity>& quantities) {
   Eigen::Index rows = 0, columns = 0;
   for (const Quantity& quantity : quantities) {
@@ -132,7 +132,7 @@ JointCovariance CovarianceOf(const std::vector<Quantity>& quantities, const Marg
   return joint;
 }
 
-/// Without what has no variance: an axis on which a GNSS process has no error.
+/// Removes quantities without variance, such as an axis on which a GNSS process has no error.
 JointCovariance WithoutConstants(const JointCovariance& joint) {
   JointCovariance kept;
   std::vector<Eigen::Index> rows;

@@ -13,7 +13,7 @@
 namespace dn {
 namespace {
 
-using Lines = std::uint32_t;  ///< a bit for each line
+using Lines = std::uint32_t;  ///< one bit per line
 
 std::vector<std::size_t> IndicesOf(Lines lines) {
   std::vector<std::size_t> indices;
@@ -43,14 +43,15 @@ class Search {
   }
 
  private:
-  /// Studied side by side, this many: what is studied must not depend on the threads.
+  /// Number of choices studied in parallel. It is constant because the choices that are studied
+  /// must not depend on the number of threads.
   static constexpr std::size_t kAtOnce = 8;
 
   bool Meets(Lines lines) const {
     return studied_.at(lines).WorstRatio(candidates_.target_rad) <= 1.0;
   }
 
-  /// Leaves out the line that saves most, as long as one can be.
+  /// Leaves out the line that saves the most time, as long as the target is met.
   Lines ShortenOneByOne() {
     Lines best = all_;
     for (bool shorter = true; shorter;) {
@@ -80,7 +81,7 @@ class Search {
     return shorter;
   }
 
-  /// The first of `by_time` that meets the target, else `otherwise`.
+  /// Returns the first choice of `by_time` that meets the target, or `otherwise` if there is none.
   Lines ShortestOf(std::vector<Lines> by_time, Lines otherwise) {
     while (!by_time.empty()) {
       std::erase_if(by_time, [&](Lines lines) { return IsPartOfAMiss(lines); });

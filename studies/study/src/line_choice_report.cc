@@ -35,7 +35,7 @@ Json ToJson(const LineCandidates& candidates, const LineChoice& choice) {
   return json;
 }
 
-/// Of each number of lines the choice that comes nearest to the target.
+/// Returns the choice nearest to the target for each number of lines.
 std::vector<const LineChoice*> BestOfEachNumber(const LineCandidates& candidates,
                                                 const LineSearch& search) {
   std::map<std::size_t, const LineChoice*> best;
@@ -105,8 +105,7 @@ std::string LineSearchSummary(const LineCandidates& candidates, const LineSearch
   }
   if (best != nullptr && !shown) text += Row(candidates, *best, true);
   text += fmt::format(
-      "{} of {} choices studied; of each number of lines the one nearest to the "
-      "target\n",
+      "{} of {} choices studied; each number of lines has its choice nearest to the target\n",
       search.studied.size(),
       (std::size_t{1} << candidates.names.size()) - candidates.names.size() - 1);
   if (best == nullptr) {

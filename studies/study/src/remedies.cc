@@ -15,10 +15,10 @@ namespace dn {
 namespace {
 
 constexpr double kWorthWhile = 0.95;
-// Of the nodes in strips: what a change does to a sigma hardly depends on it.
+// Limit of the node rate in strips. The relative change of a sigma hardly depends on this rate.
 constexpr double kNodeRateHz = 2.0;
 
-/// NaN where there is none.
+/// Returns NaN for an unknown without a sigma.
 double SigmaOf(const std::string& unknown, const std::map<std::string, double>& sigmas) {
   const auto sigma = sigmas.find(unknown);
   return sigma == sigmas.end() ? std::numeric_limits<double>::quiet_NaN() : sigma->second;
@@ -44,7 +44,7 @@ RemedyTrials::RemedyTrials(const Scenario& scenario, const StudyDesign& design,
   }
 }
 
-/// Those that have not begun are not tried any more.
+/// Trials that have not started are skipped.
 RemedyTrials::~RemedyTrials() { next_ = scenarios_.size(); }
 
 void RemedyTrials::Prepare(const Scenario& scenario, const FlightGeometry& geometry) {
@@ -80,7 +80,7 @@ RemedyTrials::Sigmas RemedyTrials::SigmasWith(const Scenario& scenario,
       sigmas[unknown.name] = joint.sigma(static_cast<Eigen::Index>(i)) * unknown.per_si;
     }
     return sigmas;
-  } catch (const InvalidConfig&) {  // it cannot be flown, say for a hill in the way
+  } catch (const InvalidConfig&) {  // it cannot be flown, for example because of a hill
     return {};
   } catch (const RankDeficient&) {
     return {};

@@ -60,7 +60,7 @@ std::string StudySummary(const StudyResult& study) {
       study.name, study.geometry.strips.size(), study.pairs, study.imu_epochs, study.gnss_epochs,
       study.nodes, study.parameters);
   if (!study.observable()) {
-    text += "NOT OBSERVABLE: the numbers below are no accuracies\n";
+    text += "NOT OBSERVABLE: the numbers below are not accuracies\n";
     for (const std::string& reason : UnobservableWords(study)) {
       text += "  " + Wrapped(reason, "    ");
     }

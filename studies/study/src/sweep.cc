@@ -29,7 +29,7 @@ SweepKey ReadKey(const YamlValue& values, const std::string& path) {
   for (std::size_t i = 1; i < key.values.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (key.values[i].label == key.values[j].label) {
-        values.Fail("the value '" + key.values[i].label + "' stands there twice");
+        values.Fail("the value '" + key.values[i].label + "' is given twice");
       }
     }
   }
@@ -88,7 +88,7 @@ std::uint64_t Sweep::size() const {
 
 std::vector<std::size_t> Sweep::Choice(std::uint64_t number) const {
   if (number < 1 || number > size()) {
-    throw InvalidInput(fmt::format("sweep: design {} is none of 1 to {}", number, size()));
+    throw InvalidInput(fmt::format("sweep: design {} is not in the range 1 to {}", number, size()));
   }
   std::vector<std::size_t> choice(keys_.size());
   std::uint64_t left = number - 1;
