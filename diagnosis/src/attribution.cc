@@ -13,10 +13,10 @@
 namespace dn::internal {
 namespace {
 
-class Attributor {
+class ForwardSelection {
  public:
-  Attributor(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
-             double threshold_nats)
+  ForwardSelection(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
+                   double threshold_nats)
       : explainer_(explainer), threshold_nats_(threshold_nats) {
     out_.base = std::move(base);
   }
@@ -33,7 +33,7 @@ class Attributor {
   }
 
  private:
-  const ExplainedFlight& Present() const { return out_.last(); }
+  const ExplainedFlight& Current() const { return out_.last(); }
 
   GapCause Refined(const ExplainedFlight& explained, ScreenedEffect effect) const {
     RefineTimes(explained.solution->network(), explained.solution->marginals(),
@@ -62,10 +62,10 @@ class Attributor {
 
   void Grow() {
     while (out_.causes.size() < kMostCauses) {
-      const ScreenedEffect* best = BestPhysical(Present().effects);
+      const ScreenedEffect* best = BestPhysical(Current().effects);
       if (best == nullptr || best->log_evidence < threshold_nats_) break;
       std::vector<GapCause> causes = out_.causes;
-      causes.push_back(Refined(Present(), *best));
+      causes.push_back(Refined(Current(), *best));
       Report("with " + best->name, 0.3 + 0.1 * static_cast<double>(out_.causes.size()));
       out_.explained_nats += best->log_evidence;
       out_.causes = causes;
@@ -90,10 +90,10 @@ class Attributor {
       const ScreenedEffect* own = others ? Find(others->effects, causes[k].effect) : nullptr;
       if (best == nullptr || own == nullptr) continue;
       const bool another = best->log_evidence >= own->log_evidence + kSwapNats;
-      const GapCause anew = Refined(*others, another ? *best : *own);
-      const double moved = std::abs(anew.estimate[0] - causes[k].estimate[0]);
+      const GapCause refined = Refined(*others, another ? *best : *own);
+      const double moved = std::abs(refined.estimate[0] - causes[k].estimate[0]);
       if (!another && moved <= causes[k].sigma[0]) continue;
-      causes[k] = anew;
+      causes[k] = refined;
       changed = true;
     }
     if (changed) Replace(causes);
@@ -172,7 +172,7 @@ class Attributor {
   const Explainer& explainer_;
   double threshold_nats_;
   Attribution out_;
-  // models with the first causes, one more each
+  // Models with the first causes; each has one cause more than the one before.
   std::vector<std::unique_ptr<ExplainedFlight>> before_;
   std::unique_ptr<ExplainedFlight> scratch_;
   std::vector<std::pair<std::size_t, std::vector<ScreenedEffect>>> kept_;
@@ -183,7 +183,7 @@ class Attributor {
 
 Attribution Attribute(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
                       bool detected, double threshold_nats) {
-  return Attributor(explainer, std::move(base), threshold_nats).Run(detected);
+  return ForwardSelection(explainer, std::move(base), threshold_nats).Run(detected);
 }
 
 }  // namespace dn::internal

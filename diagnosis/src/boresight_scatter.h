@@ -20,8 +20,8 @@ namespace dn::internal {
 std::optional<double> BoresightScatter(const FlightNetwork& network, int threads);
 
 /// Returns the tau for which values of covariance C + tau^2 I scatter as expected about their
-/// common mean: d^T (cov d + tau^2 I)^-1 d = dim d, for orthonormal contrasts d between the values.
-/// Returns 0 if they scatter less than C predicts. Each value takes three rows.
+/// common mean. With orthonormal contrasts d between the values, d^T (cov d + tau^2 I)^-1 d = dim
+/// d. Returns 0 if they scatter less than C predicts. Each value takes three rows.
 double ExcessScatter(const Eigen::VectorXd& values, const Eigen::MatrixXd& C);
 
 }  // namespace dn::internal

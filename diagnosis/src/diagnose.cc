@@ -44,15 +44,15 @@ constexpr double kSecondOrder = 0.05;
 // Multiple of the typical size above which an effect is implausible, and the fraction of the named
 // evidence at which a discrepancy makes it doubtful. The fraction is below 1 because the evidence
 // of a discrepancy is reduced by its many components.
-constexpr double kPlausibleSizes = 10.0, kNearlyAsMuch = 0.9;
-constexpr double kSurely_sigmas = 2.0;
+constexpr double kPlausibleSizes = 10.0, kRivalEvidenceShare = 0.9;
+constexpr double kSignificantSigmas = 2.0;
 // p-value at which high-band inertial noise or outliers, which replicates do not contain, decide
 // alone.
 constexpr double kCertain = 1e-3;
 // p-value of replicates against replicates below which they are not a valid reference.
-constexpr double kUnequalTwins = 1e-4;
+constexpr double kUnequalReplicates = 1e-4;
 constexpr double kTrajectoryStepS = 0.01;
-constexpr int kFullTwins = 8;  // without and with the effects each
+constexpr int kSimulatedReplicates = 8;  // without and with the effects each
 // p-value of the flight among its simulated replicates below which they do not reproduce it.
 constexpr double kUnlike = 0.01;
 constexpr long kLeastFlightRedundancy = 30;
@@ -69,8 +69,8 @@ double Mean(const std::vector<double>& values) {
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 
-double RootExcess(double value, const std::vector<double>& of_twins) {
-  const double usual = Mean(of_twins);
+double RootExcess(double value, const std::vector<double>& of_replicates) {
+  const double usual = Mean(of_replicates);
   return std::sqrt(std::max(0.0, value * value - usual * usual));
 }
 
@@ -124,7 +124,7 @@ class Diagnosis {
         DenseTrajectory(attribution.last().solution->network(), kTrajectoryStepS));
     if (options_.depth == GapOptions::Depth::kFull) {
       Report("simulated replicates", 0.88);
-      FlyAgain(attribution, trajectory);
+      CompareSimulated(attribution, trajectory);
       watch_.Lap("simulated twins");
     }
     Report("limits", 0.94);
@@ -170,7 +170,7 @@ class Diagnosis {
 
   /// Returns the largest evidence of raw inertial noise and outliers, which replicates do not
   /// contain.
-  static double NatsOutsideTwins(const ExplainedFlight& explained) {
+  static double NatsOutsideReplicates(const ExplainedFlight& explained) {
     double nats = std::max(0.0, explained.coloured_imu_nats);
     for (const ScreenedEffect& effect : explained.effects) {
       const bool outside = effect.physical() && OutsideReplicates(EffectRow(*effect.id));
@@ -180,7 +180,7 @@ class Diagnosis {
   }
 
   void JudgeGap(const ExplainedFlight& base) {
-    const double outside = std::exp(-NatsOutsideTwins(base));
+    const double outside = std::exp(-NatsOutsideReplicates(base));
     out_.p_value =
         outside < kCertain ? std::min(outside, before_.test.p_value) : before_.test.p_value;
     out_.detected = out_.p_value <= options_.alpha;
@@ -192,23 +192,24 @@ class Diagnosis {
     out_.validity.observations = base.solution->linearized().rows();
     out_.validity.twins = static_cast<int>(before_.twins.all.size());
     out_.validity.tests = static_cast<int>(before_.statistics.size() + base.effects.size());
-    JudgeTwins();
+    CheckReplicates();
   }
 
-  void JudgeTwins() {
+  void CheckReplicates() {
     out_.validity.aa_p_value = TwinsAgainstTwins(before_.twins);
-    if (out_.validity.aa_p_value >= kUnequalTwins) return;
+    if (out_.validity.aa_p_value >= kUnequalReplicates) return;
     out_.validity.notes.push_back(
         "replicates of the flight differ among themselves and are not a valid reference");
   }
 
   void FillSize() {
-    const std::vector<double> of_twins = Over(before_.twins, &Appearance::size_nats);
-    const double usual = Mean(of_twins);
+    const std::vector<double> of_replicates = Over(before_.twins, &Appearance::size_nats);
+    const double usual = Mean(of_replicates);
     out_.size.value = before_.appearance.size_nats - usual;
-    out_.size.null_low = Quantile(of_twins, 0.025) - usual;
-    out_.size.null_high = Quantile(of_twins, 0.975) - usual;
-    out_.size.upper_limit_95 = std::max(0.0, out_.size.value - (Quantile(of_twins, 0.05) - usual));
+    out_.size.null_low = Quantile(of_replicates, 0.025) - usual;
+    out_.size.null_high = Quantile(of_replicates, 0.975) - usual;
+    out_.size.upper_limit_95 =
+        std::max(0.0, out_.size.value - (Quantile(of_replicates, 0.05) - usual));
   }
 
   void FillUserUnits() {
@@ -259,13 +260,13 @@ class Diagnosis {
   }
 
   void FillVerdict(const Attribution& attribution) {
-    if (out_.validity.aa_p_value < kUnequalTwins) {
+    if (out_.validity.aa_p_value < kUnequalReplicates) {
       out_.verdict.kind = GapVerdictKind::kUnavailable;
       return;
     }
     std::vector<std::string> named;
     for (const GapCause& cause : attribution.causes) named.push_back(cause.effect);
-    const Decision decision{out_.detected, GenericIsBetter(attribution),
+    const Decision decision{out_.detected, DiscrepancyIsBetter(attribution),
                             SomethingLeft(attribution)};
     out_.verdict = Decide(decision, named, attribution.slots);
     out_.verdict.implausible = Implausible(attribution);
@@ -276,7 +277,8 @@ class Diagnosis {
   /// any size.
   std::optional<GapImplausible> Implausible(const Attribution& attribution) const {
     const ScreenedEffect* generic = BestGeneric(attribution.base->effects);
-    if (generic == nullptr || generic->log_evidence < kNearlyAsMuch * attribution.explained_nats) {
+    if (generic == nullptr ||
+        generic->log_evidence < kRivalEvidenceShare * attribution.explained_nats) {
       return std::nullopt;
     }
     for (const GapCause& cause : NamedCauses(attribution)) {
@@ -285,7 +287,7 @@ class Diagnosis {
       for (Eigen::Index k = 0; k < cause.estimate.size(); ++k) {
         const double typical = spec.components[static_cast<std::size_t>(k)].typical;
         const double size = std::abs(cause.estimate[k]);
-        if (size - kSurely_sigmas * cause.sigma[k] > kPlausibleSizes * typical) {
+        if (size - kSignificantSigmas * cause.sigma[k] > kPlausibleSizes * typical) {
           return GapImplausible{cause.effect, size / typical, generic->name};
         }
       }
@@ -296,7 +298,7 @@ class Diagnosis {
   /// Returns whether a discrepancy describes the data better than the named effects. The
   /// second-order terms of a large effect may fit a discrepancy of many components; they vanish
   /// once the flight is adjusted with the effect.
-  bool GenericIsBetter(const Attribution& attribution) const {
+  bool DiscrepancyIsBetter(const Attribution& attribution) const {
     const double margin = std::max(kGenericNats, kSecondOrder * attribution.explained_nats);
     if (attribution.generic_nats <= attribution.explained_nats + kGenericNats) return false;
     if (attribution.final) return SomethingLeft(attribution);
@@ -313,8 +315,9 @@ class Diagnosis {
 
   void MeasureShrinkage(const Attribution& attribution) {
     if (!out_.detected || out_.verdict.effects.empty()) return;
-    GapShrinkage shrinkage = OmnibusShrinkage({before_.test, NatsOutsideTwins(*attribution.base)},
-                                              {after_.test, NatsOutsideTwins(*attribution.final)});
+    GapShrinkage shrinkage =
+        OmnibusShrinkage({before_.test, NatsOutsideReplicates(*attribution.base)},
+                         {after_.test, NatsOutsideReplicates(*attribution.final)});
     shrinkage.before.p_value = out_.p_value;
     shrinkage.before.size_nats_per_obs = out_.size.value;
     shrinkage.after.p_value = after_.test.p_value;
@@ -348,12 +351,13 @@ class Diagnosis {
   /// Computes the reachable gain. The best of all further effects gains something on every flight,
   /// so its mean gain over replicates is subtracted.
   void FillReachable(const HeldOutGains& gains, GapShrinkage* shrinkage) const {
-    double of_twins = 0.0;
+    double of_replicates = 0.0;
     for (const Appearance& twin : after_.twins.all) {
-      of_twins += std::max(0.0, twin.log_evidence.size() > 0 ? twin.log_evidence.maxCoeff() : 0.0);
+      of_replicates +=
+          std::max(0.0, twin.log_evidence.size() > 0 ? twin.log_evidence.maxCoeff() : 0.0);
     }
-    of_twins /= static_cast<double>(after_.twins.all.size());
-    const double left = std::max(0.0, gains.further_nats - of_twins);
+    of_replicates /= static_cast<double>(after_.twins.all.size());
+    const double left = std::max(0.0, gains.further_nats - of_replicates);
     const double gain = std::max(0.0, gains.gain_nats);
     shrinkage->held_out_gain_nats = gains.gain_nats;
     shrinkage->reachable_left_nats = left;
@@ -372,38 +376,38 @@ class Diagnosis {
   }
 
   /// Simulates replicates without and with the effects.
-  void FlyAgain(const Attribution& attribution, const Trajectory& trajectory) {
+  void CompareSimulated(const Attribution& attribution, const Trajectory& trajectory) {
     const ExplainedFlight& last = attribution.last();
     const LinearTwins linear = NamedLinearTwins(before_.statistics, before_.twins, before_.test);
-    const std::vector<NamedStatistics> without = FlyTwinsWith({}, last, trajectory);
+    const std::vector<NamedStatistics> without = SimulateWith({}, last, trajectory);
     out_.validity.full_twins = static_cast<int>(without.size());
     out_.validity.full_against_linear_p = FullAgainstLinear(without, linear, options_.seed);
     const std::vector<GapCause> named = CausesOfVerdict(out_);
     if (named.empty()) return;
-    const std::vector<NamedStatistics> with = FlyTwinsWith(named, last, trajectory);
+    const std::vector<NamedStatistics> with = SimulateWith(named, last, trajectory);
     out_.validity.full_twins += static_cast<int>(with.size());
     for (FingerprintValue& value : out_.fingerprint) {
-      const std::optional<MeanAndSigma> of_twins = MeanOver(with, value.name);
-      if (!of_twins) continue;
-      value.twin_mean = of_twins->mean;
-      value.twin_sigma = of_twins->sigma;
+      const std::optional<MeanAndSigma> of_replicates = MeanOver(with, value.name);
+      if (!of_replicates) continue;
+      value.twin_mean = of_replicates->mean;
+      value.twin_sigma = of_replicates->sigma;
     }
     const NamedStatistics flight = Comparable(before_.statistics, before_.appearance.locations);
     out_.validity.like_twins_p = LikeTwins(flight, with, linear, options_.seed);
-    if (out_.validity.like_twins_p.value_or(1.0) < kUnlike) Doubt();
+    if (out_.validity.like_twins_p.value_or(1.0) < kUnlike) LowerToPartial();
   }
 
   /// Returns no statistics, and adds a note, if the simulator cannot fly the scenario.
-  std::vector<NamedStatistics> FlyTwinsWith(const std::vector<GapCause>& causes,
+  std::vector<NamedStatistics> SimulateWith(const std::vector<GapCause>& causes,
                                             const ExplainedFlight& last,
                                             const Trajectory& trajectory) {
     FullTwinOptions options;
-    options.count = kFullTwins;
+    options.count = kSimulatedReplicates;
     options.seed = MixBits(options_.seed) + causes.size();
     options.threads = options_.threads;
     options.interrupted = options_.interrupted;
     try {
-      const Scenario scenario = TwinScenario(flight_, trajectory, causes, BoresightOf(last));
+      const Scenario scenario = TwinScenario(flight_, trajectory, causes, TotalBoresight(last));
       return FlyTwins(flight_, scenario, trajectory, options);
     } catch (const InvalidInput& error) {
       out_.validity.notes.push_back(std::string("no simulated replicates: ") + error.what());
@@ -412,7 +416,7 @@ class Diagnosis {
   }
 
   /// Lowers the verdict to partial: replicates with the named effects do not reproduce the flight.
-  void Doubt() {
+  void LowerToPartial() {
     GapVerdict& verdict = out_.verdict;
     if (verdict.kind == GapVerdictKind::kIdentified || verdict.kind == GapVerdictKind::kGroup) {
       verdict.kind = GapVerdictKind::kPartial;
@@ -427,14 +431,14 @@ class Diagnosis {
     const ExplainedFlight& last = attribution.last();
     std::vector<std::string> sentences;
     for (const Tie& tie : ties) {
-      const std::string text = TieBreaker(flight_, trajectory, BoresightOf(last), tie, options_);
+      const std::string text = TieBreaker(flight_, trajectory, TotalBoresight(last), tie, options_);
       if (!text.empty()) sentences.push_back(text);
     }
     out_.verdict.tie_breaker = fmt::format("{}", fmt::join(sentences, "; "));
     watch_.Lap("tie breaker");
   }
 
-  static Eigen::Vector3d BoresightOf(const ExplainedFlight& explained) {
+  static Eigen::Vector3d TotalBoresight(const ExplainedFlight& explained) {
     const Solution& solution = *explained.solution;
     if (solution.linearized().FirstColumn(solution.network().boresight.id) < 0) {
       return Eigen::Vector3d::Zero();
@@ -447,7 +451,7 @@ class Diagnosis {
     const ExplainedFlight& last = attribution.last();
     result.adapted = Adapted(flight_, out_);
     result.trajectory = trajectory;
-    result.boresight_rad = BoresightOf(last);
+    result.boresight_rad = TotalBoresight(last);
     result.diagnosis = std::move(out_);
     return result;
   }
@@ -460,7 +464,7 @@ class Diagnosis {
   Compared before_, after_;
 };
 
-GapResult DiagnoseByWhatThereIs(const Flight& flight, const GapOptions& options) {
+GapResult DiagnoseAvailableData(const Flight& flight, const GapOptions& options) {
   const bool limits = options.depth == GapOptions::Depth::kLimits;
   if (limits && flight.config.imu && flight.config.gnss && HasPoses(flight)) {
     return LimitsOfDesign(flight, options);
@@ -470,9 +474,9 @@ GapResult DiagnoseByWhatThereIs(const Flight& flight, const GapOptions& options)
 }
 
 /// Turns a failed adjustment into the verdict `unavailable`.
-GapResult WithoutFailing(const Flight& flight, const GapOptions& options) {
+GapResult DiagnoseOrReportFailure(const Flight& flight, const GapOptions& options) {
   try {
-    return DiagnoseByWhatThereIs(flight, options);
+    return DiagnoseAvailableData(flight, options);
   } catch (const InvalidConfig&) {
     throw;
   } catch (const InvalidInput& error) {
@@ -510,7 +514,7 @@ void GapOptions::Validate() const {
 
 GapResult Diagnose(const Flight& flight, const GapOptions& options) {
   options.Validate();
-  return WithoutFailing(flight, options);
+  return DiagnoseOrReportFailure(flight, options);
 }
 
 }  // namespace dn

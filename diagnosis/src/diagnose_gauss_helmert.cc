@@ -67,7 +67,7 @@ class GaussHelmertDiagnosis {
     Report("limits", 0.2);
     base_ = Explain({});
     base_.screen = std::move(base_.at_stated);
-    FillHidden(kThresholdOfDesignNats);
+    FillDetectionLimits(kThresholdOfDesignNats);
     watch_.Lap("limits");
     return WithLimits(flight_, std::move(out_));
   }
@@ -89,7 +89,7 @@ class GaussHelmertDiagnosis {
     FillVerdict();
     if (!chosen_.empty()) MeasureShrinkage();
     Report("limits", 0.9);
-    FillHidden(Threshold());
+    FillDetectionLimits(Threshold());
     watch_.Lap("limits");
     FillNotes();
     out_.verdict.text = VerdictSentence(out_);
@@ -122,8 +122,8 @@ class GaussHelmertDiagnosis {
   }
 
   /// Converts a scale relative to the smoother's accuracy to one relative to the sigmas at the ends
-  /// of the pairs, which come from the section `trajectory`.
-  ErrorScale OfEnds(const ErrorScale& scale) const {
+  /// of the pairs. These sigmas come from the section `trajectory`.
+  ErrorScale ScaleAtPairEnds(const ErrorScale& scale) const {
     const GaussHelmertEnd& end = calibration_.problem.pairs.front().i;
     const TrajectoryAccuracy& accuracy = calibration_.accuracy;
     return {scale.position * accuracy.sigma_ned_m.norm() / end.sigma_ned_m.norm(),
@@ -134,19 +134,20 @@ class GaussHelmertDiagnosis {
   void AddOutliers(const ErrorScale& scale, std::vector<ScreenedEffect>* effects) {
     const GaussHelmertProblem& problem = calibration_.problem;
     std::vector<double> lengths_m;
-    gross_ = 0;
+    outliers_ = 0;
     for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
       if (calibration_.adjustment.weights[k] > 0.0) continue;
       const PairLinearisation at =
           LinearisePair(problem.pairs[k], problem.lever_arm_b_m, calibration_.options.model,
                         calibration_.adjustment.boresight_rad, PairCorrection::Zero());
-      const Eigen::Matrix3d covariance = MisclosureCovariance(problem.pairs[k], at, OfEnds(scale));
+      const Eigen::Matrix3d covariance =
+          MisclosureCovariance(problem.pairs[k], at, ScaleAtPairEnds(scale));
       if (at.w.dot(covariance.llt().solve(at.w)) < kGrossPairNorm * kGrossPairNorm) continue;
-      ++gross_;
+      ++outliers_;
       lengths_m.push_back(at.w.norm());
     }
     const ScreenedEffect outliers =
-        OutlierEffect(EffectId::kP2pOutliers, gross_, static_cast<long>(problem.pairs.size()),
+        OutlierEffect(EffectId::kP2pOutliers, outliers_, static_cast<long>(problem.pairs.size()),
                       kGoodPairsLost, lengths_m);
     const auto at = std::find_if(effects->begin(), effects->end(), [&](const auto& effect) {
       return effect.log_evidence < outliers.log_evidence;
@@ -198,7 +199,7 @@ class GaussHelmertDiagnosis {
   /// Compares the scores with replicates that have the covariance of a flight without any effect.
   ComparedPairs Compare(const ExplainedPairs& explained) const {
     return Compare(*explained.screen, explained.chi2, explained.scale.white,
-                   GrossInSigmas(explained));
+                   OutlierExcessInSigmas(explained));
   }
 
   ComparedPairs Compare(const Screen& screen, double chi2_of_pairs, double white,
@@ -224,13 +225,13 @@ class GaussHelmertDiagnosis {
 
   /// Returns the excess number of outliers in sigmas. The root of a count has a constant variance
   /// (Anscombe).
-  double GrossInSigmas(const ExplainedPairs& explained) const {
+  double OutlierExcessInSigmas(const ExplainedPairs& explained) const {
     for (const ScreenedEffect& effect : explained.chosen) {
       if (effect.id == EffectId::kP2pOutliers) return 0.0;
     }
-    const double usual = kGoodPairsLost * static_cast<double>(calibration_.problem.pairs.size());
+    const double typical = kGoodPairsLost * static_cast<double>(calibration_.problem.pairs.size());
     const double more =
-        2.0 * (std::sqrt(static_cast<double>(gross_) + 0.375) - std::sqrt(usual + 0.375));
+        2.0 * (std::sqrt(static_cast<double>(outliers_) + 0.375) - std::sqrt(typical + 0.375));
     return std::max(0.0, more);
   }
 
@@ -264,7 +265,7 @@ class GaussHelmertDiagnosis {
     FillSize();
   }
 
-  static std::vector<double> SizesOfTwins(const ComparedPairs& compared) {
+  static std::vector<double> ReplicateSizes(const ComparedPairs& compared) {
     std::vector<double> sizes;
     for (const Appearance& twin : compared.twins.all) sizes.push_back(twin.size_nats);
     std::sort(sizes.begin(), sizes.end());
@@ -272,7 +273,7 @@ class GaussHelmertDiagnosis {
   }
 
   void FillSize() {
-    const std::vector<double> sizes = SizesOfTwins(before_);
+    const std::vector<double> sizes = ReplicateSizes(before_);
     const auto at = [&](double p) {
       return sizes[static_cast<std::size_t>(p * static_cast<double>(sizes.size() - 1))];
     };
@@ -286,7 +287,7 @@ class GaussHelmertDiagnosis {
   }
 
   /// Returns the quantity and the location of a statistic of LookAt.
-  std::pair<std::string, std::string> NameOf(Eigen::Index statistic) const {
+  std::pair<std::string, std::string> StatisticLabel(Eigen::Index statistic) const {
     const char* axes[] = {"east", "north", "up"};
     const auto place = static_cast<std::size_t>(statistic / 3);
     if (place < library_.places.size()) {
@@ -297,8 +298,8 @@ class GaussHelmertDiagnosis {
   }
 
   void FillWhere() {
-    const ComparedPairs stated =
-        Compare(*base_.at_stated, base_.chi2_at_stated, base_.scale.white, GrossInSigmas(base_));
+    const ComparedPairs stated = Compare(*base_.at_stated, base_.chi2_at_stated, base_.scale.white,
+                                         OutlierExcessInSigmas(base_));
     const TwinTest& test = stated.test;
     const double larger_nats = (chosen_.empty() ? base_ : final_).larger_errors_nats;
     if (larger_nats > kLargerErrorsNats) {
@@ -306,7 +307,7 @@ class GaussHelmertDiagnosis {
                             "the whole flight", larger_nats, std::exp(-larger_nats)});
     }
     for (const Eigen::Index k : test.LargestFirst()) {
-      const auto [quantity, place] = NameOf(k);
+      const auto [quantity, place] = StatisticLabel(k);
       out_.fingerprint.push_back({fmt::format("lidar {}, {}", quantity, place),
                                   stated.appearance.locations[k], test.mean[k], test.sigma[k],
                                   std::nullopt, std::nullopt});
@@ -390,16 +391,16 @@ class GaussHelmertDiagnosis {
 
   /// Returns the reduction of LeftNats beyond its mean over replicates.
   GapShrinkage Closed() const {
-    const std::vector<double> sizes = SizesOfTwins(after_);
-    double usual = 0.0;
-    for (const double size : sizes) usual += size / static_cast<double>(sizes.size());
+    const std::vector<double> sizes = ReplicateSizes(after_);
+    double typical = 0.0;
+    for (const double size : sizes) typical += size / static_cast<double>(sizes.size());
     const double n = evidence_.observations();
-    const double excess = std::max(LeftNats(base_) - n * usual, 1.0);
-    const double left = LeftNats(final_) - n * usual;
+    const double excess = std::max(LeftNats(base_) - n * typical, 1.0);
+    const double left = LeftNats(final_) - n * typical;
     const auto closed = [&](double p) {
       const double size =
           sizes[static_cast<std::size_t>(p * static_cast<double>(sizes.size() - 1))];
-      return 1.0 - std::max(0.0, left - n * (size - usual)) / excess;
+      return 1.0 - std::max(0.0, left - n * (size - typical)) / excess;
     };
     GapShrinkage shrinkage;
     shrinkage.fraction = 1.0 - std::max(0.0, left) / excess;
@@ -435,7 +436,7 @@ class GaussHelmertDiagnosis {
 
   // ---- Detection limits -------------------------------------------------------------------------
 
-  void FillHidden(double threshold_nats) {
+  void FillDetectionLimits(double threshold_nats) {
     out_.could_still_hide = HiddenEffects(*base_.screen, threshold_nats, options_.seed);
     for (HiddenEffect& hidden : HiddenByTrajectory(options_)) {
       out_.could_still_hide.push_back(std::move(hidden));
@@ -478,7 +479,7 @@ class GaussHelmertDiagnosis {
   std::vector<ScreenedEffect> chosen_;
   std::vector<Slot> slots_;
   double explained_nats_ = 0.0;
-  long gross_ = 0;
+  long outliers_ = 0;
 };
 
 GaussHelmertCalibration Calibrate(const Flight& flight, const GapOptions& options) {

@@ -36,9 +36,9 @@ bool RepeatsTheOneBefore(const EffectSpec& spec, const GapCause& cause, Eigen::I
          Size(cause, i) == Size(cause, i - 1);
 }
 
-double Harm(const HiddenEffect& effect) {
-  const double harm = effect.boresight_damage_rad.norm();
-  return std::isfinite(harm) ? harm : std::numeric_limits<double>::infinity();
+double PossibleShift(const HiddenEffect& effect) {
+  const double shift = effect.boresight_damage_rad.norm();
+  return std::isfinite(shift) ? shift : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -130,7 +130,9 @@ std::string ClosedWords(const GapShrinkage& shrinkage) {
 
 std::vector<HiddenEffect> MostHarmful(std::vector<HiddenEffect> effects) {
   std::stable_sort(effects.begin(), effects.end(),
-                   [](const HiddenEffect& a, const HiddenEffect& b) { return Harm(a) > Harm(b); });
+                   [](const HiddenEffect& a, const HiddenEffect& b) {
+                     return PossibleShift(a) > PossibleShift(b);
+                   });
   return effects;
 }
 

@@ -20,9 +20,9 @@ std::string PWords(double p_value);
 /// Returns whether the diagnosis contains shifts of the boresight. It does not without pairs.
 bool HasBoresight(const GapDiagnosis& diagnosis);
 
-/// Returns "0.1 +- 0.004, 0 +- 0.004, -0.05 +- 0.006 m", or names each component if their units
-/// differ: "sigma 0.3 +- 0.05 deg/h, tau 90 +- 30 s". A value that is equal on all axes is written
-/// once.
+/// Returns values with their sigmas: "0.1 +- 0.004, 0 +- 0.004, -0.05 +- 0.006 m". Names the
+/// components if their units differ: "sigma 0.3 +- 0.05 deg/h, tau 90 +- 30 s". A value that is
+/// equal on all axes is written once.
 std::string ValueWords(const GapCause& cause);
 
 /// Returns " from 381400 to 381450 s", " from 381500 s on", or "".

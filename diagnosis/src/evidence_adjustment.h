@@ -5,8 +5,8 @@
 
 namespace dn::internal {
 
-/// An adjustment that keeps all data that may show an effect: least squares over all GNSS epochs
-/// except isolated outliers, and over all pairs except those that cannot be noise.
+/// An adjustment that keeps all data that may show an effect. It is a least-squares fit of all GNSS
+/// epochs except isolated outliers, and all pairs except those that cannot be noise.
 struct EvidenceAdjustment {
   Adjustment adjustment;
   long gnss_left_out = 0;  ///< isolated epochs

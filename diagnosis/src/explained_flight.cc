@@ -30,8 +30,8 @@ bool IsProcess(const ScreenedEffect& effect) {
 }
 
 /// Increases the noise of a sensor by its outliers that are too short to be rejected.
-void AllowForShortGrossErrors(const Flight& flight, const std::vector<GapCause>& causes,
-                              FlightConfig* config) {
+void AddShortOutlierNoise(const Flight& flight, const std::vector<GapCause>& causes,
+                          FlightConfig* config) {
   const auto times = [](const GapCause& cause, double sigma_m, double norm) {
     return std::sqrt(1.0 +
                      VarianceOfShortOnes(cause.estimate[0], cause.estimate[1], sigma_m, norm));
@@ -68,7 +68,7 @@ ExplainedFlight Explainer::Explain(const std::vector<GapCause>& causes) const {
   out.causes = causes;
   out.flight = std::make_unique<Flight>(flight_);
   out.flight->config = Adapted(flight_, causes);
-  AllowForShortGrossErrors(flight_, causes, &out.flight->config);
+  AddShortOutlierNoise(flight_, causes, &out.flight->config);
   out.solution =
       std::make_unique<Solution>(AdjustWith(*out.flight, &out.gnss_left_out), options_.threads);
   LibraryOptions library{options_.effects, options_.left_out, options_.threads};
@@ -121,8 +121,8 @@ void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
   for (ScreenedEffect& effect : explained->effects) {
     if (!IsProcess(effect) || effect.log_evidence < kWorthJudgingNats) continue;
     // Scaled noise also fits time-correlated errors, so any process may be the true cause.
-    const bool beside_noise = explained->effects.front().id == EffectId::kGnssNoiseScale;
-    if (effect.log_evidence < kWithinReach * best && !beside_noise) continue;
+    const bool with_scaled_noise = explained->effects.front().id == EffectId::kGnssNoiseScale;
+    if (effect.log_evidence < kWithinReach * best && !with_scaled_noise) continue;
     if (options_.interrupted && options_.interrupted()) throw Interrupted();
     JudgeProcess(explained->solution->network(), options_.threads, &effect);
   }

@@ -17,7 +17,7 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kFewestTwins = 3;
+constexpr std::size_t kMinReplicates = 3;
 constexpr Eigen::Index kMostConspicuous = 20;
 constexpr std::size_t kMostLinear = 100;  // number of linear replicates in the energy distance
 constexpr int kPermutations = 999;
@@ -25,7 +25,7 @@ constexpr int kPermutations = 999;
 // elsewhere on ground of another shape.
 constexpr double kOtherGround = 0.25;
 
-NamedStatistics StatisticsOf(const Flight& flight, const std::function<bool()>& interrupted) {
+NamedStatistics ComputeStatistics(const Flight& flight, const std::function<bool()>& interrupted) {
   AdjustOptions options;
   options.with_pairs = flight.pairs.has_value();
   options.interrupted = interrupted;
@@ -104,7 +104,7 @@ Eigen::VectorXi MostConspicuous(const Eigen::VectorXd& z) {
 }
 
 /// Returns the shrunk correlation matrix of the first half of the linear replicates.
-Eigen::MatrixXd CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
+Eigen::MatrixXd ShrunkCorrelation(const std::vector<Eigen::VectorXd>& z) {
   const Eigen::Index n = z.front().size();
   const std::size_t half = z.size() / 2;
   Eigen::MatrixXd C = kShrunk * Eigen::MatrixXd::Identity(n, n);
@@ -114,10 +114,10 @@ Eigen::MatrixXd CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
   return C;
 }
 
-/// Returns the squared Mahalanobis distance of a flight from the mean of its replicates, in the
-/// statistics in which the flight differs most from the model.
-double SizeOff(const Eigen::VectorXd& flight, const Eigen::VectorXd& off,
-               const Eigen::MatrixXd& correlation) {
+/// Returns the squared Mahalanobis distance of a flight from the mean of its replicates. It uses
+/// the statistics in which the flight differs most from the model.
+double DeviationSize(const Eigen::VectorXd& flight, const Eigen::VectorXd& off,
+                     const Eigen::MatrixXd& correlation) {
   const Eigen::VectorXi most = MostConspicuous(flight);
   const Eigen::LLT<Eigen::MatrixXd> llt(correlation(most, most));
   return llt.matrixL().solve(off(most)).squaredNorm();
@@ -160,7 +160,7 @@ std::vector<NamedStatistics> FlyTwins(const Flight& flight, const Scenario& scen
     Flight twin = Simulate(scenario, simulate).flight;
     AssumeAs(flight.config, &twin.config);
     try {
-      all[static_cast<std::size_t>(k)] = StatisticsOf(twin, options.interrupted);
+      all[static_cast<std::size_t>(k)] = ComputeStatistics(twin, options.interrupted);
     } catch (const NotConverged&) {
       return;
     } catch (const InvalidInput&) {
@@ -185,7 +185,7 @@ LinearTwins NamedLinearTwins(const std::vector<LocationStatistic>& statistics, c
 std::optional<double> FullAgainstLinear(const std::vector<NamedStatistics>& full,
                                         const LinearTwins& linear, std::uint64_t seed) {
   const std::vector<std::string> names = CommonNames(full, linear.mean);
-  if (full.size() < kFewestTwins || names.empty()) return std::nullopt;
+  if (full.size() < kMinReplicates || names.empty()) return std::nullopt;
   std::vector<Eigen::VectorXd> points;
   for (const NamedStatistics& one : full) points.push_back(Standardised(one, names, linear));
   const std::size_t half = linear.all.size() / 2;
@@ -211,30 +211,30 @@ std::optional<double> LikeTwins(const NamedStatistics& flight,
   both.push_back(flight);
   const std::vector<std::string> names = CommonNames(both, linear.mean);
   const std::size_t half = linear.all.size() / 2;
-  if (twins.size() < kFewestTwins || names.empty() || half <= twins.size()) return std::nullopt;
+  if (twins.size() < kMinReplicates || names.empty() || half <= twins.size()) return std::nullopt;
   std::vector<Eigen::VectorXd> z;
   for (const NamedStatistics& one : linear.all) z.push_back(Standardised(one, names, linear));
-  const Eigen::MatrixXd correlation = CorrelationOf(z);
+  const Eigen::MatrixXd correlation = ShrunkCorrelation(z);
   const Eigen::VectorXd of_flight = Standardised(flight, names, linear);
   Eigen::VectorXd mark(of_flight.size()), off(of_flight.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    const MeanAndSigma of_twins = *MeanOver(twins, names[k]);
+    const MeanAndSigma of_replicates = *MeanOver(twins, names[k]);
     const double unit = linear.sigma.at(names[k]);
-    mark[at] = (of_twins.mean - linear.mean.at(names[k])) / unit;
-    const double scatter = std::max(of_twins.sigma / unit, 1.0);
+    mark[at] = (of_replicates.mean - linear.mean.at(names[k])) / unit;
+    const double scatter = std::max(of_replicates.sigma / unit, 1.0);
     off[at] = (of_flight[at] - mark[at]) / std::hypot(scatter, kOtherGround * mark[at]);
   }
-  const double size = SizeOff(of_flight, off, correlation);
+  const double size = DeviationSize(of_flight, off, correlation);
   Random random(seed, "flight among its twins");
   int as_far = 0;
   for (int draw = 0; draw < kPermutations; ++draw) {
     const std::vector<std::size_t> some = Drawn(z.size() - half, 1 + twins.size(), &random);
-    Eigen::VectorXd off_of_twin = z[half + some[0]];
+    Eigen::VectorXd replicate_off = z[half + some[0]];
     for (std::size_t k = 1; k < some.size(); ++k) {
-      off_of_twin -= z[half + some[k]] / static_cast<double>(twins.size());
+      replicate_off -= z[half + some[k]] / static_cast<double>(twins.size());
     }
-    if (SizeOff(mark + z[half + some[0]], off_of_twin, correlation) >= size) ++as_far;
+    if (DeviationSize(mark + z[half + some[0]], replicate_off, correlation) >= size) ++as_far;
   }
   return (1.0 + as_far) / (1.0 + kPermutations);
 }

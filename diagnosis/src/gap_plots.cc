@@ -10,8 +10,8 @@ namespace {
 constexpr std::size_t kMostCausesDrawn = 15;
 constexpr std::size_t kMostStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
-constexpr double kBeside = 0.2;         // offset of two bars on one row
-constexpr double kAround = 0.32;        // offset of two spans from the bar between them
+constexpr double kBarOffset = 0.2;      // offset of two bars on one row
+constexpr double kSpanOffset = 0.32;    // offset of two spans from the bar between them
 
 std::optional<GapPlot> CausesPlot(const GapDiagnosis& d) {
   if (d.causes.empty()) return std::nullopt;
@@ -57,10 +57,10 @@ std::optional<GapPlot> FingerprintPlot(const GapDiagnosis& d) {
   for (const FingerprintValue& value : MostDeviating(d.fingerprint)) {
     const auto row = static_cast<double>(panel.rows.size());
     flight.points.emplace_back(Deviation(value), row);
-    AddSpan(0.0, kSigmasOfBand, row - kAround, &model);
+    AddSpan(0.0, kSigmasOfBand, row - kSpanOffset, &model);
     if (value.twin_mean && value.twin_sigma) {
       AddSpan((*value.twin_mean - value.null_mean) / value.null_sigma,
-              kSigmasOfBand * *value.twin_sigma / value.null_sigma, row + kAround, &twins);
+              kSigmasOfBand * *value.twin_sigma / value.null_sigma, row + kSpanOffset, &twins);
     }
     panel.rows.push_back(value.name);
   }
@@ -99,8 +99,9 @@ std::optional<GapPlot> BeforeAfterPlot(const GapDiagnosis& d) {
   PlotPanel panel;
   for (const Change& change : Changes(*d.shrinkage)) {
     const auto row = static_cast<double>(panel.rows.size());
-    before.points.emplace_back(1.0, row - kBeside);
-    if (change.before > 0.0) after.points.emplace_back(change.after / change.before, row + kBeside);
+    before.points.emplace_back(1.0, row - kBarOffset);
+    if (change.before > 0.0)
+      after.points.emplace_back(change.after / change.before, row + kBarOffset);
     panel.rows.push_back(
         fmt::format("{}: {:.3g}, then {:.3g}", change.name, change.before, change.after));
   }

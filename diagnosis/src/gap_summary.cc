@@ -13,7 +13,7 @@ namespace dn {
 namespace {
 
 constexpr std::size_t kMostPlaces = 5;
-constexpr std::size_t kMostCausesTold = 8;
+constexpr std::size_t kMaxCausesListed = 8;
 constexpr double kLeastPosterior = 0.05;
 
 std::string P(double p_value) { return fmt::format("{:.2g}", p_value); }
@@ -92,7 +92,7 @@ std::string CauseLines(const GapDiagnosis& d) {
   const bool moves = internal::HasBoresight(d);
   std::string text = fmt::format("{:<10}{:<28}{:>6}{:>9}  {:<22} {}\n", "causes", "", "prob.",
                                  "nats", moves ? "shift [mdeg]" : "", "size");
-  for (std::size_t i = 0; i < std::min(kMostCausesTold, d.causes.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kMaxCausesListed, d.causes.size()); ++i) {
     const GapCause& cause = d.causes[i];
     text += fmt::format("        {} {:<28}{:>6.2f}{}  {:<22} {}{}\n", Mark(d.verdict, cause.effect),
                         cause.effect, cause.posterior, Nats(cause.log_evidence), Moves(d, cause),

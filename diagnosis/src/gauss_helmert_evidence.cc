@@ -58,15 +58,15 @@ Combinations Combine(const Library& library, const std::vector<ScreenedEffect>& 
 }
 
 /// Returns the score test of the combinations T.
-ScoreTest TestOf(const JointScore& score, const MatrixXd& T) {
+ScoreTest TestCombinations(const JointScore& score, const MatrixXd& T) {
   return TestScore(T.transpose() * score.s, T.transpose() * score.A * T,
                    T.cwiseAbs2().transpose() * score.signature2);
 }
 
 /// Returns the scores once the combinations T are among the unknowns.
-JointScore Beside(const JointScore& score, const MatrixXd& T) {
+JointScore WithUnknowns(const JointScore& score, const MatrixXd& T) {
   if (T.cols() == 0) return score;
-  const ScoreTest test = TestOf(score, T);
+  const ScoreTest test = TestCombinations(score, T);
   const MatrixXd AT = score.A * T;
   JointScore left = score;
   left.s += AT * test.estimate;
@@ -104,7 +104,7 @@ class GaussHelmertEvidence::Search {
     base_ = At(top, white_).of_errors;
     ExplainedPairs out;
     const Height& at_top = At(top, white_);
-    out.scale = ScaleOf(top, white_);
+    out.scale = MakeScale(top, white_);
     out.chi2 = evidence_.At(top, white_).chi2;
     out.larger_errors_nats = base_ - At({}, white_).of_errors;
     out.screen = std::make_unique<Screen>(at_top.screen);
@@ -122,7 +122,7 @@ class GaussHelmertEvidence::Search {
   }
 
  private:
-  static ErrorScale ScaleOf(const Octaves& octaves, double white) {
+  static ErrorScale MakeScale(const Octaves& octaves, double white) {
     return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
   }
 
@@ -139,7 +139,7 @@ class GaussHelmertEvidence::Search {
     const Combinations combined = Combine(evidence_.library_.library, chosen_, at.score);
     const int octaves2 = octaves.position * octaves.position + octaves.attitude * octaves.attitude;
     Height height{at.log_likelihood - 0.5 * octaves2 / (kOctavesSigma * kOctavesSigma),
-                  Screen(evidence_.library_.library, Beside(at.score, combined.T)),
+                  Screen(evidence_.library_.library, WithUnknowns(at.score, combined.T)),
                   {}};
     if (combined.T.cols() > 0) {
       const EvidenceForm form(combined.T.transpose() * at.score.A * combined.T, combined.typical);
@@ -228,7 +228,7 @@ class GaussHelmertEvidence::Search {
     const JointScore& score = evidence_.At(top, white_).score;
     const Combinations combined = Combine(evidence_.library_.library, chosen_, score);
     if (combined.T.cols() == 0) return;
-    const ScoreTest test = TestOf(score, combined.T);
+    const ScoreTest test = TestCombinations(score, combined.T);
     const MatrixXd shift = score.shift * combined.T;
     Index first = 0;
     for (ScreenedEffect& effect : out->chosen) {

@@ -26,7 +26,7 @@ struct ExplainedPairs {
   std::unique_ptr<Screen> at_stated;  ///< with trajectory errors of the stated size
   double chi2_at_stated = 0.0;
   std::unique_ptr<Screen> screen;  ///< at this scale, with the chosen effects
-  /// added by the chosen effects
+  /// Covariance added by the chosen effects.
   Eigen::Matrix3d boresight_covariance_rad2 = Eigen::Matrix3d::Zero();
 };
 

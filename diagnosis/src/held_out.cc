@@ -85,7 +85,7 @@ struct FoldLogDensities {
   std::vector<std::optional<Eigen::VectorXd>> but_one;
 };
 
-HeldOutGains SumOver(const std::vector<FoldLogDensities>& folds, std::size_t causes) {
+HeldOutGains SumFolds(const std::vector<FoldLogDensities>& folds, std::size_t causes) {
   HeldOutGains gains;
   gains.of_causes.resize(causes);
   Eigen::VectorXd further;
@@ -130,7 +130,8 @@ std::optional<Eigen::VectorXd> FoldDensity::LogLikelihood(const Network& net) co
   }
 }
 
-std::optional<Eigen::VectorXd> FoldDensity::Of(const std::vector<FoldFactor>& factors) const {
+std::optional<Eigen::VectorXd> FoldDensity::LogDensity(
+    const std::vector<FoldFactor>& factors) const {
   if (!of_all_) return std::nullopt;
   Network rest = net_;
   double log_weight = 0.0, count = 0.0;
@@ -164,13 +165,13 @@ HeldOutGains MeasureHeldOut(const ExplainedFlight& without, const ExplainedFligh
     if (options.interrupted && options.interrupted()) throw Interrupted();
     const CommonFold& fold = folds[static_cast<std::size_t>(k)];
     FoldLogDensities& out = of_folds[static_cast<std::size_t>(k)];
-    out.before = before.Of(fold.without);
-    out.after = after.Of(fold.with);
+    out.before = before.LogDensity(fold.without);
+    out.after = after.LogDensity(fold.with);
     for (const auto& density : densities_but_one) {
-      out.but_one.push_back(density ? density->Of(fold.with) : std::nullopt);
+      out.but_one.push_back(density ? density->LogDensity(fold.with) : std::nullopt);
     }
   });
-  return SumOver(of_folds, with.causes.size());
+  return SumFolds(of_folds, with.causes.size());
 }
 
 }  // namespace dn::internal

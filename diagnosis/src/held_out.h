@@ -57,7 +57,7 @@ class FoldDensity {
 
   /// Returns the log density, and its increase by each further effect. Returns nullopt if the other
   /// data leave an unknown undetermined. `factors` must be active.
-  std::optional<Eigen::VectorXd> Of(const std::vector<FoldFactor>& factors) const;
+  std::optional<Eigen::VectorXd> LogDensity(const std::vector<FoldFactor>& factors) const;
 
  private:
   std::optional<Eigen::VectorXd> LogLikelihood(const Network& net) const;

@@ -38,7 +38,7 @@ class Mimicry {
       : screen_(screen), inverse_(screen.library().candidates.size()) {}
 
   /// Returns c^T A^+ c of a candidate, where c is its cross information with the effect.
-  double Of(std::size_t candidate, const Eigen::VectorXd& c) {
+  double Absorbed(std::size_t candidate, const Eigen::VectorXd& c) {
     Eigen::MatrixXd& inverse = inverse_[candidate];
     if (inverse.size() == 0) inverse = screen_.Test(candidate, screen_.score().s).covariance;
     return c.dot(inverse * c);
@@ -83,13 +83,13 @@ class NamingTrials {
   }
 
  private:
-  const Candidate& CandidateOf(const Rival& rival) const {
+  const Candidate& FindCandidate(const Rival& rival) const {
     return screen_.library().candidates[rival.candidate];
   }
 
   /// Finds the candidate of every other family that mimics the effect best.
   void FindRivals() {
-    const Candidate& truth = CandidateOf(rivals_[0]);
+    const Candidate& truth = FindCandidate(rivals_[0]);
     const Eigen::MatrixXd A = InformationOf(truth, screen_.score());
     const double lambda = direction_.dot(A * direction_);
     for (const EffectFamily& family : screen_.families()) {
@@ -100,7 +100,7 @@ class NamingTrials {
       for (std::size_t k = family.first; k < family.past; k += stride) {
         const Candidate& other = screen_.library().candidates[k];
         const Eigen::VectorXd c = InformationOf(other, truth, screen_.score()) * direction_;
-        const double mimicked = mimicry_.Of(k, c) / std::max(lambda, 1e-300);
+        const double mimicked = mimicry_.Absorbed(k, c) / std::max(lambda, 1e-300);
         if (mimicked > most) {
           most = mimicked;
           best = k;
@@ -116,17 +116,17 @@ class NamingTrials {
     Eigen::Index n = 0;
     for (const Rival& rival : rivals_) {
       first_.push_back(n);
-      n += InformationOf(CandidateOf(rival), screen_.score()).rows();
+      n += InformationOf(FindCandidate(rival), screen_.score()).rows();
     }
     first_.push_back(n);
     Eigen::MatrixXd joint(n, n);
     Eigen::VectorXd signature(n);
     for (std::size_t a = 0; a < rivals_.size(); ++a) {
       signature.segment(first_[a], first_[a + 1] - first_[a]) =
-          SignatureOf(CandidateOf(rivals_[a]), screen_.score());
+          SignatureOf(FindCandidate(rivals_[a]), screen_.score());
       for (std::size_t b = 0; b < rivals_.size(); ++b) {
         joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
-            InformationOf(CandidateOf(rivals_[a]), CandidateOf(rivals_[b]), screen_.score());
+            InformationOf(FindCandidate(rivals_[a]), FindCandidate(rivals_[b]), screen_.score());
       }
     }
     // An effect that is present enters the residuals with a negative sign: the score decreases.

@@ -12,8 +12,8 @@ namespace dn::internal {
 /// Returns the detection limits of all fixed effects, largest shift of the boresight first. The
 /// minimal detectable bias is found with probability 0.8 by a test of level 0.001 of its
 /// best-determined direction (Baarda). The minimal identifiable size is named with probability 0.8
-/// when the effect competes with the whole library, for sizes up to 100 times the typical one. Both
-/// depend on the geometry alone; no measured value is used.
+/// when the effect competes with the whole library. Sizes up to 100 times the typical one are
+/// tried. Both depend on the geometry alone; no measured value is used.
 std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_nats,
                                         std::uint64_t seed);
 

@@ -106,7 +106,7 @@ class LibraryMaker {
 
   void AddFixed(CandidateEffect effect) {
     const EffectId id = FindEffect(effect.name)->id;
-    // steps are made from cells
+    // Steps are made from cells.
     if (!options_.Wanted(id) || id == EffectId::kBoresightStep) return;
     Candidate candidate = Physical(id, AddBlock(std::move(effect.model)));
     candidate.times = effect.times;
@@ -263,7 +263,7 @@ class LibraryMaker {
 };
 
 /// Returns the rows of X that belong to a candidate.
-Eigen::MatrixXd RowsOf(const Candidate& candidate, const JointScore& score,
+Eigen::MatrixXd CandidateRows(const Candidate& candidate, const JointScore& score,
                        const Eigen::Ref<const Eigen::MatrixXd>& X) {
   const Eigen::Index first = score.first[candidate.block];
   const auto of_block = X.middleRows(first, score.first[candidate.block + 1] - first);
@@ -324,7 +324,7 @@ EffectModel ModelOf(const Candidate& candidate, const Library& library) {
 
 Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,
                         const Eigen::VectorXd& s) {
-  return RowsOf(candidate, score, s);
+  return CandidateRows(candidate, score, s);
 }
 
 Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& score) {
@@ -335,7 +335,7 @@ Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const Join
   // Only few columns of a are needed for a range of cells, so they are selected first.
   const Eigen::Index first = score.first[a.block];
   if (!a.cells) {
-    return RowsOf(b, score, score.A.middleCols(first, score.first[a.block + 1] - first))
+    return CandidateRows(b, score, score.A.middleCols(first, score.first[a.block + 1] - first))
         .transpose();
   }
   CellRange cells = *a.cells;
@@ -343,15 +343,15 @@ Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const Join
   cells.past -= cells.first;
   cells.first = 0;
   return cells.Rows(
-      RowsOf(b, score, score.A.middleCols(begin, cells.width * cells.past)).transpose());
+      CandidateRows(b, score, score.A.middleCols(begin, cells.width * cells.past)).transpose());
 }
 
 Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score) {
-  return RowsOf(candidate, score, score.signature2);
+  return CandidateRows(candidate, score, score.signature2);
 }
 
 Eigen::MatrixXd ShiftOf(const Candidate& candidate, const JointScore& score) {
-  return RowsOf(candidate, score, score.shift.transpose()).transpose();
+  return CandidateRows(candidate, score, score.shift.transpose()).transpose();
 }
 
 }  // namespace dn::internal

@@ -13,7 +13,7 @@ namespace {
 constexpr int kMostSteps = 15;
 // The likelihood at a place must agree with its prediction within this, or within this fraction of
 // its height above the neighbouring places.
-constexpr double kForetoldNats = 0.02, kForetoldShare = 0.01;
+constexpr double kPredictionNats = 0.02, kPredictionShare = 0.01;
 
 struct SizeAndLikelihood {
   double x = 0.0, l = 0.0;
@@ -21,8 +21,8 @@ struct SizeAndLikelihood {
 
 /// Fits the likelihood of errors of one size to three places. Returns its maximum if it lies
 /// between them.
-std::optional<LikelihoodPeak> OfOneSize(const SizeAndLikelihood& a, const SizeAndLikelihood& b,
-                                        const SizeAndLikelihood& c) {
+std::optional<LikelihoodPeak> FitOneSize(const SizeAndLikelihood& a, const SizeAndLikelihood& b,
+                                         const SizeAndLikelihood& c) {
   Eigen::Matrix3d M;
   Eigen::Vector3d l;
   int row = 0;
@@ -65,13 +65,13 @@ class PeakSearch {
         continue;
       }
       const SizeAndLikelihood a = At(std::prev(best)), b = At(best), c = At(std::next(best));
-      std::optional<LikelihoodPeak> peak = OfOneSize(a, b, c);
+      std::optional<LikelihoodPeak> peak = FitOneSize(a, b, c);
       if (!peak) peak = Parabola(a, b, c);
       // If neither fit has a maximum, the wider interval is halved.
       const double next = peak ? peak->log_size : 0.5 * (b.x + (c.x - b.x > b.x - a.x ? c.x : a.x));
       const double l = Ask(next);
       if (!peak) continue;
-      const double margin = kForetoldNats + kForetoldShare * (l - std::max(a.l, c.l));
+      const double margin = kPredictionNats + kPredictionShare * (l - std::max(a.l, c.l));
       if (std::abs(l - peak->value) <= margin) return WithWidth(next, peak->width);
       if (next - a.x < 1e-6 * (c.x - a.x) || c.x - next < 1e-6 * (c.x - a.x)) return std::nullopt;
     }

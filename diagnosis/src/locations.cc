@@ -23,7 +23,7 @@ constexpr int kScanAngleBins = 5;
 constexpr int kRangeBins = 3;
 constexpr std::size_t kFewestTerms = 12;
 
-std::string SensorOf(const std::string& channel) {
+std::string SensorName(const std::string& channel) {
   if (channel.rfind("gnss", 0) == 0) return "gnss";
   if (channel.rfind("lidar", 0) == 0) return "lidar";
   const bool gyro = channel.find("gyro") != std::string::npos;
@@ -31,7 +31,7 @@ std::string SensorOf(const std::string& channel) {
 }
 
 /// Returns the name of a channel without its sensor: "position".
-std::string QuantityOf(const std::string& channel) {
+std::string QuantityName(const std::string& channel) {
   for (const char* sensor : {"gnss ", "lidar "}) {
     if (channel.rfind(sensor, 0) == 0) return channel.substr(std::string(sensor).size());
   }
@@ -66,8 +66,8 @@ Locations::Locations(const FlightNetwork& network, const LinearizedNetwork& line
       if (weight_[rows.first + k] == 0.0) continue;
       const std::string channel = group.Channel(k);
       Series& series = all[channel + " " + group.Axis(k)];
-      series.sensor = SensorOf(channel);
-      series.quantity = QuantityOf(channel) + " " + group.Axis(k);
+      series.sensor = SensorName(channel);
+      series.quantity = QuantityName(channel) + " " + group.Axis(k);
       series.terms.emplace_back(rows.first + k, t_s);
     }
   }
@@ -194,7 +194,7 @@ void Locations::AddPairs(const FlightNetwork& network, const LinearizedNetwork& 
   }
 }
 
-double Locations::ValueOf(const Recipe& recipe, const Eigen::VectorXd& r) const {
+double Locations::EvaluateRecipe(const Recipe& recipe, const Eigen::VectorXd& r) const {
   const Terms& terms = recipe.terms;
   const auto w = [&](std::size_t k) { return weight_[terms[k].first] * r[terms[k].first]; };
   const auto n = static_cast<double>(terms.size());
@@ -224,7 +224,7 @@ double Locations::ValueOf(const Recipe& recipe, const Eigen::VectorXd& r) const 
 Eigen::VectorXd Locations::Evaluate(const Eigen::VectorXd& r) const {
   Eigen::VectorXd values(static_cast<Eigen::Index>(recipes_.size()));
   for (std::size_t k = 0; k < recipes_.size(); ++k) {
-    values[static_cast<Eigen::Index>(k)] = ValueOf(recipes_[k], r);
+    values[static_cast<Eigen::Index>(k)] = EvaluateRecipe(recipes_[k], r);
   }
   return values;
 }

@@ -11,8 +11,8 @@
 
 namespace dn::internal {
 
-/// A statistic of the residuals at one place: a channel, an axis, a time, a frequency band, a pair
-/// of strips, or a range of scan angles.
+/// A statistic of the residuals of one channel and axis at one place. A place is a time, a
+/// frequency band, a pair of strips, or a range of scan angles or ranges.
 struct LocationStatistic {
   std::string sensor;    ///< "gnss", "gyro", "accel", "lidar"
   std::string quantity;  ///< "position east, mean square"
@@ -60,7 +60,7 @@ class Locations {
   void AddBands(const Series& series);
   void AddPairs(const FlightNetwork& network, const LinearizedNetwork& linearized);
   void Add(const LocationStatistic& statistic, Form form, Terms terms);
-  double ValueOf(const Recipe& recipe, const Eigen::VectorXd& r) const;
+  double EvaluateRecipe(const Recipe& recipe, const Eigen::VectorXd& r) const;
   double Rms(const Terms& terms, const Eigen::VectorXd& r) const;
 
   Eigen::VectorXd weight_;  // 1 / root of the redundancy number; 0: not used

@@ -37,8 +37,8 @@ const ProcessChain& NewestChain(const FlightNetwork& network, EffectId effect) {
 }
 
 /// Returns 1 for the rows that state the size of a chain, and 0 for all other rows.
-Eigen::VectorXd RowsOfChain(const FlightNetwork& network, const LinearizedNetwork& linearized,
-                            const ProcessChain& chain) {
+Eigen::VectorXd ChainRows(const FlightNetwork& network, const LinearizedNetwork& linearized,
+                          const ProcessChain& chain) {
   std::set<BlockId> blocks;
   for (const auto& block : chain.blocks) blocks.insert(block.id);
   Eigen::VectorXd share = Eigen::VectorXd::Zero(linearized.rows());
@@ -66,7 +66,7 @@ class SizeLikelihood {
  public:
   SizeLikelihood(const FlightNetwork& network, EffectId effect, int threads)
       : linearized_(network.net),
-        likelihood_(linearized_, RowsOfChain(network, linearized_, NewestChain(network, effect)),
+        likelihood_(linearized_, ChainRows(network, linearized_, NewestChain(network, effect)),
                     threads) {}
 
   std::vector<double> operator()(const std::vector<double>& log_sizes) {
@@ -156,9 +156,9 @@ void Take(const ProcessEstimate& process, ScreenedEffect* effect) {
   const EffectSpec& spec = EffectRow(*effect->id);
   const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
   for (Eigen::Index k = 0; k < last; ++k) {
-    const double usual = spec.components[static_cast<std::size_t>(k)].typical_si();
-    effect->estimate[k] = process.size * usual;
-    effect->sigma[k] = process.sigma_of_size * usual;
+    const double typical = spec.components[static_cast<std::size_t>(k)].typical_si();
+    effect->estimate[k] = process.size * typical;
+    effect->sigma[k] = process.sigma_of_size * typical;
   }
   effect->estimate[last] = process.tau_s;
   effect->sigma[last] = process.sigma_of_tau_s;

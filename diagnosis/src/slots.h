@@ -12,7 +12,7 @@ namespace dn::internal {
 /// A cause of the verdict and its competing hypotheses, given all other causes.
 struct Slot {
   std::string effect;  ///< empty: there is no cause
-  /// effects of the screen without the cause, which is one of them
+  /// Effects of the screen without the cause; the cause is one of them.
   std::vector<ScreenedEffect> rivals;
   std::vector<double> posterior;          ///< one per rival
   std::vector<std::string> credible_set;  ///< 95 %, effects of the table

@@ -8,7 +8,7 @@
 namespace dn::internal {
 namespace {
 
-constexpr int kMostTauSteps = 6, kMostStepsAside = 4;
+constexpr int kMostTauSteps = 6, kMaxIntervalSteps = 4;
 // Half width of a 95 % interval in sigmas, and the decrease of the log likelihood at its ends.
 constexpr double kInterval_sigmas = 1.96;
 constexpr double kFall_nats = 0.5 * kInterval_sigmas * kInterval_sigmas;
@@ -79,7 +79,7 @@ Search FindLikeliestStep(TauSteps& steps) {
   return search;
 }
 
-std::optional<TauPeak> PeakBeside(TauSteps& steps, int step) {
+std::optional<TauPeak> PeakBetweenNeighbours(TauSteps& steps, int step) {
   const SizeAtTau &before = *steps.At(step - 1), &middle = *steps.At(step),
                   &after = *steps.At(step + 1);
   const double length = TauSteps::length();
@@ -101,7 +101,7 @@ std::optional<TauPeak> PeakBeside(TauSteps& steps, int step) {
 LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
   LogProcess end = peak.at;
   double end_root = 0.0;  // root of the decrease, linear in ln(tau) for a normal likelihood
-  for (int k = 1; k <= kMostStepsAside; ++k) {
+  for (int k = 1; k <= kMaxIntervalSteps; ++k) {
     const int step = peak.step + direction * k;
     const SizeAtTau* at = steps.At(step);
     if (at == nullptr) break;
@@ -119,7 +119,7 @@ LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
 
 /// Returns the relative sigma of a value from the interval of its logarithm, which reaches further
 /// upwards.
-double OfLongerSide(double reach) { return std::expm1(std::abs(reach)) / kInterval_sigmas; }
+double RelativeSigma(double reach) { return std::expm1(std::abs(reach)) / kInterval_sigmas; }
 
 ProcessEstimate Estimate(TauSteps& steps, const TauPeak& peak) {
   const LogProcess longer = Reach(steps, peak, 1), shorter = Reach(steps, peak, -1);
@@ -127,16 +127,16 @@ ProcessEstimate Estimate(TauSteps& steps, const TauPeak& peak) {
   const double reach = std::hypot(kInterval_sigmas * peak.relative_sigma, with_tau);
   ProcessEstimate estimate;
   estimate.size = std::exp(peak.at.size);
-  estimate.sigma_of_size = estimate.size * OfLongerSide(reach);
+  estimate.sigma_of_size = estimate.size * RelativeSigma(reach);
   estimate.tau_s = std::exp(peak.at.tau);
-  estimate.sigma_of_tau_s = estimate.tau_s * std::max(OfLongerSide(longer.tau),
+  estimate.sigma_of_tau_s = estimate.tau_s * std::max(RelativeSigma(longer.tau),
                                                       -std::expm1(shorter.tau) / kInterval_sigmas);
   return estimate;
 }
 
-/// Returns the estimate of a search without a maximum: the flight is too short, or the node rate
-/// too low, for the end of the correlation to show. The sigma of the size includes its change since
-/// the start of the search.
+/// Returns the estimate of a search without a maximum. The flight is then too short, or the node
+/// rate too low, to show the end of the correlation. The sigma of the size includes its change
+/// since the start of the search.
 ProcessEstimate OpenEstimate(TauSteps& steps, int last) {
   const SizeAtTau &start = *steps.At(0), &open = *steps.At(last);
   ProcessEstimate estimate;
@@ -154,7 +154,8 @@ std::optional<ProcessEstimate> LikeliestProcess(const SizesByTau& sizes, double 
   TauSteps steps(sizes, tau_s);
   const Search search = FindLikeliestStep(steps);
   if (!search.complete) return std::nullopt;
-  const std::optional<TauPeak> peak = search.found ? PeakBeside(steps, search.last) : std::nullopt;
+  const std::optional<TauPeak> peak =
+      search.found ? PeakBetweenNeighbours(steps, search.last) : std::nullopt;
   return peak ? Estimate(steps, *peak) : OpenEstimate(steps, search.last);
 }
 

@@ -90,7 +90,7 @@ class Ranking {
   const std::vector<double>& omnibus() const { return omnibus_; }
   const std::vector<double>& library() const { return library_; }
 
-  Ranks Of(const Appearance& flight) const {
+  Ranks RankFlight(const Appearance& flight) const {
     return {Rank(omnibus_, statistics_.Omnibus(flight)),
             Rank(largest_, statistics_.Largest(flight)),
             Rank(library_, Statistics::Library(flight))};
@@ -99,7 +99,7 @@ class Ranking {
   /// Returns the p-value of the smallest of the three ranks, from its distribution over the
   /// replicates.
   double P(const Appearance& flight) const {
-    const double smallest = Of(flight).smallest();
+    const double smallest = RankFlight(flight).smallest();
     const auto at_most = std::count_if(smallest_.begin(), smallest_.end(),
                                        [&](double of_twin) { return of_twin <= smallest; });
     return (1.0 + static_cast<double>(at_most)) / (1.0 + static_cast<double>(smallest_.size()));
@@ -186,7 +186,7 @@ std::vector<Eigen::Index> TwinTest::LargestFirst() const {
 TwinTest CompareWithTwins(const Appearance& flight, const Twins& twins) {
   const Ranking ranking(twins, twins.all.size() / 2, twins.all.size());
   const Statistics& statistics = ranking.statistics();
-  const Ranks ranks = ranking.Of(flight);
+  const Ranks ranks = ranking.RankFlight(flight);
   TwinTest test;
   test.mean = statistics.mean();
   test.sigma = statistics.sigma();

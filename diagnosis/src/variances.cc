@@ -138,7 +138,7 @@ class Variances {
       if (component.at_least_stated) effect.sigma[0] = component.size_of_theta(sigma_theta);
       return effect;
     }
-    const LikelihoodPeak peak = PeakOf(component, theta, sigma_theta);
+    const LikelihoodPeak peak = FindSizePeak(component, theta, sigma_theta);
     const double size = std::exp(peak.log_size);
     effect.log_evidence = peak.value + LogPrior(component, size) +
                           0.5 * std::log(2.0 * std::numbers::pi) + std::log(peak.width);
@@ -150,7 +150,7 @@ class Variances {
   }
 
   /// Returns the maximum of the likelihood over ln(size), relative to the stated size.
-  LikelihoodPeak PeakOf(const Component& component, double theta, double sigma_theta) const {
+  LikelihoodPeak FindSizePeak(const Component& component, double theta, double sigma_theta) const {
     VarianceLikelihood likelihood(linearized_, component.share, options_.threads);
     const auto of_log_sizes = [&](const std::vector<double>& log_sizes) {
       std::vector<double> thetas{0.0};
@@ -179,22 +179,23 @@ class Variances {
     const NoiseCauses noise = CausesOf(check.evidence);
     out_.coloured_imu = std::max(noise.not_white[kGyroTriad], noise.not_white[kAccelTriad]);
     AddScale(EffectId::kGyroNoiseScale, check, kGyroTriad,
-             EvidenceOfScale(check, noise, kGyroTriad));
+             NoiseScaleEvidence(check, noise, kGyroTriad));
     AddScale(EffectId::kAccelNoiseScale, check, kAccelTriad,
-             EvidenceOfScale(check, noise, kAccelTriad));
+             NoiseScaleEvidence(check, noise, kAccelTriad));
     const bool beside = check.evidence.window_and_scale > check.evidence.window;
     const auto& window = beside ? check.window_beside_scale : check.window;
-    if (window) AddVibration(*window, EvidenceOfWindow(check, noise));
+    if (window) AddVibration(*window, WindowEvidence(check, noise));
   }
 
   /// Returns the evidence of scaled noise. White noise competes with all other effects by its full
   /// evidence. Noise that is not white is not an effect of the table; a scale then has only its
   /// lead over coloured noise.
-  static double EvidenceOfScale(const NoiseCheck& check, const NoiseCauses& noise, ImuTriad triad) {
+  static double NoiseScaleEvidence(const NoiseCheck& check, const NoiseCauses& noise,
+                                   ImuTriad triad) {
     return noise.not_white[triad] > 0.0 ? noise.scale[triad] : check.evidence.scale[triad];
   }
 
-  double EvidenceOfWindow(const NoiseCheck& check, const NoiseCauses& noise) const {
+  double WindowEvidence(const NoiseCheck& check, const NoiseCauses& noise) const {
     return out_.coloured_imu > 0.0 ? noise.window : check.evidence.window;
   }
 

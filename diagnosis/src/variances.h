@@ -12,9 +12,9 @@
 
 namespace dn::internal {
 
-/// Evidence on the sizes of the stated noise: for GNSS and pairs by the restricted likelihood of
-/// the network, for inertial sensors by the high band of their raw data. Effects are in SI; their
-/// evidence is comparable with that of the screen.
+/// Evidence on the sizes of the stated noise. GNSS and pairs use the restricted likelihood of the
+/// network; inertial sensors use the high band of their raw data. Effects are in SI; their evidence
+/// is comparable with that of the screen.
 struct VarianceScreen {
   std::vector<ScreenedEffect> effects;
   /// Evidence of inertial noise that is not white or not steady, relative to the best model with

@@ -36,7 +36,7 @@ std::string Remedy(const GapDiagnosis& d, const GapCause& cause) {
   return fmt::format("state it in {} of flight.yaml", key);
 }
 
-std::string Harm(const GapCause& cause) {
+std::string ShiftText(const GapCause& cause) {
   const Eigen::Vector3d& damage = cause.boresight_damage_rad;
   return damage.isZero(0.0) || !damage.allFinite()
              ? std::string()
@@ -47,7 +47,7 @@ std::string Harm(const GapCause& cause) {
 std::string Effect(const GapDiagnosis& d, const GapCause& cause) {
   const std::string size = internal::ValueWords(cause);
   return fmt::format("{}{}{}{}: {}", cause.effect, size.empty() ? "" : " of " + size,
-                     internal::TimesWords(cause.times), Harm(cause), Remedy(d, cause));
+                     internal::TimesWords(cause.times), ShiftText(cause), Remedy(d, cause));
 }
 
 /// Returns the shift of the boresight by random effects, whose own shifts are not known.
@@ -56,7 +56,7 @@ std::string Moved(const GapDiagnosis& d) {
   const GapState& after = d.shrinkage->after;
   if (!before.boresight_rad || !after.boresight_rad) return "";
   for (const GapCause& cause : CausesOfVerdict(d)) {
-    if (!Harm(cause).empty()) return "";
+    if (!ShiftText(cause).empty()) return "";
   }
   return " and moves the boresight (roll, pitch, yaw) by " +
          MdegWords(*after.boresight_rad - *before.boresight_rad);
@@ -174,7 +174,7 @@ std::string Unavailable(const GapDiagnosis& d) {
                        : fmt::format("the flight cannot be diagnosed: {}", fmt::join(notes, "; ")));
 }
 
-std::string OfKind(const GapDiagnosis& diagnosis) {
+std::string KindText(const GapDiagnosis& diagnosis) {
   switch (diagnosis.verdict.kind) {
     case GapVerdictKind::kIdentified:
       return NamedEffects(diagnosis);
@@ -201,7 +201,7 @@ std::string UnexplainedWords(const GapDiagnosis& d) {
 }
 
 std::string VerdictSentence(const GapDiagnosis& diagnosis) {
-  const std::string text = OfKind(diagnosis);
+  const std::string text = KindText(diagnosis);
   const bool hides =
       diagnosis.trajectory_given && diagnosis.verdict.kind != GapVerdictKind::kUnavailable;
   return hides ? text +

@@ -248,7 +248,7 @@ struct Fit {
   double nees = 0.0;    ///< NEES of the boresight: chi-square with 3 degrees of freedom
 };
 
-Fit FitOf(const SimulatedFlight& flown, const std::vector<GapCause>& stated) {
+Fit AdjustAndFit(const SimulatedFlight& flown, const std::vector<GapCause>& stated) {
   const Flight flight = Reread(flown.flight, stated);
   const Calibration adjusted(flight);
   const AdjustmentFigures& figures = adjusted.solution.trajectory().figures;
@@ -270,7 +270,7 @@ TEST(AdaptedFlight, VibrationThatIsStatedInItsWindowFits) {
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
     SCOPED_TRACE(seed);
     const SimulatedFlight flown = Simulate(scenario, {.seed = seed});
-    const Fit without = FitOf(flown, {}), with = FitOf(flown, {cause});
+    const Fit without = AdjustAndFit(flown, {}), with = AdjustAndFit(flown, {cause});
     EXPECT_GT(without.misfit, kSigmas);
     EXPECT_LT(std::abs(with.misfit), kSigmas);
     nees_without += without.nees;

@@ -53,8 +53,8 @@ TEST(Attribute, FindsBothOfTwoEffects) {
   EXPECT_LT(attribution.final->effects.front().log_evidence, kThresholdNats);
 }
 
-// Both effects enlarge the misclosures of the pairs. Once the scale is known, the noise (either
-// kind, as they look alike) takes its true size, and no third effect has to compensate for it.
+// Both effects enlarge the misclosures of the pairs. Once the scale is known, the noise (of either
+// kind, as they look alike) takes its true size. No third effect has to compensate for it.
 TEST(Attribute, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
   const Flight flight =
       Simulate(AircraftScenario("effects: [{effect: p2p_noise_scale, value: 1.6}, "
@@ -69,7 +69,7 @@ TEST(Attribute, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
 }
 
 /// Returns the results for flights with the same effect and different seeds.
-std::vector<Attribution> OfSeeds(const std::string& effect) {
+std::vector<Attribution> SelectForSeeds(const std::string& effect) {
   std::vector<Attribution> all;
   for (const std::uint64_t seed : {1, 2, 3}) {
     SimulateOptions options;
@@ -85,7 +85,7 @@ std::vector<Attribution> OfSeeds(const std::string& effect) {
 TEST(Attribute, GrossErrorsAreNotALargerNoiseAsWell) {
   for (const char* effect : {"{effect: gnss_outliers, value: [0.08, 0.2]}",
                              "{effect: p2p_outliers, value: [0.08, 1.0]}"}) {
-    for (const Attribution& attribution : OfSeeds(effect)) {
+    for (const Attribution& attribution : SelectForSeeds(effect)) {
       ASSERT_EQ(attribution.causes.size(), 1u) << effect;
       const GapCause& cause = attribution.causes[0];
       EXPECT_THAT(effect, HasSubstr(cause.effect));
@@ -96,7 +96,7 @@ TEST(Attribute, GrossErrorsAreNotALargerNoiseAsWell) {
 
 // The error of the trajectory has several explanations, but the raw data show the noise itself.
 TEST(Attribute, RawNoiseIsNoProcess) {
-  for (const Attribution& attribution : OfSeeds("{effect: gyro_noise_scale, value: 2.4}")) {
+  for (const Attribution& attribution : SelectForSeeds("{effect: gyro_noise_scale, value: 2.4}")) {
     EXPECT_THAT(Names(attribution), ElementsAre("gyro_noise_scale"));
   }
 }
@@ -128,7 +128,7 @@ TEST(Attribute, WavesAreNotAllOfACorrelatedNoise) {
 
 TEST(Attribute, ACorrelatedNoiseLeavesNoOscillation) {
   for (const Attribution& attribution :
-       OfSeeds("{effect: gnss_correlated_noise, value: [0.06, 0.06, 0.1, 20]}")) {
+       SelectForSeeds("{effect: gnss_correlated_noise, value: [0.06, 0.06, 0.1, 20]}")) {
     EXPECT_THAT(Names(attribution), ElementsAre("gnss_correlated_noise"));
     EXPECT_LT(OscillationLeft(attribution).log_evidence, kThresholdNats);
   }

@@ -93,7 +93,7 @@ TEST(FoldDensity, OfOneFactorIsThatOfItsPrediction) {
     const double expected = -0.5 * prediction.statistic -
                             0.5 * std::log(prediction.covariance.determinant()) -
                             sigma_m.array().log().sum() - 1.5 * std::log(2.0 * std::numbers::pi);
-    const auto found = density.Of({{edge.position, network.nodes[edge.node].p_mb.id}});
+    const auto found = density.LogDensity({{edge.position, network.nodes[edge.node].p_mb.id}});
     ASSERT_TRUE(found.has_value());
     EXPECT_NEAR((*found)[0], expected, kRelative * std::abs(expected));
   }

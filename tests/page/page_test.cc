@@ -39,7 +39,7 @@ class Folder : public TempFolder {
   }
 };
 
-const Table& DifferencesOf(const Document& document) {
+const Table& DifferenceRows(const Document& document) {
   return std::get<Table>(document.sections.at(0).contents.at(0));
 }
 
@@ -113,7 +113,7 @@ TEST(Comparison, IndependentResultsHaveTheSumOfTheirCovariances) {
   const Folder c("result.json", Result("dn", 0.300, 0.004));
   const Document page = PageOf(std::vector{a.path(), b.path(), c.path()});
   EXPECT_EQ(page.headlines.size(), 3u);
-  const Table& differences = DifferencesOf(page);
+  const Table& differences = DifferenceRows(page);
   ASSERT_EQ(differences.rows.size(), 3u);
   constexpr double kTurnMdeg = 0.01;  // rotations do not quite commute
   EXPECT_NEAR(NumberAt(differences, 0, 1), -6.0, kTurnMdeg);
@@ -127,7 +127,7 @@ TEST(Comparison, OfOneFlightTheDifferenceOfTheCovariances) {
   const Folder dn("result.json", Result("dn", 0.200, 0.003));
   const Folder gh("result.json", Result("gh", 0.206, 0.005));
   const Document page = PageOf(std::vector{dn.path(), gh.path()});
-  const Table& differences = DifferencesOf(page);
+  const Table& differences = DifferenceRows(page);
   EXPECT_NEAR(NumberAt(differences, 0, 1), -6.0, 0.01);
   EXPECT_NEAR(NumberAt(differences, 0, 2), 4.0, 1e-9);
   EXPECT_EQ(TextAt(differences, 0, 9), "of nested data");

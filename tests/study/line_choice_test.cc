@@ -31,7 +31,7 @@ struct SmallCandidates {
   }
 };
 
-std::string ErrorOf(const std::string& target, const std::string& lines) {
+std::string ParseErrorText(const std::string& target, const std::string& lines) {
   try {
     SmallCandidates().Parse(target, lines);
   } catch (const InvalidConfig& error) {
@@ -41,7 +41,7 @@ std::string ErrorOf(const std::string& target, const std::string& lines) {
 }
 
 /// Returns the shortest choice of lines that meets the target, found by a study of every choice.
-std::vector<std::size_t> ShortestOfAll(const LineCandidates& candidates) {
+std::vector<std::size_t> ShortestStudied(const LineCandidates& candidates) {
   LineSearch all;
   const std::size_t n = candidates.names.size();
   std::vector<std::size_t> best;
@@ -75,7 +75,7 @@ TEST(LineChoice, FindsTheShortestFlightThatMeetsTheTarget) {
     const LineSearch search = ChooseLines(candidates);
     ASSERT_GE(search.best, 0);
     const LineChoice& best = search.studied[static_cast<std::size_t>(search.best)];
-    EXPECT_EQ(best.lines, ShortestOfAll(candidates));
+    EXPECT_EQ(best.lines, ShortestStudied(candidates));
     EXPECT_LE(best.WorstRatio(candidates.target_rad), 1.0);
   }
 }
@@ -110,12 +110,12 @@ TEST(LineChoice, EachLineHasThePairsOfTheBase) {
 }
 
 TEST(LineChoice, RefusesWhatIsNone) {
-  EXPECT_THAT(ErrorOf("[1, 1, 1]", "  one: [-600, 0, 600, 0, 200, 45]\n"),
+  EXPECT_THAT(ParseErrorText("[1, 1, 1]", "  one: [-600, 0, 600, 0, 200, 45]\n"),
               HasSubstr("holds 1 lines"));
-  EXPECT_THAT(ErrorOf("[1, 1, 0]", kLines), HasSubstr("target_deg"));
-  EXPECT_THAT(ErrorOf("[1, 1, 1]", "  one: [-600, 0, 600]\n  two: [0, 0, 1, 1, 200, 45]\n"),
+  EXPECT_THAT(ParseErrorText("[1, 1, 0]", kLines), HasSubstr("target_deg"));
+  EXPECT_THAT(ParseErrorText("[1, 1, 1]", "  one: [-600, 0, 600]\n  two: [0, 0, 1, 1, 200, 45]\n"),
               HasSubstr("in the base, these lines"));
-  EXPECT_THAT(ErrorOf("[1, 1, 1]\nanother: 1", kLines), HasSubstr("another"));
+  EXPECT_THAT(ParseErrorText("[1, 1, 1]\nanother: 1", kLines), HasSubstr("another"));
 }
 
 }  // namespace dn::testing::line_choice_test

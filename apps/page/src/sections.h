@@ -106,7 +106,7 @@ Document MatchPage(const ResultFolder& folder);
 Document GeorefPage(const ResultFolder& folder);
 Document BlindPage(const ResultFolder& folder);
 Document SweepPage(const ResultFolder& folder);
-/// Page of commands without a verdict: simulate, check.
+/// Returns the page of a command without a verdict: simulate, check.
 Document OtherPage(const ResultFolder& folder);
 
 }  // namespace dn::internal

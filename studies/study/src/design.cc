@@ -24,7 +24,7 @@ constexpr std::size_t kFewestGnssEpochs = 3;
                       ". Fly at least two strips that overlap, best one across the others");
 }
 
-std::vector<EstimateEntry> EstimateOf(const std::string& list) {
+std::vector<EstimateEntry> ParseEstimate(const std::string& list) {
   try {
     return ParseFlightConfig("name: study\nestimate: [boresight, " + list + "]\n", {}).estimate;
   } catch (const InvalidConfig& error) {
@@ -33,7 +33,7 @@ std::vector<EstimateEntry> EstimateOf(const std::string& list) {
 }
 
 void FreeUnknowns(const DesignOptions& options, Flight* flight) {
-  if (!options.estimate.empty()) flight->config.estimate = EstimateOf(options.estimate);
+  if (!options.estimate.empty()) flight->config.estimate = ParseEstimate(options.estimate);
 }
 
 void LimitNodeRate(double most_hz, Flight* flight) {
@@ -46,7 +46,7 @@ bool HasGnss(const Flight& flight) {
 
 /// Returns the nodes of the network. Without GNSS they cover all inertial data within the poses, if
 /// any, so that messages can name the undetermined unknowns.
-std::vector<double> NodesOf(const Flight& flight, const std::vector<MapPose>& poses) {
+std::vector<double> ChooseNodes(const Flight& flight, const std::vector<MapPose>& poses) {
   if (HasGnss(flight)) return FlightNodeTimes(flight, NetworkSpan(flight, true), true);
   TimeInterval span{flight.imu->t_begin_s(), flight.imu->t_end_s()};
   if (!poses.empty()) {
@@ -151,7 +151,7 @@ StudyDesign DesignOf(const Scenario& scenario, const DesignOptions& options) {
   CalibrationState calibration = AssumedCalibration(design.flight);
   calibration.q_boresight = Exp(simulated.boresight_rad);
   design.states.calibration = std::move(calibration);
-  design.states.node_t_s = NodesOf(design.flight, {});
+  design.states.node_t_s = ChooseNodes(design.flight, {});
   for (const double t_s : design.states.node_t_s) {
     design.states.poses.push_back(simulated.truth->Pose(t_s));
   }
@@ -168,7 +168,7 @@ StudyDesign DesignOf(Flight flight, const DesignOptions& options) {
   design.strips = FindStrips(design.flight);
   PlaceStates(options, &design);
   PlanSensors(&design);
-  design.states.node_t_s = NodesOf(design.flight, design.states.poses);
+  design.states.node_t_s = ChooseNodes(design.flight, design.states.poses);
   return design;
 }
 

@@ -19,7 +19,7 @@ constexpr double kWorthWhile = 0.95;
 constexpr double kNodeRateHz = 2.0;
 
 /// Returns NaN for an unknown without a sigma.
-double SigmaOf(const std::string& unknown, const std::map<std::string, double>& sigmas) {
+double FindSigma(const std::string& unknown, const std::map<std::string, double>& sigmas) {
   const auto sigma = sigmas.find(unknown);
   return sigma == sigmas.end() ? std::numeric_limits<double>::quiet_NaN() : sigma->second;
 }
@@ -99,9 +99,9 @@ void RemedyTrials::Finish(StudyResult* study) {
   for (std::future<void>& worker : workers_) worker.get();
   for (StudyDirection& direction : study->weak) {
     const double unchanged =
-        fewer_nodes_ ? SigmaOf(direction.leading, sigmas_.back()) : direction.sigma;
+        fewer_nodes_ ? FindSigma(direction.leading, sigmas_.back()) : direction.sigma;
     for (std::size_t k = 0; k < kinds_.size(); ++k) {
-      const double left = SigmaOf(direction.leading, sigmas_[k]) / unchanged;
+      const double left = FindSigma(direction.leading, sigmas_[k]) / unchanged;
       if (std::isnan(left)) continue;
       direction.tried.push_back({kinds_[k], left * direction.sigma});
     }

@@ -31,7 +31,7 @@ std::string Partner(const StudyDirection& direction) {
   return {};
 }
 
-std::string CauseOf(RemedyKind kind, const StudyResult& study, const StudyDirection& direction) {
+std::string CauseText(RemedyKind kind, const StudyResult& study, const StudyDirection& direction) {
   const StripGeometry& strip = study.geometry.strips.front();
   const std::string unknown = Spoken(direction.leading);
   const std::string partner = Partner(direction);
@@ -94,11 +94,11 @@ std::optional<RemedyKind> Lacking(const FlightGeometry& geometry) {
   return std::nullopt;
 }
 
-bool OfScenario(const StudyResult& study) { return study.source == DesignSource::kScenario; }
+bool IsScenario(const StudyResult& study) { return study.source == DesignSource::kScenario; }
 
 std::optional<RemedyKind> Helpful(const StudyResult& study, const StudyDirection& direction) {
   if (const auto remedy = direction.remedy()) return remedy->kind;
-  return OfScenario(study) ? std::nullopt : Lacking(study.geometry);
+  return IsScenario(study) ? std::nullopt : Lacking(study.geometry);
 }
 
 std::string Words(const Unobservable& unobservable) {
@@ -118,13 +118,13 @@ std::string Words(const Unobservable& unobservable) {
 
 std::string CauseWords(const StudyResult& study, const StudyDirection& direction) {
   const auto kind = Helpful(study, direction);
-  return kind && !study.geometry.strips.empty() ? CauseOf(*kind, study, direction)
+  return kind && !study.geometry.strips.empty() ? CauseText(*kind, study, direction)
                                                 : LimitWords(study);
 }
 
 std::string RemedyWords(const StudyResult& study, const StudyDirection& direction) {
   const auto kind = Helpful(study, direction);
-  if (kind) return PlanWords(*kind) + (OfScenario(study) ? "" : " (not tried)");
+  if (kind) return PlanWords(*kind) + (IsScenario(study) ? "" : " (not tried)");
   if (direction.tried.empty()) return "a better inertial sensor or more strips (not tried)";
   std::string tried;
   for (const TriedRemedy& remedy : direction.tried) {

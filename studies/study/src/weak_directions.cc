@@ -32,7 +32,7 @@ class Directions {
 
   /// Returns the direction with these weights, one per unknown. The largest weight becomes
   /// positive.
-  StudyDirection Of(const Eigen::VectorXd& weights) const {
+  StudyDirection MakeDirection(const Eigen::VectorXd& weights) const {
     std::vector<Eigen::Index> order(static_cast<std::size_t>(weights.size()));
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
@@ -53,7 +53,7 @@ class Directions {
 
   /// Returns the weights of the weakest direction of the boresight, which has the first three
   /// unknowns.
-  Eigen::VectorXd OfBoresight() const {
+  Eigen::VectorXd WeakestBoresightWeights() const {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
         joint_.covariance.topLeftCorner<3, 3>());
     Eigen::VectorXd weights = Eigen::VectorXd::Zero(joint_.covariance.rows());
@@ -106,10 +106,10 @@ class Directions {
 
 std::vector<StudyDirection> StudyDirections(const JointCovariance& joint) {
   const Directions directions(joint);
-  std::vector<StudyDirection> found{directions.Of(directions.OfBoresight())};
+  std::vector<StudyDirection> found{directions.MakeDirection(directions.WeakestBoresightWeights())};
   for (const Eigen::VectorXd& weights : directions.Coupled()) {
     if (found.size() == kMostDirections) break;
-    found.push_back(directions.Of(weights));
+    found.push_back(directions.MakeDirection(weights));
   }
   return found;
 }

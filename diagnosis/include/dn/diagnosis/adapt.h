@@ -26,8 +26,9 @@ namespace dn {
 ///   faults of the data        nothing: no key models them
 ///
 /// Leaves an unknown that is already estimated and a robust loss that is already chosen as they
-/// are. Throws InvalidInput for an effect that is not in the table, for a value that FileValue
-/// rejects, for a vibration without its window, and if flight.yaml lacks the section of the sensor.
+/// are. Throws InvalidInput for an effect that is not in the table and for a value that FileValue
+/// rejects. Also throws for a vibration without its window, and if flight.yaml lacks the section of
+/// the sensor.
 FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes);
 
 /// Returns the configuration with the effects named by the diagnosis. Sets `unexplained` to a

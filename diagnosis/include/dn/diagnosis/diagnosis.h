@@ -55,7 +55,7 @@ struct GapCause {
 struct GapDiscrepancy {
   std::string name;
   double log_evidence = 0.0;  ///< nats
-  /// probability that it explains a part of the gap better than the effects
+  /// Probability that it explains a part of the gap better than the effects.
   double posterior = 0.0;
   std::optional<double> period_s;  ///< period of an oscillation
   std::optional<double> tau_s;     ///< time constant of a decay
@@ -105,8 +105,7 @@ struct HiddenEffect {
   double minimal_detectable = 0.0;
   /// Smallest size that can be named correctly; nullopt if the geometry never separates the effect.
   std::optional<double> minimal_identifiable;
-  /// External reliability: shift of the boresight caused by an undetected bias of the minimal
-  /// detectable size.
+  /// External reliability: shift of the boresight caused by a bias of size `minimal_detectable`.
   Eigen::Vector3d boresight_damage_rad = Eigen::Vector3d::Zero();
   std::vector<std::string> inseparable_from;  ///< effects that it can be mistaken for at any size
   /// Minimal detectable bias of each component alone; infinite if no size is detectable.

@@ -17,8 +17,8 @@ Json GapJson(const GapDiagnosis& diagnosis);
 /// the boresight in mdeg.
 Json HiddenEffectsJson(const std::vector<HiddenEffect>& effects);
 
-/// Returns one line with the effects that are undetectable at any size, then one line for each of
-/// the five effects with the largest possible shift of the boresight.
+/// Returns the effects that are undetectable at any size in one line. One line each follows for the
+/// five effects that can shift the boresight most.
 std::string HiddenEffectsSummary(const std::vector<HiddenEffect>& effects, bool with_boresight);
 
 /// Returns a short description of the part of the gap that no effect explains; "" if there is none.

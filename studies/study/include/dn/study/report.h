@@ -12,8 +12,8 @@ namespace dn {
 /// Returns study.json (schema dn.study/1).
 Json StudyJson(const StudyResult& study);
 
-/// Returns correlations.txt. A row has the time, the correlations of roll, pitch and yaw with the
-/// accelerometer biases x, y, z each, and then with the gyro biases.
+/// Returns correlations.txt. A row has the time, then the correlations of roll, pitch and yaw with
+/// the accelerometer biases x, y, z each. Those with the gyro biases follow in the same order.
 std::string FormatCorrelations(const std::vector<BiasCorrelationAt>& correlations);
 
 /// Returns a summary of a study for one screen.

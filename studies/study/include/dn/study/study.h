@@ -48,7 +48,7 @@ struct StudyDirection {
   std::string leading;  ///< the calibration unknown with the largest weight
   std::string unit;     ///< unit of the sigmas
   double sigma = 0.0;   ///< sigma of the leading unknown
-  /// multiple correlation of the leading unknown with all others, 0 to 1
+  /// Multiple correlation of the leading unknown with all others, 0 to 1.
   double correlation = 0.0;
   std::vector<TriedRemedy> tried;  ///< best first; empty for a design without a scenario
   /// Returns the first of `tried` if it reduces the sigma by at least 5 %.

@@ -32,8 +32,8 @@ struct SweepKey {
 class Sweep {
  public:
   /// Reads a sweep. `where` is the file, named in messages. Throws InvalidConfig for an unknown
-  /// key, a key without values, more than 10000 designs, two values of a key with the same name, an
-  /// invalid base, and combinations that are not valid scenarios.
+  /// key, a key without values, and two values of a key with the same name. Also throws for more
+  /// than 10000 designs, an invalid base, and combinations that are not valid scenarios.
   static Sweep Parse(const std::string& yaml_text, const std::string& where);
 
   const std::vector<SweepKey>& keys() const { return keys_; }
@@ -84,8 +84,9 @@ SweepRecord SweepRecordFromJson(const Json& json);
 std::string SweepCsv(const std::vector<std::string>& paths,
                      const std::vector<SweepRecord>& records);
 
-/// Returns sweep.json: `keys`, and for each design `number`, `labels`, `singular` (the reason, else
-/// empty) and the columns of sweep.csv, with the sigmas of the boresight in `sigma_deg`.
+/// Returns sweep.json with `keys` and the designs. A design has `number`, `labels`, `singular` (the
+/// reason, else empty) and the columns of sweep.csv. The sigmas of the boresight are in
+/// `sigma_deg`.
 Json SweepJson(const std::vector<std::string>& paths, const std::vector<SweepRecord>& records);
 
 /// Returns the same as a table for people.
