@@ -48,7 +48,7 @@ std::string NameOf(const LocationStatistic& statistic) {
 /// The residuals of one channel and axis in order of time.
 struct Locations::Series {
   std::string sensor, quantity;
-  Terms terms;  // row, time
+  Terms terms;  // pairs of row and time
 };
 
 Locations::Locations(const FlightNetwork& network, const LinearizedNetwork& linearized,

@@ -126,7 +126,7 @@ std::vector<Attempt> MakeAttempts(const Scenario& plan) {
   };
   const double height_m = first.height_m - plan.terrain.base_m;
   add("across the others", CrossLine(plan.plan.lines));
-  add("along the first one the other way", Reversed(first));
+  add("along the first one in the opposite direction", Reversed(first));
   add("along the first one 40 % higher above ground", Higher(first, height_m));
   add("along the first one 30 % faster", Faster(first));
   return attempts;
@@ -224,8 +224,8 @@ std::string TieBreaker(const Flight& flight, const Trajectory& estimated,
     separated = here;
   }
   if (!best) return "";
-  return "one more strip " + attempts[*best].strip + " would tell " + tie.named.effect + " from " +
-         Alternatives(separated);
+  return "one more strip " + attempts[*best].strip + " would separate " + tie.named.effect +
+         " from " + Alternatives(separated);
 }
 
 }  // namespace dn::internal

@@ -104,13 +104,13 @@ std::string Group(const GapDiagnosis& d) {
   const std::string others = Alternatives(OtherNames(d));
   const std::string text = NamedEffects(d);
   if (others.empty()) return WithTieBreaker(d, text);
-  return WithTieBreaker(d, text + "; this flight cannot tell it from " + others);
+  return WithTieBreaker(d, text + "; this flight cannot separate it from " + others);
 }
 
 std::string Place(const GapDiagnosis& d) {
   if (d.where.empty()) return "";
   const GapLocation& first = d.where.front();
-  return fmt::format(", most in {} {}, {}", first.sensor, first.quantity, first.location);
+  return fmt::format(", mostly in {} {}, {}", first.sensor, first.quantity, first.location);
 }
 
 /// Returns the unmodelled discrepancy that is more probable than not, if there is one.

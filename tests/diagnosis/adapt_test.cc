@@ -18,7 +18,7 @@ using testing::DroneScenario;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-constexpr double kSigmas = 4.0;      // of a normal variable; 6e-5 lies outside
+constexpr double kSigmas = 4.0;      // a normal variable exceeds them with probability 6e-5
 constexpr double kRelative = 1e-12;  // roundings
 constexpr double kDeg = std::numbers::pi / 180.0;
 
@@ -186,7 +186,7 @@ TEST(Adapted, CarriesWhatNothingExplains) {
   EXPECT_EQ(Adapted(flight, diagnosis).unexplained, "");
   diagnosis.verdict.unknown = true;
   EXPECT_EQ(Adapted(flight, diagnosis).unexplained,
-            "a part of a gap (p = 0.002), most in lidar p2p, strip pair 1-2");
+            "a part of a gap (p = 0.002), mostly in lidar p2p, strip pair 1-2");
   diagnosis.verdict.effects.clear();
   EXPECT_THAT(Adapted(flight, diagnosis).unexplained, StartsWith("all of a gap"));
 }
@@ -194,7 +194,7 @@ TEST(Adapted, CarriesWhatNothingExplains) {
 TEST(Adapted, IsReadBackHoweverMuchThereIsToSay) {
   GapDiagnosis diagnosis;
   diagnosis.verdict.unknown = true;
-  const std::string name(100, 'n');  // the longest that a strip may have
+  const std::string name(100, 'n');  // the longest name that a strip may have
   diagnosis.where = {{"accel", "inertial velocity x",
                       "neighbours, strips " + name + "-" + name + ", scan angle 22..37 deg", 8.5,
                       0.001}};

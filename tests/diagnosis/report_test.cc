@@ -166,7 +166,7 @@ TEST(VerdictSentence, OfAGroupSaysWhatItCouldBeAndWhatToFly) {
   d.verdict.credible_set = {"gnss_lever_arm", "gnss_time_offset"};
   d.verdict.tie_breaker = "a strip at another speed would separate them";
   EXPECT_THAT(VerdictSentence(d),
-              AllOf(HasSubstr("cannot tell it from gnss_time_offset or lidar_lever_arm"),
+              AllOf(HasSubstr("cannot separate it from gnss_time_offset or lidar_lever_arm"),
                     HasSubstr("; a strip at another speed")));
 }
 

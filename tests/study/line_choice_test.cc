@@ -111,10 +111,10 @@ TEST(LineChoice, EachLineHasThePairsOfTheBase) {
 
 TEST(LineChoice, RefusesWhatIsNone) {
   EXPECT_THAT(ParseErrorText("[1, 1, 1]", "  one: [-600, 0, 600, 0, 200, 45]\n"),
-              HasSubstr("holds 1 lines"));
+              HasSubstr("has 1 lines"));
   EXPECT_THAT(ParseErrorText("[1, 1, 0]", kLines), HasSubstr("target_deg"));
   EXPECT_THAT(ParseErrorText("[1, 1, 1]", "  one: [-600, 0, 600]\n  two: [0, 0, 1, 1, 200, 45]\n"),
-              HasSubstr("in the base, these lines"));
+              HasSubstr("these lines do not fit the base"));
   EXPECT_THAT(ParseErrorText("[1, 1, 1]\nanother: 1", kLines), HasSubstr("another"));
 }
 

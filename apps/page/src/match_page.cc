@@ -160,8 +160,8 @@ void AddPictures(const ResultFolder& folder, const std::vector<PairsOfStrips>& a
 
 Table LevelsTable(const Facts& match) {
   Table table{"From coarse to fine",
-              {"cell [m]", "search [m]", "places", "clear", "agree", "left, rms [m]", "roll [deg]",
-               "pitch", "yaw"},
+              {"cell [m]", "search [m]", "places", "clear", "agree", "remaining, rms [m]",
+               "roll [deg]", "pitch", "yaw"},
               {}};
   for (const Facts& level : match["levels"].elements()) {
     std::vector<Cell> row{level["cell_m"].Decimals(2), level["search_m"].Decimals(1),

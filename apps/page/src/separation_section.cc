@@ -25,7 +25,7 @@ void AddRow(const Separation& of, Table* table) {
 
 Section SeparationSection(const std::vector<Separation>& separations) {
   Section section{"Swath separation", {}};
-  Table table = EmptyTable("Shares of the pairs by their difference of height");
+  Table table = EmptyTable("Shares of the pairs by their height difference");
   for (const Separation& of : separations) {
     if (of.shares) AddRow(of, &table);
   }

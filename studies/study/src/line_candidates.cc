@@ -18,7 +18,7 @@ std::string LinesYaml(const YamlValue& lines, std::vector<std::string>* names) {
   *names = lines.Keys();
   if (names->size() < kFewestLines || names->size() > kMostLines) {
     lines.Fail(
-        fmt::format("holds {} lines, must hold {} to {}", names->size(), kFewestLines, kMostLines));
+        fmt::format("has {} lines, must have {} to {}", names->size(), kFewestLines, kMostLines));
   }
   std::string yaml;
   for (const std::string& name : *names) yaml += (yaml.empty() ? "[" : ", ") + lines[name].Yaml();
@@ -32,7 +32,7 @@ Scenario WithLines(const BaseScenario& base, const std::string& lines_yaml,
   try {
     return ParseScenario(WithYamlValue(base.text, "plan.lines", lines_yaml), base.path);
   } catch (const InvalidConfig& error) {
-    lines.Fail(std::string("in the base, these lines: ") + error.what());
+    lines.Fail(std::string("these lines do not fit the base: ") + error.what());
   }
 }
 

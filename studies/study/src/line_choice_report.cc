@@ -104,10 +104,10 @@ std::string LineSearchSummary(const LineCandidates& candidates, const LineSearch
     shown = shown || choice == best;
   }
   if (best != nullptr && !shown) text += Row(candidates, *best, true);
-  text += fmt::format(
-      "{} of {} choices studied; each number of lines has its choice nearest to the target\n",
-      search.studied.size(),
-      (std::size_t{1} << candidates.names.size()) - candidates.names.size() - 1);
+  text +=
+      fmt::format("{} of {} choices studied; the table has the best one for each number of lines\n",
+                  search.studied.size(),
+                  (std::size_t{1} << candidates.names.size()) - candidates.names.size() - 1);
   if (best == nullptr) {
     return text + "not even all lines meet the target: " + MissedTarget(candidates, search) + "\n";
   }

@@ -17,8 +17,8 @@ std::string BoresightLines(const BoresightResult& boresight) {
   }
   text += fmt::format("condition number {:.1f}\n", boresight.condition_number);
   text += fmt::format(
-      "with the accelerometer bias max {:.1f} rms {:.1f}, with the gyro bias max {:.1f} rms {:.1f} "
-      "[%]\n",
+      "correlation with the accelerometer bias max {:.1f} rms {:.1f}, with the gyro bias max "
+      "{:.1f} rms {:.1f} [%]\n",
       100.0 * boresight.accel_bias.max_abs, 100.0 * boresight.accel_bias.rms,
       100.0 * boresight.gyro_bias.max_abs, 100.0 * boresight.gyro_bias.rms);
   return text;

@@ -24,7 +24,7 @@ struct StripGeometry {
 struct FlightGeometry {
   std::vector<StripGeometry> strips;
   bool parallel = false;       ///< all courses within 15 deg of one line
-  bool one_direction = false;  ///< no strip is flown against another
+  bool one_direction = false;  ///< no two strips have opposite courses
   bool one_height = false;     ///< heights above ground within 15 % of their mean
   bool one_speed = false;      ///< speeds within 10 % of their mean
 };
@@ -71,7 +71,7 @@ struct Unobservable {
   std::string unit;     ///< unit of the sigma
 };
 
-/// Root mean squares over the nodes within the strips, per axis.
+/// Root mean square sigmas per axis over the nodes within the strips.
 struct StripSigmas {
   double roll_pitch_rad = 0.0;
   double yaw_rad = 0.0;
