@@ -1,7 +1,7 @@
 #include "library.h"
 
-#include <dn/calibration/candidate_effects.h>
-#include <dn/calibration/laser_departures.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/adjustment/laser_departures.h>
 #include <dn/effects/effect_table.h>
 
 #include <algorithm>
@@ -264,7 +264,7 @@ class LibraryMaker {
 
 /// Returns the rows of X that belong to a candidate.
 Eigen::MatrixXd CandidateRows(const Candidate& candidate, const JointScore& score,
-                       const Eigen::Ref<const Eigen::MatrixXd>& X) {
+                              const Eigen::Ref<const Eigen::MatrixXd>& X) {
   const Eigen::Index first = score.first[candidate.block];
   const auto of_block = X.middleRows(first, score.first[candidate.block + 1] - first);
   return candidate.cells ? candidate.cells->Rows(of_block) : Eigen::MatrixXd(of_block);

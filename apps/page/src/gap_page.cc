@@ -40,9 +40,8 @@ const std::map<std::string, Meaning>& MeaningsOfGap() {
       {"no_gap",
        {"The data agree with the assumed model.",
         Tone::kGood,
-        {"Read which effects are undetectable, and decide whether you can accept their shift of "
-         "the "
-         "boresight."}}},
+        {"Read which effects are undetectable, and decide whether you can accept their shift "
+         "of the boresight."}}},
       {"unavailable",
        {"This flight cannot be diagnosed.",
         Tone::kDoubtful,
@@ -91,8 +90,7 @@ Section Causes(const Facts& gap) {
       {},
       "Best explanation first. Shift: change of the boresight if the effect is present and not "
       "modelled. Share absorbed: the part that trajectory, biases and boresight follow. It does "
-      "not "
-      "show in residuals."};
+      "not show in residuals."};
   for (const Facts& cause : gap["causes"].elements()) {
     const std::string name = cause["effect"].text();
     if (chart.bars.size() < kMostCauses) {

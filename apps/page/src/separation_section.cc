@@ -32,13 +32,10 @@ Section SeparationSection(const std::vector<Separation>& separations) {
   if (table.rows.empty()) return section;
   table.note =
       "To 8, 8 to 16 and above 16 cm: classes of the swath separation images of the USGS Lidar "
-      "Base "
-      "Specification, for open ground with slopes below 10 degrees. 3, 5 and 10 cm: levels of "
-      "Leica "
-      "HxMap for its comparison of strips (green, yellow, red), for distances to a plane. This "
-      "table "
-      "has the height differences of all pairs, without regard to slope and plants. Surfaces are "
-      "therefore closer than this.";
+      "Base Specification, for open ground with slopes below 10 degrees. 3, 5 and 10 cm: levels "
+      "of Leica HxMap for its comparison of strips (green, yellow, red), for distances to a "
+      "plane. This table has the height differences of all pairs, without regard to slope and "
+      "plants. Surfaces are therefore closer than this.";
   section.contents.emplace_back(std::move(table));
   return section;
 }
