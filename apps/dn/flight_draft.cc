@@ -1,7 +1,7 @@
 #include "flight_draft.h"
 
-#include <dn/files/flight.h>
-#include <dn/files/yaml_sections.h>
+#include <dn/flight/flight.h>
+#include <dn/flight/yaml_sections.h>
 #include <dn/geo/text_table.h>
 #include <dn/imu/white_rows.h>
 #include <fmt/format.h>

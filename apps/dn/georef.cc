@@ -1,9 +1,9 @@
-#include <dn/adjustment/swaths.h>
+#include <dn/calibration/swaths.h>
 #include <dn/error.h>
-#include <dn/files/accuracy_files.h>
-#include <dn/files/flight.h>
-#include <dn/files/georeference_strip.h>
-#include <dn/files/strip_files.h>
+#include <dn/flight/accuracy_files.h>
+#include <dn/flight/flight.h>
+#include <dn/flight/georeference_strip.h>
+#include <dn/flight/strip_files.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 #include <dn/interrupted.h>

@@ -1,9 +1,9 @@
 #include "output_folder.h"
 
 #include <dn/error.h>
-#include <dn/files/accuracy_files.h>
-#include <dn/files/flight.h>
-#include <dn/files/strip_files.h>
+#include <dn/flight/accuracy_files.h>
+#include <dn/flight/flight.h>
+#include <dn/flight/strip_files.h>
 #include <dn/report/json.h>
 #include <dn/sim/scenario.h>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/diagnosis/diagnose.h>
+#include <dn/gap/diagnose.h>
 
 namespace dn::internal {
 

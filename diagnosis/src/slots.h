@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/diagnosis/diagnosis.h>
+#include <dn/gap/diagnosis.h>
 
 #include <string>
 #include <vector>

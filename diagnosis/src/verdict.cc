@@ -1,4 +1,4 @@
-#include <dn/diagnosis/diagnosis.h>
+#include <dn/gap/diagnosis.h>
 
 namespace dn {
 

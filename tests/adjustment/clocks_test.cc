@@ -1,5 +1,5 @@
 // Clocks of GNSS and of the scanner that are off against that of the inertial data.
-#include <dn/adjustment/words.h>
+#include <dn/calibration/words.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

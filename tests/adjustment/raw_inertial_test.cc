@@ -1,5 +1,5 @@
 // A node at every inertial sample against preintegrated increments: the same adjustment.
-#include <dn/adjustment/adjust.h>
+#include <dn/calibration/adjust.h>
 #include <dn/rotation.h>
 #include <dn/sim/random.h>
 #include <dn/solvers/marginals.h>

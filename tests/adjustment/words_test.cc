@@ -1,4 +1,4 @@
-#include <dn/adjustment/words.h>
+#include <dn/calibration/words.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include <dn/diagnosis/report.h>
+#include <dn/gap/report.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

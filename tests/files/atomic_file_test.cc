@@ -1,4 +1,4 @@
-#include <dn/files/atomic_file.h>
+#include <dn/flight/atomic_file.h>
 
 #include <fstream>
 #include <iterator>

@@ -1,4 +1,4 @@
-#include <dn/files/flight.h>
+#include <dn/flight/flight.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

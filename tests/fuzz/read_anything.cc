@@ -1,8 +1,8 @@
 #include "read_anything.h"
 
 #include <dn/error.h>
-#include <dn/files/file_content.h>
-#include <dn/files/flight_config.h>
+#include <dn/flight/file_content.h>
+#include <dn/flight/flight_config.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <dn/geo/trajectory_covariance.h>

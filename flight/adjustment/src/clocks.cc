@@ -1,4 +1,4 @@
-#include <dn/adjustment/clocks.h>
+#include <dn/calibration/clocks.h>
 
 #include <cmath>
 

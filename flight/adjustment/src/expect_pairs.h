@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/error.h>
-#include <dn/files/flight.h>
+#include <dn/flight/flight.h>
 
 namespace dn::internal {
 

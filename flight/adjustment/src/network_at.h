@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/adjustment/stages.h>
+#include <dn/calibration/stages.h>
 
 #include <memory>
 

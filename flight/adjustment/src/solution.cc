@@ -1,4 +1,4 @@
-#include <dn/adjustment/solution.h>
+#include <dn/calibration/solution.h>
 
 #include <utility>
 

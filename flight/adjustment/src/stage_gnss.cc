@@ -1,5 +1,5 @@
-#include <dn/adjustment/left_out_gnss.h>
-#include <dn/adjustment/stages.h>
+#include <dn/calibration/left_out_gnss.h>
+#include <dn/calibration/stages.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/gnss_correlation.h>
 #include <dn/navigation/gnss_screening.h>

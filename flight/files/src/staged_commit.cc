@@ -1,6 +1,6 @@
 #include "staged_commit.h"
 
-#include <dn/files/atomic_file.h>
+#include <dn/flight/atomic_file.h>
 #include <unistd.h>
 
 #include <fstream>

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/files/strip_files.h>
+#include <dn/flight/strip_files.h>
 
 #include <algorithm>
 #include <cctype>

@@ -2,9 +2,9 @@
 
 #include <dn/builder/flight_network.h>
 #include <dn/builder/flight_nodes.h>
-#include <dn/adjustment/clocks.h>
-#include <dn/adjustment/finding.h>
-#include <dn/files/flight.h>
+#include <dn/calibration/clocks.h>
+#include <dn/calibration/finding.h>
+#include <dn/flight/flight.h>
 #include <dn/interrupted.h>
 #include <dn/navigation/alignment.h>
 #include <dn/navigation/gnss_correlation.h>
@@ -20,7 +20,7 @@ namespace dn {
 
 class AdjustmentRun;
 
-/// One stage of an adjustment; dn/adjustment/stages.h has those that there are.
+/// One stage of an adjustment; dn/calibration/stages.h has those that there are.
 struct AdjustmentStage {
   std::string name;
   std::function<void(AdjustmentRun&)> run;

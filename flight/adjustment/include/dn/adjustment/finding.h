@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/adjustment/checks.h>
-#include <dn/adjustment/clocks.h>
+#include <dn/calibration/checks.h>
+#include <dn/calibration/clocks.h>
 #include <dn/navigation/gnss_correlation.h>
 
 #include <Eigen/Core>
@@ -19,7 +19,7 @@ enum class Verdict {
   kContradicted,   ///< the data contradict the assumed model; wins over the others
 };
 
-/// What may be found, one type each with the numbers that tell it. dn/adjustment/words.h says them.
+/// What may be found, one type each with the numbers that tell it. dn/calibration/words.h says them.
 namespace facts {
 
 /// An unmodelled effect is significant.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/adjustment/result.h>
+#include <dn/calibration/result.h>
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/blind_check/blind_flight.h>
+#include <dn/montecarlo/blind_flight.h>
 #include <dn/report/json.h>
 
 #include <Eigen/Core>
