@@ -12,20 +12,20 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kTypicalSizesOfPrior = 10.0;
-constexpr double kEstimatesOfPrior = 3.0;
-// Below it flight.yaml takes no sigma, and a process is none.
+constexpr double kPriorTypicalSizes = 10.0;
+constexpr double kPriorEstimates = 3.0;
+// flight.yaml rejects smaller sigmas; a process with such a sigma is treated as absent.
 constexpr double kLeastSigma = 1e-12;
 
-const EffectSpec& SpecOf(const std::string& effect) {
+const EffectSpec& RequireEffect(const std::string& effect) {
   const EffectSpec* spec = FindEffect(effect);
   if (spec == nullptr) throw InvalidInput("there is no effect '" + effect + "'");
   return *spec;
 }
 
-/// The section of a sensor. Throws where the flight has none.
+/// Returns the section of a sensor. Throws InvalidInput if the flight has none.
 template <class Section>
-Section& Need(std::optional<Section>& section, const char* name) {
+Section& RequireSection(std::optional<Section>& section, const char* name) {
   if (!section) {
     throw InvalidInput(std::string("the effect needs the section '") + name + "' of flight.yaml");
   }
@@ -42,58 +42,58 @@ void AddProcess(const VectorXd& si, SensorNoise* noise) {
 
 void AddGnssProcess(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
   if (si.head<3>().maxCoeff() <= kLeastSigma) return;
-  Need(config->gnss, "gnss").processes.push_back({si.head<3>(), si[3]});
+  RequireSection(config->gnss, "gnss").processes.push_back({si.head<3>(), si[3]});
 }
 
 void ScaleGnss(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
-  Need(config->gnss, "gnss").sigma_scale *= si[0];
+  RequireSection(config->gnss, "gnss").sigma_scale *= si[0];
 }
 
 void ScaleGyro(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
-  Need(config->imu, "imu").model.gyro.white *= si[0];
+  RequireSection(config->imu, "imu").model.gyro.white *= si[0];
 }
 
 void ScaleAccel(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
-  Need(config->imu, "imu").model.accel.white *= si[0];
+  RequireSection(config->imu, "imu").model.accel.white *= si[0];
 }
 
 void AddGyroProcess(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
-  AddProcess(si, &Need(config->imu, "imu").model.gyro);
+  AddProcess(si, &RequireSection(config->imu, "imu").model.gyro);
 }
 
 void AddAccelProcess(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
-  AddProcess(si, &Need(config->imu, "imu").model.accel);
+  AddProcess(si, &RequireSection(config->imu, "imu").model.accel);
 }
 
 void AddVibration(const Flight&, const GapCause& cause, const VectorXd& si, FlightConfig* config) {
   if (!cause.times.window_s) throw InvalidInput("imu_vibration needs its window");
   if (si.maxCoeff() <= kLeastSigma) return;
   const auto& [t0_s, t1_s] = *cause.times.window_s;
-  Need(config->imu, "imu").model.vibration.push_back({t0_s, t1_s, si[0], si[1]});
+  RequireSection(config->imu, "imu").model.vibration.push_back({t0_s, t1_s, si[0], si[1]});
 }
 
 void ScalePairs(const Flight&, const GapCause&, const VectorXd& si, FlightConfig* config) {
-  Need(config->lidar, "lidar").sigma_p_m *= si[0];
+  RequireSection(config->lidar, "lidar").sigma_p_m *= si[0];
 }
 
 void AddRangeNoise(const Flight& flight, const GapCause&, const VectorXd& si,
                    FlightConfig* config) {
-  LidarConfig& lidar = Need(config->lidar, "lidar");
+  LidarConfig& lidar = RequireSection(config->lidar, "lidar");
   if (!flight.pairs) throw InvalidInput("p2p_range_noise needs the pairs of the flight");
   lidar.sigma_p_m = std::hypot(lidar.sigma_p_m, si[0] * MeanRange(flight.pairs->pairs));
 }
 
 void RejectPairs(const Flight&, const GapCause&, const VectorXd&, FlightConfig* config) {
-  RobustKind& robust = Need(config->lidar, "lidar").robust;
+  RobustKind& robust = RequireSection(config->lidar, "lidar").robust;
   if (robust == RobustKind::kNone) robust = RobustKind::kCauchy;
 }
 
 void RejectEpochs(const Flight&, const GapCause&, const VectorXd&, FlightConfig* config) {
-  RobustKind& robust = Need(config->gnss, "gnss").robust;
+  RobustKind& robust = RequireSection(config->gnss, "gnss").robust;
   if (robust == RobustKind::kNone) robust = RobustKind::kHuber;
 }
 
-/// Where flight.yaml states a random effect, and how it is put there.
+/// The key of flight.yaml that models a random effect, and the function that sets it.
 struct Statement {
   EffectId effect;
   const char* key;
@@ -121,14 +121,14 @@ const Statement* FindStatement(EffectId effect) {
   return found == std::end(kStatements) ? nullptr : found;
 }
 
-/// Wide enough to leave the estimate to the data, in the unit of the table.
+/// Returns a prior sigma so wide that the data determine the estimate, in the unit of the table.
 double PriorSigma(const EffectSpec& spec, const VectorXd& estimate) {
   double sigma = 0.0;
   for (const EffectComponent& part : spec.components) {
-    sigma = std::max(sigma, kTypicalSizesOfPrior * part.typical);
+    sigma = std::max(sigma, kPriorTypicalSizes * part.typical);
   }
   return estimate.size() > 0 && estimate.allFinite()
-             ? std::max(sigma, kEstimatesOfPrior * estimate.cwiseAbs().maxCoeff())
+             ? std::max(sigma, kPriorEstimates * estimate.cwiseAbs().maxCoeff())
              : sigma;
 }
 
@@ -143,7 +143,7 @@ void AddToEstimate(const EffectSpec& spec, const GapCause& cause, FlightConfig* 
 }  // namespace
 
 std::vector<double> FileValue(const GapCause& cause) {
-  const EffectSpec& spec = SpecOf(cause.effect);
+  const EffectSpec& spec = RequireEffect(cause.effect);
   std::vector<double> value(cause.estimate.begin(), cause.estimate.end());
   for (std::size_t i = 0; i < std::min(value.size(), spec.components.size()); ++i) {
     const EffectComponent& part = spec.components[i];
@@ -166,7 +166,7 @@ std::vector<GapCause> CausesOfVerdict(const GapDiagnosis& diagnosis) {
 }
 
 std::string AdaptedKey(const std::string& effect) {
-  const EffectSpec& spec = SpecOf(effect);
+  const EffectSpec& spec = RequireEffect(effect);
   if (spec.fixed()) return "estimate";
   const Statement* statement = FindStatement(spec.id);
   return statement != nullptr ? statement->key : "";
@@ -175,7 +175,7 @@ std::string AdaptedKey(const std::string& effect) {
 FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes) {
   FlightConfig config = flight.config;
   for (const GapCause& cause : causes) {
-    const EffectSpec& spec = SpecOf(cause.effect);
+    const EffectSpec& spec = RequireEffect(cause.effect);
     if (spec.fixed()) {
       AddToEstimate(spec, cause, &config);
     } else if (const Statement* statement = FindStatement(spec.id)) {

@@ -13,10 +13,10 @@
 namespace dn::internal {
 namespace {
 
-class Attributor {
+class ForwardSelection {
  public:
-  Attributor(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
-             double threshold_nats)
+  ForwardSelection(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
+                   double threshold_nats)
       : explainer_(explainer), threshold_nats_(threshold_nats) {
     out_.base = std::move(base);
   }
@@ -33,7 +33,7 @@ class Attributor {
   }
 
  private:
-  const ExplainedFlight& Present() const { return out_.last(); }
+  const ExplainedFlight& Current() const { return out_.last(); }
 
   GapCause Refined(const ExplainedFlight& explained, ScreenedEffect effect) const {
     RefineTimes(explained.solution->network(), explained.solution->marginals(),
@@ -45,7 +45,7 @@ class Attributor {
     if (explainer_.options().progress) explainer_.options().progress(stage, fraction);
   }
 
-  /// The flight with these causes; nothing, with a note, where it cannot be adjusted.
+  /// Adjusts the flight with these causes. Returns null and adds a note if it cannot be adjusted.
   std::unique_ptr<ExplainedFlight> TryExplain(const std::vector<GapCause>& causes) {
     try {
       auto explained = std::make_unique<ExplainedFlight>(explainer_.Explain(causes));
@@ -54,18 +54,18 @@ class Attributor {
     } catch (const Interrupted&) {
       throw;
     } catch (const std::exception& error) {
-      out_.notes.push_back("with " + causes.back().effect +
-                           " among the unknowns the flight cannot be adjusted: " + error.what());
+      out_.notes.push_back("the flight cannot be adjusted with " + causes.back().effect +
+                           " among the unknowns: " + error.what());
       return nullptr;
     }
   }
 
   void Grow() {
     while (out_.causes.size() < kMostCauses) {
-      const ScreenedEffect* best = BestPhysical(Present().effects);
+      const ScreenedEffect* best = BestPhysical(Current().effects);
       if (best == nullptr || best->log_evidence < threshold_nats_) break;
       std::vector<GapCause> causes = out_.causes;
-      causes.push_back(Refined(Present(), *best));
+      causes.push_back(Refined(Current(), *best));
       Report("with " + best->name, 0.3 + 0.1 * static_cast<double>(out_.causes.size()));
       out_.explained_nats += best->log_evidence;
       out_.causes = causes;
@@ -78,7 +78,8 @@ class Attributor {
     }
   }
 
-  /// A noise was chosen and sized by all that nothing else explained then, of later causes, too.
+  /// Selects and sizes noise effects again. They were estimated before the later causes were known,
+  /// and so may have absorbed errors of these causes.
   void ReconsiderNoise() {
     std::vector<GapCause> causes = out_.causes;
     bool changed = false;
@@ -89,10 +90,10 @@ class Attributor {
       const ScreenedEffect* own = others ? Find(others->effects, causes[k].effect) : nullptr;
       if (best == nullptr || own == nullptr) continue;
       const bool another = best->log_evidence >= own->log_evidence + kSwapNats;
-      const GapCause anew = Refined(*others, another ? *best : *own);
-      const double moved = std::abs(anew.estimate[0] - causes[k].estimate[0]);
+      const GapCause refined = Refined(*others, another ? *best : *own);
+      const double moved = std::abs(refined.estimate[0] - causes[k].estimate[0]);
       if (!another && moved <= causes[k].sigma[0]) continue;
-      causes[k] = anew;
+      causes[k] = refined;
       changed = true;
     }
     if (changed) Replace(causes);
@@ -104,7 +105,7 @@ class Attributor {
     return others;
   }
 
-  /// The flight with all causes but one.
+  /// Returns the flight adjusted with all causes but one; null if that fails.
   const ExplainedFlight* ExplainedWithout(std::size_t k) {
     const std::size_t n = out_.causes.size();
     if (n == 1) return out_.base.get();
@@ -113,7 +114,7 @@ class Attributor {
     return scratch_.get();
   }
 
-  /// An early choice was made beside fewer effects than there are now.
+  /// Revises at most one earlier choice: each was made with fewer effects in the model than now.
   void Revise() {
     for (std::size_t k = 0; k + 1 < out_.causes.size(); ++k) {
       Report("without " + out_.causes[k].effect, 0.7);
@@ -171,7 +172,8 @@ class Attributor {
   const Explainer& explainer_;
   double threshold_nats_;
   Attribution out_;
-  std::vector<std::unique_ptr<ExplainedFlight>> before_;  // with the first causes, one more each
+  // Models with the first causes; each has one cause more than the one before.
+  std::vector<std::unique_ptr<ExplainedFlight>> before_;
   std::unique_ptr<ExplainedFlight> scratch_;
   std::vector<std::pair<std::size_t, std::vector<ScreenedEffect>>> kept_;
   bool revised_ = false;
@@ -181,7 +183,7 @@ class Attributor {
 
 Attribution Attribute(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
                       bool detected, double threshold_nats) {
-  return Attributor(explainer, std::move(base), threshold_nats).Run(detected);
+  return ForwardSelection(explainer, std::move(base), threshold_nats).Run(detected);
 }
 
 }  // namespace dn::internal

@@ -11,22 +11,22 @@
 
 namespace dn::internal {
 
-/// Which effects explain a flight.
+/// Result of the forward selection: the effects that explain a flight.
 struct Attribution {
-  std::unique_ptr<ExplainedFlight> base;   ///< without any
-  std::unique_ptr<ExplainedFlight> final;  ///< with all causes; null: there are none
-  std::vector<GapCause> causes;            ///< in the order found
-  std::vector<Slot> slots;                 ///< one per cause; one for none where there is no cause
-  double explained_nats = 0.0;             ///< evidence of the causes together
-  double generic_nats = 0.0;               ///< most of a discrepancy without a name, at the base
+  std::unique_ptr<ExplainedFlight> base;   ///< without any effects
+  std::unique_ptr<ExplainedFlight> final;  ///< with all causes; null if there are none
+  std::vector<GapCause> causes;            ///< in the order of selection
+  std::vector<Slot> slots;      ///< one per cause; a single unnamed one if there is no cause
+  double explained_nats = 0.0;  ///< total evidence of the causes
+  double generic_nats = 0.0;    ///< largest evidence of an unmodelled discrepancy, at `base`
   std::vector<std::string> notes;
 
   const ExplainedFlight& last() const { return final ? *final : *base; }
 };
 
-/// Takes the likeliest effect, adjusts anew with it, and again, while there is evidence above
-/// `threshold_nats`; then tries for every cause whether another explains its part better. Of a flight
-/// where no gap was detected nothing is taken.
+/// Selects effects forward. Adds the most probable effect, adjusts again with it, and repeats while
+/// the evidence exceeds `threshold_nats`. Then checks for every cause whether another effect
+/// explains its part better. Selects no effect if no gap was detected.
 Attribution Attribute(const Explainer& explainer, std::unique_ptr<ExplainedFlight> base,
                       bool detected, double threshold_nats);
 

@@ -22,8 +22,8 @@ constexpr std::size_t kMostStripPairs = 12;
 
 using Factors = std::set<FactorId>;
 
-/// The active pairs of each pair of strips, those with the most first.
-std::vector<Factors> ByStrips(const FlightNetwork& network) {
+/// Returns the active pairs of each combination of strips, largest groups first.
+std::vector<Factors> GroupByStrips(const FlightNetwork& network) {
   const std::vector<StripInterval> strips = FindStrips(network.flight());
   const auto strip_at = [&](double t_s) {
     const StripInterval* strip = StripAt(strips, t_s);
@@ -44,14 +44,15 @@ std::vector<Factors> ByStrips(const FlightNetwork& network) {
   return groups;
 }
 
-/// A boresight as a linear function of all data: -G^T (residuals); rows of no part are zero.
+/// A boresight estimate as a linear function of all data, -G^T (residuals). Rows of data that are
+/// not used are zero.
 struct GroupEstimate {
   Eigen::Vector3d theta_rad = Eigen::Vector3d::Zero();
   Eigen::MatrixXd G;
 };
 
-std::optional<GroupEstimate> FromPairsOf(const Factors& group, const FlightNetwork& network,
-                                         const LinearizedNetwork& all) {
+std::optional<GroupEstimate> EstimateFromPairs(const Factors& group, const FlightNetwork& network,
+                                               const LinearizedNetwork& all) {
   Network net = network.net;
   for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
     if (group.count(edge.id) == 0) net.SetActive(edge.id, false);
@@ -76,7 +77,7 @@ std::optional<GroupEstimate> FromPairsOf(const Factors& group, const FlightNetwo
   }
 }
 
-/// Orthonormal contrasts between n values of three components.
+/// Returns orthonormal contrasts between n values of three components.
 Eigen::MatrixXd Contrasts(Eigen::Index n) {
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(3 * (n - 1), 3 * n);
   for (Eigen::Index k = 1; k < n; ++k) {
@@ -113,13 +114,13 @@ double ExcessScatter(const Eigen::VectorXd& values, const Eigen::MatrixXd& C) {
 
 std::optional<double> BoresightScatter(const FlightNetwork& network, int threads) {
   if (network.net.block(network.boresight.id).held) return std::nullopt;
-  const std::vector<Factors> groups = ByStrips(network);
+  const std::vector<Factors> groups = GroupByStrips(network);
   if (groups.size() < 2) return std::nullopt;
   const LinearizedNetwork all(network.net, threads);
   std::vector<std::optional<GroupEstimate>> estimates(groups.size());
   ParallelFor(static_cast<int>(groups.size()), threads, [&](int k) {
     const auto at = static_cast<std::size_t>(k);
-    estimates[at] = FromPairsOf(groups[at], network, all);
+    estimates[at] = EstimateFromPairs(groups[at], network, all);
   });
   std::erase_if(estimates, [](const auto& estimate) { return !estimate.has_value(); });
   const auto n = static_cast<Eigen::Index>(estimates.size());

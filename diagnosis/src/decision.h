@@ -7,22 +7,23 @@
 
 namespace dn::internal {
 
-/// Evidence that an effect must have: by `kSafetyNats` more than one flight in twenty without any
-/// effect has somewhere in the library, and no less than `kLeastThresholdNats`.
+/// Evidence threshold for naming an effect. `evidence_95` is the 95 % quantile of the largest
+/// evidence in the library over replicates without any effect. The threshold exceeds it by
+/// `kSafetyNats`, and is at least `kLeastThresholdNats`.
 constexpr double kSafetyNats = 2.0, kLeastThresholdNats = 4.0;
 constexpr double ThresholdNats(double evidence_95) {
   return std::max(kLeastThresholdNats, evidence_95 + kSafetyNats);
 }
-/// Before there are twins to tell.
+/// Evidence threshold of a design, which has no replicates.
 constexpr double kThresholdOfDesignNats = kLeastThresholdNats + kSafetyNats;
-/// Evidence, more than a physical effect has, at which a discrepancy without a name is the better one.
+/// Lead in evidence at which an unmodelled discrepancy is preferred to the physical effects.
 constexpr double kGenericNats = 3.0;
-/// By so much another effect must explain the data better to take the place of one that was chosen.
+/// Lead in evidence at which another effect replaces a selected one.
 constexpr double kSwapNats = 1.0;
-/// Effects of one verdict, places and statistics of one report.
+/// Largest numbers of effects in a verdict, and of places and statistics in a report.
 constexpr std::size_t kMostCauses = 4, kMostPlaces = 20, kMostStatistics = 60;
 
-/// Linear twins.
+/// Returns the number of linear replicates.
 constexpr int NumTwins(GapOptions::Depth depth) {
   if (depth == GapOptions::Depth::kFull) return 400;
   return depth == GapOptions::Depth::kQuick ? 200 : 100;

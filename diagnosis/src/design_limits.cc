@@ -19,12 +19,12 @@ namespace {
 
 constexpr PlannedRates kRates{.imu_hz = 100.0, .gnss_hz = 1.0};
 
-const Trajectory& PosesOf(const Flight& flight) {
+const Trajectory& FindPoses(const Flight& flight) {
   if (flight.trajectory) return *flight.trajectory;
   return flight.initial_guess ? *flight.initial_guess : *flight.reference;
 }
 
-LibraryOptions LibraryOf(const GapOptions& options) {
+LibraryOptions MakeLibraryOptions(const GapOptions& options) {
   return {options.effects, options.left_out, options.threads};
 }
 
@@ -36,12 +36,12 @@ bool HasPoses(const Flight& flight) {
 
 Screen ScreenOfDesign(const Flight& flight, const GapOptions& options, long* rows) {
   Flight plan = flight;
-  const NetworkDesign design{PosesOf(flight).InMap(flight.frame)};
+  const NetworkDesign design{FindPoses(flight).InMap(flight.frame)};
   PlanMeasurements(design, kRates, &plan);
   const FlightNetwork network = Build(plan, design);
   const Marginals marginals(network.net, {.threads = options.threads});
   if (rows != nullptr) *rows = marginals.linearized().rows();
-  return Screen(network, marginals, LibraryOf(options));
+  return Screen(network, marginals, MakeLibraryOptions(options));
 }
 
 GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options) {
@@ -63,7 +63,7 @@ std::vector<HiddenEffect> HiddenOnDesign(const Solution& solution, const GapOpti
   };
   poll();
   const internal::Screen screen(solution.network(), solution.marginals(),
-                                internal::LibraryOf(options));
+                                internal::MakeLibraryOptions(options));
   poll();
   return internal::HiddenEffects(screen, internal::kThresholdOfDesignNats, options.seed);
 }

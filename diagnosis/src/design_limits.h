@@ -6,16 +6,18 @@
 
 namespace dn::internal {
 
-/// Whether the flight has poses at which a network can be linearised without being solved: a
+/// Returns whether the flight has poses at which a network can be linearised without a solution: a
 /// trajectory, an initial guess or a reference.
 bool HasPoses(const Flight& flight);
 
-/// The library at the poses of a flight, from its configuration and the laser vectors of its pairs.
-/// Inertial and GNSS data that it has not are those of perfect sensors on these poses. `flight` has
-/// the section imu. Throws as Build, and RankDeficient. `rows`: of the network; may be null.
+/// Screens the library at the poses of a flight, with its configuration and the laser vectors of
+/// its pairs. Missing inertial and GNSS data are replaced by those of perfect sensors on these
+/// poses. `flight` must have the section imu. `rows`, if not null, receives the number of rows of
+/// the network. Throws as Build, and RankDeficient.
 Screen ScreenOfDesign(const Flight& flight, const GapOptions& options, long* rows = nullptr);
 
-/// What could be found and what could hide on a flight, by ScreenOfDesign. Throws as that.
+/// Computes the detection limits of a flight with ScreenOfDesign, without a verdict. Throws as
+/// ScreenOfDesign.
 GapResult LimitsOfDesign(const Flight& flight, const GapOptions& options);
 
 }  // namespace dn::internal

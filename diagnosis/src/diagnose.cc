@@ -38,20 +38,22 @@ namespace {
 
 using namespace internal;
 
-constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // of each kind
-// Share of its evidence that a large effect may lose by what is not of first order.
+constexpr int kFoldsFull = 6, kFoldsQuick = 3;  // number of tiles, and of outages
+// Fraction of its evidence that a large effect may lose to second-order terms.
 constexpr double kSecondOrder = 0.05;
-// Usual sizes beyond which an effect is no ordinary one; and how much of its evidence a discrepancy
-// without a name must have to be in question then, whose many components have their price.
-constexpr double kPlausibleSizes = 10.0, kNearlyAsMuch = 0.9;
-constexpr double kSurely_sigmas = 2.0;
-// p-value of the high band and of gross errors, which the twins do not have, that counts by itself.
+// Multiple of the typical size above which an effect is implausible, and the fraction of the named
+// evidence at which a discrepancy makes it doubtful. The fraction is below 1 because the evidence
+// of a discrepancy is reduced by its many components.
+constexpr double kPlausibleSizes = 10.0, kRivalEvidenceShare = 0.9;
+constexpr double kSignificantSigmas = 2.0;
+// p-value at which high-band inertial noise or outliers, which replicates do not contain, decide
+// alone.
 constexpr double kCertain = 1e-3;
-// p-value of twins against twins below which they are no reference.
-constexpr double kUnequalTwins = 1e-4;
+// p-value of replicates against replicates below which they are not a valid reference.
+constexpr double kUnequalReplicates = 1e-4;
 constexpr double kTrajectoryStepS = 0.01;
-constexpr int kFullTwins = 8;  // of each kind
-// p-value of the flight among its simulated twins below which they are not like it.
+constexpr int kSimulatedReplicates = 8;  // without and with the effects each
+// p-value of the flight among its simulated replicates below which they do not reproduce it.
 constexpr double kUnlike = 0.01;
 constexpr long kLeastFlightRedundancy = 30;
 
@@ -67,12 +69,12 @@ double Mean(const std::vector<double>& values) {
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 
-double RootExcess(double value, const std::vector<double>& of_twins) {
-  const double usual = Mean(of_twins);
+double RootExcess(double value, const std::vector<double>& of_replicates) {
+  const double usual = Mean(of_replicates);
   return std::sqrt(std::max(0.0, value * value - usual * usual));
 }
 
-/// A flight beside its twins.
+/// A flight compared with its replicates.
 struct Compared {
   Appearance appearance;
   Twins twins;
@@ -95,10 +97,10 @@ class Diagnosis {
     if (options_.depth == GapOptions::Depth::kLimits) return Limits(*base);
     if (base->solution->trajectory().figures.redundancy < kLeastFlightRedundancy) {
       return Unavailable(flight_, options_,
-                         "the measurements hardly exceed the unknowns, so that nothing can "
-                         "contradict; it takes a longer flight");
+                         "the redundancy of the measurements is too low to test the model; fly "
+                         "longer");
     }
-    Report("twins", 0.15);
+    Report("replicates", 0.15);
     before_ = Compare(*base);
     watch_.Lap("twins");
     JudgeGap(*base);
@@ -106,7 +108,7 @@ class Diagnosis {
         Attribute(explainer_, std::move(base), out_.detected, Threshold());
     watch_.Lap("attribution");
     if (attribution.final) {
-      Report("twins with the effects", 0.8);
+      Report("replicates with the effects", 0.8);
       after_ = Compare(*attribution.final);
       watch_.Lap("twins with the effects");
     }
@@ -114,15 +116,15 @@ class Diagnosis {
     FillVerdict(attribution);
     if (attribution.final) {
       MeasureShrinkage(attribution);
-      Report("data held out", 0.85);
+      Report("held-out data", 0.85);
       MeasureHeldOut(attribution);
       watch_.Lap("data held out");
     }
     const Trajectory trajectory(
         DenseTrajectory(attribution.last().solution->network(), kTrajectoryStepS));
     if (options_.depth == GapOptions::Depth::kFull) {
-      Report("simulated twins", 0.88);
-      FlyAgain(attribution, trajectory);
+      Report("simulated replicates", 0.88);
+      CompareSimulated(attribution, trajectory);
       watch_.Lap("simulated twins");
     }
     Report("limits", 0.94);
@@ -134,7 +136,7 @@ class Diagnosis {
     return Result(attribution, trajectory);
   }
 
-  /// By the geometry at the solution.
+  /// Computes the detection limits from the geometry at the solution.
   GapResult Limits(const ExplainedFlight& base) {
     out_.could_still_hide = HiddenEffects(*base.screen, kThresholdOfDesignNats, options_.seed);
     out_.validity.observations = base.solution->linearized().rows();
@@ -157,7 +159,8 @@ class Diagnosis {
 
   double Threshold() const { return ThresholdNats(before_.test.evidence_95); }
 
-  /// Linear replicates hold neither raw inertial samples nor outliers.
+  /// Returns whether replicates lack the effect: they contain neither raw inertial samples nor
+  /// outliers.
   static bool OutsideReplicates(const EffectSpec& effect) {
     const bool inertial = effect.sensor == EffectSensor::kImu ||
                           effect.sensor == EffectSensor::kGyro ||
@@ -165,8 +168,9 @@ class Diagnosis {
     return effect.kind == EffectKind::kOutliers || (effect.kind == EffectKind::kNoise && inertial);
   }
 
-  /// Of what the twins cannot show, raw inertial noise and gross errors.
-  static double NatsOutsideTwins(const ExplainedFlight& explained) {
+  /// Returns the largest evidence of raw inertial noise and outliers, which replicates do not
+  /// contain.
+  static double NatsOutsideReplicates(const ExplainedFlight& explained) {
     double nats = std::max(0.0, explained.coloured_imu_nats);
     for (const ScreenedEffect& effect : explained.effects) {
       const bool outside = effect.physical() && OutsideReplicates(EffectRow(*effect.id));
@@ -176,7 +180,7 @@ class Diagnosis {
   }
 
   void JudgeGap(const ExplainedFlight& base) {
-    const double outside = std::exp(-NatsOutsideTwins(base));
+    const double outside = std::exp(-NatsOutsideReplicates(base));
     out_.p_value =
         outside < kCertain ? std::min(outside, before_.test.p_value) : before_.test.p_value;
     out_.detected = out_.p_value <= options_.alpha;
@@ -188,23 +192,24 @@ class Diagnosis {
     out_.validity.observations = base.solution->linearized().rows();
     out_.validity.twins = static_cast<int>(before_.twins.all.size());
     out_.validity.tests = static_cast<int>(before_.statistics.size() + base.effects.size());
-    JudgeTwins();
+    CheckReplicates();
   }
 
-  void JudgeTwins() {
+  void CheckReplicates() {
     out_.validity.aa_p_value = TwinsAgainstTwins(before_.twins);
-    if (out_.validity.aa_p_value >= kUnequalTwins) return;
+    if (out_.validity.aa_p_value >= kUnequalReplicates) return;
     out_.validity.notes.push_back(
-        "twins of the flight differ among themselves: nothing can be said of it");
+        "replicates of the flight differ among themselves and are not a valid reference");
   }
 
   void FillSize() {
-    const std::vector<double> of_twins = Over(before_.twins, &Appearance::size_nats);
-    const double usual = Mean(of_twins);
+    const std::vector<double> of_replicates = Over(before_.twins, &Appearance::size_nats);
+    const double usual = Mean(of_replicates);
     out_.size.value = before_.appearance.size_nats - usual;
-    out_.size.null_low = Quantile(of_twins, 0.025) - usual;
-    out_.size.null_high = Quantile(of_twins, 0.975) - usual;
-    out_.size.upper_limit_95 = std::max(0.0, out_.size.value - (Quantile(of_twins, 0.05) - usual));
+    out_.size.null_low = Quantile(of_replicates, 0.025) - usual;
+    out_.size.null_high = Quantile(of_replicates, 0.975) - usual;
+    out_.size.upper_limit_95 =
+        std::max(0.0, out_.size.value - (Quantile(of_replicates, 0.05) - usual));
   }
 
   void FillUserUnits() {
@@ -244,7 +249,7 @@ class Diagnosis {
     return named;
   }
 
-  /// A fixed effect's values from the adjustment that has it among its unknowns.
+  /// Takes the values of a fixed effect from the adjustment that estimates it.
   static void TakeEstimate(const ExplainedFlight& final, GapCause* cause) {
     for (const UnknownEstimate& unknown : final.solution->Unknowns()) {
       if (unknown.name != cause->effect) continue;
@@ -255,23 +260,25 @@ class Diagnosis {
   }
 
   void FillVerdict(const Attribution& attribution) {
-    if (out_.validity.aa_p_value < kUnequalTwins) {
+    if (out_.validity.aa_p_value < kUnequalReplicates) {
       out_.verdict.kind = GapVerdictKind::kUnavailable;
       return;
     }
     std::vector<std::string> named;
     for (const GapCause& cause : attribution.causes) named.push_back(cause.effect);
-    const Decision decision{out_.detected, GenericIsBetter(attribution),
+    const Decision decision{out_.detected, DiscrepancyIsBetter(attribution),
                             SomethingLeft(attribution)};
     out_.verdict = Decide(decision, named, attribution.slots);
     out_.verdict.implausible = Implausible(attribution);
     AllowForOutsiders(out_.verdict, &out_.causes);
   }
 
-  /// A wrong name for physics without one comes out with any size.
+  /// Returns an effect of implausible size. A wrong name for unmodelled physics can come out with
+  /// any size.
   std::optional<GapImplausible> Implausible(const Attribution& attribution) const {
     const ScreenedEffect* generic = BestGeneric(attribution.base->effects);
-    if (generic == nullptr || generic->log_evidence < kNearlyAsMuch * attribution.explained_nats) {
+    if (generic == nullptr ||
+        generic->log_evidence < kRivalEvidenceShare * attribution.explained_nats) {
       return std::nullopt;
     }
     for (const GapCause& cause : NamedCauses(attribution)) {
@@ -280,7 +287,7 @@ class Diagnosis {
       for (Eigen::Index k = 0; k < cause.estimate.size(); ++k) {
         const double typical = spec.components[static_cast<std::size_t>(k)].typical;
         const double size = std::abs(cause.estimate[k]);
-        if (size - kSurely_sigmas * cause.sigma[k] > kPlausibleSizes * typical) {
+        if (size - kSignificantSigmas * cause.sigma[k] > kPlausibleSizes * typical) {
           return GapImplausible{cause.effect, size / typical, generic->name};
         }
       }
@@ -288,9 +295,10 @@ class Diagnosis {
     return std::nullopt;
   }
 
-  /// A large effect is of more than first order: a discrepancy of many components may fit that as
-  /// well, and is nothing once the flight is adjusted with the effect.
-  bool GenericIsBetter(const Attribution& attribution) const {
+  /// Returns whether a discrepancy describes the data better than the named effects. The
+  /// second-order terms of a large effect may fit a discrepancy of many components; they vanish
+  /// once the flight is adjusted with the effect.
+  bool DiscrepancyIsBetter(const Attribution& attribution) const {
     const double margin = std::max(kGenericNats, kSecondOrder * attribution.explained_nats);
     if (attribution.generic_nats <= attribution.explained_nats + kGenericNats) return false;
     if (attribution.final) return SomethingLeft(attribution);
@@ -307,8 +315,9 @@ class Diagnosis {
 
   void MeasureShrinkage(const Attribution& attribution) {
     if (!out_.detected || out_.verdict.effects.empty()) return;
-    GapShrinkage shrinkage = OmnibusShrinkage({before_.test, NatsOutsideTwins(*attribution.base)},
-                                              {after_.test, NatsOutsideTwins(*attribution.final)});
+    GapShrinkage shrinkage =
+        OmnibusShrinkage({before_.test, NatsOutsideReplicates(*attribution.base)},
+                         {after_.test, NatsOutsideReplicates(*attribution.final)});
     shrinkage.before.p_value = out_.p_value;
     shrinkage.before.size_nats_per_obs = out_.size.value;
     shrinkage.after.p_value = after_.test.p_value;
@@ -319,7 +328,7 @@ class Diagnosis {
     out_.shrinkage = shrinkage;
   }
 
-  /// What the causes are worth for the prediction of data that are taken out.
+  /// Measures how much the causes improve the prediction of held-out data.
   void MeasureHeldOut(const Attribution& attribution) {
     if (!out_.shrinkage) return;
     HeldOutOptions options;
@@ -339,15 +348,16 @@ class Diagnosis {
     }
   }
 
-  /// The best of all further effects gains something of every flight: what it gains of twins is
-  /// nothing that could be reached.
+  /// Computes the reachable gain. The best of all further effects gains something on every flight,
+  /// so its mean gain over replicates is subtracted.
   void FillReachable(const HeldOutGains& gains, GapShrinkage* shrinkage) const {
-    double of_twins = 0.0;
+    double of_replicates = 0.0;
     for (const Appearance& twin : after_.twins.all) {
-      of_twins += std::max(0.0, twin.log_evidence.size() > 0 ? twin.log_evidence.maxCoeff() : 0.0);
+      of_replicates +=
+          std::max(0.0, twin.log_evidence.size() > 0 ? twin.log_evidence.maxCoeff() : 0.0);
     }
-    of_twins /= static_cast<double>(after_.twins.all.size());
-    const double left = std::max(0.0, gains.further_nats - of_twins);
+    of_replicates /= static_cast<double>(after_.twins.all.size());
+    const double left = std::max(0.0, gains.further_nats - of_replicates);
     const double gain = std::max(0.0, gains.gain_nats);
     shrinkage->held_out_gain_nats = gains.gain_nats;
     shrinkage->reachable_left_nats = left;
@@ -365,48 +375,48 @@ class Diagnosis {
     state->boresight_sigma_rad = boresight.sigma_rad();
   }
 
-  /// Twins simulated anew, without the effects and with them.
-  void FlyAgain(const Attribution& attribution, const Trajectory& trajectory) {
+  /// Simulates replicates without and with the effects.
+  void CompareSimulated(const Attribution& attribution, const Trajectory& trajectory) {
     const ExplainedFlight& last = attribution.last();
     const LinearTwins linear = NamedLinearTwins(before_.statistics, before_.twins, before_.test);
-    const std::vector<NamedStatistics> without = FlyTwinsWith({}, last, trajectory);
+    const std::vector<NamedStatistics> without = SimulateWith({}, last, trajectory);
     out_.validity.full_twins = static_cast<int>(without.size());
     out_.validity.full_against_linear_p = FullAgainstLinear(without, linear, options_.seed);
     const std::vector<GapCause> named = CausesOfVerdict(out_);
     if (named.empty()) return;
-    const std::vector<NamedStatistics> with = FlyTwinsWith(named, last, trajectory);
+    const std::vector<NamedStatistics> with = SimulateWith(named, last, trajectory);
     out_.validity.full_twins += static_cast<int>(with.size());
     for (FingerprintValue& value : out_.fingerprint) {
-      const std::optional<MeanAndSigma> of_twins = MeanOver(with, value.name);
-      if (!of_twins) continue;
-      value.twin_mean = of_twins->mean;
-      value.twin_sigma = of_twins->sigma;
+      const std::optional<MeanAndSigma> of_replicates = MeanOver(with, value.name);
+      if (!of_replicates) continue;
+      value.twin_mean = of_replicates->mean;
+      value.twin_sigma = of_replicates->sigma;
     }
     const NamedStatistics flight = Comparable(before_.statistics, before_.appearance.locations);
     out_.validity.like_twins_p = LikeTwins(flight, with, linear, options_.seed);
-    if (out_.validity.like_twins_p.value_or(1.0) < kUnlike) Doubt();
+    if (out_.validity.like_twins_p.value_or(1.0) < kUnlike) LowerToPartial();
   }
 
-  /// None, with a note, where the simulator cannot fly them.
-  std::vector<NamedStatistics> FlyTwinsWith(const std::vector<GapCause>& causes,
+  /// Returns no statistics, and adds a note, if the simulator cannot fly the scenario.
+  std::vector<NamedStatistics> SimulateWith(const std::vector<GapCause>& causes,
                                             const ExplainedFlight& last,
                                             const Trajectory& trajectory) {
     FullTwinOptions options;
-    options.count = kFullTwins;
+    options.count = kSimulatedReplicates;
     options.seed = MixBits(options_.seed) + causes.size();
     options.threads = options_.threads;
     options.interrupted = options_.interrupted;
     try {
-      const Scenario scenario = TwinScenario(flight_, trajectory, causes, BoresightOf(last));
+      const Scenario scenario = TwinScenario(flight_, trajectory, causes, TotalBoresight(last));
       return FlyTwins(flight_, scenario, trajectory, options);
     } catch (const InvalidInput& error) {
-      out_.validity.notes.push_back(std::string("no simulated twins: ") + error.what());
+      out_.validity.notes.push_back(std::string("no simulated replicates: ") + error.what());
     }
     return {};
   }
 
-  /// What is named explains the flight in part.
-  void Doubt() {
+  /// Lowers the verdict to partial: replicates with the named effects do not reproduce the flight.
+  void LowerToPartial() {
     GapVerdict& verdict = out_.verdict;
     if (verdict.kind == GapVerdictKind::kIdentified || verdict.kind == GapVerdictKind::kGroup) {
       verdict.kind = GapVerdictKind::kPartial;
@@ -417,18 +427,18 @@ class Diagnosis {
   void BreakTies(const Attribution& attribution, const Trajectory& trajectory) {
     const std::vector<Tie> ties = TiesOf(out_);
     if (options_.depth == GapOptions::Depth::kScreen || ties.empty()) return;
-    Report("what would tell the causes apart", 0.97);
+    Report("how to separate the causes", 0.97);
     const ExplainedFlight& last = attribution.last();
     std::vector<std::string> sentences;
     for (const Tie& tie : ties) {
-      const std::string text = TieBreaker(flight_, trajectory, BoresightOf(last), tie, options_);
+      const std::string text = TieBreaker(flight_, trajectory, TotalBoresight(last), tie, options_);
       if (!text.empty()) sentences.push_back(text);
     }
     out_.verdict.tie_breaker = fmt::format("{}", fmt::join(sentences, "; "));
     watch_.Lap("tie breaker");
   }
 
-  static Eigen::Vector3d BoresightOf(const ExplainedFlight& explained) {
+  static Eigen::Vector3d TotalBoresight(const ExplainedFlight& explained) {
     const Solution& solution = *explained.solution;
     if (solution.linearized().FirstColumn(solution.network().boresight.id) < 0) {
       return Eigen::Vector3d::Zero();
@@ -441,7 +451,7 @@ class Diagnosis {
     const ExplainedFlight& last = attribution.last();
     result.adapted = Adapted(flight_, out_);
     result.trajectory = trajectory;
-    result.boresight_rad = BoresightOf(last);
+    result.boresight_rad = TotalBoresight(last);
     result.diagnosis = std::move(out_);
     return result;
   }
@@ -454,7 +464,7 @@ class Diagnosis {
   Compared before_, after_;
 };
 
-GapResult DiagnoseByWhatThereIs(const Flight& flight, const GapOptions& options) {
+GapResult DiagnoseAvailableData(const Flight& flight, const GapOptions& options) {
   const bool limits = options.depth == GapOptions::Depth::kLimits;
   if (limits && flight.config.imu && flight.config.gnss && HasPoses(flight)) {
     return LimitsOfDesign(flight, options);
@@ -463,10 +473,10 @@ GapResult DiagnoseByWhatThereIs(const Flight& flight, const GapOptions& options)
   return Diagnosis(flight, options).Run();
 }
 
-/// A flight that cannot be adjusted has no diagnosis, which is an answer.
-GapResult WithoutFailing(const Flight& flight, const GapOptions& options) {
+/// Turns a failed adjustment into the verdict `unavailable`.
+GapResult DiagnoseOrReportFailure(const Flight& flight, const GapOptions& options) {
   try {
-    return DiagnoseByWhatThereIs(flight, options);
+    return DiagnoseAvailableData(flight, options);
   } catch (const InvalidConfig&) {
     throw;
   } catch (const InvalidInput& error) {
@@ -487,7 +497,7 @@ void ExpectEffects(const std::vector<std::string>& names, const char* option) {
   for (const std::string& name : names) {
     if (FindEffect(name) == nullptr) {
       throw InvalidConfig(std::string("diagnosis: ") + option + " names '" + name +
-                          "', which is no effect of the table");
+                          "', which is not an effect of the table");
     }
   }
 }
@@ -504,7 +514,7 @@ void GapOptions::Validate() const {
 
 GapResult Diagnose(const Flight& flight, const GapOptions& options) {
   options.Validate();
-  return WithoutFailing(flight, options);
+  return DiagnoseOrReportFailure(flight, options);
 }
 
 }  // namespace dn

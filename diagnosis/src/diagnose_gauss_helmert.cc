@@ -29,13 +29,14 @@ namespace dn::internal {
 namespace {
 
 constexpr std::size_t kFewestPairsOfFlight = 100;
-// Of larger errors of the trajectory: what else its errors do, which the model of them leaves out,
-// takes up to about half of it on good flights.
+// Evidence that larger trajectory errors must have. Good flights reach up to about half of it,
+// because the model of the trajectory errors is not complete.
 constexpr double kLargerErrorsNats = 20.0;
-// Norm of a standardised misclosure that is a gross error, and the share of good pairs beyond it.
+// Norm of a standardised misclosure that counts as an outlier, and the fraction of good pairs above
+// it.
 constexpr double kGrossPairNorm = 4.6, kGoodPairsLost = 2e-4;
 
-/// The pairs beside their twins, with what was chosen among the unknowns.
+/// The pairs compared with their replicates, with the selected effects among the unknowns.
 struct ComparedPairs {
   Appearance appearance;
   Twins twins;
@@ -60,21 +61,22 @@ class GaussHelmertDiagnosis {
     out_.validity.alpha = options.alpha;
   }
 
-  /// What could hide beside errors of the stated size, whatever the misclosures are.
+  /// Computes the detection limits for trajectory errors of the stated size, without the
+  /// misclosures.
   GapResult Limits() {
     Report("limits", 0.2);
     base_ = Explain({});
     base_.screen = std::move(base_.at_stated);
-    FillHidden(kThresholdOfDesignNats);
+    FillDetectionLimits(kThresholdOfDesignNats);
     watch_.Lap("limits");
     return WithLimits(flight_, std::move(out_));
   }
 
   GapResult Run() {
-    Report("effects beside errors of the trajectory", 0.2);
+    Report("effects with trajectory errors", 0.2);
     base_ = Explain({});
     watch_.Lap("screen");
-    Report("twins", 0.5);
+    Report("replicates", 0.5);
     before_ = Compare(base_);
     watch_.Lap("twins");
     JudgeGap();
@@ -87,7 +89,7 @@ class GaussHelmertDiagnosis {
     FillVerdict();
     if (!chosen_.empty()) MeasureShrinkage();
     Report("limits", 0.9);
-    FillHidden(Threshold());
+    FillDetectionLimits(Threshold());
     watch_.Lap("limits");
     FillNotes();
     out_.verdict.text = VerdictSentence(out_);
@@ -104,7 +106,8 @@ class GaussHelmertDiagnosis {
     return LibraryOptions{options_.effects, options_.left_out, 1}.Wanted(effect);
   }
 
-  /// A robust loss takes weight from good pairs, too, and so noise.
+  /// Returns whether the noise of the pairs is screened. A robust loss also reduces the weight of
+  /// good pairs, and with it their apparent noise.
   bool WithNoiseScale() const {
     return flight_.config.lidar->robust == RobustKind::kNone && Wanted(EffectId::kP2pNoiseScale);
   }
@@ -118,32 +121,33 @@ class GaussHelmertDiagnosis {
     return explained;
   }
 
-  /// Of the errors at the ends of pairs, whose size is that of the section `trajectory`, where the
-  /// smoother has stated another.
-  ErrorScale OfEnds(const ErrorScale& scale) const {
+  /// Converts a scale relative to the smoother's accuracy to one relative to the sigmas at the ends
+  /// of the pairs. These sigmas come from the section `trajectory`.
+  ErrorScale ScaleAtPairEnds(const ErrorScale& scale) const {
     const GaussHelmertEnd& end = calibration_.problem.pairs.front().i;
     const TrajectoryAccuracy& accuracy = calibration_.accuracy;
     return {scale.position * accuracy.sigma_ned_m.norm() / end.sigma_ned_m.norm(),
             scale.attitude * accuracy.sigma_rph_rad.norm() / end.sigma_rph_rad.norm()};
   }
 
-  /// Of the pairs left out, those that errors of the trajectory do not explain.
+  /// Adds the effect of outliers: the rejected pairs that trajectory errors do not explain.
   void AddOutliers(const ErrorScale& scale, std::vector<ScreenedEffect>* effects) {
     const GaussHelmertProblem& problem = calibration_.problem;
     std::vector<double> lengths_m;
-    gross_ = 0;
+    outliers_ = 0;
     for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
       if (calibration_.adjustment.weights[k] > 0.0) continue;
       const PairLinearisation at =
           LinearisePair(problem.pairs[k], problem.lever_arm_b_m, calibration_.options.model,
                         calibration_.adjustment.boresight_rad, PairCorrection::Zero());
-      const Eigen::Matrix3d covariance = MisclosureCovariance(problem.pairs[k], at, OfEnds(scale));
+      const Eigen::Matrix3d covariance =
+          MisclosureCovariance(problem.pairs[k], at, ScaleAtPairEnds(scale));
       if (at.w.dot(covariance.llt().solve(at.w)) < kGrossPairNorm * kGrossPairNorm) continue;
-      ++gross_;
+      ++outliers_;
       lengths_m.push_back(at.w.norm());
     }
     const ScreenedEffect outliers =
-        OutlierEffect(EffectId::kP2pOutliers, gross_, static_cast<long>(problem.pairs.size()),
+        OutlierEffect(EffectId::kP2pOutliers, outliers_, static_cast<long>(problem.pairs.size()),
                       kGoodPairsLost, lengths_m);
     const auto at = std::find_if(effects->begin(), effects->end(), [&](const auto& effect) {
       return effect.log_evidence < outliers.log_evidence;
@@ -151,9 +155,9 @@ class GaussHelmertDiagnosis {
     effects->insert(at, outliers);
   }
 
-  // ---- Twins -------------------------------------------------------------------------------------
+  // ---- Replicates -------------------------------------------------------------------------------
 
-  /// Misclosures summed over each place, in units of their sigma.
+  /// Returns the misclosures summed over each place, in units of their sigma.
   Eigen::VectorXd Places(const JointScore& score, const Eigen::VectorXd& s) const {
     std::vector<double> z;
     for (const PairPlace& place : library_.places) {
@@ -165,7 +169,7 @@ class GaussHelmertDiagnosis {
     return Eigen::VectorXd::Map(z.data(), static_cast<Eigen::Index>(z.size()));
   }
 
-  /// `gross`: departure of the number of gross errors from what good pairs bring, in sigmas.
+  /// `gross`: excess of the number of outliers over the number expected from good pairs, in sigmas.
   Appearance LookAt(const Screen& screen, const Eigen::VectorXd& s, double chi2, double white,
                     double gross) const {
     const double n = evidence_.observations();
@@ -192,10 +196,10 @@ class GaussHelmertDiagnosis {
     return std::sqrt(sum / static_cast<double>(pairs_.pair.size()));
   }
 
-  /// Scores with the covariance that they have without any effect.
+  /// Compares the scores with replicates that have the covariance of a flight without any effect.
   ComparedPairs Compare(const ExplainedPairs& explained) const {
     return Compare(*explained.screen, explained.chi2, explained.scale.white,
-                   GrossInSigmas(explained));
+                   OutlierExcessInSigmas(explained));
   }
 
   ComparedPairs Compare(const Screen& screen, double chi2_of_pairs, double white,
@@ -219,30 +223,32 @@ class GaussHelmertDiagnosis {
     return out;
   }
 
-  /// The root of a count has the same spread at every mean (Anscombe).
-  double GrossInSigmas(const ExplainedPairs& explained) const {
+  /// Returns the excess number of outliers in sigmas. The root of a count has a constant variance
+  /// (Anscombe).
+  double OutlierExcessInSigmas(const ExplainedPairs& explained) const {
     for (const ScreenedEffect& effect : explained.chosen) {
       if (effect.id == EffectId::kP2pOutliers) return 0.0;
     }
-    const double usual = kGoodPairsLost * static_cast<double>(calibration_.problem.pairs.size());
+    const double typical = kGoodPairsLost * static_cast<double>(calibration_.problem.pairs.size());
     const double more =
-        2.0 * (std::sqrt(static_cast<double>(gross_) + 0.375) - std::sqrt(usual + 0.375));
+        2.0 * (std::sqrt(static_cast<double>(outliers_) + 0.375) - std::sqrt(typical + 0.375));
     return std::max(0.0, more);
   }
 
   double Threshold() const { return ThresholdNats(before_.test.evidence_95); }
 
-  // ---- Is there a gap, and where -----------------------------------------------------------------
+  // ---- Is there a gap, and where ----------------------------------------------------------------
 
-  /// The mean ratio of likelihoods over the family exceeds 1 / p with probability p at most.
+  /// Returns a p-value. The mean likelihood ratio of the family exceeds 1 / p with probability p at
+  /// most.
   static double PByEvidence(const std::vector<ScreenedEffect>& effects) {
     LogSum sum;
     for (const ScreenedEffect& effect : effects) sum.Add(effect.log_evidence);
     return std::min(1.0, static_cast<double>(effects.size()) * std::exp(-sum.Value()));
   }
 
-  /// By evidence alone: twins at one scale of the trajectory's errors do not show that the scale is
-  /// one that was found.
+  /// Returns the p-value from the evidence alone. Replicates at one scale of the trajectory errors
+  /// do not show that this scale was itself estimated.
   static double PValue(const ExplainedPairs& explained) {
     const bool larger = explained.larger_errors_nats > kLargerErrorsNats;
     return std::min(PByEvidence(explained.others),
@@ -259,7 +265,7 @@ class GaussHelmertDiagnosis {
     FillSize();
   }
 
-  static std::vector<double> SizesOfTwins(const ComparedPairs& compared) {
+  static std::vector<double> ReplicateSizes(const ComparedPairs& compared) {
     std::vector<double> sizes;
     for (const Appearance& twin : compared.twins.all) sizes.push_back(twin.size_nats);
     std::sort(sizes.begin(), sizes.end());
@@ -267,7 +273,7 @@ class GaussHelmertDiagnosis {
   }
 
   void FillSize() {
-    const std::vector<double> sizes = SizesOfTwins(before_);
+    const std::vector<double> sizes = ReplicateSizes(before_);
     const auto at = [&](double p) {
       return sizes[static_cast<std::size_t>(p * static_cast<double>(sizes.size() - 1))];
     };
@@ -280,28 +286,28 @@ class GaussHelmertDiagnosis {
         before_.appearance.pair_rms_m * std::sqrt(std::max(0.0, 1.0 - n / std::max(n, base_.chi2)));
   }
 
-  /// Quantity and location of a statistic of LookAt.
-  std::pair<std::string, std::string> NameOf(Eigen::Index statistic) const {
+  /// Returns the quantity and the location of a statistic of LookAt.
+  std::pair<std::string, std::string> StatisticLabel(Eigen::Index statistic) const {
     const char* axes[] = {"east", "north", "up"};
     const auto place = static_cast<std::size_t>(statistic / 3);
     if (place < library_.places.size()) {
       return {std::string("p2p ") + axes[statistic % 3], library_.places[place].location};
     }
     const bool square = statistic % 3 == 0;
-    return {square ? "p2p, mean square" : "p2p, gross errors", "the whole flight"};
+    return {square ? "p2p, mean square" : "p2p, outliers", "the whole flight"};
   }
 
   void FillWhere() {
-    const ComparedPairs stated =
-        Compare(*base_.at_stated, base_.chi2_at_stated, base_.scale.white, GrossInSigmas(base_));
+    const ComparedPairs stated = Compare(*base_.at_stated, base_.chi2_at_stated, base_.scale.white,
+                                         OutlierExcessInSigmas(base_));
     const TwinTest& test = stated.test;
     const double larger_nats = (chosen_.empty() ? base_ : final_).larger_errors_nats;
     if (larger_nats > kLargerErrorsNats) {
-      out_.where.push_back({"trajectory", "errors that last, against the stated ones",
+      out_.where.push_back({"trajectory", "time-correlated errors against the stated ones",
                             "the whole flight", larger_nats, std::exp(-larger_nats)});
     }
     for (const Eigen::Index k : test.LargestFirst()) {
-      const auto [quantity, place] = NameOf(k);
+      const auto [quantity, place] = StatisticLabel(k);
       out_.fingerprint.push_back({fmt::format("lidar {}, {}", quantity, place),
                                   stated.appearance.locations[k], test.mean[k], test.sigma[k],
                                   std::nullopt, std::nullopt});
@@ -311,7 +317,7 @@ class GaussHelmertDiagnosis {
     }
   }
 
-  // ---- Why ---------------------------------------------------------------------------------------
+  // ---- Why --------------------------------------------------------------------------------------
 
   void Attribute() {
     final_ = Explain({});
@@ -339,7 +345,7 @@ class GaussHelmertDiagnosis {
     return others;
   }
 
-  /// An early choice was made beside fewer effects than there are now.
+  /// Revises at most one earlier choice: each was made with fewer effects in the model than now.
   void Revise() {
     for (std::size_t k = 0; k + 1 < chosen_.size(); ++k) {
       const ExplainedPairs others = Explain(Without(k));
@@ -376,25 +382,25 @@ class GaussHelmertDiagnosis {
     return named;
   }
 
-  /// What the best explanation not yet taken would gain.
+  /// Returns the evidence of the best explanation that was not selected.
   static double LeftNats(const ExplainedPairs& explained) {
     const double most =
         explained.others.empty() ? 0.0 : std::max(0.0, explained.others.front().log_evidence);
     return most + std::max(0.0, explained.larger_errors_nats);
   }
 
-  /// By that gain, beyond what twins of the flight show of it.
+  /// Returns the reduction of LeftNats beyond its mean over replicates.
   GapShrinkage Closed() const {
-    const std::vector<double> sizes = SizesOfTwins(after_);
-    double usual = 0.0;
-    for (const double size : sizes) usual += size / static_cast<double>(sizes.size());
+    const std::vector<double> sizes = ReplicateSizes(after_);
+    double typical = 0.0;
+    for (const double size : sizes) typical += size / static_cast<double>(sizes.size());
     const double n = evidence_.observations();
-    const double excess = std::max(LeftNats(base_) - n * usual, 1.0);
-    const double left = LeftNats(final_) - n * usual;
+    const double excess = std::max(LeftNats(base_) - n * typical, 1.0);
+    const double left = LeftNats(final_) - n * typical;
     const auto closed = [&](double p) {
       const double size =
           sizes[static_cast<std::size_t>(p * static_cast<double>(sizes.size() - 1))];
-      return 1.0 - std::max(0.0, left - n * (size - usual)) / excess;
+      return 1.0 - std::max(0.0, left - n * (size - typical)) / excess;
     };
     GapShrinkage shrinkage;
     shrinkage.fraction = 1.0 - std::max(0.0, left) / excess;
@@ -428,9 +434,9 @@ class GaussHelmertDiagnosis {
         Eigen::Quaterniond(Exp(Eigen::Vector3d(-move)) * Exp(calibration_.boresight.angles_rad)));
   }
 
-  // ---- What could still hide ---------------------------------------------------------------------
+  // ---- Detection limits -------------------------------------------------------------------------
 
-  void FillHidden(double threshold_nats) {
+  void FillDetectionLimits(double threshold_nats) {
     out_.could_still_hide = HiddenEffects(*base_.screen, threshold_nats, options_.seed);
     for (HiddenEffect& hidden : HiddenByTrajectory(options_)) {
       out_.could_still_hide.push_back(std::move(hidden));
@@ -439,12 +445,12 @@ class GaussHelmertDiagnosis {
 
   void FillNotes() {
     std::vector<std::string>& notes = out_.validity.notes;
-    notes.push_back("to first order, at the Gauss-Helmert adjustment");
+    notes.push_back("effects are linearised at the Gauss-Helmert adjustment");
     const ErrorScale& scale = base_.scale;
     if (scale.position > 1.0 || scale.attitude > 1.0) {
       notes.push_back(fmt::format(
-          "effects are judged beside errors of the trajectory of {:.2g} times the stated size in "
-          "position and {:.2g} times in attitude, which are the likeliest",
+          "effects are tested with trajectory errors of {:.2g} times the stated size in position "
+          "and {:.2g} times in attitude, the most probable values",
           scale.position, scale.attitude));
     }
   }
@@ -473,7 +479,7 @@ class GaussHelmertDiagnosis {
   std::vector<ScreenedEffect> chosen_;
   std::vector<Slot> slots_;
   double explained_nats_ = 0.0;
-  long gross_ = 0;
+  long outliers_ = 0;
 };
 
 GaussHelmertCalibration Calibrate(const Flight& flight, const GapOptions& options) {
@@ -491,10 +497,9 @@ GapResult DiagnoseGaussHelmert(const Flight& flight, const GapOptions& options) 
   if (!flight.trajectory || !flight.config.lidar || pairs < kFewestPairsOfFlight) {
     return Unavailable(
         flight, options,
-        fmt::format("without inertial and GNSS data it takes a trajectory and at least {} "
-                    "pairs, and there {} {}",
-                    kFewestPairsOfFlight, flight.trajectory ? "are" : "is no trajectory, and",
-                    pairs));
+        fmt::format("without inertial and GNSS data a diagnosis needs a trajectory and at least {} "
+                    "pairs; the flight has {} trajectory and {} pairs",
+                    kFewestPairsOfFlight, flight.trajectory ? "a" : "no", pairs));
   }
   GaussHelmertDiagnosis diagnosis(flight, options, Calibrate(flight, options));
   return options.depth == GapOptions::Depth::kLimits ? diagnosis.Limits() : diagnosis.Run();

@@ -27,7 +27,8 @@ bool ShareUnit(const std::vector<EffectComponent>& parts) {
                      [&](const EffectComponent& part) { return part.unit == parts.front().unit; });
 }
 
-/// As sigmas that are the same on every axis.
+/// Returns whether a component has the same text as the one before it, such as equal sigmas on all
+/// axes.
 bool RepeatsTheOneBefore(const EffectSpec& spec, const GapCause& cause, Eigen::Index i) {
   if (i == 0) return false;
   const auto k = static_cast<std::size_t>(i);
@@ -35,9 +36,9 @@ bool RepeatsTheOneBefore(const EffectSpec& spec, const GapCause& cause, Eigen::I
          Size(cause, i) == Size(cause, i - 1);
 }
 
-double Harm(const HiddenEffect& effect) {
-  const double harm = effect.boresight_damage_rad.norm();
-  return std::isfinite(harm) ? harm : std::numeric_limits<double>::infinity();
+double PossibleShift(const HiddenEffect& effect) {
+  const double shift = effect.boresight_damage_rad.norm();
+  return std::isfinite(shift) ? shift : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -129,7 +130,9 @@ std::string ClosedWords(const GapShrinkage& shrinkage) {
 
 std::vector<HiddenEffect> MostHarmful(std::vector<HiddenEffect> effects) {
   std::stable_sort(effects.begin(), effects.end(),
-                   [](const HiddenEffect& a, const HiddenEffect& b) { return Harm(a) > Harm(b); });
+                   [](const HiddenEffect& a, const HiddenEffect& b) {
+                     return PossibleShift(a) > PossibleShift(b);
+                   });
   return effects;
 }
 

@@ -11,39 +11,41 @@ namespace dn::internal {
 inline constexpr double kMmPerM = 1e3;
 inline constexpr double kMdegPerRad = 1e3 * kDegPerRad;
 
-/// To so many significant digits: "0.0012", "930", "1.2e+06".
+/// Returns a value with the given number of significant digits: "0.0012", "930", "1.2e+06".
 std::string Rounded(double value, int digits);
 
-/// "p = 0.02", "p < 1e-12".
+/// Returns "p = 0.02", or "p < 1e-12" for smaller values.
 std::string PWords(double p_value);
 
-/// Whether the diagnosis tells how effects move a boresight: not without pairs.
+/// Returns whether the diagnosis contains shifts of the boresight. It does not without pairs.
 bool HasBoresight(const GapDiagnosis& diagnosis);
 
-/// "0.1 +- 0.004, 0 +- 0.004, -0.05 +- 0.006 m", or each component by its name where units differ:
-/// "sigma 0.3 +- 0.05 deg/h, tau 90 +- 30 s". What is the same on every axis is said once.
+/// Returns values with their sigmas: "0.1 +- 0.004, 0 +- 0.004, -0.05 +- 0.006 m". Names the
+/// components if their units differ: "sigma 0.3 +- 0.05 deg/h, tau 90 +- 30 s". A value that is
+/// equal on all axes is written once.
 std::string ValueWords(const GapCause& cause);
 
-/// " from 381400 to 381450 s", " from 381500 s on", or nothing.
+/// Returns " from 381400 to 381450 s", " from 381500 s on", or "".
 std::string TimesWords(const EffectTimes& times);
 
-/// "GNSS oscillation, 46 s", "boresight that settles, tau 50 s", or the name alone.
+/// Returns "GNSS oscillation, 46 s", "boresight that settles, tau 50 s", or the name alone.
 std::string DiscrepancyWords(const GapDiscrepancy& discrepancy);
 
-/// "3.1, -0.2, 14 mdeg".
+/// Returns "3.1, -0.2, 14 mdeg" for three angles in rad.
 std::string MdegWords(const Eigen::Vector3d& rad);
 
-/// "a", "a or b", "a, b or c".
+/// Returns "a", "a or b", or "a, b or c".
 std::string Alternatives(const std::vector<std::string>& names);
 
-/// "97 % of the gap (90 to 99)"; a lower end below 0 is called so.
+/// Returns "97 % of the gap (90 to 99)". A lower bound below 0 is written as "below 0".
 std::string ClosedWords(const GapShrinkage& shrinkage);
 
-/// "0.0012 s", or where an effect has several components, of each alone: "1.2, 3.1, 0.05 deg/h/g (x, y,
-/// z alone)"; what no size shows is "any".
+/// Returns the minimal detectable bias: "0.0012 s", or one value per component, "1.2, 3.1, 0.05
+/// deg/h/g (x, y, z alone)". A component that is undetectable at any size is written as "any".
 std::string DetectableWords(const HiddenEffect& effect);
 
-/// By how much they could move the boresight, most first; what has no bound before all others.
+/// Sorts effects by the possible shift of the boresight, largest first; unbounded shifts come
+/// before all others.
 std::vector<HiddenEffect> MostHarmful(std::vector<HiddenEffect> effects);
 
 }  // namespace dn::internal

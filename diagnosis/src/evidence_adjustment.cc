@@ -12,18 +12,18 @@
 namespace dn::internal {
 namespace {
 
-// A gross error stands by itself: of an effect of the flight or the receiver its neighbours have
-// this share at least, the same way.
+// An outlier is isolated. An effect of the flight or the receiver also changes the neighbouring
+// epochs in the same direction, by at least this fraction.
 constexpr double kNeighbourShare = 0.5;
 constexpr int kMostPasses = 8;
 
 struct Judged {
   FactorId id = -1;
   double statistic = 0.0;
-  Eigen::VectorXd error;  ///< of the prediction, whitened by the sigmas of the measurement
+  Eigen::VectorXd error;  ///< prediction error, whitened by the sigmas of the measurement
 };
 
-/// How much of an error its neighbour has.
+/// Returns the fraction of an error that its neighbour shares.
 double SharedPart(const Judged& one, const Judged& neighbour) {
   return one.error.dot(neighbour.error) / one.error.squaredNorm();
 }
@@ -40,39 +40,39 @@ std::vector<Judged> Judge(const FlightNetwork& network, const Marginals& margina
   return judged;
 }
 
-long TakeOutSingles(const std::vector<Judged>& judged, Network* net) {
+long RejectIsolated(const std::vector<Judged>& judged, Network* net) {
   if (judged.empty()) return 0;
   std::vector<double> statistics;
   for (const Judged& one : judged) statistics.push_back(one.statistic);
   const double gross = kGrossNorm * kGrossNorm * RobustVariance(statistics);
-  long taken_out = 0;
+  long rejected = 0;
   for (std::size_t k = 0; k < judged.size(); ++k) {
     const bool shared =
         (k > 0 && SharedPart(judged[k], judged[k - 1]) > kNeighbourShare) ||
         (k + 1 < judged.size() && SharedPart(judged[k], judged[k + 1]) > kNeighbourShare);
     if (judged[k].statistic < gross || shared) continue;
     net->SetActive(judged[k].id, false);
-    ++taken_out;
+    ++rejected;
   }
-  return taken_out;
+  return rejected;
 }
 
-long TakeOutGrossGnss(AdjustmentRun& run) {
-  long taken_out = 0;
+long RejectGnssOutliers(AdjustmentRun& run) {
+  long rejected = 0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    run.Announce("GNSS, gross errors");
+    run.Announce("GNSS, outliers");
     Marginals marginals(run.network().net, {.threads = run.options().threads});
     marginals.ComputeSelectedInverse();
     long now = 0;
     for (const auto which :
          {&FlightNetwork::GnssEdge::position, &FlightNetwork::GnssEdge::velocity}) {
-      now += TakeOutSingles(Judge(run.network(), marginals, which), &run.network().net);
+      now += RejectIsolated(Judge(run.network(), marginals, which), &run.network().net);
     }
     if (now == 0) break;
-    taken_out += now;
-    run.Solve("INS/GNSS, gross errors out", run.options().max_iterations);
+    rejected += now;
+    run.Solve("INS/GNSS, outliers removed", run.options().max_iterations);
   }
-  return taken_out;
+  return rejected;
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& 
   AdjustOptions own = options;
   own.stages = DefaultStages(options.with_pairs);
   StageNamed("GNSS screening", &own.stages)->run = [&](AdjustmentRun& run) {
-    out.gnss_left_out = TakeOutGrossGnss(run);
+    out.gnss_left_out = RejectGnssOutliers(run);
   };
   out.adjustment = Adjust(flight, own);
   return out;

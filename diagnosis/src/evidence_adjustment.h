@@ -5,14 +5,14 @@
 
 namespace dn::internal {
 
-/// An adjustment in which whatever may tell of an effect is kept: least squares over all GNSS epochs
-/// but single gross errors, and over all pairs but those that cannot be noise.
+/// An adjustment that keeps all data that may show an effect. It is a least-squares fit of all GNSS
+/// epochs except isolated outliers, and all pairs except those that cannot be noise.
 struct EvidenceAdjustment {
   Adjustment adjustment;
-  long gnss_left_out = 0;  ///< single epochs
+  long gnss_left_out = 0;  ///< isolated epochs
 };
 
-/// `options.stages` is not used. Throws as Adjust.
+/// Adjusts a flight this way. Ignores `options.stages`. Throws as Adjust.
 EvidenceAdjustment AdjustForEvidence(const Flight& flight, const AdjustOptions& options);
 
 }  // namespace dn::internal

@@ -18,9 +18,10 @@
 namespace dn::internal {
 namespace {
 
-// Shares that good data lose to the thresholds of gross errors.
+// Fractions of good data above the outlier thresholds.
 constexpr double kGoodPairsLost = 6.3e-5, kGoodEpochsLost = 6e-7;
-// A process is judged exactly where the screen gives it this share of the best evidence.
+// A process is evaluated exactly if the screen gives it at least this fraction of the best
+// evidence.
 constexpr double kWithinReach = 0.5;
 constexpr double kWorthJudgingNats = 3.0;
 
@@ -28,9 +29,9 @@ bool IsProcess(const ScreenedEffect& effect) {
   return effect.physical() && EffectRow(*effect.id).process();
 }
 
-/// Gross errors are left out where they stand out; the others are a larger noise of their sensor.
-void AllowForShortGrossErrors(const Flight& flight, const std::vector<GapCause>& causes,
-                              FlightConfig* config) {
+/// Increases the noise of a sensor by its outliers that are too short to be rejected.
+void AddShortOutlierNoise(const Flight& flight, const std::vector<GapCause>& causes,
+                          FlightConfig* config) {
   const auto times = [](const GapCause& cause, double sigma_m, double norm) {
     return std::sqrt(1.0 +
                      VarianceOfShortOnes(cause.estimate[0], cause.estimate[1], sigma_m, norm));
@@ -67,7 +68,7 @@ ExplainedFlight Explainer::Explain(const std::vector<GapCause>& causes) const {
   out.causes = causes;
   out.flight = std::make_unique<Flight>(flight_);
   out.flight->config = Adapted(flight_, causes);
-  AllowForShortGrossErrors(flight_, causes, &out.flight->config);
+  AddShortOutlierNoise(flight_, causes, &out.flight->config);
   out.solution =
       std::make_unique<Solution>(AdjustWith(*out.flight, &out.gnss_left_out), options_.threads);
   LibraryOptions library{options_.effects, options_.left_out, options_.threads};
@@ -119,9 +120,9 @@ void Explainer::JudgeProcesses(ExplainedFlight* explained) const {
   const double best = explained->effects.front().log_evidence;
   for (ScreenedEffect& effect : explained->effects) {
     if (!IsProcess(effect) || effect.log_evidence < kWorthJudgingNats) continue;
-    // Noise of another size is also what a process looks like to it: any process may stand behind.
-    const bool beside_noise = explained->effects.front().id == EffectId::kGnssNoiseScale;
-    if (effect.log_evidence < kWithinReach * best && !beside_noise) continue;
+    // Scaled noise also fits time-correlated errors, so any process may be the true cause.
+    const bool with_scaled_noise = explained->effects.front().id == EffectId::kGnssNoiseScale;
+    if (effect.log_evidence < kWithinReach * best && !with_scaled_noise) continue;
     if (options_.interrupted && options_.interrupted()) throw Interrupted();
     JudgeProcess(explained->solution->network(), options_.threads, &effect);
   }

@@ -15,33 +15,37 @@
 
 namespace dn::internal {
 
-/// A flight adjusted with some effects in the estimator, and what else its residuals show.
+/// A flight adjusted with some effects in the estimator (the extended model), and the screen of all
+/// other effects.
 struct ExplainedFlight {
   std::vector<GapCause> causes;
   std::unique_ptr<Flight> flight;  ///< with the adapted configuration
   std::unique_ptr<Solution> solution;
   std::unique_ptr<Screen> screen;
-  std::vector<ScreenedEffect> effects;  ///< all that are not in it, the likeliest first
-  double coloured_imu_nats = 0.0;       ///< for inertial noise that is not white or not steady
-  long gnss_left_out = 0;
+  std::vector<ScreenedEffect> effects;  ///< effects that are not in the model, most probable first
+  double coloured_imu_nats = 0.0;  ///< evidence of inertial noise that is not white or not steady
+  long gnss_left_out = 0;          ///< isolated epochs rejected as outliers
 };
 
-/// Adjusts and screens.
+/// Adjusts a flight with an extended model, and screens the effects that the model lacks.
 class Explainer {
  public:
-  /// Both must outlive it.
+  /// Both arguments must outlive the object.
   Explainer(const Flight& flight, const GapOptions& options);
 
   bool with_pairs() const { return with_pairs_; }
   const GapOptions& options() const { return options_; }
 
-  /// Throws as Adjust.
+  /// Adjusts the flight with the given causes in the model and screens all other effects. Throws as
+  /// Adjust.
   ExplainedFlight Explain(const std::vector<GapCause>& causes) const;
 
-  /// The evidence of processes that may win, with the process among the unknowns; sorts anew.
+  /// Evaluates the processes that may win with the process among the unknowns, and sorts by
+  /// evidence again.
   void JudgeProcesses(ExplainedFlight* explained) const;
 
-  /// Twins of it, and the flight against them.
+  /// Makes `twins` linear replicates and compares the flight with them. Fills `appearance`, `all`
+  /// and `statistics`.
   TwinTest Test(const ExplainedFlight& explained, int twins, Appearance* appearance, Twins* all,
                 std::vector<LocationStatistic>* statistics) const;
 

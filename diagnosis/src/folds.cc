@@ -13,11 +13,12 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kOutageS = 30.0;
-constexpr int kOutagesApart = 6;  // from the begin of one to that of the next, in outages
+constexpr int kOutageSpacing = 6;  // from the start of one outage to the next, in outage lengths
 constexpr std::size_t kFewestPairsOfTile = 12;
 
-/// Where on the ground a pair lies, from the node before it: to some tens of metres.
-std::vector<Vector2d> GroundOfPairs(const FlightNetwork& network) {
+/// Returns the ground position of each pair from the node before it, accurate to some tens of
+/// metres.
+std::vector<Vector2d> PairGroundPositions(const FlightNetwork& network) {
   const Mounting& mounting = network.flight().config.lidar->mounting;
   std::vector<Vector2d> ground_m;
   for (const FlightNetwork::PairEdge& edge : network.pair_edges) {
@@ -27,7 +28,7 @@ std::vector<Vector2d> GroundOfPairs(const FlightNetwork& network) {
   return ground_m;
 }
 
-/// Splits places into tiles of equally many, each time across the longer side.
+/// Splits places into tiles with equal numbers of places, each time across the longer side.
 class Tiles {
  public:
   Tiles(const std::vector<Vector2d>& places_m, int count) : places_m_(places_m) {
@@ -73,7 +74,7 @@ void AddTiles(const FlightNetwork& network, int count, std::vector<Fold>* folds)
   const std::size_t pairs = network.pair_edges.size();
   const int tiles = std::min(count, static_cast<int>(pairs / kFewestPairsOfTile));
   if (tiles < 2) return;
-  const std::vector<Vector2d> ground_m = GroundOfPairs(network);
+  const std::vector<Vector2d> ground_m = PairGroundPositions(network);
   const Tiles split(ground_m, tiles);
   for (const std::vector<std::size_t>& tile : split.tiles()) {
     Fold fold;
@@ -87,12 +88,12 @@ void AddTiles(const FlightNetwork& network, int count, std::vector<Fold>* folds)
 
 void AddOutages(const FlightNetwork& network, int count, std::vector<Fold>* folds) {
   const double begin_s = network.node_times().front();
-  std::vector<Fold> outages(static_cast<std::size_t>(std::min(count, kOutagesApart)));
+  std::vector<Fold> outages(static_cast<std::size_t>(std::min(count, kOutageSpacing)));
   for (const FlightNetwork::GnssEdge& edge : network.gnss_edges) {
     const double t_s = network.flight().gnss->epochs[edge.epoch].t_s;
-    const int at = static_cast<int>((t_s - begin_s) / kOutageS) % kOutagesApart;
+    const int at = static_cast<int>((t_s - begin_s) / kOutageS) % kOutageSpacing;
     for (std::size_t k = 0; k < outages.size(); ++k) {
-      if (at != static_cast<int>(k) * kOutagesApart / static_cast<int>(outages.size())) continue;
+      if (at != static_cast<int>(k) * kOutageSpacing / static_cast<int>(outages.size())) continue;
       outages[k].gnss_epochs.push_back(edge.epoch);
     }
   }

@@ -17,15 +17,15 @@
 namespace dn::internal {
 namespace {
 
-constexpr std::size_t kFewestTwins = 3;
+constexpr std::size_t kMinReplicates = 3;
 constexpr Eigen::Index kMostConspicuous = 20;
-constexpr std::size_t kMostLinear = 100;  // that the energy distance looks at
+constexpr std::size_t kMostLinear = 100;  // number of linear replicates in the energy distance
 constexpr int kPermutations = 999;
-// By this share the mark of an effect may differ where pairs lie elsewhere, on ground of another
-// shape, as those of a replay do.
+// Relative tolerance of the change caused by an effect in a replay, whose pairs lie
+// elsewhere on ground of another shape.
 constexpr double kOtherGround = 0.25;
 
-NamedStatistics StatisticsOf(const Flight& flight, const std::function<bool()>& interrupted) {
+NamedStatistics ComputeStatistics(const Flight& flight, const std::function<bool()>& interrupted) {
   AdjustOptions options;
   options.with_pairs = flight.pairs.has_value();
   options.interrupted = interrupted;
@@ -46,7 +46,7 @@ std::vector<std::string> CommonNames(const std::vector<NamedStatistics>& of,
   return names;
 }
 
-/// In standard deviations of the linear twins from their mean.
+/// Returns the values in standard deviations of the linear replicates from their mean.
 Eigen::VectorXd Standardised(const NamedStatistics& values, const std::vector<std::string>& names,
                              const LinearTwins& linear) {
   Eigen::VectorXd z(static_cast<Eigen::Index>(names.size()));
@@ -57,7 +57,7 @@ Eigen::VectorXd Standardised(const NamedStatistics& values, const std::vector<st
   return z;
 }
 
-/// Some of [0, n) in random order.
+/// Returns `count` different numbers of [0, n) in random order.
 std::vector<std::size_t> Drawn(std::size_t n, std::size_t count, Random* random) {
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -69,7 +69,7 @@ std::vector<std::size_t> Drawn(std::size_t n, std::size_t count, Random* random)
   return order;
 }
 
-/// Distances between all points.
+/// Returns the distances between all points.
 Eigen::MatrixXd Distances(const std::vector<Eigen::VectorXd>& points) {
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd D = Eigen::MatrixXd::Zero(n, n);
@@ -82,7 +82,8 @@ Eigen::MatrixXd Distances(const std::vector<Eigen::VectorXd>& points) {
   return D;
 }
 
-/// 2 E|X - Y| - E|X - X'| - E|Y - Y'| of some points X and all others Y.
+/// Returns the energy distance 2 E|X - Y| - E|X - X'| - E|Y - Y'| of some points X and all others
+/// Y.
 double EnergyDistance(const Eigen::MatrixXd& D, const std::vector<std::size_t>& of) {
   const auto total = static_cast<double>(D.rows()), n = static_cast<double>(of.size());
   Eigen::VectorXd inside = Eigen::VectorXd::Zero(D.rows());
@@ -94,7 +95,7 @@ double EnergyDistance(const Eigen::MatrixXd& D, const std::vector<std::size_t>& 
          outside.dot(D * outside) / (m * m);
 }
 
-/// The statistics in which a flight departs most from the assumed model.
+/// Returns the statistics in which a flight differs most from the assumed model.
 Eigen::VectorXi MostConspicuous(const Eigen::VectorXd& z) {
   Eigen::VectorXi order = Eigen::VectorXi::LinSpaced(z.size(), 0, static_cast<int>(z.size()) - 1);
   std::stable_sort(order.begin(), order.end(),
@@ -102,8 +103,8 @@ Eigen::VectorXi MostConspicuous(const Eigen::VectorXd& z) {
   return order.head(std::min(kMostConspicuous, order.size()));
 }
 
-/// Of the first half of the linear twins.
-Eigen::MatrixXd CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
+/// Returns the shrunk correlation matrix of the first half of the linear replicates.
+Eigen::MatrixXd ShrunkCorrelation(const std::vector<Eigen::VectorXd>& z) {
   const Eigen::Index n = z.front().size();
   const std::size_t half = z.size() / 2;
   Eigen::MatrixXd C = kShrunk * Eigen::MatrixXd::Identity(n, n);
@@ -113,10 +114,10 @@ Eigen::MatrixXd CorrelationOf(const std::vector<Eigen::VectorXd>& z) {
   return C;
 }
 
-/// Squared length of what a flight is off from the mean of its twins, by the statistics in which it
-/// is most conspicuous.
-double SizeOff(const Eigen::VectorXd& flight, const Eigen::VectorXd& off,
-               const Eigen::MatrixXd& correlation) {
+/// Returns the squared Mahalanobis distance of a flight from the mean of its replicates. It uses
+/// the statistics in which the flight differs most from the model.
+double DeviationSize(const Eigen::VectorXd& flight, const Eigen::VectorXd& off,
+                     const Eigen::MatrixXd& correlation) {
   const Eigen::VectorXi most = MostConspicuous(flight);
   const Eigen::LLT<Eigen::MatrixXd> llt(correlation(most, most));
   return llt.matrixL().solve(off(most)).squaredNorm();
@@ -159,7 +160,7 @@ std::vector<NamedStatistics> FlyTwins(const Flight& flight, const Scenario& scen
     Flight twin = Simulate(scenario, simulate).flight;
     AssumeAs(flight.config, &twin.config);
     try {
-      all[static_cast<std::size_t>(k)] = StatisticsOf(twin, options.interrupted);
+      all[static_cast<std::size_t>(k)] = ComputeStatistics(twin, options.interrupted);
     } catch (const NotConverged&) {
       return;
     } catch (const InvalidInput&) {
@@ -184,7 +185,7 @@ LinearTwins NamedLinearTwins(const std::vector<LocationStatistic>& statistics, c
 std::optional<double> FullAgainstLinear(const std::vector<NamedStatistics>& full,
                                         const LinearTwins& linear, std::uint64_t seed) {
   const std::vector<std::string> names = CommonNames(full, linear.mean);
-  if (full.size() < kFewestTwins || names.empty()) return std::nullopt;
+  if (full.size() < kMinReplicates || names.empty()) return std::nullopt;
   std::vector<Eigen::VectorXd> points;
   for (const NamedStatistics& one : full) points.push_back(Standardised(one, names, linear));
   const std::size_t half = linear.all.size() / 2;
@@ -210,30 +211,30 @@ std::optional<double> LikeTwins(const NamedStatistics& flight,
   both.push_back(flight);
   const std::vector<std::string> names = CommonNames(both, linear.mean);
   const std::size_t half = linear.all.size() / 2;
-  if (twins.size() < kFewestTwins || names.empty() || half <= twins.size()) return std::nullopt;
+  if (twins.size() < kMinReplicates || names.empty() || half <= twins.size()) return std::nullopt;
   std::vector<Eigen::VectorXd> z;
   for (const NamedStatistics& one : linear.all) z.push_back(Standardised(one, names, linear));
-  const Eigen::MatrixXd correlation = CorrelationOf(z);
+  const Eigen::MatrixXd correlation = ShrunkCorrelation(z);
   const Eigen::VectorXd of_flight = Standardised(flight, names, linear);
   Eigen::VectorXd mark(of_flight.size()), off(of_flight.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    const MeanAndSigma of_twins = *MeanOver(twins, names[k]);
+    const MeanAndSigma of_replicates = *MeanOver(twins, names[k]);
     const double unit = linear.sigma.at(names[k]);
-    mark[at] = (of_twins.mean - linear.mean.at(names[k])) / unit;
-    const double scatter = std::max(of_twins.sigma / unit, 1.0);
+    mark[at] = (of_replicates.mean - linear.mean.at(names[k])) / unit;
+    const double scatter = std::max(of_replicates.sigma / unit, 1.0);
     off[at] = (of_flight[at] - mark[at]) / std::hypot(scatter, kOtherGround * mark[at]);
   }
-  const double size = SizeOff(of_flight, off, correlation);
+  const double size = DeviationSize(of_flight, off, correlation);
   Random random(seed, "flight among its twins");
   int as_far = 0;
   for (int draw = 0; draw < kPermutations; ++draw) {
     const std::vector<std::size_t> some = Drawn(z.size() - half, 1 + twins.size(), &random);
-    Eigen::VectorXd off_of_twin = z[half + some[0]];
+    Eigen::VectorXd replicate_off = z[half + some[0]];
     for (std::size_t k = 1; k < some.size(); ++k) {
-      off_of_twin -= z[half + some[k]] / static_cast<double>(twins.size());
+      replicate_off -= z[half + some[k]] / static_cast<double>(twins.size());
     }
-    if (SizeOff(mark + z[half + some[0]], off_of_twin, correlation) >= size) ++as_far;
+    if (DeviationSize(mark + z[half + some[0]], replicate_off, correlation) >= size) ++as_far;
   }
   return (1.0 + as_far) / (1.0 + kPermutations);
 }

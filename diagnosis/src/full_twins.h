@@ -16,55 +16,61 @@
 
 namespace dn::internal {
 
-/// Statistics of one flight by name (NameOf).
+/// Statistics of one flight by the name that NameOf returns.
 using NamedStatistics = std::map<std::string, double>;
 
-/// Those that a flight and its replay have in common: of the whole flight, and of pairs of strips.
+/// Returns the statistics that a flight and its replay share: of the whole flight, and of pairs of
+/// strips.
 NamedStatistics Comparable(const std::vector<LocationStatistic>& statistics,
                            const Eigen::VectorXd& values);
 
-/// What a twin's flight.yaml says as that of the flight does. Vibration that the flight states is an
-/// effect of the twin's scenario, whose flight.yaml does not state it.
+/// Copies the settings that a replicate shares with its flight from `of` to `config`. The
+/// replicate's own flight.yaml does not state vibration, which is an effect of its scenario.
 void AssumeAs(const FlightConfig& of, FlightConfig* config);
 
 struct FullTwinOptions {
   int count = 8;
   std::uint64_t seed = 1;
-  int threads = 1;  ///< so many twins side by side
+  int threads = 1;  ///< replicates made in parallel
   std::function<bool()> interrupted = {};
 };
 
-/// Flights simulated anew, each with noise of its own, and adjusted by the assumed model of
-/// `flight` like the flight itself: raw data, gross errors and all that is not linear take part. A
-/// twin that cannot be adjusted is missing. Throws Interrupted, and as Simulate for the scenario.
+/// Simulates replicates from raw data on, each with its own noise, and adjusts them by the assumed
+/// model of `flight`. They include raw data, outliers and nonlinearity. Leaves out replicates that
+/// cannot be adjusted. Throws Interrupted, and as Simulate for the scenario.
 std::vector<NamedStatistics> FlyTwins(const Flight& flight, const Scenario& scenario,
                                       const Trajectory& replayed, const FullTwinOptions& options);
 
-/// A statistic of the linear twins, or of the flight, by name.
+/// Statistics of the linear replicates by name.
 struct LinearTwins {
-  NamedStatistics mean, sigma;  ///< of the first half
+  NamedStatistics mean, sigma;  ///< over the first half
   std::vector<NamedStatistics> all;
 };
+/// Returns the statistics of linear replicates by name.
 LinearTwins NamedLinearTwins(const std::vector<LocationStatistic>& statistics, const Twins& twins,
                              const TwinTest& test);
 
-/// p of the energy distance of simulated and linear twins of the assumed model, by permutation:
-/// small where the linear ones cannot stand for flights. Nothing with fewer than three.
+/// Returns the p-value of the energy distance of simulated and linear replicates of the assumed
+/// model, by permutation. A small value means that linear replicates do not represent flights.
+/// Returns nullopt with fewer than three simulated replicates.
 std::optional<double> FullAgainstLinear(const std::vector<NamedStatistics>& full,
                                         const LinearTwins& linear, std::uint64_t seed);
 
-/// p of the flight as one more of the simulated twins with the effects, by the statistics in which
-/// it departs most from the assumed model; each twin is judged by those in which it does. Their scatter and correlation are those of the linear
-/// twins, or wider where the simulated ones scatter more; a quarter of what the effects change may
-/// come from the ground of the twins, which is not that of the flight. Nothing with fewer than three.
+/// Returns the p-value of the flight as one more simulated replicate with the effects. It uses the
+/// statistics in which the flight differs most from the assumed model; each replicate is judged by
+/// its own. Standard deviations and correlations are those of the linear replicates, or larger if
+/// the simulated ones vary more. A quarter of the change caused by the effects may come from the
+/// ground of the replicates, which differs from that of the flight. Returns nullopt with fewer than
+/// three replicates.
 std::optional<double> LikeTwins(const NamedStatistics& flight,
                                 const std::vector<NamedStatistics>& twins,
                                 const LinearTwins& linear, std::uint64_t seed);
 
-/// Mean and standard deviation of a statistic over the twins that have it.
+/// Mean and standard deviation of a statistic over the replicates that have it.
 struct MeanAndSigma {
   double mean = 0.0, sigma = 0.0;
 };
+/// Returns nullopt if fewer than two replicates have the statistic.
 std::optional<MeanAndSigma> MeanOver(const std::vector<NamedStatistics>& twins,
                                      const std::string& name);
 

@@ -10,8 +10,8 @@ namespace {
 constexpr std::size_t kMostCausesDrawn = 15;
 constexpr std::size_t kMostStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
-constexpr double kBeside = 0.2;         // of two bars on one row
-constexpr double kAround = 0.32;        // of two spans around a bar
+constexpr double kBarOffset = 0.2;      // offset of two bars on one row
+constexpr double kSpanOffset = 0.32;    // offset of two spans from the bar between them
 
 std::optional<GapPlot> CausesPlot(const GapDiagnosis& d) {
   if (d.causes.empty()) return std::nullopt;
@@ -24,7 +24,7 @@ std::optional<GapPlot> CausesPlot(const GapDiagnosis& d) {
   }
   panel.series = {evidence};
   return GapPlot{"causes.svg",
-                 d.flight + ": causes, with their probability",
+                 d.flight + ": causes with their probabilities",
                  "log evidence against absence [nats]",
                  {panel}};
 }
@@ -33,7 +33,7 @@ double Deviation(const FingerprintValue& value) {
   return (value.value - value.null_mean) / value.null_sigma;
 }
 
-/// The statistics that depart most from those of the assumed model.
+/// Returns the statistics that differ most from those of the assumed model.
 std::vector<FingerprintValue> MostDeviating(std::vector<FingerprintValue> values) {
   std::erase_if(values, [](const FingerprintValue& v) { return !std::isfinite(Deviation(v)); });
   std::stable_sort(values.begin(), values.end(),
@@ -51,28 +51,28 @@ void AddSpan(double middle, double half, double row, PlotSeries* spans) {
 
 std::optional<GapPlot> FingerprintPlot(const GapDiagnosis& d) {
   PlotSeries model{"model, 95 %", {}, PlotStyle::kSpans};
-  PlotSeries twins{"twins with the effects, 95 %", {}, PlotStyle::kSpans};
+  PlotSeries twins{"replicates with the effects, 95 %", {}, PlotStyle::kSpans};
   PlotSeries flight{"flight", {}, PlotStyle::kBars};
   PlotPanel panel;
   for (const FingerprintValue& value : MostDeviating(d.fingerprint)) {
     const auto row = static_cast<double>(panel.rows.size());
     flight.points.emplace_back(Deviation(value), row);
-    AddSpan(0.0, kSigmasOfBand, row - kAround, &model);
+    AddSpan(0.0, kSigmasOfBand, row - kSpanOffset, &model);
     if (value.twin_mean && value.twin_sigma) {
       AddSpan((*value.twin_mean - value.null_mean) / value.null_sigma,
-              kSigmasOfBand * *value.twin_sigma / value.null_sigma, row + kAround, &twins);
+              kSigmasOfBand * *value.twin_sigma / value.null_sigma, row + kSpanOffset, &twins);
     }
     panel.rows.push_back(value.name);
   }
   if (panel.rows.empty()) return std::nullopt;
   panel.series = {flight, model, twins};
   return GapPlot{"fingerprint.svg",
-                 d.flight + ": what departs from the model",
-                 "departure from the mean of the model [sigmas of it]",
+                 d.flight + ": statistics that differ from the model",
+                 "difference from the mean of the model [its sigmas]",
                  {panel}};
 }
 
-/// One quantity before and after, in parts of what it was before.
+/// A quantity before and after the effects are added.
 struct Change {
   std::string name;
   double before, after;
@@ -99,15 +99,16 @@ std::optional<GapPlot> BeforeAfterPlot(const GapDiagnosis& d) {
   PlotPanel panel;
   for (const Change& change : Changes(*d.shrinkage)) {
     const auto row = static_cast<double>(panel.rows.size());
-    before.points.emplace_back(1.0, row - kBeside);
-    if (change.before > 0.0) after.points.emplace_back(change.after / change.before, row + kBeside);
+    before.points.emplace_back(1.0, row - kBarOffset);
+    if (change.before > 0.0)
+      after.points.emplace_back(change.after / change.before, row + kBarOffset);
     panel.rows.push_back(
         fmt::format("{}: {:.3g}, then {:.3g}", change.name, change.before, change.after));
   }
   panel.series = {before, after};
   return GapPlot{"before_after.svg",
                  d.flight + ": the gap without and with the effects",
-                 "part of what it was before",
+                 "fraction of the value before",
                  {panel}};
 }
 

@@ -13,7 +13,7 @@ namespace dn {
 namespace {
 
 constexpr std::size_t kMostPlaces = 5;
-constexpr std::size_t kMostCausesTold = 8;
+constexpr std::size_t kMaxCausesListed = 8;
 constexpr double kLeastPosterior = 0.05;
 
 std::string P(double p_value) { return fmt::format("{:.2g}", p_value); }
@@ -25,7 +25,7 @@ std::string Mm(const std::optional<double>& m) {
 std::string SizeLines(const GapDiagnosis& d) {
   if (d.verdict.kind == GapVerdictKind::kUnavailable) return "";
   std::string text = fmt::format(
-      "gap       {}, {} ({} twins); {:.3g} nats per observation, {:.3g} .. {:.3g} without a "
+      "gap       {}, {} ({} replicates); {:.3g} nats per observation, {:.3g} .. {:.3g} without a "
       "gap,\n          at most {:.3g}\n",
       d.detected ? "yes" : "none found", internal::PWords(d.p_value), d.validity.twins,
       d.size.value, d.size.null_low, d.size.null_high, d.size.upper_limit_95);
@@ -34,7 +34,7 @@ std::string SizeLines(const GapDiagnosis& d) {
   if (units.p2p_excess_m) parts.push_back(fmt::format("pairs {} mm", Mm(units.p2p_excess_m)));
   if (units.gnss_excess_m) parts.push_back(fmt::format("GNSS {} mm", Mm(units.gnss_excess_m)));
   if (units.boresight_inconsistency_rad) {
-    parts.push_back(fmt::format("boresight of parts of the flight {:.2g} mdeg",
+    parts.push_back(fmt::format("boresight between strip pairs {:.2g} mdeg",
                                 internal::kMdegPerRad * *units.boresight_inconsistency_rad));
   }
   if (units.gh_minus_dn_rad) {
@@ -55,7 +55,7 @@ std::string PlaceLines(const GapDiagnosis& d) {
   return text;
 }
 
-/// Of roll, pitch and yaw, mdeg.
+/// Returns the shifts of roll, pitch and yaw, mdeg.
 std::string Moves(const GapDiagnosis& d, const GapCause& cause) {
   if (!internal::HasBoresight(d)) return "";
   if (cause.boresight_damage_rad.isZero(0.0)) return "-";
@@ -70,19 +70,19 @@ std::string Mark(const GapVerdict& verdict, const std::string& effect) {
   return holds(verdict.effects) ? "*" : holds(verdict.credible_set) ? "?" : " ";
 }
 
-/// Log evidence in nine columns, whatever its size.
+/// Returns the log evidence in nine columns.
 std::string Nats(double log_evidence) {
   const bool fits = std::abs(log_evidence) < 999999.0;
   return fits ? fmt::format("{:>9.1f}", log_evidence) : fmt::format("{:>9.2e}", log_evidence);
 }
 
-/// What has no name is told where it may be there.
+/// Lists the unmodelled discrepancies that may be present.
 std::string DiscrepancyLines(const GapDiagnosis& d) {
   std::string text;
   for (const GapDiscrepancy& one : d.discrepancies) {
     if (one.posterior < kLeastPosterior) continue;
-    text += fmt::format("          {:<28}{:>6.2f}{}  without a name\n",
-                        internal::DiscrepancyWords(one), one.posterior, Nats(one.log_evidence));
+    text += fmt::format("          {:<28}{:>6.2f}{}  unmodelled\n", internal::DiscrepancyWords(one),
+                        one.posterior, Nats(one.log_evidence));
   }
   return text;
 }
@@ -91,15 +91,15 @@ std::string CauseLines(const GapDiagnosis& d) {
   if (d.causes.empty()) return "";
   const bool moves = internal::HasBoresight(d);
   std::string text = fmt::format("{:<10}{:<28}{:>6}{:>9}  {:<22} {}\n", "causes", "", "prob.",
-                                 "nats", moves ? "moves [mdeg]" : "", "by");
-  for (std::size_t i = 0; i < std::min(kMostCausesTold, d.causes.size()); ++i) {
+                                 "nats", moves ? "shift [mdeg]" : "", "size");
+  for (std::size_t i = 0; i < std::min(kMaxCausesListed, d.causes.size()); ++i) {
     const GapCause& cause = d.causes[i];
     text += fmt::format("        {} {:<28}{:>6.2f}{}  {:<22} {}{}\n", Mark(d.verdict, cause.effect),
                         cause.effect, cause.posterior, Nats(cause.log_evidence), Moves(d, cause),
                         internal::ValueWords(cause), internal::TimesWords(cause.times));
   }
-  return text + DiscrepancyLines(d) + "          * of the verdict, ? could be it as well" +
-         (moves ? "; moves of roll, pitch, yaw if left out\n" : "\n");
+  return text + DiscrepancyLines(d) + "          * in the verdict, ? equally possible" +
+         (moves ? "; shift of roll, pitch, yaw if not modelled\n" : "\n");
 }
 
 std::string Angles(const GapState& state) {
@@ -120,11 +120,10 @@ std::string ShrinkageLines(const std::optional<GapShrinkage>& shrinkage) {
   if (!shrinkage) return "";
   std::string text = "closed    " + internal::ClosedWords(*shrinkage);
   if (shrinkage->share_of_reachable) {
-    text +=
-        fmt::format(", {:.0f} % of what can be reached", 100.0 * *shrinkage->share_of_reachable);
+    text += fmt::format(", {:.0f} % of the reachable gain", 100.0 * *shrinkage->share_of_reachable);
   }
   if (shrinkage->held_out_gain_nats) {
-    text += fmt::format("; {:.1f} nats on data held out", *shrinkage->held_out_gain_nats);
+    text += fmt::format("; {:.1f} nats on held-out data", *shrinkage->held_out_gain_nats);
   }
   text += fmt::format("\n          {:<7} {:>8} {:>10} {:>10} {:>10}  {}\n", "", "p", "nats/obs",
                       "pairs mm", "GNSS mm", "boresight [deg]");
@@ -132,18 +131,19 @@ std::string ShrinkageLines(const std::optional<GapShrinkage>& shrinkage) {
 }
 
 std::string ValidityLines(const GapValidity& validity) {
-  std::string text = "no twins";
+  std::string text = "no replicates";
   if (validity.twins > 0) {
-    text = fmt::format("{} linear twins, twins against twins {}", validity.twins,
+    text = fmt::format("{} linear replicates (against each other {})", validity.twins,
                        internal::PWords(validity.aa_p_value));
   }
-  if (validity.full_twins > 0) text += fmt::format(", {} simulated twins", validity.full_twins);
+  if (validity.full_twins > 0)
+    text += fmt::format(", {} simulated replicates", validity.full_twins);
   if (validity.full_against_linear_p) {
     text += fmt::format(" (against the linear ones {})",
                         internal::PWords(*validity.full_against_linear_p));
   }
   if (validity.like_twins_p) {
-    text += fmt::format("; twins with the effects look like the flight: p = {}",
+    text += fmt::format("; flight among replicates with the effects: p = {}",
                         P(*validity.like_twins_p));
   }
   for (const std::string& note : validity.notes) text += "; " + note;

@@ -16,10 +16,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr EffectId kNoise = EffectId::kP2pNoiseScale;
-// Errors of the trajectory are about an octave above what is stated, five at most.
+// Prior of trajectory errors: one octave above their stated size (standard deviation), at most
+// five.
 constexpr int kMostOctaves = 5;
 constexpr double kOctavesSigma = 1.0;
-// The pairs' noise is within a factor e of what is stated.
+// Prior of the pairs' noise: within a factor e of its stated size.
 constexpr double kLnNoiseSigma = 1.0;
 constexpr double kLnNoiseStep = 0.02;
 constexpr int kNoisePasses = 4;
@@ -28,7 +29,7 @@ bool IsFixed(const ScreenedEffect& effect) {
   return effect.id != kNoise && effect.id != EffectId::kP2pOutliers;
 }
 
-/// Columns that make components of the score into those of some candidates.
+/// Matrix T that combines components of the score into those of the chosen effects.
 struct Combinations {
   MatrixXd T;
   VectorXd typical;
@@ -56,15 +57,16 @@ Combinations Combine(const Library& library, const std::vector<ScreenedEffect>& 
   return out;
 }
 
-/// The score test of combinations, and the scores once they are among the unknowns.
-ScoreTest TestOf(const JointScore& score, const MatrixXd& T) {
+/// Returns the score test of the combinations T.
+ScoreTest TestCombinations(const JointScore& score, const MatrixXd& T) {
   return TestScore(T.transpose() * score.s, T.transpose() * score.A * T,
                    T.cwiseAbs2().transpose() * score.signature2);
 }
 
-JointScore Beside(const JointScore& score, const MatrixXd& T) {
+/// Returns the scores once the combinations T are among the unknowns.
+JointScore WithUnknowns(const JointScore& score, const MatrixXd& T) {
   if (T.cols() == 0) return score;
-  const ScoreTest test = TestOf(score, T);
+  const ScoreTest test = TestCombinations(score, T);
   const MatrixXd AT = score.A * T;
   JointScore left = score;
   left.s += AT * test.estimate;
@@ -73,7 +75,7 @@ JointScore Beside(const JointScore& score, const MatrixXd& T) {
   return left;
 }
 
-/// Occam's share of the evidence for a noise of another size: ln(ratio) known to sigma.
+/// Returns the Occam factor of the evidence for scaled noise whose ln(ratio) is known to sigma.
 double NoisePrior(double ln_ratio, double sigma) {
   const double in_sigmas = ln_ratio / kLnNoiseSigma;
   return std::log(std::min(1.0, sigma / kLnNoiseSigma)) - 0.5 * in_sigmas * in_sigmas;
@@ -81,14 +83,14 @@ double NoisePrior(double ln_ratio, double sigma) {
 
 }  // namespace
 
-/// At one scale, with the chosen effects among the unknowns.
+/// Likelihood and screen at one error scale, with the chosen effects among the unknowns.
 struct GaussHelmertEvidence::Height {
-  double of_errors = 0.0;  ///< log likelihood and prior
+  double of_errors = 0.0;  ///< log likelihood plus log prior
   Screen screen;
   std::vector<ScreenedEffect> effects;  ///< in the order of the families
 };
 
-/// Over all scales, for one set of chosen effects.
+/// Search over all error scales for one set of chosen effects.
 class GaussHelmertEvidence::Search {
  public:
   Search(GaussHelmertEvidence* evidence, const std::vector<ScreenedEffect>& chosen)
@@ -102,7 +104,7 @@ class GaussHelmertEvidence::Search {
     base_ = At(top, white_).of_errors;
     ExplainedPairs out;
     const Height& at_top = At(top, white_);
-    out.scale = ScaleOf(top, white_);
+    out.scale = MakeScale(top, white_);
     out.chi2 = evidence_.At(top, white_).chi2;
     out.larger_errors_nats = base_ - At({}, white_).of_errors;
     out.screen = std::make_unique<Screen>(at_top.screen);
@@ -120,7 +122,7 @@ class GaussHelmertEvidence::Search {
   }
 
  private:
-  static ErrorScale ScaleOf(const Octaves& octaves, double white) {
+  static ErrorScale MakeScale(const Octaves& octaves, double white) {
     return {std::exp2(octaves.position), std::exp2(octaves.attitude), white};
   }
 
@@ -137,7 +139,7 @@ class GaussHelmertEvidence::Search {
     const Combinations combined = Combine(evidence_.library_.library, chosen_, at.score);
     const int octaves2 = octaves.position * octaves.position + octaves.attitude * octaves.attitude;
     Height height{at.log_likelihood - 0.5 * octaves2 / (kOctavesSigma * kOctavesSigma),
-                  Screen(evidence_.library_.library, Beside(at.score, combined.T)),
+                  Screen(evidence_.library_.library, WithUnknowns(at.score, combined.T)),
                   {}};
     if (combined.T.cols() > 0) {
       const EvidenceForm form(combined.T.transpose() * at.score.A * combined.T, combined.typical);
@@ -152,7 +154,7 @@ class GaussHelmertEvidence::Search {
     return at.of_errors + (family ? at.effects[*family].log_evidence : 0.0);
   }
 
-  /// From a start to a scale that no neighbour exceeds.
+  /// Climbs from a start to a scale that no neighbouring scale exceeds.
   Octaves Climb(Octaves top, double white, std::optional<std::size_t> family) {
     for (bool higher = true; higher;) {
       higher = false;
@@ -183,13 +185,13 @@ class GaussHelmertEvidence::Search {
 
   double Families() { return static_cast<double>(At({}, white_).effects.size() + 1); }
 
-  /// The likeliest noise of the pairs over that at its largest.
+  /// Most probable noise of the pairs as a ratio to its upper limit.
   struct NoiseRatio {
     double ratio = 1.0;
     double ln_sigma = 1.0;
   };
 
-  /// Newton's steps of ln(ratio), from the mean square.
+  /// Maximises the likelihood of ln(ratio) with Newton steps that start at the mean square.
   NoiseRatio FindNoise(const Octaves& octaves) {
     const auto height = [&](double ln_ratio) {
       return evidence_.At(octaves, std::exp(ln_ratio)).log_likelihood;
@@ -226,7 +228,7 @@ class GaussHelmertEvidence::Search {
     const JointScore& score = evidence_.At(top, white_).score;
     const Combinations combined = Combine(evidence_.library_.library, chosen_, score);
     if (combined.T.cols() == 0) return;
-    const ScoreTest test = TestOf(score, combined.T);
+    const ScoreTest test = TestCombinations(score, combined.T);
     const MatrixXd shift = score.shift * combined.T;
     Index first = 0;
     for (ScreenedEffect& effect : out->chosen) {

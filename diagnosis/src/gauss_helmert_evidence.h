@@ -14,36 +14,41 @@
 
 namespace dn::internal {
 
-/// Pairs on a given trajectory with some effects among the unknowns, and what else they show.
+/// Pairs on a given trajectory with some effects among the unknowns, and the evidence of all other
+/// effects.
 struct ExplainedPairs {
-  std::vector<ScreenedEffect> chosen;  ///< with their estimates side by side
-  std::vector<ScreenedEffect> others;  ///< the likeliest first
-  ErrorScale scale;                    ///< the likeliest with those chosen
-  double chi2 = 0.0;                   ///< at it
-  double larger_errors_nats =
-      0.0;  ///< for that scale of the trajectory's errors against the stated
-  std::unique_ptr<Screen> at_stated;  ///< beside errors of the stated size
+  std::vector<ScreenedEffect> chosen;  ///< with their joint estimates
+  std::vector<ScreenedEffect> others;  ///< most probable first
+  ErrorScale scale;                    ///< most probable scale with the chosen effects
+  double chi2 = 0.0;                   ///< at this scale
+  /// Evidence of this scale of the trajectory errors against the stated one.
+  double larger_errors_nats = 0.0;
+  std::unique_ptr<Screen> at_stated;  ///< with trajectory errors of the stated size
   double chi2_at_stated = 0.0;
-  std::unique_ptr<Screen> screen;  ///< at that scale, beside those chosen
-  Eigen::Matrix3d boresight_covariance_rad2 = Eigen::Matrix3d::Zero();  ///< added by them
+  std::unique_ptr<Screen> screen;  ///< at this scale, with the chosen effects
+  /// Covariance added by the chosen effects.
+  Eigen::Matrix3d boresight_covariance_rad2 = Eigen::Matrix3d::Zero();
 };
 
-/// What speaks for effects of the lidar beside errors of the trajectory that last (LastingErrors).
-/// How much of the stated errors of the trajectory is new in every pair is not stated, so the noise of
-/// the pairs is free from its own stated size up to that with all of them. The trajectory's errors may be larger than stated, by octaves: evidence of an effect is the
-/// largest log likelihood with it over the largest without, each over all scales.
+/// Evidence of lidar effects with time-correlated trajectory errors in the model (LastingErrors).
+/// It is not known how much of the stated trajectory errors is independent between pairs. The noise
+/// of the pairs is therefore free between its own stated size and that with all these errors. The
+/// trajectory errors may be larger than stated, by octaves. The evidence of an effect is the
+/// largest log likelihood with it minus the largest without it, each over all scales.
 class GaussHelmertEvidence {
  public:
-  /// The library must outlive it.
+  /// `library` must outlive the object.
   GaussHelmertEvidence(const GaussHelmertLibrary& library, const LinearPairs& pairs,
                        const std::vector<StripInterval>& strips, bool with_noise_scale);
 
+  /// Estimates the chosen effects and evaluates all others.
   ExplainedPairs Explain(const std::vector<ScreenedEffect>& chosen);
 
   double observations() const { return observations_; }
-  /// Of the pairs' own noise in the noise at its largest, as standard deviations.
+  /// Returns the ratio of the pairs' own noise to its upper limit, as standard deviations.
   double least_white() const { return least_white_; }
-  /// Evidence for a factor of the pairs' white noise if chi2 has a chi-square distribution.
+  /// Returns the evidence of scaled white noise of the pairs, assuming that chi2 is chi-square
+  /// distributed.
   double NoiseEvidence(double chi2) const;
 
  private:
@@ -59,7 +64,7 @@ class GaussHelmertEvidence {
   LastingErrors errors_;
   bool with_noise_scale_;
   double observations_ = 0.0;
-  double least_white_ = 1.0;  // the pairs' own noise
+  double least_white_ = 1.0;  // ratio of the pairs' own noise to its upper limit
   std::map<std::tuple<int, int, double>, LastingErrors::AtScale> known_;
 };
 

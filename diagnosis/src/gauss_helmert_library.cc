@@ -18,7 +18,7 @@ namespace dn::internal {
 namespace {
 
 constexpr int kScanAnglePlaces = 8;
-constexpr std::size_t kFewestPairsOfPlace = 5;  // of a place
+constexpr std::size_t kFewestPairsOfPlace = 5;
 
 class GaussHelmertLibraryMaker {
  public:
@@ -104,7 +104,7 @@ class GaussHelmertLibraryMaker {
     AddGeneric(BoresightByHeading(strips_, flight_.trajectory->InMap(flight_.frame)));
   }
 
-  /// A common offset of some pairs.
+  /// Adds a common offset of some pairs.
   void AddPlace(const std::string& location, const std::vector<std::size_t>& members) {
     if (members.size() < kFewestPairsOfPlace) return;
     CandidateEffect block;

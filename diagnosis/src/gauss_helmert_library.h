@@ -11,20 +11,20 @@
 
 namespace dn::internal {
 
-/// A place where misclosures (map axes) may be off by a constant.
+/// A place where misclosures may have a constant offset (map axes).
 struct PairPlace {
   std::string location;  ///< "strips 1-2"
   std::size_t block = 0;
 };
 
-/// What the pairs of a given trajectory are searched for.
+/// Effects and places tested with the pairs of a given trajectory.
 struct GaussHelmertLibrary {
-  std::vector<CandidateEffect> blocks;  ///< whose score is wanted, side by side
-  Library library;                      ///< candidates among them; its own blocks are empty
+  std::vector<CandidateEffect> blocks;  ///< effects whose joint score is computed
+  Library library;                      ///< candidates among the blocks; its own blocks are empty
   std::vector<PairPlace> places;
 };
 
-/// The effects of the lidar and of its mount, discrepancies of the pairs without a name, and places.
+/// Makes the effects of the lidar and its mount, unmodelled discrepancies of the pairs, and places.
 GaussHelmertLibrary MakeLibrary(const Flight& flight, const LinearPairs& pairs,
                                 const std::vector<StripInterval>& strips,
                                 const LibraryOptions& options);

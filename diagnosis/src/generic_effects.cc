@@ -14,7 +14,7 @@
 namespace dn::internal {
 namespace {
 
-// Usual sizes of what has no name.
+// Typical sizes of unmodelled discrepancies.
 constexpr double kBoresightRad = 5e-5;
 constexpr double kGnssM = 0.02;
 
@@ -25,7 +25,7 @@ constexpr int kMostBoresightCells = 24;
 
 constexpr double kSettlingOfStrips[] = {1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0};
 
-/// Weights of three-vectors at a time: the value is their sum.
+/// Sets the weights of three-vectors at a time; the correction is their weighted sum.
 using Weights = std::function<void(double t_s, Eigen::VectorXd* weights)>;
 
 class TurnByTime final : public LidarEffect {

@@ -10,7 +10,7 @@
 
 namespace dn::internal {
 
-/// Stretches of time, one after the other; the first and the last have no outer end.
+/// Consecutive intervals of time; the first and the last are unbounded outwards.
 struct TimeCells {
   std::vector<double> start_s;  ///< ascending
 
@@ -20,20 +20,21 @@ struct TimeCells {
   void Append(double begin_s, double length_s, int count);
 };
 
-/// Strips by their beginning.
+/// Returns the strips sorted by their start.
 std::vector<StripInterval> InTime(std::vector<StripInterval> strips);
 
-/// Length that the cells below have before they are fitted to their strips, by up to a half of it.
+/// Returns the length of boresight cells. Fitting them to the strips changes it by up to a half.
 double BoresightCellS(const std::vector<StripInterval>& strips);
-/// Cells of equal length within each strip, of 15 s or, where the strips are long, so many that some
-/// two dozens cover them.
+/// Returns cells of equal length within each strip: of 15 s, or longer so that about 24 cover all
+/// strips.
 TimeCells BoresightCells(const std::vector<StripInterval>& strips);
 
+/// Returns the length of GNSS cells in a flight of `length_s` seconds.
 double GnssCellS(double length_s);
-/// Cells of GNSS positions: of 5 s or, in a long flight, 120.
+/// Returns cells of GNSS positions: of 5 s, or 120 cells in a long flight.
 TimeCells GnssCells(double begin_s, double length_s);
 
-/// Orthonormal cosines over a stretch of time: 1, sqrt(2) cos(pi k s), s from 0 to 1.
+/// Orthonormal cosines over an interval of time: 1, sqrt(2) cos(pi k s), with s from 0 to 1.
 struct Cosines {
   double begin_s = 0.0;
   double length_s = 1.0;
@@ -42,33 +43,37 @@ struct Cosines {
   double At(int k, double t_s) const;
   Eigen::VectorXd At(double t_s) const;
   double FrequencyHz(int k) const { return 0.5 * k / length_s; }
-  /// Standard deviations of the coefficients of a Gauss-Markov process of unit sigma.
+  /// Returns the standard deviations of the coefficients of a Gauss-Markov process of unit sigma.
   Eigen::VectorXd GaussMarkov(double tau_s) const;
 };
 
-/// The boresight differs by a constant in each cell: three components per cell.
+/// Returns a boresight offset that is constant in each cell: three components per cell.
 OwnEffect BoresightByCell(const TimeCells& cells);
 
-/// Time constants at which a boresight is looked for that settles, of strips in time: fractions of the time from the
-/// first strip to the end of the last. What is slower is as good as a drift.
+/// Returns the time constants tried for a decaying boresight offset: fractions of the time from the
+/// first strip to the end of the last. Slower decay looks like a drift. `strips` must be in order
+/// of time.
 std::vector<double> SettlingTausS(const std::vector<StripInterval>& strips);
 
-/// A part of the boresight decays from begin_s on, with each of the time constants: three components
-/// each.
+/// Returns a boresight offset that decays from begin_s on: three components per time constant.
 OwnEffect BoresightSettling(double begin_s, const std::vector<double>& taus_s);
 
-/// Over up to three strips cosine and sine are any boresight that each strip has for itself.
+/// Smallest number of strips for which BoresightByHeading differs from a free boresight of each
+/// strip.
 inline constexpr std::size_t kFewestHeadings = 4;
 
-/// The boresight follows the cosine and the sine of the heading that each strip has in its middle:
-/// three components each. Strips and path in time; the path is not empty.
+/// Returns a boresight offset that follows the cosine and the sine of the heading in the middle of
+/// each strip: three components each. `strips` and `path` must be in order of time, `path` not
+/// empty.
 OwnEffect BoresightByHeading(const std::vector<StripInterval>& strips,
                              const std::vector<MapPose>& path);
 
-/// GNSS positions are off by a constant (map axes) in each cell: three components per cell.
+/// Returns a GNSS position offset (map axes) that is constant in each cell: three components per
+/// cell.
 OwnEffect GnssByCell(const TimeCells& cells);
 
-/// GNSS positions are off by a sum of cosines: axis by axis within each cosine.
+/// Returns a GNSS position offset that is a sum of cosines; the axes are adjacent within each
+/// cosine.
 OwnEffect GnssByCosine(const Cosines& cosines);
 
 }  // namespace dn::internal

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostFurther = 3;
 
-/// ln |W| of the whitening of a factor.
+/// Returns ln |W| of the whitening of a factor.
 double LogWeight(const Network& net, const FoldFactor& factor) {
   Eigen::VectorXd r;
   std::vector<Eigen::MatrixXd> J;
@@ -25,7 +25,7 @@ double LogWeight(const Network& net, const FoldFactor& factor) {
   return std::log(std::abs(J[static_cast<std::size_t>(at)].determinant()));
 }
 
-/// The likeliest of the effects that a flight's screen has left.
+/// Returns the most probable effects that the model lacks.
 std::vector<FoldDensity::Further> LikeliestFurther(const ExplainedFlight& explained) {
   std::vector<FoldDensity::Further> further;
   const Library& library = explained.screen->library();
@@ -37,7 +37,8 @@ std::vector<FoldDensity::Further> LikeliestFurther(const ExplainedFlight& explai
   return further;
 }
 
-/// The network without an effect that is among its unknowns; nothing where it is none.
+/// Returns the network with an effect set constant at its assumed value. Returns nullopt if the
+/// effect is not estimated.
 std::optional<Network> WithoutCause(const FlightNetwork& network, const std::string& effect) {
   const std::vector<EstimateEntry>& entries = network.flight().config.estimate;
   const bool there = std::any_of(entries.begin(), entries.end(), [&](const EstimateEntry& entry) {
@@ -56,7 +57,7 @@ bool Active(const FoldFactor& factor, const Network& net) {
   return factor.id >= 0 && net.factor(factor.id).active;
 }
 
-/// One fold in both networks.
+/// A fold in both networks.
 struct CommonFold {
   std::vector<FoldFactor> without, with;
 };
@@ -78,13 +79,13 @@ std::vector<CommonFold> CommonFolds(const FlightNetwork& without, const FlightNe
   return common;
 }
 
-/// Log densities of a fold; nothing where it cannot be predicted.
+/// Log densities of a fold; nullopt if the other data do not predict it.
 struct FoldLogDensities {
   std::optional<Eigen::VectorXd> before, after;
   std::vector<std::optional<Eigen::VectorXd>> but_one;
 };
 
-HeldOutGains SumOver(const std::vector<FoldLogDensities>& folds, std::size_t causes) {
+HeldOutGains SumFolds(const std::vector<FoldLogDensities>& folds, std::size_t causes) {
   HeldOutGains gains;
   gains.of_causes.resize(causes);
   Eigen::VectorXd further;
@@ -129,7 +130,8 @@ std::optional<Eigen::VectorXd> FoldDensity::LogLikelihood(const Network& net) co
   }
 }
 
-std::optional<Eigen::VectorXd> FoldDensity::Of(const std::vector<FoldFactor>& factors) const {
+std::optional<Eigen::VectorXd> FoldDensity::LogDensity(
+    const std::vector<FoldFactor>& factors) const {
   if (!of_all_) return std::nullopt;
   Network rest = net_;
   double log_weight = 0.0, count = 0.0;
@@ -163,13 +165,13 @@ HeldOutGains MeasureHeldOut(const ExplainedFlight& without, const ExplainedFligh
     if (options.interrupted && options.interrupted()) throw Interrupted();
     const CommonFold& fold = folds[static_cast<std::size_t>(k)];
     FoldLogDensities& out = of_folds[static_cast<std::size_t>(k)];
-    out.before = before.Of(fold.without);
-    out.after = after.Of(fold.with);
+    out.before = before.LogDensity(fold.without);
+    out.after = after.LogDensity(fold.with);
     for (const auto& density : densities_but_one) {
-      out.but_one.push_back(density ? density->Of(fold.with) : std::nullopt);
+      out.but_one.push_back(density ? density->LogDensity(fold.with) : std::nullopt);
     }
   });
-  return SumOver(of_folds, with.causes.size());
+  return SumFolds(of_folds, with.causes.size());
 }
 
 }  // namespace dn::internal

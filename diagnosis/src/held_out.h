@@ -11,39 +11,40 @@
 
 namespace dn::internal {
 
-/// How much better the data of all folds are predicted, each from the data outside it.
+/// Gains in the prediction of all folds, each predicted from the data outside it.
 struct HeldOutGains {
-  double gain_nats = 0.0;  ///< with all causes, over none
-  /// Of each cause beside the others; nothing where the network has not both sides.
+  double gain_nats = 0.0;  ///< with all causes, against none
+  /// Gain of each cause given the others; nullopt if the network cannot be made without it.
   std::vector<std::optional<double>> of_causes;
-  /// Of the best effect that is not among the causes, beside them.
+  /// Gain of the best effect that is not among the causes, given these causes.
   double further_nats = 0.0;
-  int folds = 0;  ///< that both networks determine without their data
+  int folds = 0;  ///< number of folds that both networks can predict
 };
 
 struct HeldOutOptions {
-  int of_each_kind = 6;  ///< folds
+  int of_each_kind = 6;  ///< number of folds
   int threads = 1;
   std::function<bool()> interrupted = {};
 };
 
-/// Held-out log predictive density of a flight with its causes over that without any. Of a
-/// linearised network, over the data y_B of a fold and all others y_-B,
+/// Computes the gain in held-out log predictive density of a flight with its causes over that
+/// without any. For a linearised network, with the data y_B of a fold and all other data y_-B,
 ///
 ///   log p(y_B | y_-B) = log p(y) - log p(y_-B),
 ///   log p(y) = -1/2 (r^T M r + ln |N|) + ln |W| + const,   M = I - J N^-1 J^T:
 ///
-/// two factorisations, whatever the size of the fold. W, the root of the weights, counts where an
-/// effect is noise of another size. A fixed effect is estimated anew outside each fold; windows,
-/// starts and sizes of processes are those of the whole flight. An effect k that the network lacks
-/// adds log BF_k of all data less log BF_k of the data outside the fold (EvidenceForm): its size is
-/// averaged over, which is M replaced by M - M L (I / v + A)^-1 L^T M. Measurements that either
-/// adjustment left out are in no fold. Throws Interrupted.
+/// This needs two factorisations, whatever the size of the fold. W is the root of the weights; it
+/// matters if an effect scales the noise. A fixed effect is estimated again outside each fold.
+/// Windows, starts and sizes of processes are those of the whole flight.
+///
+/// An effect k that the network lacks adds log BF_k of all data minus log BF_k of the data outside
+/// the fold (EvidenceForm). This averages over its size: M becomes M - M L (I / v + A)^-1 L^T M.
+/// Measurements that either adjustment left out are in no fold. Throws Interrupted.
 HeldOutGains MeasureHeldOut(const ExplainedFlight& without, const ExplainedFlight& with,
                             const HeldOutOptions& options);
 
-/// log p(y_B | y_-B) of factors of a network at its values, nats; then, for each candidate, what it
-/// adds. Nothing where the others leave an unknown free.
+/// Log predictive density log p(y_B | y_-B) of factors of a network at its values, nats, and its
+/// increase by further effects.
 class FoldDensity {
  public:
   /// An effect that the network lacks.
@@ -54,8 +55,9 @@ class FoldDensity {
 
   FoldDensity(const Network& net, std::vector<Further> further);
 
-  /// `factors` must be active.
-  std::optional<Eigen::VectorXd> Of(const std::vector<FoldFactor>& factors) const;
+  /// Returns the log density, and its increase by each further effect. Returns nullopt if the other
+  /// data leave an unknown undetermined. `factors` must be active.
+  std::optional<Eigen::VectorXd> LogDensity(const std::vector<FoldFactor>& factors) const;
 
  private:
   std::optional<Eigen::VectorXd> LogLikelihood(const Network& net) const;

@@ -17,28 +17,28 @@ namespace dn::internal {
 namespace {
 
 constexpr double kNamed = 0.8;
-constexpr double kLargest = 100.0;  // usual sizes
+constexpr double kLargest = 100.0;  // in multiples of the typical size
 constexpr double kStep = 1.5;
 constexpr int kFlights = 40;
-// Rivals that mimic less of an effect than this are never mistaken for it.
+// Candidates that mimic less of an effect than this are never named in its place.
 constexpr double kMimics = 0.2;
-// Signatures below this share of their own size are what rounding leaves.
+// A signature below this fraction of its own size is rounding error.
 constexpr double kAbsorbed = 1e-7;
 
-/// What the decision needs of one candidate.
+/// A candidate that competes with the effect for its name.
 struct Rival {
   std::size_t candidate = 0;
   std::string name;
 };
 
-/// How much of one effect others take up.
+/// The part of an effect that other candidates can absorb.
 class Mimicry {
  public:
   explicit Mimicry(const Screen& screen)
       : screen_(screen), inverse_(screen.library().candidates.size()) {}
 
-  /// c^T A^+ c of a candidate, c its cross information with the effect.
-  double Of(std::size_t candidate, const Eigen::VectorXd& c) {
+  /// Returns c^T A^+ c of a candidate, where c is its cross information with the effect.
+  double Absorbed(std::size_t candidate, const Eigen::VectorXd& c) {
     Eigen::MatrixXd& inverse = inverse_[candidate];
     if (inverse.size() == 0) inverse = screen_.Test(candidate, screen_.score().s).covariance;
     return c.dot(inverse * c);
@@ -46,10 +46,10 @@ class Mimicry {
 
  private:
   const Screen& screen_;
-  std::vector<Eigen::MatrixXd> inverse_;  // of the candidates that were asked for
+  std::vector<Eigen::MatrixXd> inverse_;  // one per candidate, computed on demand
 };
 
-/// The decision on the scores of some candidates, simulated.
+/// Simulates the scores of the competing candidates, and the decision that is based on them.
 class NamingTrials {
  public:
   NamingTrials(const Screen& screen, Mimicry* mimicry, std::size_t truth,
@@ -63,7 +63,8 @@ class NamingTrials {
     Factor();
   }
 
-  /// Shares of flights in which the effect of this size is named, and what is named instead.
+  /// Returns the fraction of flights in which an effect of this size is named. Counts the names
+  /// given instead.
   double Named(double size, std::uint64_t seed, std::map<std::string, int>* instead) const {
     Random random(seed, "limits/" + rivals_[0].name);
     const Eigen::VectorXd mean = size * cross_ * direction_;
@@ -82,13 +83,13 @@ class NamingTrials {
   }
 
  private:
-  const Candidate& CandidateOf(const Rival& rival) const {
+  const Candidate& FindCandidate(const Rival& rival) const {
     return screen_.library().candidates[rival.candidate];
   }
 
-  /// Of every other family the member that mimics the effect best.
+  /// Finds the candidate of every other family that mimics the effect best.
   void FindRivals() {
-    const Candidate& truth = CandidateOf(rivals_[0]);
+    const Candidate& truth = FindCandidate(rivals_[0]);
     const Eigen::MatrixXd A = InformationOf(truth, screen_.score());
     const double lambda = direction_.dot(A * direction_);
     for (const EffectFamily& family : screen_.families()) {
@@ -99,7 +100,7 @@ class NamingTrials {
       for (std::size_t k = family.first; k < family.past; k += stride) {
         const Candidate& other = screen_.library().candidates[k];
         const Eigen::VectorXd c = InformationOf(other, truth, screen_.score()) * direction_;
-        const double mimicked = mimicry_.Of(k, c) / std::max(lambda, 1e-300);
+        const double mimicked = mimicry_.Absorbed(k, c) / std::max(lambda, 1e-300);
         if (mimicked > most) {
           most = mimicked;
           best = k;
@@ -109,25 +110,26 @@ class NamingTrials {
     }
   }
 
-  /// Root of the joint covariance of the scores, and what one unit of the effect adds to them.
+  /// Computes the root of the joint covariance of the scores, and their change per unit of the
+  /// effect.
   void Factor() {
     Eigen::Index n = 0;
     for (const Rival& rival : rivals_) {
       first_.push_back(n);
-      n += InformationOf(CandidateOf(rival), screen_.score()).rows();
+      n += InformationOf(FindCandidate(rival), screen_.score()).rows();
     }
     first_.push_back(n);
     Eigen::MatrixXd joint(n, n);
     Eigen::VectorXd signature(n);
     for (std::size_t a = 0; a < rivals_.size(); ++a) {
       signature.segment(first_[a], first_[a + 1] - first_[a]) =
-          SignatureOf(CandidateOf(rivals_[a]), screen_.score());
+          SignatureOf(FindCandidate(rivals_[a]), screen_.score());
       for (std::size_t b = 0; b < rivals_.size(); ++b) {
         joint.block(first_[a], first_[b], first_[a + 1] - first_[a], first_[b + 1] - first_[b]) =
-            InformationOf(CandidateOf(rivals_[a]), CandidateOf(rivals_[b]), screen_.score());
+            InformationOf(FindCandidate(rivals_[a]), FindCandidate(rivals_[b]), screen_.score());
       }
     }
-    // An effect that is there takes its signature from the residuals: the score falls.
+    // An effect that is present enters the residuals with a negative sign: the score decreases.
     cross_ = -joint.leftCols(first_[1]);
     root_ = SemidefiniteRoot(joint, kAbsorbed * signature);
   }
@@ -154,7 +156,7 @@ class NamingTrials {
   Eigen::MatrixXd cross_, root_;
 };
 
-/// Minimal detectable sizes of the components, each alone, SI.
+/// Returns the minimal detectable bias of each component alone, SI.
 Eigen::VectorXd DetectableAlone(const Eigen::MatrixXd& A, const Eigen::VectorXd& signature) {
   Eigen::VectorXd sizes(A.rows());
   for (Eigen::Index k = 0; k < A.rows(); ++k) {
@@ -164,7 +166,7 @@ Eigen::VectorXd DetectableAlone(const Eigen::MatrixXd& A, const Eigen::VectorXd&
   return sizes;
 }
 
-/// The best-determined direction of components in units of their usual sizes, SI.
+/// Returns the best-determined direction of the components scaled by their typical sizes, SI.
 Eigen::VectorXd BestDirection(const Candidate& candidate, const Eigen::MatrixXd& A) {
   const SymmetricEigen eigen(candidate.typical.asDiagonal() * A * candidate.typical.asDiagonal());
   const Eigen::VectorXd best = eigen.vectors.col(eigen.vectors.cols() - 1);
@@ -183,7 +185,7 @@ HiddenEffect Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& 
   HiddenEffect hidden;
   hidden.effect = candidate.name;
   hidden.unit = candidate.unit;
-  // Sizes are those of the largest component.
+  // The size of an effect is that of its largest component.
   const double unit = candidate.per_si * direction.cwiseAbs().maxCoeff();
   hidden.detectable_by_component = candidate.per_si * DetectableAlone(A, of_components);
   hidden.minimal_detectable = std::numeric_limits<double>::infinity();
@@ -197,7 +199,7 @@ HiddenEffect Limits(const Screen& screen, Mimicry* mimicry, const EffectFamily& 
   const NamingTrials decision(screen, mimicry, middle, direction, threshold_nats);
   std::map<std::string, int> instead;
   const double start = std::clamp(hidden.minimal_detectable / unit, 1.0 / kLargest, kLargest);
-  double below = 0.0;  // share named at the size before
+  double below = 0.0;  // fraction named at the previous size
   for (double size = 0.5 * start; size <= kLargest * std::max(1.0, start); size *= kStep) {
     instead.clear();
     const double named = decision.Named(size, seed, &instead);

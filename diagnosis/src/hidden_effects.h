@@ -9,10 +9,11 @@
 
 namespace dn::internal {
 
-/// What could be there without being found, the most harmful first. Minimal detectable: found with
-/// probability .8 by a test of .001 of its best-determined direction (Baarda). Minimal identifiable:
-/// named with probability .8 by the decision on the scores of the whole library, competing with all
-/// others, at sizes up to `kLargest` usual ones. By geometry alone; no measured value is used.
+/// Returns the detection limits of all fixed effects, largest shift of the boresight first. The
+/// minimal detectable bias is found with probability 0.8 by a test of level 0.001 of its
+/// best-determined direction (Baarda). The minimal identifiable size is named with probability 0.8
+/// when the effect competes with the whole library. Sizes up to 100 times the typical one are
+/// tried. Both depend on the geometry alone; no measured value is used.
 std::vector<HiddenEffect> HiddenEffects(const Screen& screen, double threshold_nats,
                                         std::uint64_t seed);
 

@@ -20,10 +20,10 @@ std::string HiddenLine(const HiddenEffect& effect, bool with_boresight) {
   std::string text =
       fmt::format("          {:<27} below {}", effect.effect, internal::DetectableWords(effect));
   if (effect.minimal_identifiable) {
-    text += ", its name below " + internal::Rounded(*effect.minimal_identifiable, 2);
+    text += ", not identifiable below " + internal::Rounded(*effect.minimal_identifiable, 2);
   }
   if (with_boresight) {
-    text += ", by which the boresight moves " + internal::MdegWords(effect.boresight_damage_rad);
+    text += ", boresight shift up to " + internal::MdegWords(effect.boresight_damage_rad);
   }
   return text + "\n";
 }
@@ -57,12 +57,12 @@ std::string HiddenEffectsSummary(const std::vector<HiddenEffect>& effects, bool 
       bounded += HiddenLine(effect, with_boresight);
     }
   }
-  const std::string text = "could still hide\n";
+  const std::string text = "undetectable effects\n";
   if (of_any_size.empty()) return text + bounded;
   return text +
          fmt::format(
              "          {}",
-             Wrapped(fmt::format("of any size: {}", fmt::join(of_any_size, ", ")), "          ")) +
+             Wrapped(fmt::format("at any size: {}", fmt::join(of_any_size, ", ")), "          ")) +
          bounded;
 }
 

@@ -8,7 +8,7 @@
 
 namespace dn::internal {
 
-/// What is infinite or no number is null.
+/// Converts a number; non-finite values become null.
 inline Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 inline Json Scaled(const std::optional<double>& value, double factor) {

@@ -61,7 +61,7 @@ class LibraryMaker {
   }
 
  private:
-  /// Columns without a physical name, and how the candidates are made from them.
+  /// Columns of an unmodelled discrepancy, and the function that makes candidates from them.
   struct Shape {
     OwnEffect effect;
     void (LibraryMaker::*add)(CandidateEffect shape);
@@ -106,7 +106,8 @@ class LibraryMaker {
 
   void AddFixed(CandidateEffect effect) {
     const EffectId id = FindEffect(effect.name)->id;
-    if (!options_.Wanted(id) || id == EffectId::kBoresightStep) return;  // steps are made of cells
+    // Steps are made from cells.
+    if (!options_.Wanted(id) || id == EffectId::kBoresightStep) return;
     Candidate candidate = Physical(id, AddBlock(std::move(effect.model)));
     candidate.times = effect.times;
     library_.candidates.push_back(std::move(candidate));
@@ -149,7 +150,7 @@ class LibraryMaker {
     const int n = gnss_cells_.count();
     for (int first = 0; first < n; ++first) {
       for (int past = first + 1; past <= n; ++past) {
-        if (past - first == n) continue;  // the datum
+        if (past - first == n) continue;  // a shift of the whole flight changes only the datum
         Candidate step = Physical(EffectId::kGnssPositionStep, block);
         step.cells = CellRange{first, past};
         const double end_s =
@@ -170,7 +171,7 @@ class LibraryMaker {
     }
   }
 
-  /// Usual sigmas of a process; where it has one, that of all axes.
+  /// Returns the typical sigmas of a process; a single sigma applies to all axes.
   static Eigen::Vector3d Axes(const EffectSpec& process) {
     Eigen::Vector3d axes = Eigen::Vector3d::Constant(process.components[0].typical_si());
     if (process.components.size() < 4) return axes;
@@ -196,7 +197,8 @@ class LibraryMaker {
     }
   }
 
-  /// An oscillation: its power lies in two neighbouring cosines, where that of a process is spread.
+  /// Adds oscillations. The power of an oscillation lies in two neighbouring cosines, while that of
+  /// a process is spread.
   void AddPeriods(const std::string& words, std::size_t block, const Cosines& cosines,
                   const Eigen::Vector3d& axes) {
     for (int k = 1; k + 1 < cosines.count; ++k) {
@@ -207,7 +209,7 @@ class LibraryMaker {
     }
   }
 
-  /// An error of the sensor enters as its bias does.
+  /// Adds the processes of a sensor's error, which acts like its bias.
   void AddBiasProcesses(EffectId id, const std::string& words,
                         const std::vector<ProcessChain>& chains) {
     if (chains.empty()) return;
@@ -260,9 +262,9 @@ class LibraryMaker {
   Library library_;
 };
 
-/// The rows of X that a candidate is about.
-Eigen::MatrixXd RowsOf(const Candidate& candidate, const JointScore& score,
-                       const Eigen::Ref<const Eigen::MatrixXd>& X) {
+/// Returns the rows of X that belong to a candidate.
+Eigen::MatrixXd CandidateRows(const Candidate& candidate, const JointScore& score,
+                              const Eigen::Ref<const Eigen::MatrixXd>& X) {
   const Eigen::Index first = score.first[candidate.block];
   const auto of_block = X.middleRows(first, score.first[candidate.block + 1] - first);
   return candidate.cells ? candidate.cells->Rows(of_block) : Eigen::MatrixXd(of_block);
@@ -322,7 +324,7 @@ EffectModel ModelOf(const Candidate& candidate, const Library& library) {
 
 Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,
                         const Eigen::VectorXd& s) {
-  return RowsOf(candidate, score, s);
+  return CandidateRows(candidate, score, s);
 }
 
 Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& score) {
@@ -330,10 +332,10 @@ Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& scor
 }
 
 Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const JointScore& score) {
-  // The columns of a first: of a range of cells few are needed.
+  // Only few columns of a are needed for a range of cells, so they are selected first.
   const Eigen::Index first = score.first[a.block];
   if (!a.cells) {
-    return RowsOf(b, score, score.A.middleCols(first, score.first[a.block + 1] - first))
+    return CandidateRows(b, score, score.A.middleCols(first, score.first[a.block + 1] - first))
         .transpose();
   }
   CellRange cells = *a.cells;
@@ -341,15 +343,15 @@ Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const Join
   cells.past -= cells.first;
   cells.first = 0;
   return cells.Rows(
-      RowsOf(b, score, score.A.middleCols(begin, cells.width * cells.past)).transpose());
+      CandidateRows(b, score, score.A.middleCols(begin, cells.width * cells.past)).transpose());
 }
 
 Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score) {
-  return RowsOf(candidate, score, score.signature2);
+  return CandidateRows(candidate, score, score.signature2);
 }
 
 Eigen::MatrixXd ShiftOf(const Candidate& candidate, const JointScore& score) {
-  return RowsOf(candidate, score, score.shift.transpose()).transpose();
+  return CandidateRows(candidate, score, score.shift.transpose()).transpose();
 }
 
 }  // namespace dn::internal

@@ -13,72 +13,74 @@
 
 namespace dn::internal {
 
-/// Cells of a block that have one value in common, sum of their columns, or each one of its own.
+/// A range of cells of a block, which share one value (sum of their columns) or have one value
+/// each.
 struct CellRange {
   int first = 0, past = 0;
-  int width = 3;  ///< columns of a cell
+  int width = 3;  ///< columns per cell
   bool in_common = true;
 
-  /// X of the columns of all cells, one per row, reduced to those of the range.
+  /// Reduces X, which has one row for each column of the block, to the rows of the range.
   Eigen::MatrixXd Rows(const Eigen::Ref<const Eigen::MatrixXd>& X) const;
 };
 
-/// One way in which the data may depart from the model: columns of a block, or sums of them, whose
-/// values are Gaussian of the usual sizes times a common factor.
+/// A hypothesis on how the data may differ from the model: columns of a block, or sums of them. The
+/// values are Gaussian with the typical sizes times a common factor.
 struct Candidate {
-  std::string name;            ///< of the effect, or a description of the discrepancy
-  std::optional<EffectId> id;  ///< absent for a discrepancy without a physical name
+  std::string name;            ///< name of the effect, or description of the discrepancy
+  std::optional<EffectId> id;  ///< nullopt for an unmodelled discrepancy
   EffectTimes times;
-  std::optional<double> tau_s;     ///< of a process: its columns are cosines
-  std::size_t block = 0;           ///< of Library::blocks
-  std::optional<CellRange> cells;  ///< absent: all columns of the block
-  std::optional<double> period_s;  ///< of an oscillation
-  std::optional<double> decay_s;   ///< of what settles: its time constant
-  Eigen::VectorXd typical;         ///< usual size of each component, SI
+  std::optional<double> tau_s;     ///< time constant of a process; its columns are cosines
+  std::size_t block = 0;           ///< index in Library::blocks
+  std::optional<CellRange> cells;  ///< nullopt: all columns of the block
+  std::optional<double> period_s;  ///< period of an oscillation
+  std::optional<double> decay_s;   ///< time constant of a decay
+  Eigen::VectorXd typical;         ///< typical size of each component, SI
   std::string unit;
   double per_si = 1.0;
 };
 
-/// The effects that a flight is searched for, with their derivatives at the network's values.
+/// The effects that a flight is tested for, with their derivatives at the network's values.
 struct Library {
   std::vector<EffectModel> blocks;
-  std::vector<Candidate> candidates;  ///< those of one name side by side
+  std::vector<Candidate> candidates;  ///< those with the same name are adjacent
 };
 
-/// Which effects are searched for.
+/// The effects to be tested.
 struct LibraryOptions {
   std::vector<std::string> effects;   ///< only these; empty: all
-  std::vector<std::string> left_out;  ///< not these
+  std::vector<std::string> left_out;  ///< all but these
   int threads = 1;
 
   bool Wanted(const std::string& effect) const;
   bool Wanted(EffectId effect) const { return Wanted(EffectName(effect)); }
 };
 
-/// All fixed effects, with the windows and starts that the flight has room for; processes by their
-/// cosines; discrepancies without a name.
+/// Makes the library of a flight: all fixed effects with their possible windows and starts,
+/// processes expressed by cosines, and unmodelled discrepancies.
 Library MakeLibrary(const FlightNetwork& network, const LinearizedNetwork& linearized,
                     const LibraryOptions& options);
 
-/// A discrepancy of all columns of a block.
+/// Returns an unmodelled discrepancy of all columns of a block.
 Candidate Nameless(const std::string& name, std::size_t block, const Eigen::VectorXd& typical);
 
-/// Adds one candidate of a discrepancy for each time constant of a BoresightSettling block.
+/// Adds a decaying discrepancy for each time constant of a BoresightSettling block.
 void AddSettling(const std::string& name, std::size_t block, const std::vector<double>& taus_s,
                  const Eigen::VectorXd& typical, Library* library);
 
-/// The columns of a candidate by themselves.
+/// Returns the columns of a candidate.
 EffectModel ModelOf(const Candidate& candidate, const Library& library);
 
-/// The part of a statistic that a candidate is about.
+/// Returns the part of the joint score s that belongs to a candidate.
 Eigen::VectorXd ScoreOf(const Candidate& candidate, const JointScore& score,
                         const Eigen::VectorXd& s);
+/// Returns the information matrix of a candidate.
 Eigen::MatrixXd InformationOf(const Candidate& candidate, const JointScore& score);
-/// Cross information of two candidates.
+/// Returns the cross information of two candidates.
 Eigen::MatrixXd InformationOf(const Candidate& a, const Candidate& b, const JointScore& score);
-/// Diagonal of L^T L.
+/// Returns the diagonal of L^T L of a candidate's columns L.
 Eigen::VectorXd SignatureOf(const Candidate& candidate, const JointScore& score);
-/// How far one unit of each component moves what the score watches.
+/// Returns the shift of the watched unknowns per unit of each component.
 Eigen::MatrixXd ShiftOf(const Candidate& candidate, const JointScore& score);
 
 }  // namespace dn::internal

@@ -11,21 +11,22 @@ namespace dn::internal {
 namespace {
 
 constexpr int kMostSteps = 15;
-// What is foretold of a place must be so within this, or within this share of what it is above the
-// places beside it.
-constexpr double kForetoldNats = 0.02, kForetoldShare = 0.01;
+// The likelihood at a place must agree with its prediction within this, or within this fraction of
+// its height above the neighbouring places.
+constexpr double kPredictionNats = 0.02, kPredictionShare = 0.01;
 
 struct SizeAndLikelihood {
   double x = 0.0, l = 0.0;
 };
 
-/// The likelihood of errors of one size through three places, its maximum if that lies between them.
-std::optional<LikelihoodPeak> OfOneSize(const SizeAndLikelihood& a, const SizeAndLikelihood& b,
-                                        const SizeAndLikelihood& c) {
+/// Fits the likelihood of errors of one size to three places. Returns its maximum if it lies
+/// between them.
+std::optional<LikelihoodPeak> FitOneSize(const SizeAndLikelihood& a, const SizeAndLikelihood& b,
+                                         const SizeAndLikelihood& c) {
   Eigen::Matrix3d M;
   Eigen::Vector3d l;
   int row = 0;
-  for (const SizeAndLikelihood& place : {a, b, c}) {  // from the middle one
+  for (const SizeAndLikelihood& place : {a, b, c}) {  // relative to the middle one
     const double x = place.x - b.x;
     M.row(row) << 1.0, -x, -std::expm1(-2.0 * x);
     l[row++] = place.l - b.l;
@@ -64,13 +65,13 @@ class PeakSearch {
         continue;
       }
       const SizeAndLikelihood a = At(std::prev(best)), b = At(best), c = At(std::next(best));
-      std::optional<LikelihoodPeak> peak = OfOneSize(a, b, c);
+      std::optional<LikelihoodPeak> peak = FitOneSize(a, b, c);
       if (!peak) peak = Parabola(a, b, c);
-      // Where neither helps, the wider side is halved.
+      // If neither fit has a maximum, the wider interval is halved.
       const double next = peak ? peak->log_size : 0.5 * (b.x + (c.x - b.x > b.x - a.x ? c.x : a.x));
       const double l = Ask(next);
       if (!peak) continue;
-      const double margin = kForetoldNats + kForetoldShare * (l - std::max(a.l, c.l));
+      const double margin = kPredictionNats + kPredictionShare * (l - std::max(a.l, c.l));
       if (std::abs(l - peak->value) <= margin) return WithWidth(next, peak->width);
       if (next - a.x < 1e-6 * (c.x - a.x) || c.x - next < 1e-6 * (c.x - a.x)) return std::nullopt;
     }
@@ -97,7 +98,7 @@ class PeakSearch {
                             [](const auto& a, const auto& b) { return a.second < b.second; });
   }
 
-  /// One place more at an end, twice as far off as the one before; false at the very end.
+  /// Adds a place beyond an end, at twice the last distance. Returns false if the end is a bound.
   bool Extend(bool below) {
     const double end = below ? known_.begin()->first : known_.rbegin()->first;
     const double beside =
@@ -108,7 +109,7 @@ class PeakSearch {
     return true;
   }
 
-  /// The maximum near x, by places a width to either side.
+  /// Returns the maximum near x, with its width from places one width to either side.
   LikelihoodPeak WithWidth(double x, double width) {
     const double half = std::min({width, x - low_, high_ - x});
     LikelihoodPeak peak{x, known_[x], width};

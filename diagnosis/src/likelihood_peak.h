@@ -6,26 +6,27 @@
 
 namespace dn::internal {
 
-/// Log likelihoods of several sizes, by their logarithms.
+/// Function that returns the log likelihoods of several sizes, given by their logarithms.
 using SizeLikelihoods = std::function<std::vector<double>(const std::vector<double>&)>;
 
-/// The likeliest size, as that of a normal likelihood of its logarithm.
+/// The most probable size, as the maximum of a normal likelihood of its logarithm.
 struct LikelihoodPeak {
   double log_size = 0.0;
-  double value = 0.0;  ///< there
-  double width = 0.0;  ///< standard deviation by the curvature
+  double value = 0.0;  ///< log likelihood at this size
+  double width = 0.0;  ///< standard deviation of log_size, from the curvature
 };
 
-/// The likeliest of the sizes asked for first, or one between them or beyond. Where errors of one
-/// size make up all, their likelihood over x = ln(size) is
+/// Finds the most probable size. If all errors have one size, their log likelihood over x =
+/// ln(size) is
 ///
 ///   l = a - n x - S exp(-2x)
 ///
-/// which is drawn through three places, and again with the likeliest so found, until it is what was
-/// foretold; the width follows from places one width to either side. Nothing where the likelihood
-/// has no maximum within low and high, or none is found. Asks again for places that it knows.
+/// This function is fitted to three places, and fitted again with its maximum as a new place, until
+/// the likelihood there agrees with the prediction. The width follows from places one width to
+/// either side. Returns nullopt if the likelihood has no maximum between `low` and `high`, or if
+/// the search fails. May evaluate a place more than once.
 ///
-/// `first`: at least three, ascending, within low and high.
+/// `first` are the logarithms to start with: at least three, ascending, between `low` and `high`.
 std::optional<LikelihoodPeak> FindPeak(const SizeLikelihoods& likelihood,
                                        const std::vector<double>& first, double low, double high);
 

@@ -15,7 +15,7 @@
 namespace dn::internal {
 namespace {
 
-// Share of its errors that a residual must show to be looked at.
+// Smallest redundancy number of a residual that is used.
 constexpr double kLeastTermRedundancy = 1e-4;
 constexpr int kWindows = 8;
 constexpr int kLongLag = 10;
@@ -23,15 +23,15 @@ constexpr int kScanAngleBins = 5;
 constexpr int kRangeBins = 3;
 constexpr std::size_t kFewestTerms = 12;
 
-std::string SensorOf(const std::string& channel) {
+std::string SensorName(const std::string& channel) {
   if (channel.rfind("gnss", 0) == 0) return "gnss";
   if (channel.rfind("lidar", 0) == 0) return "lidar";
   const bool gyro = channel.find("gyro") != std::string::npos;
   return gyro ? "gyro" : "accel";
 }
 
-/// The name of a channel without its sensor: "position".
-std::string QuantityOf(const std::string& channel) {
+/// Returns the name of a channel without its sensor: "position".
+std::string QuantityName(const std::string& channel) {
   for (const char* sensor : {"gnss ", "lidar "}) {
     if (channel.rfind(sensor, 0) == 0) return channel.substr(std::string(sensor).size());
   }
@@ -48,7 +48,7 @@ std::string NameOf(const LocationStatistic& statistic) {
 /// The residuals of one channel and axis in order of time.
 struct Locations::Series {
   std::string sensor, quantity;
-  Terms terms;  // row, time
+  Terms terms;  // pairs of row and time
 };
 
 Locations::Locations(const FlightNetwork& network, const LinearizedNetwork& linearized,
@@ -66,8 +66,8 @@ Locations::Locations(const FlightNetwork& network, const LinearizedNetwork& line
       if (weight_[rows.first + k] == 0.0) continue;
       const std::string channel = group.Channel(k);
       Series& series = all[channel + " " + group.Axis(k)];
-      series.sensor = SensorOf(channel);
-      series.quantity = QuantityOf(channel) + " " + group.Axis(k);
+      series.sensor = SensorName(channel);
+      series.quantity = QuantityName(channel) + " " + group.Axis(k);
       series.terms.emplace_back(rows.first + k, t_s);
     }
   }
@@ -129,7 +129,7 @@ void Locations::AddWindows(const Series& series) {
   }
 }
 
-// Octaves of cosines over the series, from its length down to where 64 waves fit in.
+// Adds bands of one octave each, from 1 to 63 half waves of cosines over the series.
 void Locations::AddBands(const Series& series) {
   const double length_s = series.terms.back().second - series.terms.front().second;
   if (series.terms.size() < 64 || !(length_s > 0.0)) return;
@@ -194,7 +194,7 @@ void Locations::AddPairs(const FlightNetwork& network, const LinearizedNetwork& 
   }
 }
 
-double Locations::ValueOf(const Recipe& recipe, const Eigen::VectorXd& r) const {
+double Locations::EvaluateRecipe(const Recipe& recipe, const Eigen::VectorXd& r) const {
   const Terms& terms = recipe.terms;
   const auto w = [&](std::size_t k) { return weight_[terms[k].first] * r[terms[k].first]; };
   const auto n = static_cast<double>(terms.size());
@@ -224,7 +224,7 @@ double Locations::ValueOf(const Recipe& recipe, const Eigen::VectorXd& r) const 
 Eigen::VectorXd Locations::Evaluate(const Eigen::VectorXd& r) const {
   Eigen::VectorXd values(static_cast<Eigen::Index>(recipes_.size()));
   for (std::size_t k = 0; k < recipes_.size(); ++k) {
-    values[static_cast<Eigen::Index>(k)] = ValueOf(recipes_[k], r);
+    values[static_cast<Eigen::Index>(k)] = EvaluateRecipe(recipes_[k], r);
   }
   return values;
 }
@@ -250,7 +250,7 @@ double Locations::SizeNats(const Eigen::VectorXd& r) const {
   return count > 0.0 ? nats / count : 0.0;
 }
 
-// A residual over its redundancy number is that of its prediction from all others.
+// A residual divided by its redundancy number is the error of its prediction from all other data.
 double Locations::Rms(const Terms& terms, const Eigen::VectorXd& r) const {
   double sum = 0.0, count = 0.0;
   for (const auto& [row, sigma_m] : terms) {

@@ -11,19 +11,19 @@
 
 namespace dn::internal {
 
-/// A statistic of the residuals at one place: of a channel, an axis, a time, a frequency band, a pair
-/// of strips, a range of scan angles.
+/// A statistic of the residuals of one channel and axis at one place. A place is a time, a
+/// frequency band, a pair of strips, or a range of scan angles or ranges.
 struct LocationStatistic {
   std::string sensor;    ///< "gnss", "gyro", "accel", "lidar"
   std::string quantity;  ///< "position east, mean square"
   std::string location;  ///< "strips 1-2"; empty: the whole flight
 };
 
-/// "lidar p2p east, mean, strips 1-2".
+/// Returns a name such as "lidar p2p east, mean, strips 1-2".
 std::string NameOf(const LocationStatistic& statistic);
 
-/// What the residuals of a flight look like, place by place. A residual counts over the root of its
-/// redundancy number; those that the unknowns follow altogether take no part.
+/// Statistics of the residuals of a flight, place by place. Each residual is divided by the root of
+/// its redundancy number. Residuals that the unknowns absorb completely are not used.
 class Locations {
  public:
   Locations(const FlightNetwork& network, const LinearizedNetwork& linearized,
@@ -31,17 +31,18 @@ class Locations {
 
   const std::vector<LocationStatistic>& statistics() const { return statistics_; }
 
-  /// All statistics of the residuals r of the network.
+  /// Returns all statistics of residuals r of the network.
   Eigen::VectorXd Evaluate(const Eigen::VectorXd& r) const;
 
-  /// Mean Kullback-Leibler divergence of the residuals of each channel, axis and stretch of time
-  /// from white noise of the stated size (Gaussian, by mean, variance and correlation of
-  /// neighbours), nats per residual.
+  /// Returns the mean Kullback-Leibler divergence of the residuals from white noise of the stated
+  /// size, nats per residual. It is computed for each channel, axis and stretch of time from mean,
+  /// variance and correlation of neighbours (Gaussian).
   double SizeNats(const Eigen::VectorXd& r) const;
 
-  /// Root mean square of what all other data predict of a residual against its measured value, m.
-  /// 0 where there is no residual of the kind.
+  /// Returns the rms difference of measured values from their predictions by all other data, m.
+  /// Returns 0 if there are no such residuals.
   double PairRms(const Eigen::VectorXd& r) const;
+  /// Returns the same for GNSS positions.
   double GnssRms(const Eigen::VectorXd& r) const;
 
  private:
@@ -51,7 +52,7 @@ class Locations {
   struct Recipe {
     Form form;
     Terms terms;
-    Eigen::MatrixXd cosines;  // of kBand: terms x waves
+    Eigen::MatrixXd cosines;  // for kBand: terms x waves
   };
 
   void AddSeries(const Series& series);
@@ -59,13 +60,13 @@ class Locations {
   void AddBands(const Series& series);
   void AddPairs(const FlightNetwork& network, const LinearizedNetwork& linearized);
   void Add(const LocationStatistic& statistic, Form form, Terms terms);
-  double ValueOf(const Recipe& recipe, const Eigen::VectorXd& r) const;
+  double EvaluateRecipe(const Recipe& recipe, const Eigen::VectorXd& r) const;
   double Rms(const Terms& terms, const Eigen::VectorXd& r) const;
 
-  Eigen::VectorXd weight_;  // 1 / root of the redundancy number, 0: takes no part
+  Eigen::VectorXd weight_;  // 1 / root of the redundancy number; 0: not used
   std::vector<LocationStatistic> statistics_;
   std::vector<Recipe> recipes_;
-  std::vector<Terms> cells_;  // of SizeNats, in order of time
+  std::vector<Terms> cells_;  // stretches of time for SizeNats, in order of time
   Terms pair_errors_m_, gnss_errors_m_;
 };
 

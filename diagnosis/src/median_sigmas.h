@@ -6,12 +6,12 @@
 
 namespace dn::internal {
 
-/// What the estimator takes for the noise of GNSS positions, median over the epochs, east, north,
-/// up, m. The flight must have GNSS.
+/// Returns the median over the epochs of the noise that the estimator assumes for GNSS positions:
+/// east, north, up, m. The flight must have GNSS data.
 Eigen::Vector3d MedianGnssSigma(const Flight& flight);
 
-/// Per coordinate of a pair's difference, m; the median where the pairs bring their own. The flight
-/// must have pairs.
+/// Returns the noise per coordinate of a pair's difference, m: the median if most pairs state their
+/// own, else lidar.sigma_p_m. The flight must have pairs.
 double MedianPairSigma(const Flight& flight);
 
 }  // namespace dn::internal

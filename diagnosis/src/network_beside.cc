@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kShortestStepS = 0.45;
 
-/// Node times without those that follow another too closely and have no GNSS epoch.
+/// Returns the node times, without those that closely follow another one and have no GNSS epoch.
 std::vector<double> Thinned(const FlightNetwork& solved) {
   std::set<std::size_t> with_gnss;
   for (const FlightNetwork::GnssEdge& edge : solved.gnss_edges) with_gnss.insert(edge.node);
@@ -34,7 +34,7 @@ FlightNetwork NetworkBeside(const FlightNetwork& solved, const Flight& flight, i
   design.node_t_s = Thinned(solved);
   design.calibration = solved.Calibration();
   const auto nodes = static_cast<double>(design.node_t_s.size());
-  std::size_t node = 0;  // of the solved network
+  std::size_t node = 0;  // index in the solved network
   for (const double t_s : design.node_t_s) {
     while (solved.node_times()[node] < t_s) ++node;
     design.poses.push_back(solved.NodePose(node));

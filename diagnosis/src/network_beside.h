@@ -4,10 +4,10 @@
 
 namespace dn::internal {
 
-/// The network of a flight that differs from that of `solved` in its configuration only, unsolved,
-/// where `solved` stands: its trajectory, calibration and mean biases, the same pairs and GNSS epochs
-/// in use. A step of least squares is enough for what hardly moves the solution. The flight must
-/// outlive it. Throws as Build.
+/// Builds the network of a flight that differs from the flight of `solved` only in its
+/// configuration. The network is not solved. Its values are the trajectory, calibration and mean
+/// biases of `solved`, and it uses the same pairs and GNSS epochs. One least-squares step suffices
+/// if the solution hardly changes. `flight` must outlive the result. Throws as Build.
 FlightNetwork NetworkBeside(const FlightNetwork& solved, const Flight& flight, int threads);
 
 }  // namespace dn::internal

@@ -8,12 +8,12 @@
 namespace dn::internal {
 namespace {
 
-// Shares of gross errors that may be there, alike in their logarithm, and how many of them a
+// Possible fractions of outliers, uniform in their logarithm, and the fraction of outliers that a
 // threshold finds.
 constexpr double kLeastShare = 1e-3, kLargestShare = 0.3, kFound = 0.7;
 constexpr int kShares = 40;
 
-/// Of the number found, a Poisson variable, averaged over the shares.
+/// Returns the log evidence of the number found, a Poisson variable, averaged over the fractions.
 double Evidence(long found, long of_all, double usual) {
   const auto all = static_cast<double>(of_all), n = static_cast<double>(found);
   const double expected = std::max(usual * all, 1e-3);
@@ -26,10 +26,10 @@ double Evidence(long found, long of_all, double usual) {
   return sum.Value() - std::log(kShares);
 }
 
-/// Of lengths that are uniform from nothing up to the largest, the part that is seen where those
-/// below a threshold c are not: the mean of the others is (c + largest) / 2.
+/// Returns the fraction of outliers above the threshold c, for lengths uniform from 0 to the
+/// largest. The mean of the detected lengths is (c + largest) / 2.
 double PartSeen(double largest_m, double mean_m) {
-  constexpr double kLeastPart = 0.1;  // a few alike tell nothing of the others
+  constexpr double kLeastPart = 0.1;  // a few similar lengths say nothing about the others
   return std::clamp(2.0 * (largest_m - mean_m) / largest_m, kLeastPart, 1.0);
 }
 
@@ -49,7 +49,8 @@ ScreenedEffect OutlierEffect(EffectId id, long found, long of_all, double usual,
   const double part =
       largest_m > 0.0 ? PartSeen(largest_m, sum_m / static_cast<double>(lengths_m.size())) : 1.0;
   const double share = std::min(n / all / part, 1.0);
-  // The number found is Poisson's; the mean of n uniform lengths adds a third of its variance.
+  // The number found has a Poisson distribution; the mean of n uniform lengths adds a third of its
+  // variance.
   const double sigma = std::max(share, 1.0 / all) * std::sqrt(4.0 / 3.0 / std::max(1.0, n));
   effect.estimate = Eigen::Vector2d(share, largest_m);
   effect.sigma = Eigen::Vector2d(sigma, 0.5 * largest_m);

@@ -7,17 +7,19 @@
 
 namespace dn::internal {
 
-/// Gross errors: of `of_all` measurements `found` were left out, where good data lose the share
-/// `usual`. Log evidence by Poisson's distribution, the expected number likely of any size.
+/// Returns the effect of outliers if `found` of `of_all` measurements were rejected, and good data
+/// lose the fraction `usual`. The log evidence follows from the Poisson distribution, averaged over
+/// the possible fractions of outliers.
 ///
-/// lengths_m: misclosures of what was left out. Gross errors are taken to be of any length up to
-/// their size, the largest seen; those too short to stand out are added to the share that is
-/// estimated, by how far the mean of the lengths lies above half of the size.
+/// `lengths_m` are the misclosures of the rejected measurements. Outlier lengths are assumed to be
+/// uniform up to the size, the largest one found. Outliers too short to be rejected are added to
+/// the estimated fraction; it follows from the mean of the lengths.
 ScreenedEffect OutlierEffect(EffectId id, long found, long of_all, double usual,
                              const std::vector<double>& lengths_m);
 
-/// Variance that gross errors which are too short to be left out add to the measurements in use, per
-/// axis, in squares of sigma_m: of lengths uniform up to size_m, those below c = norm * sigma_m stay,
+/// Returns the variance that outliers too short to be rejected add to the measurements in use, per
+/// axis, in units of sigma_m^2. With lengths uniform up to size_m, those below c = norm * sigma_m
+/// remain:
 ///
 ///   share * c / size * c^2 / 3 / 3 / sigma^2.
 double VarianceOfShortOnes(double share, double size_m, double sigma_m, double norm);

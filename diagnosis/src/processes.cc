@@ -25,9 +25,9 @@ namespace {
 
 constexpr double kProcessTausS[] = {4.0, 15.0, 60.0, 240.0};
 constexpr double kMostLogSize = 3.5;
-// Of the logarithm of sizes that are tried first about one that is nearly known.
+// Step between the logarithms of the sizes that are tried first around a nearly known size.
 constexpr double kSizeStep = 0.2;
-// Share of the sigma at which a process is as good as absent.
+// Fraction of the typical sigma at which a process is practically absent.
 constexpr double kAbsent = 1e-3;
 
 const ProcessChain& NewestChain(const FlightNetwork& network, EffectId effect) {
@@ -36,9 +36,9 @@ const ProcessChain& NewestChain(const FlightNetwork& network, EffectId effect) {
   return network.gnss_error.back();
 }
 
-/// 1 for the rows that state the size of a chain.
-Eigen::VectorXd RowsOfChain(const FlightNetwork& network, const LinearizedNetwork& linearized,
-                            const ProcessChain& chain) {
+/// Returns 1 for the rows that state the size of a chain, and 0 for all other rows.
+Eigen::VectorXd ChainRows(const FlightNetwork& network, const LinearizedNetwork& linearized,
+                          const ProcessChain& chain) {
   std::set<BlockId> blocks;
   for (const auto& block : chain.blocks) blocks.insert(block.id);
   Eigen::VectorXd share = Eigen::VectorXd::Zero(linearized.rows());
@@ -53,20 +53,20 @@ Eigen::VectorXd RowsOfChain(const FlightNetwork& network, const LinearizedNetwor
   return share;
 }
 
-/// A process with one time constant, over all its sizes.
+/// A process with one time constant, evaluated over all its sizes.
 struct JudgedProcess {
   double tau_s = 0.0;
   SizeAtTau likeliest;
   double log_evidence = 0.0;
 };
 
-/// Log likelihoods of the size of a process by its logarithm, in usual sizes, against a process that
-/// is as good as absent.
+/// Log likelihoods of the size of a process, relative to a process that is practically absent.
+/// Sizes are given by their logarithm, in typical sizes.
 class SizeLikelihood {
  public:
   SizeLikelihood(const FlightNetwork& network, EffectId effect, int threads)
       : linearized_(network.net),
-        likelihood_(linearized_, RowsOfChain(network, linearized_, NewestChain(network, effect)),
+        likelihood_(linearized_, ChainRows(network, linearized_, NewestChain(network, effect)),
                     threads) {}
 
   std::vector<double> operator()(const std::vector<double>& log_sizes) {
@@ -83,7 +83,7 @@ class SizeLikelihood {
   VarianceLikelihood likelihood_;
 };
 
-/// The likeliest size; `first`: logarithms to begin with.
+/// Returns the most probable size. `first` are the logarithms to start with.
 SizeAtTau LikeliestSize(SizeLikelihood& likelihood, const std::vector<double>& first) {
   const auto values = [&](const std::vector<double>& log_sizes) { return likelihood(log_sizes); };
   if (const auto peak = FindPeak(values, first, -kMostLogSize, kMostLogSize)) {
@@ -107,20 +107,20 @@ JudgedProcess Judge(SizeLikelihood& likelihood) {
   for (std::size_t g = 0; g < l.size(); ++g) {
     sum += SizePrior::kProbability[g] * std::exp(l[g] - at.log_likelihood);
   }
-  // Between the five sizes the likelihood may have its peak: they are taken as wide as their steps.
+  // The likelihood may peak between the five sizes, so each of them represents the width of a step.
   const double peak = std::min(1.0, at.relative_sigma / kStep) * 0.2;
   return {0.0, at, at.log_likelihood + std::log(std::max({sum, peak, 1e-300}))};
 }
 
-/// A process of the usual size beside what the flight has, at one time constant after another.
+/// The flight with one more process of the typical size, at a choice of time constants.
 class Trial {
  public:
-  /// `scale`: of the size that the states are laid out for, in usual ones.
+  /// `scale`: size for which the states are set up, in typical sizes.
   Trial(const FlightNetwork& solved, int threads, EffectId effect, double scale)
       : solved_(solved), threads_(threads), effect_(effect), scale_(scale) {}
 
-  /// What `judge` makes of the likelihood of the size, in units of the scale, at a time constant;
-  /// nothing where there is no such network.
+  /// Returns the result of `judge` for the likelihood of the size, in units of the scale, at a time
+  /// constant. Returns nullopt if the network cannot be built.
   template <class Judge>
   auto At(double tau_s, const Judge& judge) const
       -> std::optional<std::invoke_result_t<Judge, SizeLikelihood&>> {
@@ -151,14 +151,14 @@ class Trial {
   double scale_;
 };
 
-/// Size and time constant as those of an effect.
+/// Writes size and time constant of a process into an effect.
 void Take(const ProcessEstimate& process, ScreenedEffect* effect) {
   const EffectSpec& spec = EffectRow(*effect->id);
   const auto last = static_cast<Eigen::Index>(spec.components.size()) - 1;
   for (Eigen::Index k = 0; k < last; ++k) {
-    const double usual = spec.components[static_cast<std::size_t>(k)].typical_si();
-    effect->estimate[k] = process.size * usual;
-    effect->sigma[k] = process.sigma_of_size * usual;
+    const double typical = spec.components[static_cast<std::size_t>(k)].typical_si();
+    effect->estimate[k] = process.size * typical;
+    effect->sigma[k] = process.sigma_of_size * typical;
   }
   effect->estimate[last] = process.tau_s;
   effect->sigma[last] = process.sigma_of_tau_s;

@@ -6,15 +6,15 @@
 
 namespace dn::internal {
 
-/// A process as states of the network, at the time constants that are tried: the evidence by the
-/// restricted likelihood of its sigma, exact where the cosines of the screen are cut short.
-/// `solved`: the flight without the process, solved. A time constant whose network cannot be made is
-/// left out; nothing is changed where none can.
+/// Evaluates a process as states of the network, at several time constants. The evidence is the
+/// restricted likelihood of its sigma, which is exact, while the screen truncates the series of
+/// cosines. `solved` is the solved network without the process. Skips time constants for which no
+/// network can be built. Leaves the effect unchanged if that fails for all of them.
 void JudgeProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect);
 
-/// Size and time constant of a process that was judged, at the maximum of the likelihood of both,
-/// with standard deviations by its curvature in their logarithms; that of the time constant is no
-/// number where the likelihood has no maximum near.
+/// Refines size and time constant of an evaluated process by maximising their joint likelihood. The
+/// standard deviations follow from its curvature in their logarithms. That of the time constant is
+/// NaN if there is no maximum nearby.
 void RefineProcess(const FlightNetwork& solved, int threads, ScreenedEffect* effect);
 
 }  // namespace dn::internal

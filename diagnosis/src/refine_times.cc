@@ -14,17 +14,18 @@
 namespace dn::internal {
 namespace {
 
-constexpr int kFineCells = 16;  // to either side of an end
-// An error of fewer GNSS epochs is a gross one, and its size is not to be estimated.
+constexpr int kFineCells = 16;  // on either side of an end
+// A step of fewer GNSS epochs counts as outliers, and its size is not estimated.
 constexpr std::ptrdiff_t kFewestEpochs = 4;
 
-/// Cells over which a step may begin or end, and the sums of them that are tried.
+/// Cells in which a step may begin or end, and the ranges of cells that are tried.
 struct FineCells {
   TimeCells cells;
   std::vector<std::pair<int, int>> ranges;
 };
 
-/// Fine cells from half a cell before to half a cell after a time, and where they begin.
+/// Appends fine cells from `reach_s` before to `reach_s` after a time. Returns the index of the
+/// first one.
 int AppendFine(double t_s, double reach_s, TimeCells* cells) {
   const int first = cells->count();
   cells->Append(t_s - reach_s, reach_s / kFineCells, 2 * kFineCells);

@@ -7,8 +7,9 @@
 
 namespace dn::internal {
 
-/// The window of a gnss_position_step or the start of a boresight_step to a fraction of the cells
-/// of the screen, with the effect's values and evidence there; any other effect is left as it is.
+/// Refines the window of a gnss_position_step, or the start of a boresight_step, to a fraction of
+/// the screen's cells. Updates times, estimate, sigma and the shift of the boresight. Leaves any
+/// other effect unchanged.
 void RefineTimes(const FlightNetwork& network, const Marginals& marginals, int threads,
                  ScreenedEffect* effect);
 

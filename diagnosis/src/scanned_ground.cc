@@ -11,13 +11,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMostOfScan = 0.999;  // what lies beyond is a gross error
+constexpr double kMostOfScan = 0.999;  // points beyond are outliers
 constexpr double kNarrowestFov_rad = 1.0 * kRadPerDeg;
-constexpr double kWidestFov_rad = 150.0 * kRadPerDeg;  // that a scenario may have
+constexpr double kWidestFov_rad = 150.0 * kRadPerDeg;  // widest that a scenario may have
 constexpr double kFlatRelief_m = 3.0;
-// Of a scenario's ground: its relief is the bound of a sum of waves with this standard deviation.
+// Relief of a scenario's ground per standard deviation. The relief bounds a sum of waves.
 constexpr double kReliefPerSigma = 8.5;
-constexpr double kClearance_m = 15.0;  // a strip is refused below 10 m
+constexpr double kClearance_m = 15.0;  // a strip below 10 m is rejected
 constexpr double kShortestWave_m = 200.0;
 constexpr double kLongestWave_m = 5000.0;
 
@@ -33,9 +33,9 @@ double RootMeanSquare(const std::vector<double>& values, double about) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// Directions of the laser vectors with respect to the axes of the scanner.
+/// Directions of the laser vectors relative to the axes of the scanner.
 struct ScanAngles {
-  std::vector<double> across_rad;  ///< scan angle, without sign
+  std::vector<double> across_rad;  ///< absolute scan angle
   std::vector<double> ahead_rad;   ///< out of the scan plane
   std::vector<double> nadir_rad;   ///< from the nadir axis
 
@@ -52,7 +52,7 @@ struct ScanAngles {
     }
   }
 
-  /// On a cone the angle from nadir is the same all around.
+  /// Returns whether the scan is a cone, where the angle from nadir is constant.
   bool OnCone() const {
     return RootMeanSquare(nadir_rad, Quantile(nadir_rad, 0.5)) < RootMeanSquare(ahead_rad, 0.0);
   }
@@ -83,7 +83,7 @@ double LowestStrip(const std::vector<MapPose>& poses, const std::vector<StripInt
   return lowest_m;
 }
 
-/// The longest undulation spans the ground that is seen.
+/// Returns the extent of the observed ground, which is the longest undulation.
 double Extent(const std::vector<Vector3d>& points_m) {
   Vector3d low = points_m.front(), high = points_m.front();
   for (const Vector3d& p : points_m) {
@@ -102,7 +102,7 @@ LidarScenario ScannerOf(const Flight& flight, const Mounting& mounting) {
   lidar.scan_axis_s = config.scan_axis_s;
   lidar.nadir_axis_s = config.nadir_axis_s;
   lidar.gsd_m = config.gsd_m.value_or(2.0 * std::sqrt(3.0) * config.sigma_p_m);
-  lidar.pulse_rate_hz = 100000.0;  // nothing depends on it
+  lidar.pulse_rate_hz = 100000.0;  // arbitrary: nothing depends on it
   const ScanAngles angles(flight);
   const bool cone = angles.OnCone();
   lidar.pattern = cone ? ScanPattern::kCone : ScanPattern::kLine;

@@ -5,11 +5,11 @@
 
 namespace dn {
 
-/// Pattern and field of view of a scanner, from the scan angles of the flight's pairs, in a
-/// scenario with its mounting.
+/// Returns a scanner with the given mounting. Its pattern and field of view are estimated from the
+/// scan angles of the flight's pairs.
 LidarScenario ScannerOf(const Flight& flight, const Mounting& mounting);
 
-/// Ground of the height and roughness of the georeferenced pairs, which every strip clears.
+/// Returns ground with the height and roughness of the georeferenced pairs, below every strip.
 TerrainScenario GroundOf(const Flight& flight, const Trajectory& trajectory,
                          const Mounting& mounting, const std::vector<StripInterval>& strips);
 

@@ -127,7 +127,8 @@ void Screen::DescribeFixed(const Candidate& candidate, std::size_t index,
   }
 }
 
-// The likeliest common factor of the sigmas, and its standard deviation by the information about it.
+// Estimates the common factor of the sigmas, and its standard deviation from the curvature of the
+// evidence.
 void Screen::DescribeProcess(const Candidate& candidate, std::size_t index,
                              ScreenedEffect* effect) const {
   const Eigen::VectorXd s = ScoreOf(candidate, score_, score_.s);

@@ -15,69 +15,69 @@
 
 namespace dn::internal {
 
-/// What the data say about one effect: that of its windows, starts and time constants which explains
-/// them best. SI.
+/// Evidence for one effect, with the window, start and time constant that explain the data best.
+/// SI.
 struct ScreenedEffect {
   std::string name;
-  std::optional<EffectId> id;  ///< absent for a discrepancy without a physical name
+  std::optional<EffectId> id;  ///< nullopt for an unmodelled discrepancy
   EffectTimes times;
   std::optional<double> period_s;
   std::optional<double> decay_s;
   double log_evidence = 0.0;  ///< averaged over sizes, windows and time constants
-  double p_value = 1.0;       ///< of the best, times the number of those tried
-  double statistic = 0.0;     ///< of the best, chi-square; 0 of a process
-  Eigen::VectorXd estimate;   ///< of a process: sigmas, then tau
-  Eigen::VectorXd sigma;      ///< NaN of a tau
-  double absorbed = 0.0;      ///< share of the signature that the unknowns follow
+  double p_value = 1.0;       ///< of the best candidate, times the number of candidates
+  double statistic = 0.0;     ///< chi-square of the best candidate; 0 for a process
+  Eigen::VectorXd estimate;   ///< for a process: sigmas, then tau
+  Eigen::VectorXd sigma;      ///< NaN for a tau
+  double absorbed = 0.0;      ///< fraction of the signature that the unknowns absorb
   Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();
-  std::size_t candidate = 0;  ///< of the library
+  std::size_t candidate = 0;  ///< index in the library
 
   bool physical() const { return id.has_value(); }
 };
 
-/// An effect of the table about which nothing is known yet.
+/// Returns an effect of the table without any evidence.
 ScreenedEffect Unscreened(EffectId id);
 
-/// The likeliest first.
+/// Sorts effects by evidence, most probable first.
 void SortByEvidence(std::vector<ScreenedEffect>* effects);
 
-/// An effect as the reports have it: in the units of the table.
+/// Converts an effect to the units of the table.
 GapCause ToCause(const ScreenedEffect& effect);
 
-/// Effects with the same name.
+/// Candidates with the same name.
 struct EffectFamily {
   std::string name;
-  std::optional<EffectId> id;       ///< absent for discrepancies
-  std::size_t first = 0, past = 0;  ///< candidates
+  std::optional<EffectId> id;       ///< nullopt for discrepancies
+  std::size_t first = 0, past = 0;  ///< range of candidates
 };
 
-/// The scores of a library at a solved network.
+/// Screening of a library of effects by their scores at a solved network, without refits.
 class Screen {
  public:
   /// Throws as ScoreEffects.
   Screen(const FlightNetwork& network, const Marginals& marginals, const LibraryOptions& options);
-  /// Of scores that are known; the library needs no blocks.
+  /// Uses known scores; the library needs no blocks.
   Screen(Library library, JointScore score);
 
   const Library& library() const { return library_; }
   const JointScore& score() const { return score_; }
   const std::vector<EffectFamily>& families() const { return families_; }
 
-  /// L^T R of all columns, for residuals R of the network.
+  /// Returns L^T R of all columns L, for residuals R of the network.
   Eigen::MatrixXd Scores(const LinearizedNetwork& linearized, const Eigen::MatrixXd& R) const;
 
-  /// Log evidence of a family for the scores s of all columns.
+  /// Returns the log evidence of a family for the scores s of all columns.
   double LogEvidence(const EffectFamily& family, const Eigen::VectorXd& s) const;
 
-  /// Of every family with the network's own residuals, the likeliest first.
+  /// Returns all families for the network's own residuals, most probable first.
   std::vector<ScreenedEffect> Effects() const;
-  /// The same in the order of the families.
+  /// Returns the same in the order of the families.
   std::vector<ScreenedEffect> EffectsInOrder() const;
 
-  /// The evidence of a candidate by its own scores.
+  /// Returns the evidence of a candidate as a function of its own scores.
   const EvidenceForm& form(std::size_t candidate) const { return forms_[candidate]; }
 
-  /// The test of one candidate for the scores s.
+  /// Tests one candidate for the scores s.
   ScoreTest Test(std::size_t candidate, const Eigen::VectorXd& s) const;
 
  private:
@@ -89,7 +89,7 @@ class Screen {
 
   Library library_;
   JointScore score_;
-  std::vector<EvidenceForm> forms_;  // of the candidates
+  std::vector<EvidenceForm> forms_;  // one per candidate
   std::vector<EffectFamily> families_;
 };
 

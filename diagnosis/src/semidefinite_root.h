@@ -4,9 +4,9 @@
 
 namespace dn::internal {
 
-/// Lower triangle L with L L^T = C, of a C that is positive semidefinite but for rounding: a column
-/// of which the columns before it leave no more than its `rounding` (one per diagonal entry, in the
-/// units of C) is zero.
+/// Returns a lower triangular L with L L^T = C, for a C that is positive semidefinite up to
+/// rounding. Sets a column to zero if the columns before it leave at most its `rounding` of its
+/// diagonal entry. `rounding` has one value per diagonal entry, in the units of C.
 Eigen::MatrixXd SemidefiniteRoot(const Eigen::MatrixXd& C, const Eigen::VectorXd& rounding);
 
 }  // namespace dn::internal

@@ -6,7 +6,7 @@
 namespace dn::internal {
 namespace {
 
-// p-value of the omnibus statistic down to which there is nothing to close.
+// A gap is visible in the omnibus statistic below this p-value.
 constexpr double kVisible = 0.05;
 
 }  // namespace
@@ -25,7 +25,8 @@ GapShrinkage OmnibusShrinkage(const Departure& before, const Departure& after) {
     return 1.0 - std::max(0.0, left - usual) / excess;
   };
   GapShrinkage shrinkage;
-  // What shows in raw data and gross errors only leaves the locations as twins have them.
+  // A gap that shows only in raw data and outliers leaves the location statistics like those of
+  // replicates.
   if (before.test.p_omnibus > kVisible && after.test.p_omnibus > kVisible) {
     shrinkage.fraction = shrinkage.interval_high = 1.0;
     return shrinkage;

@@ -6,16 +6,16 @@
 
 namespace dn::internal {
 
-/// A flight beside its twins, and what the twins cannot have: raw inertial noise and gross errors,
-/// log evidence.
+/// A flight compared with its replicates, and the log evidence of raw inertial noise and outliers,
+/// which the replicates do not contain.
 struct Departure {
   const TwinTest& test;
   double outside_nats = 0.0;
 };
 
-/// How far the omnibus statistic, a chi-square, comes down to that of its own twins, twice the log
-/// evidence outside them included: 1 - excess after / excess before, with the interval by the
-/// scatter of the twins after.
+/// Returns the reduction of the gap: 1 - excess after / excess before. The excess is the omnibus
+/// statistic, a chi-square, minus its mean over replicates, plus twice the evidence outside them.
+/// The interval follows from the variation of the replicates with the effects.
 GapShrinkage OmnibusShrinkage(const Departure& before, const Departure& after);
 
 }  // namespace dn::internal

@@ -9,14 +9,14 @@
 namespace dn::internal {
 namespace {
 
-// What is expected before any data: nothing, an effect of the table, one without a name.
+// Priors: no effect 0.5, effects of the table 0.4, unmodelled discrepancies 0.1, each split
+// equally.
 constexpr double kPriorNothing = 0.5, kPriorPhysical = 0.4, kPriorGeneric = 0.1;
 constexpr double kCredible = 0.95;
-/// Probability of a discrepancy without a name at which a name is not given.
+/// Probability of unmodelled discrepancies above which no effect is named.
 constexpr double kWithoutName = 0.5;
-// How many of the causes that have nearly all the evidence were there in flights of development, a
-// fifth of them with physics from outside the table: 180 of 187, and 17 of 38 where something was
-// left.
+// Fractions of the causes with nearly all the evidence that were truly present: 180 of 187, and 17
+// of 38 if a gap remained. A fifth of these development flights had physics outside the table.
 constexpr double kBorneOut = 0.95, kBorneOutBesideUnknown = 0.45;
 
 std::vector<double> LogPriors(const std::vector<ScreenedEffect>& effects) {
@@ -33,7 +33,8 @@ std::vector<double> LogPriors(const std::vector<ScreenedEffect>& effects) {
   return log_priors;
 }
 
-/// Smallest set of names with the stated probability among those that are something.
+/// Returns the smallest set of names with the stated probability, given that some effect is
+/// present.
 std::vector<std::string> CredibleSet(const std::vector<ScreenedEffect>& effects,
                                      const std::vector<double>& posterior) {
   std::vector<std::size_t> order(effects.size());
@@ -78,8 +79,8 @@ void TakeSlot(const Slot& slot, GapCause* cause) {
   }
 }
 
-/// Whether a discrepancy without a name is the likelier account, and not only because its usual size
-/// is nearer: it must fit the data as well as the effect does.
+/// Returns whether an unmodelled discrepancy is the more probable explanation. It must also fit the
+/// data as well as the effect does; a more suitable typical size is not enough.
 bool Doubtful(const Slot& slot) {
   if (slot.generic_posterior <= kWithoutName) return false;
   const auto own = std::find_if(slot.rivals.begin(), slot.rivals.end(),

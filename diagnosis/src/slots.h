@@ -9,51 +9,56 @@
 
 namespace dn::internal {
 
-/// One cause of the verdict among its rivals, all other causes being there.
+/// A cause of the verdict and its competing hypotheses, given all other causes.
 struct Slot {
-  std::string effect;                  ///< empty: there is no cause
-  std::vector<ScreenedEffect> rivals;  ///< all effects of the screen without it, itself among them
-  std::vector<double> posterior;       ///< of each
-  std::vector<std::string> credible_set;  ///< 95 %, physical names
-  double generic_posterior = 0.0;         ///< of a discrepancy without a name
+  std::string effect;  ///< empty: there is no cause
+  /// Effects of the screen without the cause; the cause is one of them.
+  std::vector<ScreenedEffect> rivals;
+  std::vector<double> posterior;          ///< one per rival
+  std::vector<std::string> credible_set;  ///< 95 %, effects of the table
+  double generic_posterior = 0.0;         ///< total of the unmodelled discrepancies
 };
 
-/// A cause among its rivals, itself among them.
+/// Makes the competing hypotheses of a cause, which is one of the rivals.
 Slot MakeSlot(const std::string& effect, const std::vector<ScreenedEffect>& rivals);
 
-/// Probabilities of effects, of nothing at last; see docs/guides/gap.md.
+/// Returns the posterior probability of each effect; the rest belongs to "no effect". See
+/// docs/guides/gap.md.
 std::vector<double> Posterior(const std::vector<ScreenedEffect>& effects);
 
-/// The effect of a name; null where it is not among them.
+/// Returns the effect with a name; null if it is not in the list.
 const ScreenedEffect* Find(const std::vector<ScreenedEffect>& effects, const std::string& name);
-/// The evidence of an effect; minus infinity where it is not among them.
+/// Returns the evidence of an effect; minus infinity if it is not in the list.
 double EvidenceOf(const std::vector<ScreenedEffect>& effects, const std::string& name);
-/// The likeliest discrepancy without a name; null without any.
+/// Returns the most probable unmodelled discrepancy; null if there are none.
 const ScreenedEffect* BestGeneric(const std::vector<ScreenedEffect>& effects);
-/// Most evidence of one; 0 without any.
+/// Returns the largest evidence of an unmodelled discrepancy, at least 0.
 double GenericEvidence(const std::vector<ScreenedEffect>& effects);
-/// The likeliest with a name, of effects sorted by evidence; null without any.
+/// Returns the most probable effect of the table, from effects sorted by evidence; null if there
+/// are none.
 const ScreenedEffect* BestPhysical(const std::vector<ScreenedEffect>& effects);
 
-/// Causes and discrepancies of a diagnosis: every effect of a screen with its probability over all
-/// slots; those of `named` first, with the probability and the rivals of their slots.
+/// Adds the causes and discrepancies to a diagnosis: every effect of a screen, with its probability
+/// over all slots. The causes `named` come first, with the probability and the rivals of their
+/// slots.
 void FillCauses(const std::vector<ScreenedEffect>& screened, const std::vector<Slot>& slots,
                 const std::vector<GapCause>& named, GapDiagnosis* diagnosis);
 
-/// Makes the probabilities of causes those that have been borne out. Physics that the table lacks
-/// looks like its nearest relative there, whatever the evidence; the more likely so where something is
-/// left that no effect explains.
+/// Scales the probabilities of causes to the observed rate of correct names. Physics outside the
+/// library looks like its nearest effect, whatever the evidence, and more often so if a part of the
+/// gap remains unexplained.
 void AllowForOutsiders(const GapVerdict& verdict, std::vector<GapCause>* causes);
 
-/// What decides the kind of a verdict.
+/// Facts that decide the kind of a verdict.
 struct Decision {
   bool detected = false;
-  bool discrepancy_is_better = false;  ///< than the effects named
-  bool something_left = false;         ///< beside them
+  bool discrepancy_is_better = false;  ///< than the named effects
+  bool something_left = false;         ///< a part of the gap that the named effects do not explain
 };
 
-/// The verdict on effects with a name, each in its slot. A name is not given where a discrepancy
-/// without one is likelier than all names of the slot together and fits the data as well.
+/// Returns the verdict on the named effects, given their competing hypotheses. Names no effect if
+/// an unmodelled discrepancy is more probable than all names together and fits the data as well as
+/// they do.
 GapVerdict Decide(const Decision& decision, const std::vector<std::string>& named,
                   const std::vector<Slot>& slots);
 

@@ -7,12 +7,12 @@
 
 namespace dn::internal {
 
-/// Times of the parts of some work, one after the other.
+/// Measures the durations of consecutive parts of some work.
 class Stopwatch {
  public:
   explicit Stopwatch(std::vector<std::pair<std::string, double>>* laps) : laps_(laps) {}
 
-  /// Ends a part.
+  /// Ends a part and stores its duration, s.
   void Lap(const std::string& name) {
     const auto now = std::chrono::steady_clock::now();
     laps_->emplace_back(name, std::chrono::duration<double>(now - start_).count());

@@ -24,12 +24,13 @@
 namespace dn::internal {
 namespace {
 
-// Beyond it the data favour the right effect by 19 to 1 with probability .8: its half, the mean of
-// the evidence in nats, less .84 of the standard deviation, its root, is ln 19.
-constexpr double kTold = 11.6;
+// Noncentrality at which the data favour the right effect by 19 to 1 with probability 0.8. The
+// evidence in nats has the mean kSeparated / 2 and the standard deviation sqrt(kSeparated); the
+// mean minus 0.84 standard deviations is ln 19.
+constexpr double kSeparated = 11.6;
 constexpr double kSlowestMps = 0.5;
 
-bool LastsAndIsFixed(const GapCause& cause) {
+bool IsConstantEffect(const GapCause& cause) {
   const EffectSpec* spec = FindEffect(cause.effect);
   return spec != nullptr && spec->kind == EffectKind::kFixed && !cause.times.window_s &&
          !cause.times.t0_s;
@@ -41,15 +42,15 @@ const GapCause* Find(const GapDiagnosis& diagnosis, const std::string& effect) {
   return at == diagnosis.causes.end() ? nullptr : &*at;
 }
 
-const Candidate* CandidateOf(const Screen& screen, const std::string& effect) {
+const Candidate* CandidateForEffect(const Screen& screen, const std::string& effect) {
   for (const EffectFamily& family : screen.families()) {
     if (family.name == effect) return &screen.library().candidates[family.first];
   }
   return nullptr;
 }
 
-/// The flight's strips as lines to be flown.
-std::vector<PlannedLine> LinesOf(const Flight& flight, const Trajectory& estimated) {
+/// Returns the strips of the flight as planned lines.
+std::vector<PlannedLine> PlannedStripLines(const Flight& flight, const Trajectory& estimated) {
   const std::vector<MapPose> poses = estimated.InMap(flight.frame);
   std::vector<PlannedLine> lines;
   for (const StripInterval& strip : FindStrips(flight)) {
@@ -66,8 +67,8 @@ std::vector<PlannedLine> LinesOf(const Flight& flight, const Trajectory& estimat
   return lines;
 }
 
-/// How the body moved on the strips beside flying straight.
-TurbulenceScenario MotionOf(const Flight& flight, const Trajectory& estimated) {
+/// Returns the rms attitude motion on the strips relative to straight flight.
+TurbulenceScenario AttitudeMotion(const Flight& flight, const Trajectory& estimated) {
   const std::vector<MapPose> poses = estimated.InMap(flight.frame);
   Eigen::Vector3d sum2 = Eigen::Vector3d::Zero();
   long n = 0;
@@ -92,13 +93,13 @@ TurbulenceScenario MotionOf(const Flight& flight, const Trajectory& estimated) {
   return motion;
 }
 
-Scenario PlanOf(const Flight& flight, const Trajectory& estimated,
-                const Eigen::Vector3d& boresight_rad) {
+Scenario MakePlan(const Flight& flight, const Trajectory& estimated,
+                  const Eigen::Vector3d& boresight_rad) {
   Scenario scenario = TwinScenario(flight, estimated, {}, boresight_rad);
   scenario.plan.replay.reset();
   scenario.plan.strips.clear();
-  scenario.plan.lines = LinesOf(flight, estimated);
-  scenario.plan.turbulence = MotionOf(flight, estimated);
+  scenario.plan.lines = PlannedStripLines(flight, estimated);
+  scenario.plan.turbulence = AttitudeMotion(flight, estimated);
   const std::vector<StripInterval> strips = FindStrips(flight);
   if (!strips.empty()) {
     scenario.plan.warm_up_s = std::max(0.0, strips.front().t0_s - estimated.t_begin_s());
@@ -112,7 +113,7 @@ struct Attempt {
   Scenario scenario;
 };
 
-std::vector<Attempt> AttemptsOf(const Scenario& plan) {
+std::vector<Attempt> MakeAttempts(const Scenario& plan) {
   std::vector<Attempt> attempts;
   if (plan.plan.lines.empty()) return attempts;
   const PlannedLine& first = plan.plan.lines.front();
@@ -125,15 +126,16 @@ std::vector<Attempt> AttemptsOf(const Scenario& plan) {
   };
   const double height_m = first.height_m - plan.terrain.base_m;
   add("across the others", CrossLine(plan.plan.lines));
-  add("along the first one the other way", Reversed(first));
+  add("along the first one in the opposite direction", Reversed(first));
   add("along the first one 40 % higher above ground", Higher(first, height_m));
   add("along the first one 30 % faster", Faster(first));
   return attempts;
 }
 
-/// Of each rival; empty where the plan cannot be flown or has nothing to tell.
-std::vector<double> SeparationsOf(const Scenario& scenario, const Flight& flight, const Tie& tie,
-                                  const GapOptions& options) {
+/// Returns the separation from each rival. Returns {} if the plan cannot be flown or leaves an
+/// unknown free.
+std::vector<double> ComputeSeparations(const Scenario& scenario, const Flight& flight,
+                                       const Tie& tie, const GapOptions& options) {
   SimulateOptions simulate;
   simulate.noise = false;
   GapOptions alone;
@@ -158,12 +160,12 @@ std::vector<double> SeparationsOf(const Scenario& scenario, const Flight& flight
   return {};
 }
 
-std::vector<std::string> ToldApart(const Tie& tie, const std::vector<double>& separations) {
-  std::vector<std::string> told;
+std::vector<std::string> SeparatedRivals(const Tie& tie, const std::vector<double>& separations) {
+  std::vector<std::string> separated;
   for (std::size_t k = 0; k < separations.size(); ++k) {
-    if (separations[k] > kTold) told.push_back(tie.rivals[k]);
+    if (separations[k] > kSeparated) separated.push_back(tie.rivals[k]);
   }
-  return told;
+  return separated;
 }
 
 double Least(const std::vector<double>& values) {
@@ -176,11 +178,11 @@ std::vector<Tie> TiesOf(const GapDiagnosis& diagnosis) {
   std::vector<Tie> ties;
   for (const std::string& effect : diagnosis.verdict.effects) {
     const GapCause* named = Find(diagnosis, effect);
-    if (named == nullptr || !LastsAndIsFixed(*named)) continue;
+    if (named == nullptr || !IsConstantEffect(*named)) continue;
     Tie tie{*named, {}};
     for (const std::string& rival : named->inseparable_from) {
       const GapCause* other = Find(diagnosis, rival);
-      if (other != nullptr && LastsAndIsFixed(*other)) tie.rivals.push_back(rival);
+      if (other != nullptr && IsConstantEffect(*other)) tie.rivals.push_back(rival);
     }
     if (!tie.rivals.empty()) ties.push_back(std::move(tie));
   }
@@ -188,8 +190,8 @@ std::vector<Tie> TiesOf(const GapDiagnosis& diagnosis) {
 }
 
 double Separation(const Screen& screen, const GapCause& named, const std::string& rival) {
-  const Candidate* of_named = CandidateOf(screen, named.effect);
-  const Candidate* of_rival = CandidateOf(screen, rival);
+  const Candidate* of_named = CandidateForEffect(screen, named.effect);
+  const Candidate* of_rival = CandidateForEffect(screen, rival);
   if (of_named == nullptr || of_rival == nullptr) return std::numeric_limits<double>::infinity();
   const JointScore& score = screen.score();
   const Eigen::VectorXd size = named.estimate / of_named->per_si;
@@ -204,26 +206,26 @@ std::string TieBreaker(const Flight& flight, const Trajectory& estimated,
                        const Eigen::Vector3d& boresight_rad, const Tie& tie,
                        const GapOptions& options) {
   if (!flight.pairs || flight.pairs->pairs.empty()) return "";
-  const std::vector<Attempt> attempts = AttemptsOf(PlanOf(flight, estimated, boresight_rad));
+  const std::vector<Attempt> attempts = MakeAttempts(MakePlan(flight, estimated, boresight_rad));
   std::vector<std::vector<double>> separations(attempts.size());
   ParallelFor(static_cast<int>(attempts.size()), options.threads, [&](int k) {
     const auto at = static_cast<std::size_t>(k);
-    separations[at] = SeparationsOf(attempts[at].scenario, flight, tie, options);
+    separations[at] = ComputeSeparations(attempts[at].scenario, flight, tie, options);
   });
   std::optional<std::size_t> best;
-  std::vector<std::string> told;
+  std::vector<std::string> separated;
   for (std::size_t k = 0; k < attempts.size(); ++k) {
-    const std::vector<std::string> here = ToldApart(tie, separations[k]);
+    const std::vector<std::string> here = SeparatedRivals(tie, separations[k]);
     const bool more =
-        here.size() > told.size() || (best && here.size() == told.size() &&
-                                      Least(separations[k]) > 2.0 * Least(separations[*best]));
+        here.size() > separated.size() || (best && here.size() == separated.size() &&
+                                           Least(separations[k]) > 2.0 * Least(separations[*best]));
     if (here.empty() || !more) continue;
     best = k;
-    told = here;
+    separated = here;
   }
   if (!best) return "";
-  return "one more strip " + attempts[*best].strip + " would tell " + tie.named.effect + " from " +
-         Alternatives(told);
+  return "one more strip " + attempts[*best].strip + " would separate " + tie.named.effect +
+         " from " + Alternatives(separated);
 }
 
 }  // namespace dn::internal

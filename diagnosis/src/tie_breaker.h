@@ -12,25 +12,26 @@
 
 namespace dn::internal {
 
-/// A named effect, and those that the flight cannot tell it from.
+/// A named effect, and the effects that the flight cannot separate from it.
 struct Tie {
   GapCause named;
   std::vector<std::string> rivals;
 };
 
-/// The ties of a verdict that a further strip could break: between fixed effects that last for the
-/// whole flight.
+/// Returns the ties of a verdict that one more strip could break: those between fixed effects that
+/// act during the whole flight.
 std::vector<Tie> TiesOf(const GapDiagnosis& diagnosis);
 
-/// Noncentrality of the named effect, at its estimate, beside a rival whose size is free: what the
-/// data say for the one and against the other is half of it in the mean [nats]. Infinite where the
-/// screen has only one of them.
+/// Returns the noncentrality of the named effect, at its estimate, against a rival of free size.
+/// The mean evidence for the effect against the rival is half of it, nats. Returns infinity if the
+/// screen lacks one of them.
 double Separation(const Screen& screen, const GapCause& named, const std::string& rival);
 
-/// What to fly: of one more strip, across the flight's own, against the first, higher or faster, the
-/// one that tells the most rivals of a tie from the named effect. The flight is planned anew with
-/// its strips as straight lines, and with the further one; by geometry alone. Empty where the flight
-/// cannot be planned or none helps.
+/// Returns what to fly: the additional strip that separates the most rivals of a tie from the named
+/// effect. The choices are a strip across the others, one along the first in the opposite
+/// direction, one higher and one faster. The flight is planned again, with its strips and the
+/// additional one as straight lines, by geometry alone. Returns "" if the flight cannot be planned
+/// or no strip helps.
 std::string TieBreaker(const Flight& flight, const Trajectory& estimated,
                        const Eigen::Vector3d& boresight_rad, const Tie& tie,
                        const GapOptions& options);

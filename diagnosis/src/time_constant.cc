@@ -8,22 +8,22 @@
 namespace dn::internal {
 namespace {
 
-constexpr int kMostTauSteps = 6, kMostStepsAside = 4;
-// Half the width of an interval of 95 %, and how far the logarithm of the likelihood falls to its ends.
+constexpr int kMostTauSteps = 6, kMaxIntervalSteps = 4;
+// Half width of a 95 % interval in sigmas, and the decrease of the log likelihood at its ends.
 constexpr double kInterval_sigmas = 1.96;
 constexpr double kFall_nats = 0.5 * kInterval_sigmas * kInterval_sigmas;
 
-/// Time constants in equal steps of their logarithm, each tried once.
+/// Time constants in equal steps of their logarithm, each evaluated once.
 class TauSteps {
  public:
   TauSteps(const SizesByTau& sizes, double tau_s) : sizes_(sizes), log_tau_(std::log(tau_s)) {}
 
-  /// In which the likelihood of ln(tau) is a parabola, or nearly.
+  /// Returns the step of ln(tau), over which the log likelihood is nearly a parabola.
   static double length() { return std::log(1.6); }
 
   double LogTau(int step) const { return log_tau_ + step * length(); }
 
-  /// Null where there is no such network.
+  /// Returns null if the network cannot be built.
   const SizeAtTau* At(int step) {
     auto known = known_.find(step);
     if (known == known_.end()) {
@@ -43,7 +43,7 @@ struct LogProcess {
   double tau = 0.0, size = 0.0;
 };
 
-/// Where the likelihood has its maximum between the time constants beside a step.
+/// Maximum of the likelihood between the neighbouring time constants of a step.
 struct TauPeak {
   int step = 0;
   LogProcess at;
@@ -51,10 +51,10 @@ struct TauPeak {
   double relative_sigma = 0.0;  ///< of the size at the time constant
 };
 
-/// The search for the step beside which the likelihood falls to both sides.
+/// Search for the step at which the likelihood decreases on both sides.
 struct Search {
   int last = 0;
-  bool complete = true;  ///< there was a network at all time constants
+  bool complete = true;  ///< all networks could be built
   bool found = false;
 };
 
@@ -79,7 +79,7 @@ Search FindLikeliestStep(TauSteps& steps) {
   return search;
 }
 
-std::optional<TauPeak> PeakBeside(TauSteps& steps, int step) {
+std::optional<TauPeak> PeakBetweenNeighbours(TauSteps& steps, int step) {
   const SizeAtTau &before = *steps.At(step - 1), &middle = *steps.At(step),
                   &after = *steps.At(step + 1);
   const double length = TauSteps::length();
@@ -96,11 +96,12 @@ std::optional<TauPeak> PeakBeside(TauSteps& steps, int step) {
                  middle.relative_sigma};
 }
 
-/// From the peak to the end of its interval, towards longer (1) or shorter (-1) time constants.
+/// Returns the distance from the peak to the end of its interval, towards longer (1) or shorter
+/// (-1) time constants.
 LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
   LogProcess end = peak.at;
-  double end_root = 0.0;  // of the fall, which is linear in ln(tau) where the likelihood is normal
-  for (int k = 1; k <= kMostStepsAside; ++k) {
+  double end_root = 0.0;  // root of the decrease, linear in ln(tau) for a normal likelihood
+  for (int k = 1; k <= kMaxIntervalSteps; ++k) {
     const int step = peak.step + direction * k;
     const SizeAtTau* at = steps.At(step);
     if (at == nullptr) break;
@@ -116,8 +117,9 @@ LogProcess Reach(TauSteps& steps, const TauPeak& peak, int direction) {
   return {end.tau - peak.at.tau, end.size - peak.at.size};
 }
 
-/// In units of a value, by the reach of the interval of its logarithm: upwards it is the wider one.
-double OfLongerSide(double reach) { return std::expm1(std::abs(reach)) / kInterval_sigmas; }
+/// Returns the relative sigma of a value from the interval of its logarithm, which reaches further
+/// upwards.
+double RelativeSigma(double reach) { return std::expm1(std::abs(reach)) / kInterval_sigmas; }
 
 ProcessEstimate Estimate(TauSteps& steps, const TauPeak& peak) {
   const LogProcess longer = Reach(steps, peak, 1), shorter = Reach(steps, peak, -1);
@@ -125,15 +127,16 @@ ProcessEstimate Estimate(TauSteps& steps, const TauPeak& peak) {
   const double reach = std::hypot(kInterval_sigmas * peak.relative_sigma, with_tau);
   ProcessEstimate estimate;
   estimate.size = std::exp(peak.at.size);
-  estimate.sigma_of_size = estimate.size * OfLongerSide(reach);
+  estimate.sigma_of_size = estimate.size * RelativeSigma(reach);
   estimate.tau_s = std::exp(peak.at.tau);
-  estimate.sigma_of_tau_s = estimate.tau_s * std::max(OfLongerSide(longer.tau),
+  estimate.sigma_of_tau_s = estimate.tau_s * std::max(RelativeSigma(longer.tau),
                                                       -std::expm1(shorter.tau) / kInterval_sigmas);
   return estimate;
 }
 
-/// The flight is too short, or the node rate too low, for the end of the correlation to show: the
-/// size goes with the time constant, which may be anything from where it began on.
+/// Returns the estimate of a search without a maximum. The flight is then too short, or the node
+/// rate too low, to show the end of the correlation. The sigma of the size includes its change
+/// since the start of the search.
 ProcessEstimate OpenEstimate(TauSteps& steps, int last) {
   const SizeAtTau &start = *steps.At(0), &open = *steps.At(last);
   ProcessEstimate estimate;
@@ -151,7 +154,8 @@ std::optional<ProcessEstimate> LikeliestProcess(const SizesByTau& sizes, double 
   TauSteps steps(sizes, tau_s);
   const Search search = FindLikeliestStep(steps);
   if (!search.complete) return std::nullopt;
-  const std::optional<TauPeak> peak = search.found ? PeakBeside(steps, search.last) : std::nullopt;
+  const std::optional<TauPeak> peak =
+      search.found ? PeakBetweenNeighbours(steps, search.last) : std::nullopt;
   return peak ? Estimate(steps, *peak) : OpenEstimate(steps, search.last);
 }
 

@@ -5,28 +5,28 @@
 
 namespace dn::internal {
 
-/// The likeliest size of a process with one time constant.
+/// The most probable size of a process with one time constant.
 struct SizeAtTau {
-  double size = 1.0;            ///< in usual ones
-  double relative_sigma = 0.3;  ///< of a normal likelihood of its logarithm
-  double log_likelihood = 0.0;  ///< there, against a process that is as good as absent
+  double size = 1.0;            ///< in typical sizes
+  double relative_sigma = 0.3;  ///< standard deviation of ln(size)
+  double log_likelihood = 0.0;  ///< relative to a process that is practically absent
 };
 
-/// By the time constant in seconds; nothing where there is no such network.
+/// Function of the time constant in seconds; returns nullopt if the network cannot be built.
 using SizesByTau = std::function<std::optional<SizeAtTau>(double tau_s)>;
 
-/// Size and time constant of a process. Their standard deviations are those whose intervals of 95 %
-/// reach as far as that of the likelihood does on its longer side.
+/// Size and time constant of a process. The 95 % intervals of their standard deviations reach as
+/// far as that of the likelihood on its longer side.
 struct ProcessEstimate {
-  double size = 1.0, sigma_of_size = 0.0;    ///< in usual ones
-  double tau_s = 0.0, sigma_of_tau_s = 0.0;  ///< NaN: the time constant does not show
+  double size = 1.0, sigma_of_size = 0.0;    ///< in typical sizes
+  double tau_s = 0.0, sigma_of_tau_s = 0.0;  ///< NaN: undetermined
 };
 
-/// The maximum of the likelihood of size and time constant, searched for from `tau_s` on in steps of
-/// equal factors. Both are uncertain by factors, and more so upwards: in a short flight a long time
-/// constant is hardly told from a longer one, and the size goes with it. The interval ends where the
-/// logarithm of the likelihood has fallen by 1.96^2 / 2, or at 1.6^4 times the time constant where it does
-/// not fall so far. Nothing where there is no network at the time constants beside `tau_s`.
+/// Returns the maximum of the likelihood of size and time constant, searched for from `tau_s` in
+/// steps of equal factors. Both are uncertain by factors, and more so upwards: a short flight
+/// hardly separates two long time constants, and the size depends on them. The interval ends where
+/// the log likelihood has decreased by 1.96^2 / 2, or at 1.6^4 times the time constant if it
+/// decreases less. Returns nullopt if the network cannot be built at a time constant of the search.
 std::optional<ProcessEstimate> LikeliestProcess(const SizesByTau& sizes, double tau_s);
 
 }  // namespace dn::internal

@@ -18,20 +18,21 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of a trajectory, what its replay leaves out at the begin and at most at the end.
+// Parts that a replay omits at the start of its trajectory and, at most, at its end.
 constexpr double kLeftOutAtBegin_s = 1.0;
 constexpr double kLeftOutAtEnd_s = 3.5;
 constexpr double kShortestStrip_s = 1.0;
-constexpr double kSlowestImu_hz = 10.0;  // that is simulated
+constexpr double kSlowestImu_hz = 10.0;  // lowest rate that is simulated
 constexpr double kFastestImu_hz = 2000.0;
 constexpr double kGroundBelow_m = 100.0;
 constexpr double kSecondsPerWeek = 604800.0;
 
-/// To a millionth, which is what differences of time tags are good for.
-double RateOf(double step_s) { return std::round(1e6 / step_s) * 1e-6; }
+/// Rounds to a millionth, the accuracy of differences of time tags.
+double RoundedRate(double step_s) { return std::round(1e6 / step_s) * 1e-6; }
 
-/// The strips as far as they are flown again, under names that files may have.
-std::vector<StripInterval> StripsOf(const Flight& flight, const Trajectory& trajectory) {
+/// Returns the strips, cut to the replayed part of the flight, with names that are allowed in
+/// files.
+std::vector<StripInterval> ReplayedStrips(const Flight& flight, const Trajectory& trajectory) {
   std::vector<StripInterval> strips;
   for (StripInterval strip : FindStrips(flight)) {
     strip.t0_s = std::max(strip.t0_s, trajectory.t_begin_s() + kLeftOutAtBegin_s);
@@ -46,16 +47,17 @@ std::vector<StripInterval> StripsOf(const Flight& flight, const Trajectory& traj
   return strips;
 }
 
-ImuScenario ImuOf(const Flight& flight) {
+ImuScenario MakeImu(const Flight& flight) {
   ImuScenario imu;
-  imu.rate_hz = std::clamp(RateOf(flight.imu->nominal_dt_s), kSlowestImu_hz, kFastestImu_hz);
+  imu.rate_hz = std::clamp(RoundedRate(flight.imu->nominal_dt_s), kSlowestImu_hz, kFastestImu_hz);
   imu.model = flight.config.imu->model;
-  imu.model.vibration.clear();  // flown as effects
+  imu.model.vibration.clear();  // simulated as effects
   return imu;
 }
 
-/// What the flight states of vibration, as effects: a scenario has no other place for it.
-std::vector<Effect> VibrationOf(const Flight& flight) {
+/// Returns the vibration that flight.yaml states as effects, the only form that a scenario has for
+/// it.
+std::vector<Effect> VibrationEffects(const Flight& flight) {
   const EffectSpec& spec = EffectRow(EffectId::kImuVibration);
   std::vector<Effect> effects;
   for (const ImuVibration& v : flight.config.imu->model.vibration) {
@@ -70,7 +72,7 @@ std::vector<Effect> VibrationOf(const Flight& flight) {
   return effects;
 }
 
-GnssScenario GnssOf(const Flight& flight) {
+GnssScenario MakeGnss(const Flight& flight) {
   const GnssConfig& config = *flight.config.gnss;
   const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
   GnssScenario gnss;
@@ -78,7 +80,7 @@ GnssScenario GnssOf(const Flight& flight) {
   for (std::size_t i = 1; i < epochs.size(); ++i) {
     step_s.push_back(epochs[i].t_s - epochs[i - 1].t_s);
   }
-  if (!step_s.empty()) gnss.rate_hz = RateOf(Median(step_s));
+  if (!step_s.empty()) gnss.rate_hz = RoundedRate(Median(step_s));
   gnss.sigma_enu_m = internal::MedianGnssSigma(flight);
   gnss.lever_arm_b_m = config.lever_arm_b_m;
   gnss.velocity = std::any_of(epochs.begin(), epochs.end(), [&](const MapGnssEpoch& epoch) {
@@ -98,7 +100,7 @@ void AddLidar(const Flight& flight, const Trajectory& trajectory, const Vector3d
   scenario->pairs.sigma_p_m = internal::MedianPairSigma(flight);
 }
 
-/// Nothing is seen, but the ground must lie below the path.
+/// Adds flat ground below the path, for a scenario without pairs.
 void AddNoLidar(const Flight& flight, const Trajectory& trajectory, Scenario* scenario) {
   double lowest_m = std::numeric_limits<double>::infinity();
   for (const MapPose& pose : trajectory.InMap(flight.frame)) {
@@ -117,22 +119,23 @@ void AddNoLidar(const Flight& flight, const Trajectory& trajectory, Scenario* sc
 
 Scenario TwinScenario(const Flight& flight, const Trajectory& estimated,
                       const std::vector<GapCause>& causes, const Vector3d& boresight_rad) {
-  if (!flight.imu || !flight.gnss) throw InvalidInput("a twin needs a flight with IMU and GNSS");
+  if (!flight.imu || !flight.gnss)
+    throw InvalidInput("a replicate needs a flight with IMU and GNSS data");
   Scenario scenario;
   scenario.name = flight.config.name + " twin";
   scenario.origin = flight.frame.origin();
   scenario.start_s = std::fmod(std::max(0.0, estimated.t_begin_s()), kSecondsPerWeek);
   scenario.plan.replay = kTwinTrajectoryFile;
-  scenario.plan.strips = StripsOf(flight, estimated);
-  scenario.plan.bank_rad = 25.0 * kRadPerDeg;  // of lines, which a replay has not
-  scenario.imu = ImuOf(flight);
-  scenario.gnss = GnssOf(flight);
+  scenario.plan.strips = ReplayedStrips(flight, estimated);
+  scenario.plan.bank_rad = 25.0 * kRadPerDeg;  // used by lines only, not by a replay
+  scenario.imu = MakeImu(flight);
+  scenario.gnss = MakeGnss(flight);
   if (flight.pairs && flight.config.lidar && !flight.pairs->pairs.empty()) {
     AddLidar(flight, estimated, boresight_rad, &scenario);
   } else {
     AddNoLidar(flight, estimated, &scenario);
   }
-  scenario.effects = VibrationOf(flight);
+  scenario.effects = VibrationEffects(flight);
   for (const GapCause& cause : causes) {
     scenario.effects.push_back({cause.effect, FileValue(cause), cause.times, {}});
   }

@@ -16,13 +16,13 @@ namespace {
 
 constexpr int kBatch = 16;
 
-/// Share of the values that are at least x, itself among them.
+/// Returns the share of values that are at least x, counting x itself.
 double Rank(const std::vector<double>& values, double x) {
   const auto above = std::count_if(values.begin(), values.end(), [&](double v) { return v >= x; });
   return (1.0 + static_cast<double>(above)) / (1.0 + static_cast<double>(values.size()));
 }
 
-/// The three statistics by which a flight is told from its twins.
+/// The three statistics that compare a flight with its replicates.
 class Statistics {
  public:
   Statistics(const Twins& twins, std::size_t count) {
@@ -61,17 +61,17 @@ class Statistics {
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 
-/// Of one flight: the shares of twins that depart from the model at least as far.
+/// Shares of replicates that differ from the model at least as much as one flight.
 struct Ranks {
   double omnibus = 1.0, largest = 1.0, library = 1.0;
 
   double smallest() const { return std::min({omnibus, largest, library}); }
 };
 
-/// Some twins standardise, others rank.
+/// Ranks flights among replicates; some replicates standardise the statistics, others rank them.
 class Ranking {
  public:
-  /// [0, standardising) and [standardising, past).
+  /// Standardises by the replicates [0, standardising) and ranks by [standardising, past).
   Ranking(const Twins& twins, std::size_t standardising, std::size_t past)
       : statistics_(twins, standardising) {
     for (std::size_t k = standardising; k < past; ++k) {
@@ -90,15 +90,16 @@ class Ranking {
   const std::vector<double>& omnibus() const { return omnibus_; }
   const std::vector<double>& library() const { return library_; }
 
-  Ranks Of(const Appearance& flight) const {
+  Ranks RankFlight(const Appearance& flight) const {
     return {Rank(omnibus_, statistics_.Omnibus(flight)),
             Rank(largest_, statistics_.Largest(flight)),
             Rank(library_, Statistics::Library(flight))};
   }
 
-  /// The smallest of the three has a distribution of its own, that of the twins among themselves.
+  /// Returns the p-value of the smallest of the three ranks, from its distribution over the
+  /// replicates.
   double P(const Appearance& flight) const {
-    const double smallest = Of(flight).smallest();
+    const double smallest = RankFlight(flight).smallest();
     const auto at_most = std::count_if(smallest_.begin(), smallest_.end(),
                                        [&](double of_twin) { return of_twin <= smallest; });
     return (1.0 + static_cast<double>(at_most)) / (1.0 + static_cast<double>(smallest_.size()));
@@ -109,8 +110,9 @@ class Ranking {
   std::vector<double> omnibus_, largest_, library_, smallest_;
 };
 
-/// Westfall and Young: the largest against the maximum over all, the next against that over the
-/// rest, never smaller than the one before.
+/// Returns step-down adjusted p-values (Westfall and Young). The largest |z| is compared with the
+/// maximum over all statistics, the next one with the maximum over the rest. The p-values never
+/// decrease along this order.
 Eigen::VectorXd StepDown(const Eigen::VectorXd& z, const std::vector<Eigen::VectorXd>& of_twins) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(z.size()));
   std::iota(order.begin(), order.end(), 0);
@@ -184,7 +186,7 @@ std::vector<Eigen::Index> TwinTest::LargestFirst() const {
 TwinTest CompareWithTwins(const Appearance& flight, const Twins& twins) {
   const Ranking ranking(twins, twins.all.size() / 2, twins.all.size());
   const Statistics& statistics = ranking.statistics();
-  const Ranks ranks = ranking.Of(flight);
+  const Ranks ranks = ranking.RankFlight(flight);
   TwinTest test;
   test.mean = statistics.mean();
   test.sigma = statistics.sigma();

@@ -13,10 +13,10 @@
 
 namespace dn::internal {
 
-/// Share of the twins' correlation matrix that gives way to the identity.
+/// Weight of the identity in the shrunk correlation matrix of the replicates.
 inline constexpr double kShrunk = 0.1;
 
-/// What one set of residuals looks like to the diagnosis.
+/// Statistics of one set of residuals, as the diagnosis uses them.
 struct Appearance {
   Eigen::VectorXd locations;     ///< Locations::Evaluate
   Eigen::VectorXd log_evidence;  ///< of each family of the screen
@@ -25,11 +25,12 @@ struct Appearance {
   double gnss_rms_m = 0.0;
 };
 
+/// Computes the statistics of residuals of the network with their scores.
 Appearance Look(const Screen& screen, const Locations& locations, const Eigen::VectorXd& residual,
                 const Eigen::VectorXd& scores);
 
-/// Linear twins: flights with the same epochs, geometry, correspondences and weights, whose errors
-/// are those that the model assumes: residuals M e, e ~ N(0, I).
+/// Linear replicates: flights with the same epochs, geometry, correspondences and weights, with
+/// errors as the model assumes. Their residuals are M e, e ~ N(0, I).
 struct Twins {
   std::vector<Appearance> all;
 };
@@ -42,34 +43,36 @@ struct TwinOptions {
   std::function<bool()> interrupted = {};
 };
 
-/// Throws Interrupted.
+/// Makes linear replicates. Throws Interrupted.
 Twins MakeTwins(const Marginals& marginals, const Screen& screen, const Locations& locations,
                 const TwinOptions& options);
 
-/// A flight against its twins. The first half of them standardises, the second half ranks, so that
-/// p is exact under the model.
+/// Comparison of a flight with its replicates. The first half of them standardises and the second
+/// half ranks, so that p is exact under the model.
 struct TwinTest {
   double p_value = 1.0;       ///< of the smallest of the three ranks
   double p_omnibus = 1.0;     ///< of z^T C^-1 z
   double p_largest = 1.0;     ///< of max |z|
   double p_library = 1.0;     ///< of the largest log evidence
   double omnibus = 0.0;       ///< z^T C^-1 z
-  double omnibus_mean = 0.0;  ///< of the twins
+  double omnibus_mean = 0.0;  ///< over the replicates
   std::vector<double> omnibus_of_twins;
   Eigen::VectorXd z;            ///< of each location
   Eigen::VectorXd p_adjusted;   ///< of each location, for all of them (step-down maxT)
-  Eigen::VectorXd mean, sigma;  ///< of the locations over the twins
+  Eigen::VectorXd mean, sigma;  ///< of the locations over the replicates
   double evidence_95 = 0.0;     ///< quantile of the largest log evidence
 
-  /// Locations by |z|.
+  /// Returns the locations sorted by |z|, largest first.
   std::vector<Eigen::Index> LargestFirst() const;
 };
 
+/// Compares a flight with its replicates.
 TwinTest CompareWithTwins(const Appearance& flight, const Twins& twins);
 
-/// Twins against twins: a third standardises, a third ranks, and the p-values of the last third are
-/// compared with those of flights without a gap, which are uniform (Kolmogorov and Smirnov). The
-/// ranks of all come from the same twins: their number counts as that of a second sample.
+/// Returns the p-value of a test of replicates against replicates. One third standardises and one
+/// third ranks. The p-values of the last third are compared with the uniform distribution of
+/// flights without a gap (Kolmogorov and Smirnov). The ranking replicates are the same for all, so
+/// their number counts as that of a second sample.
 double TwinsAgainstTwins(const Twins& twins);
 
 }  // namespace dn::internal

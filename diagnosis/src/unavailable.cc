@@ -37,12 +37,11 @@ GapResult Unavailable(const Flight& flight, const GapOptions& options, const std
 }
 
 GapResult WithLimits(const Flight& flight, GapDiagnosis diagnosis) {
-  diagnosis.validity.notes.push_back("no measured value was looked at");
+  diagnosis.validity.notes.push_back("no measured values were used");
   GapResult result = WithoutVerdict(flight, std::move(diagnosis));
   result.diagnosis.verdict.text =
-      "what could be found and what could hide, by the geometry alone; no measured value was "
-      "looked "
-      "at, so there is no verdict on them";
+      "detection limits from the geometry alone; no measured values were used, so there is no "
+      "verdict";
   return result;
 }
 

@@ -7,13 +7,13 @@
 
 namespace dn::internal {
 
-/// The diagnosis of a flight that cannot carry one, with what is missing.
+/// Returns a result with the verdict `unavailable`, for the reason `missing`.
 GapResult Unavailable(const Flight& flight, const GapOptions& options, const std::string& missing);
 
-/// The answer to what could be found, without a verdict.
+/// Returns a result with detection limits and without a verdict.
 GapResult WithLimits(const Flight& flight, GapDiagnosis diagnosis);
 
-/// Effects that come with a trajectory that is given: of any size.
+/// Returns the effects that a given trajectory contains: they are undetectable at any size.
 std::vector<HiddenEffect> HiddenByTrajectory(const GapOptions& options);
 
 }  // namespace dn::internal

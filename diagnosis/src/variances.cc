@@ -20,25 +20,26 @@
 namespace dn::internal {
 namespace {
 
-// A likelihood ratio below this is left as its quadratic approximation has it.
+// Below this likelihood ratio the quadratic approximation is used.
 constexpr double kWorthALookNats = 2.0;
-// The farthest that the likeliest size may be from that of one Fisher step, in its logarithm.
+// Largest distance of the most probable size from that of one Fisher step, in ln(size).
 constexpr double kMostLogStep = 5.0;
-// Sizes within this share of the stated one are no effect.
+// Sizes within this fraction of the stated one count as no effect.
 constexpr double kNoEffect = 0.02;
 
-/// Rows of some channels, and how their variance grows.
+/// A variance component: rows of some channels, and the relative growth of their variances.
 struct Component {
   EffectId effect;
   Eigen::VectorXd share;
-  /// sigma of the effect by theta of ProfileVariance, and back.
+  /// Size of the effect as a function of theta of VarianceLikelihood, and the inverse.
   std::function<double(double)> size_of_theta, theta_of_size;
-  double typical_log_spread = 0.4;  ///< of the logarithm of a size
-  double centre = 1.0;              ///< of the sizes before any data are seen
-  bool at_least_stated = false;     ///< the size cannot fall below that without the effect
+  double typical_log_spread = 0.4;  ///< typical spread of ln(size)
+  double centre = 1.0;              ///< centre of the prior of the size
+  bool at_least_stated = false;     ///< the size cannot be below the stated one
 };
 
-/// Log density of ln(size): normal about ln(centre), of several spreads.
+/// Returns the log prior density of ln(size): normal distributions about ln(centre) of several
+/// spreads.
 double LogPrior(const Component& component, double size) {
   double sum = 0.0;
   for (std::size_t g = 0; g < SizePrior::kSizes; ++g) {
@@ -123,7 +124,8 @@ class Variances {
     }
   }
 
-  /// One Fisher step `theta` of the component with its sigma; the profile where that is worth it.
+  /// Evaluates a component from one Fisher step `theta` with its sigma, and by its profile
+  /// likelihood if the step is significant.
   ScreenedEffect Judge(const Component& component, double theta, double sigma_theta) const {
     ScreenedEffect effect = Unscreened(component.effect);
     const double quadratic = 0.5 * theta * theta / (sigma_theta * sigma_theta);
@@ -136,7 +138,7 @@ class Variances {
       if (component.at_least_stated) effect.sigma[0] = component.size_of_theta(sigma_theta);
       return effect;
     }
-    const LikelihoodPeak peak = PeakOf(component, theta, sigma_theta);
+    const LikelihoodPeak peak = FindSizePeak(component, theta, sigma_theta);
     const double size = std::exp(peak.log_size);
     effect.log_evidence = peak.value + LogPrior(component, size) +
                           0.5 * std::log(2.0 * std::numbers::pi) + std::log(peak.width);
@@ -147,8 +149,8 @@ class Variances {
     return effect;
   }
 
-  /// Of the likelihood over ln(size), against the stated one.
-  LikelihoodPeak PeakOf(const Component& component, double theta, double sigma_theta) const {
+  /// Returns the maximum of the likelihood over ln(size), relative to the stated size.
+  LikelihoodPeak FindSizePeak(const Component& component, double theta, double sigma_theta) const {
     VarianceLikelihood likelihood(linearized_, component.share, options_.threads);
     const auto of_log_sizes = [&](const std::vector<double>& log_sizes) {
       std::vector<double> thetas{0.0};
@@ -177,21 +179,23 @@ class Variances {
     const NoiseCauses noise = CausesOf(check.evidence);
     out_.coloured_imu = std::max(noise.not_white[kGyroTriad], noise.not_white[kAccelTriad]);
     AddScale(EffectId::kGyroNoiseScale, check, kGyroTriad,
-             EvidenceOfScale(check, noise, kGyroTriad));
+             NoiseScaleEvidence(check, noise, kGyroTriad));
     AddScale(EffectId::kAccelNoiseScale, check, kAccelTriad,
-             EvidenceOfScale(check, noise, kAccelTriad));
+             NoiseScaleEvidence(check, noise, kAccelTriad));
     const bool beside = check.evidence.window_and_scale > check.evidence.window;
     const auto& window = beside ? check.window_beside_scale : check.window;
-    if (window) AddVibration(*window, EvidenceOfWindow(check, noise));
+    if (window) AddVibration(*window, WindowEvidence(check, noise));
   }
 
-  /// White accounts compete with all other effects by what they explain; noise that is not white has
-  /// no name, and what looks like a size there only by what it is ahead of colour.
-  static double EvidenceOfScale(const NoiseCheck& check, const NoiseCauses& noise, ImuTriad triad) {
+  /// Returns the evidence of scaled noise. White noise competes with all other effects by its full
+  /// evidence. Noise that is not white is not an effect of the table; a scale then has only its
+  /// lead over coloured noise.
+  static double NoiseScaleEvidence(const NoiseCheck& check, const NoiseCauses& noise,
+                                   ImuTriad triad) {
     return noise.not_white[triad] > 0.0 ? noise.scale[triad] : check.evidence.scale[triad];
   }
 
-  double EvidenceOfWindow(const NoiseCheck& check, const NoiseCauses& noise) const {
+  double WindowEvidence(const NoiseCheck& check, const NoiseCauses& noise) const {
     return out_.coloured_imu > 0.0 ? noise.window : check.evidence.window;
   }
 

@@ -12,17 +12,18 @@
 
 namespace dn::internal {
 
-/// What the data say about the sizes of the stated noise: of GNSS and pairs by the restricted
-/// likelihood of the network, of the inertial sensors by the high band of their raw data. Effects in
-/// SI, evidence as that of the screen.
+/// Evidence on the sizes of the stated noise. GNSS and pairs use the restricted likelihood of the
+/// network; inertial sensors use the high band of their raw data. Effects are in SI; their evidence
+/// is comparable with that of the screen.
 struct VarianceScreen {
   std::vector<ScreenedEffect> effects;
-  /// Evidence of inertial noise that is not white or not steady before the best account by white
-  /// noise, nats; no effect of the table names it.
+  /// Evidence of inertial noise that is not white or not steady, relative to the best model with
+  /// white noise, nats. No effect of the table describes such noise.
   double coloured_imu = 0.0;
 };
 
-/// Against what the configuration of the network's flight states, its vibration included.
+/// Screens the noise relative to the configuration of the network's flight, including its
+/// vibration.
 VarianceScreen ScreenVariances(const FlightNetwork& network, const Marginals& marginals,
                                const LibraryOptions& options);
 

@@ -16,7 +16,7 @@ namespace {
 using internal::Alternatives;
 using internal::MdegWords;
 
-/// What the Gauss-Helmert adjustment, which estimates the boresight alone, leaves to the user.
+/// Returns what a user of the Gauss-Helmert adjustment can do, which estimates only the boresight.
 std::string RemedyOnGivenTrajectory(const GapCause& cause) {
   const EstimableEffect* effect = FindEstimable(cause.effect);
   return effect == nullptr ? std::string("repair the data")
@@ -36,51 +36,51 @@ std::string Remedy(const GapDiagnosis& d, const GapCause& cause) {
   return fmt::format("state it in {} of flight.yaml", key);
 }
 
-std::string Harm(const GapCause& cause) {
+std::string ShiftText(const GapCause& cause) {
   const Eigen::Vector3d& damage = cause.boresight_damage_rad;
   return damage.isZero(0.0) || !damage.allFinite()
              ? std::string()
              : ", which moves the boresight (roll, pitch, yaw) by " + MdegWords(damage);
 }
 
-/// One effect: what, how large, what it does, and which key models it.
+/// Describes one effect: name, size, shift of the boresight, and the key that models it.
 std::string Effect(const GapDiagnosis& d, const GapCause& cause) {
   const std::string size = internal::ValueWords(cause);
   return fmt::format("{}{}{}{}: {}", cause.effect, size.empty() ? "" : " of " + size,
-                     internal::TimesWords(cause.times), Harm(cause), Remedy(d, cause));
+                     internal::TimesWords(cause.times), ShiftText(cause), Remedy(d, cause));
 }
 
-/// Of random effects, which move the boresight in no direction of their own.
+/// Returns the shift of the boresight by random effects, whose own shifts are not known.
 std::string Moved(const GapDiagnosis& d) {
   const GapState& before = d.shrinkage->before;
   const GapState& after = d.shrinkage->after;
   if (!before.boresight_rad || !after.boresight_rad) return "";
   for (const GapCause& cause : CausesOfVerdict(d)) {
-    if (!Harm(cause).empty()) return "";
+    if (!ShiftText(cause).empty()) return "";
   }
   return " and moves the boresight (roll, pitch, yaw) by " +
          MdegWords(*after.boresight_rad - *before.boresight_rad);
 }
 
-/// Nothing where all sizes are ordinary ones.
+/// Returns "" if all sizes are plausible.
 std::string ImplausibleWords(const GapDiagnosis& d) {
   if (!d.verdict.implausible) return "";
   const GapImplausible& one = *d.verdict.implausible;
   return fmt::format(
-      "; {} has {:.0f} times its usual size, and {} describes the data nearly as "
-      "well: make sure that it can be so large",
+      "; {} has {:.0f} times its typical size, and {} fits the data almost equally well: check "
+      "whether this size is possible",
       one.effect, one.usual_sizes, one.discrepancy);
 }
 
 std::string NamedEffects(const GapDiagnosis& d) {
   std::vector<std::string> each;
   for (const GapCause& cause : CausesOfVerdict(d)) each.push_back(Effect(d, cause));
-  std::string text = fmt::format("the data hold, beyond the model, {}", fmt::join(each, "; and "));
+  std::string text = fmt::format("the model lacks {}", fmt::join(each, "; and "));
   if (d.shrinkage) text += "; that closes " + internal::ClosedWords(*d.shrinkage) + Moved(d);
   return text + ImplausibleWords(d);
 }
 
-/// What else the verdict's effects could be.
+/// Returns the other effects that could explain the data.
 std::vector<std::string> OtherNames(const GapDiagnosis& d) {
   const std::vector<std::string>& effects = d.verdict.effects;
   std::vector<std::string> names;
@@ -104,20 +104,20 @@ std::string Group(const GapDiagnosis& d) {
   const std::string others = Alternatives(OtherNames(d));
   const std::string text = NamedEffects(d);
   if (others.empty()) return WithTieBreaker(d, text);
-  return WithTieBreaker(d, text + "; this flight cannot tell it from " + others);
+  return WithTieBreaker(d, text + "; this flight cannot separate it from " + others);
 }
 
 std::string Place(const GapDiagnosis& d) {
   if (d.where.empty()) return "";
   const GapLocation& first = d.where.front();
-  return fmt::format(", most in {} {}, {}", first.sensor, first.quantity, first.location);
+  return fmt::format(", mostly in {} {}, {}", first.sensor, first.quantity, first.location);
 }
 
-/// What describes the data without being a cause, where it is likelier than not.
+/// Returns the unmodelled discrepancy that is more probable than not, if there is one.
 std::string WithoutName(const GapDiagnosis& d) {
   for (const GapDiscrepancy& one : d.discrepancies) {
     if (one.posterior > 0.5) {
-      return fmt::format("; what describes it best is {}", internal::DiscrepancyWords(one));
+      return fmt::format("; the best description is {}", internal::DiscrepancyWords(one));
     }
   }
   return "";
@@ -125,18 +125,18 @@ std::string WithoutName(const GapDiagnosis& d) {
 
 std::string Partial(const GapDiagnosis& d) {
   return WithTieBreaker(
-      d, NamedEffects(d) + "; a part of the gap is left that no effect of the library explains" +
-             Place(d));
+      d, NamedEffects(d) + "; no effect of the library explains the rest of the gap" + Place(d));
 }
 
 std::string Unknown(const GapDiagnosis& d) {
   return WithTieBreaker(
-      d, fmt::format("the data depart from the assumed model ({}){}, and no effect of the library "
-                     "explains it: do not rely on the boresight, look there first{}",
+      d, fmt::format("the data differ from the assumed model ({}){}, and no effect of the library "
+                     "explains it: do not use the boresight before you have checked these data{}",
                      internal::PWords(d.p_value), Place(d), WithoutName(d)));
 }
 
-/// On a given trajectory of those that the pairs could show.
+/// Returns the effect with the largest undetected shift of the boresight. On a given trajectory,
+/// only effects that the pairs can show are considered.
 HiddenEffect MostHarmful(const GapDiagnosis& d) {
   const std::vector<HiddenEffect> worst = internal::MostHarmful(d.could_still_hide);
   const auto at = std::find_if(worst.begin(), worst.end(), [&](const HiddenEffect& effect) {
@@ -147,8 +147,7 @@ HiddenEffect MostHarmful(const GapDiagnosis& d) {
 
 std::string NoGap(const GapDiagnosis& d) {
   std::string text = fmt::format(
-      "the data are those that the assumed model would produce ({}, a gap of at most "
-      "{:.2g} nats per observation)",
+      "the data agree with the assumed model ({}; the gap is at most {:.2g} nats per observation)",
       internal::PWords(d.p_value), d.size.upper_limit_95);
   if (d.could_still_hide.empty()) return text;
   const HiddenEffect worst = MostHarmful(d);
@@ -159,23 +158,23 @@ std::string NoGap(const GapDiagnosis& d) {
     const std::string others = more < 2    ? ""
                                : more == 2 ? " and one other"
                                            : fmt::format(" and {} others", more - 1);
-    return text + fmt::format("; {}{} of any size could still hide", worst.effect, others);
+    return text + fmt::format("; undetectable at any size: {}{}", worst.effect, others);
   }
-  text += fmt::format("; {} of less than {} could still hide", worst.effect,
-                      internal::DetectableWords(worst));
+  text +=
+      fmt::format("; {} below {} is undetectable", worst.effect, internal::DetectableWords(worst));
   if (!internal::HasBoresight(d)) return text;
-  return text + ", and move the boresight (roll, pitch, yaw) by up to " +
+  return text + ", and can shift the boresight (roll, pitch, yaw) by up to " +
          MdegWords(worst.boresight_damage_rad.cwiseAbs());
 }
 
 std::string Unavailable(const GapDiagnosis& d) {
   const std::vector<std::string>& notes = d.validity.notes;
-  return WithTieBreaker(d, notes.empty() ? "the flight cannot carry the diagnosis"
-                                         : fmt::format("the flight cannot carry the diagnosis: {}",
-                                                       fmt::join(notes, "; ")));
+  return WithTieBreaker(
+      d, notes.empty() ? "the flight cannot be diagnosed"
+                       : fmt::format("the flight cannot be diagnosed: {}", fmt::join(notes, "; ")));
 }
 
-std::string OfKind(const GapDiagnosis& diagnosis) {
+std::string KindText(const GapDiagnosis& diagnosis) {
   switch (diagnosis.verdict.kind) {
     case GapVerdictKind::kIdentified:
       return NamedEffects(diagnosis);
@@ -202,12 +201,12 @@ std::string UnexplainedWords(const GapDiagnosis& d) {
 }
 
 std::string VerdictSentence(const GapDiagnosis& diagnosis) {
-  const std::string text = OfKind(diagnosis);
+  const std::string text = KindText(diagnosis);
   const bool hides =
       diagnosis.trajectory_given && diagnosis.verdict.kind != GapVerdictKind::kUnavailable;
   return hides ? text +
-                     "; errors of GNSS and of the inertial sensors, and an attitude offset, are in "
-                     "the given trajectory and cannot be seen here"
+                     "; errors of GNSS and of the inertial sensors, and an attitude offset, are "
+                     "part of the given trajectory and undetectable here"
                : text;
 }
 

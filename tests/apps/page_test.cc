@@ -37,7 +37,7 @@ TEST(CliPage, HoldsEverySection) {
   const std::string html = PageIn(CalibrateResult());
   for (const char* text :
        {"Differences of the pairs by pair of strips", "USGS", "Swath separation",
-        "Where the pairs lie, before", "What is left of the pairs against scan angle",
+        "Where the pairs lie, before", "Remaining differences of the pairs against scan angle",
         "against range", "against heading", "against time", "Does the model fit the data?",
         "Path of the flight", "Standard deviation of the attitude",
         "Gyro, with a band of one sigma", "Settings (config.resolved.yaml)", "Versions"}) {
@@ -105,7 +105,7 @@ TEST(CliPage, WhatIsNoResultIsRefused) {
   const std::string page = (folder.path() / "page.html").string();
   const ProgramRun none = RunProgram({"report", folder.path().string(), "--out", page});
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.err, HasSubstr("no result of dn"));
+  EXPECT_THAT(none.err, HasSubstr("not a result folder of dn"));
   EXPECT_FALSE(fs::exists(page));
   const ProgramRun json = RunProgram({"report", CalibrateResult().string(), "--out",
                                       (CalibrateResult() / "result.json").string()});

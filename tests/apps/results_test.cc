@@ -229,7 +229,7 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
     ExpectNumbers(unseen["boresight_damage_mdeg"], 3);
   }
   EXPECT_THAT(ContentOf(CalibrateResult() / "report.html"),
-              HasSubstr("What could hide, each of its usual size"));
+              HasSubstr("Undetectable effects of typical size"));
   for (const Json& departure : result["model_check"]["departures"]) {
     EXPECT_THAT(KeysOf(departure), UnorderedElementsAre("name", "statistic", "dof", "p_value",
                                                         "boresight_damage_mdeg", "damage_sigmas"));
@@ -237,7 +237,7 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
   }
   EXPECT_EQ(result["model_check"]["departures"].size(), 2u);
   EXPECT_THAT(ContentOf(CalibrateResult() / "report.html"),
-              HasSubstr("Laser vectors that differ as no effect explains"));
+              HasSubstr("Differences of laser vectors that no effect explains"));
   ASSERT_FALSE(result["model_check"]["groups"].empty());
   EXPECT_THAT(KeysOf(result["model_check"]["groups"][0]),
               UnorderedElementsAre("name", "observations", "redundancy", "variance_ratio",

@@ -67,7 +67,7 @@ TEST(CliStudy, SizesOfEffectsAreThoseOfTheDiagnosis) {
   const ProgramRun run =
       RunProgram({"study", ShortScenario(), "--seed", "3", "--no-remedies", "--out", out});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("could still hide"));
+  EXPECT_THAT(run.out, HasSubstr("undetectable effects"));
   ASSERT_EQ(RunProgram({"gap", ShortFlight(), "--limits", "--out", limits}).exit_code, 0);
   std::map<std::string, Json> planned;
   const Json study = JsonIn(out / "study.json");

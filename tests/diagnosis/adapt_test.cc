@@ -18,7 +18,7 @@ using testing::DroneScenario;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-constexpr double kSigmas = 4.0;      // of a normal variable; 6e-5 lies outside
+constexpr double kSigmas = 4.0;      // a normal variable exceeds them with probability 6e-5
 constexpr double kRelative = 1e-12;  // roundings
 constexpr double kDeg = std::numbers::pi / 180.0;
 
@@ -31,7 +31,7 @@ const Flight& PlainDrone() {
   return flight;
 }
 
-/// An effect of its usual size.
+/// Returns an effect of its typical size.
 GapCause Usual(const EffectSpec& spec) {
   GapCause cause;
   cause.effect = spec.name;
@@ -186,7 +186,7 @@ TEST(Adapted, CarriesWhatNothingExplains) {
   EXPECT_EQ(Adapted(flight, diagnosis).unexplained, "");
   diagnosis.verdict.unknown = true;
   EXPECT_EQ(Adapted(flight, diagnosis).unexplained,
-            "a part of a gap (p = 0.002), most in lidar p2p, strip pair 1-2");
+            "a part of a gap (p = 0.002), mostly in lidar p2p, strip pair 1-2");
   diagnosis.verdict.effects.clear();
   EXPECT_THAT(Adapted(flight, diagnosis).unexplained, StartsWith("all of a gap"));
 }
@@ -194,7 +194,7 @@ TEST(Adapted, CarriesWhatNothingExplains) {
 TEST(Adapted, IsReadBackHoweverMuchThereIsToSay) {
   GapDiagnosis diagnosis;
   diagnosis.verdict.unknown = true;
-  const std::string name(100, 'n');  // the longest that a strip may have
+  const std::string name(100, 'n');  // the longest name that a strip may have
   diagnosis.where = {{"accel", "inertial velocity x",
                       "neighbours, strips " + name + "-" + name + ", scan angle 22..37 deg", 8.5,
                       0.001}};
@@ -204,7 +204,7 @@ TEST(Adapted, IsReadBackHoweverMuchThereIsToSay) {
   EXPECT_EQ(ParseFlightConfig(FormatFlightConfig(adapted), "/f").unexplained, adapted.unexplained);
 }
 
-/// Adjusts a drone flight that has the effect, with it in the estimator, as flight.yaml gives it.
+/// Writes the flight.yaml with these causes in the estimator and reads it back.
 Flight Reread(Flight flight, const std::vector<GapCause>& causes) {
   const std::string text = FormatFlightConfig(Adapted(flight, causes));
   flight.config = ParseFlightConfig(text, "/f");
@@ -242,13 +242,13 @@ TEST(AdaptedFlight, NoiseThatIsStatedFits) {
   EXPECT_NEAR(with, 1.0, kHardlyAnyOf300Pairs);
 }
 
-/// How a flight fits its model.
+/// Fit of a flight to its model.
 struct Fit {
-  double misfit = 0.0;  ///< chi2 less its redundancy, in standard deviations
-  double nees = 0.0;    ///< of the boresight: chi-square with 3 degrees of freedom
+  double misfit = 0.0;  ///< chi2 minus its redundancy, in standard deviations
+  double nees = 0.0;    ///< NEES of the boresight: chi-square with 3 degrees of freedom
 };
 
-Fit FitOf(const SimulatedFlight& flown, const std::vector<GapCause>& stated) {
+Fit AdjustAndFit(const SimulatedFlight& flown, const std::vector<GapCause>& stated) {
   const Flight flight = Reread(flown.flight, stated);
   const Calibration adjusted(flight);
   const AdjustmentFigures& figures = adjusted.solution.trajectory().figures;
@@ -258,7 +258,7 @@ Fit FitOf(const SimulatedFlight& flown, const std::vector<GapCause>& stated) {
           error.dot(adjusted.boresight.covariance_rad2.ldlt().solve(error))};
 }
 
-// Within the first strip only, where two of the three pairs of strips have an end.
+// The vibration lasts for the first strip only, where two of the three pairs of strips have an end.
 TEST(AdaptedFlight, VibrationThatIsStatedInItsWindowFits) {
   constexpr int kFlights = 4;
   const StripInterval strip = PlainDrone().config.strips.at(0);
@@ -270,7 +270,7 @@ TEST(AdaptedFlight, VibrationThatIsStatedInItsWindowFits) {
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
     SCOPED_TRACE(seed);
     const SimulatedFlight flown = Simulate(scenario, {.seed = seed});
-    const Fit without = FitOf(flown, {}), with = FitOf(flown, {cause});
+    const Fit without = AdjustAndFit(flown, {}), with = AdjustAndFit(flown, {cause});
     EXPECT_GT(without.misfit, kSigmas);
     EXPECT_LT(std::abs(with.misfit), kSigmas);
     nees_without += without.nees;

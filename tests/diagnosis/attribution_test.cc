@@ -53,8 +53,8 @@ TEST(Attribute, FindsBothOfTwoEffects) {
   EXPECT_LT(attribution.final->effects.front().log_evidence, kThresholdNats);
 }
 
-// Both make the pairs' misclosures larger. The noise, whichever of the two kinds that look alike, is
-// what is left of them once the scale is known: no third effect has to take any of it back.
+// Both effects enlarge the misclosures of the pairs. Once the scale is known, the noise (of either
+// kind, as they look alike) takes its true size. No third effect has to compensate for it.
 TEST(Attribute, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
   const Flight flight =
       Simulate(AircraftScenario("effects: [{effect: p2p_noise_scale, value: 1.6}, "
@@ -68,8 +68,8 @@ TEST(Attribute, ANoiseHasTheSizeThatItHasBesideWhatIsFoundAfterIt) {
   EXPECT_LT(attribution.final->effects.front().log_evidence, kThresholdNats);
 }
 
-/// Of flights that differ in their seeds, each with the same effect.
-std::vector<Attribution> OfSeeds(const std::string& effect) {
+/// Returns the results for flights with the same effect and different seeds.
+std::vector<Attribution> SelectForSeeds(const std::string& effect) {
   std::vector<Attribution> all;
   for (const std::uint64_t seed : {1, 2, 3}) {
     SimulateOptions options;
@@ -80,11 +80,12 @@ std::vector<Attribution> OfSeeds(const std::string& effect) {
   return all;
 }
 
-// Those that are too short to stand out, or stand beside another one, are no noise of another size.
+// Outliers that are too short to be rejected, or that follow each other, do not count as scaled
+// noise.
 TEST(Attribute, GrossErrorsAreNotALargerNoiseAsWell) {
   for (const char* effect : {"{effect: gnss_outliers, value: [0.08, 0.2]}",
                              "{effect: p2p_outliers, value: [0.08, 1.0]}"}) {
-    for (const Attribution& attribution : OfSeeds(effect)) {
+    for (const Attribution& attribution : SelectForSeeds(effect)) {
       ASSERT_EQ(attribution.causes.size(), 1u) << effect;
       const GapCause& cause = attribution.causes[0];
       EXPECT_THAT(effect, HasSubstr(cause.effect));
@@ -93,14 +94,15 @@ TEST(Attribute, GrossErrorsAreNotALargerNoiseAsWell) {
   }
 }
 
-// Whatever else could stand behind what it does to the trajectory: the raw data show it itself.
+// The error of the trajectory has several explanations, but the raw data show the noise itself.
 TEST(Attribute, RawNoiseIsNoProcess) {
-  for (const Attribution& attribution : OfSeeds("{effect: gyro_noise_scale, value: 2.4}")) {
+  for (const Attribution& attribution : SelectForSeeds("{effect: gyro_noise_scale, value: 2.4}")) {
     EXPECT_THAT(Names(attribution), ElementsAre("gyro_noise_scale"));
   }
 }
 
-/// The strongest oscillation of the GNSS positions that is left once the causes are in.
+/// Returns the strongest oscillation of the GNSS positions that remains with the causes in the
+/// model.
 const ScreenedEffect& OscillationLeft(const Attribution& attribution) {
   const ExplainedFlight& last = attribution.final ? *attribution.final : *attribution.base;
   const auto found =
@@ -109,7 +111,7 @@ const ScreenedEffect& OscillationLeft(const Attribution& attribution) {
   return found == last.effects.end() ? throw std::runtime_error("none screened") : *found;
 }
 
-// A correlated noise takes waves up, in size and in time; that their power lies at one period stays.
+// Correlated noise absorbs oscillations in size and time, but not the concentration of their power.
 TEST(Attribute, WavesAreNotAllOfACorrelatedNoise) {
   constexpr double kPeriodS = 40.0;
   SimulateOptions options;
@@ -126,13 +128,13 @@ TEST(Attribute, WavesAreNotAllOfACorrelatedNoise) {
 
 TEST(Attribute, ACorrelatedNoiseLeavesNoOscillation) {
   for (const Attribution& attribution :
-       OfSeeds("{effect: gnss_correlated_noise, value: [0.06, 0.06, 0.1, 20]}")) {
+       SelectForSeeds("{effect: gnss_correlated_noise, value: [0.06, 0.06, 0.1, 20]}")) {
     EXPECT_THAT(Names(attribution), ElementsAre("gnss_correlated_noise"));
     EXPECT_LT(OscillationLeft(attribution).log_evidence, kThresholdNats);
   }
 }
 
-/// Three strips and the last of them back.
+/// Returns a scenario of three strips, with the last one flown in both directions.
 Scenario FourStrips(const std::string& extra = "") {
   Scenario scenario = AircraftScenario(extra);
   PlannedLine back = scenario.plan.lines.back();
@@ -143,7 +145,7 @@ Scenario FourStrips(const std::string& extra = "") {
   return scenario;
 }
 
-/// What the screen sees of a boresight that moves.
+/// Returns the screen of a flight whose boresight moves.
 std::vector<ScreenedEffect> Moving(const std::function<Eigen::Vector3d(const MapPose&)>& move) {
   SimulateOptions options;
   options.own.boresight_rad = move;
@@ -183,7 +185,7 @@ TEST(Explainer, ABoresightThatFollowsTheHeadingIsNoStep) {
   EXPECT_GT(heading, EvidenceOf(effects, "boresight_drift") + 3.0);
 }
 
-// What the shapes above can follow in part must not take its name away.
+// Discrepancies that partly resemble a step or a drift must not replace its name.
 TEST(Explainer, StepsAndDriftsKeepTheirNames) {
   for (const char* effect : {"{effect: boresight_step, value: [0.02, -0.02, 0.03], t0_s: 381190}",
                              "{effect: boresight_drift, value: [0.15, -0.12, 0.15]}"}) {

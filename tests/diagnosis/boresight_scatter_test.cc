@@ -11,7 +11,7 @@ namespace dn::internal::boresight_scatter_test {
 
 using testing::AircraftScenario;
 
-double ScatterOf(const std::string& effects) {
+double FlightScatter(const std::string& effects) {
   const Flight flight = Simulate(AircraftScenario(effects), {}).flight;
   const testing::Calibration adjusted(flight);
   const auto scatter = BoresightScatter(adjusted.solution.network(), 1);
@@ -20,7 +20,7 @@ double ScatterOf(const std::string& effects) {
 }
 
 TEST(ExcessScatter, IsWhatTheNoiseLeaves) {
-  // Two values that are 2 apart, of sigma 1: the contrasts are 2 / sqrt(2) in each component.
+  // Two values that differ by 2, with sigma 1: the contrasts are 2 / sqrt(2) in each component.
   Eigen::VectorXd values(6);
   values << 0, 0, 0, 2, 2, 2;
   const Eigen::MatrixXd C = Eigen::MatrixXd::Identity(6, 6);
@@ -34,13 +34,13 @@ TEST(ExcessScatter, DoesNotSeeWhatIsCommon) {
   EXPECT_EQ(ExcessScatter(values, 1e-6 * Eigen::MatrixXd::Identity(9, 9)), 0.0);
 }
 
-TEST(BoresightScatter, IsAboutNoneWithoutAGap) { EXPECT_LT(ScatterOf("") * kDegPerRad, 0.003); }
+TEST(BoresightScatter, IsAboutNoneWithoutAGap) { EXPECT_LT(FlightScatter("") * kDegPerRad, 0.003); }
 
 TEST(BoresightScatter, SeesAMountThatMoves) {
   constexpr double kStep_deg = 0.05;
   const double scatter_deg =
       kDegPerRad *
-      ScatterOf("effects: [{effect: boresight_step, value: [0.05, 0, 0], t0_s: 381170}]");
+      FlightScatter("effects: [{effect: boresight_step, value: [0.05, 0, 0], t0_s: 381170}]");
   EXPECT_GT(scatter_deg, 0.1 * kStep_deg);
   EXPECT_LT(scatter_deg, kStep_deg);
 }

@@ -63,7 +63,7 @@ TEST(Diagnose, NamesAnEffectWithItsSize) {
   EXPECT_FALSE(diagnosis.validity.like_twins_p.has_value());
 }
 
-// The laser vectors may then be off by something else that looks like it.
+// The laser vectors may then be wrong for another reason that looks similar.
 TEST(Diagnose, DoubtsASizeThatIsFarFromTheUsualOne) {
   EXPECT_FALSE(Diagnose(OffsetDrone(), Quick()).diagnosis.verdict.implausible.has_value());
   const GapResult result =
@@ -72,7 +72,7 @@ TEST(Diagnose, DoubtsASizeThatIsFarFromTheUsualOne) {
   ASSERT_THAT(verdict.effects, ElementsAre("lidar_range_offset"));
   ASSERT_TRUE(verdict.implausible.has_value());
   EXPECT_EQ(verdict.implausible->effect, "lidar_range_offset");
-  EXPECT_NEAR(verdict.implausible->usual_sizes, 50.0, 3.0);  // 0.02 m is usual
+  EXPECT_NEAR(verdict.implausible->usual_sizes, 50.0, 3.0);  // 0.02 m is typical
   EXPECT_EQ(verdict.implausible->discrepancy, "laser vectors by scan angle");
 }
 

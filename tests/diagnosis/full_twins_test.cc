@@ -23,7 +23,8 @@ GapCause RangeOffset(double offset_m) {
   return cause;
 }
 
-/// A flight whose ranges are off, its linear twins, and twins flown anew without and with that.
+/// A flight with wrong ranges, its linear replicates, and replicates simulated without and with
+/// this effect.
 class FullTwins : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -109,14 +110,14 @@ TEST_F(FullTwins, OfFewThereIsNoTest) {
   EXPECT_FALSE(LikeTwins(*shown_, two, *linear_, 1).has_value());
 }
 
-/// Statistics of noise alone.
+/// Returns statistics of noise alone.
 NamedStatistics Noise(int count, Random* random) {
   NamedStatistics values;
   for (int k = 0; k < count; ++k) values["statistic " + std::to_string(k)] = random->Normal();
   return values;
 }
 
-// The statistics are those in which the flight is conspicuous: by chance, where there is nothing.
+// The statistics are those in which the flight stands out, which it does by chance without a gap.
 TEST(LikeTwins, IsUniformForAFlightThatIsOneMoreOfItsTwins) {
   constexpr int kFlights = 60, kStatistics = 120;
   int below = 0;

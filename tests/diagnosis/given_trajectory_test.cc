@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 constexpr double kLonger_m = 0.3;
 constexpr double kFewSigmas = 5.0;
 
-/// The pairs of a simulated flight on its true trajectory, without inertial and GNSS data.
+/// Returns the pairs of a simulated flight on its true trajectory, without inertial and GNSS data.
 Flight PairsOnTruth(std::uint64_t seed) {
   SimulateOptions options;
   options.seed = seed;

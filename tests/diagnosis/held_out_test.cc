@@ -27,7 +27,7 @@ GapCause RangeOffset() {
   return cause;
 }
 
-/// A flight with nothing and with one effect in the estimator.
+/// A flight adjusted without and with one effect in the estimator.
 struct BothSides {
   explicit BothSides(Flight of) : flight(std::move(of)), explainer(flight, options) {
     without = explainer.Explain({});
@@ -67,7 +67,7 @@ TEST(Folds, OutagesLastHalfAMinute) {
   int outages = 0;
   for (const Fold& fold : MakeFolds(adjusted.solution.network(), 3)) {
     if (fold.gnss_epochs.empty()) continue;
-    std::set<int> turns;  // of 180 s
+    std::set<int> turns;  // periods of 180 s
     double first_s = 0.0;
     for (const std::size_t epoch : fold.gnss_epochs) {
       const double t_s = flight.gnss->epochs[epoch].t_s - begin_s;
@@ -93,7 +93,7 @@ TEST(FoldDensity, OfOneFactorIsThatOfItsPrediction) {
     const double expected = -0.5 * prediction.statistic -
                             0.5 * std::log(prediction.covariance.determinant()) -
                             sigma_m.array().log().sum() - 1.5 * std::log(2.0 * std::numbers::pi);
-    const auto found = density.Of({{edge.position, network.nodes[edge.node].p_mb.id}});
+    const auto found = density.LogDensity({{edge.position, network.nodes[edge.node].p_mb.id}});
     ASSERT_TRUE(found.has_value());
     EXPECT_NEAR((*found)[0], expected, kRelative * std::abs(expected));
   }
@@ -108,12 +108,13 @@ TEST(HeldOut, AnEffectThatIsThereGainsWhatItsEvidenceSays) {
   }
   EXPECT_EQ(gains.folds, 12);
   ASSERT_GT(evidence, 15.0);
-  // Evidence pays for a size that is not known beforehand, each fold but for what the others miss.
+  // Evidence includes a penalty for the unknown size; a fold pays only for what the others leave
+  // open.
   EXPECT_GT(gains.gain_nats, 0.6 * evidence);
   EXPECT_LT(gains.gain_nats, 1.6 * evidence);
   ASSERT_TRUE(gains.of_causes[0].has_value());
   EXPECT_EQ(*gains.of_causes[0], gains.gain_nats);
-  // What is left beside it is what the best of many effects finds in noise.
+  // The remaining gain is that of the best of many effects in noise.
   EXPECT_LT(gains.further_nats, 8.0);
 }
 
@@ -132,7 +133,7 @@ TEST(HeldOut, WhatIsMissingCouldBeReached) {
 TEST(HeldOut, AnEffectThatIsNotThereGainsNothing) {
   const BothSides both(Drone());
   const HeldOutGains gains = MeasureHeldOut(both.without, both.with, {});
-  constexpr double kNats = 3.0;  // a size that noise alone has, learnt anew by each of 12 folds
+  constexpr double kNats = 3.0;  // size estimated from noise in each of 12 folds
   EXPECT_LT(gains.gain_nats, kNats);
   EXPECT_GT(gains.gain_nats, -kNats);
 }

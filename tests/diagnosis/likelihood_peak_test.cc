@@ -8,7 +8,7 @@
 
 namespace dn::internal::likelihood_peak_test {
 
-/// Counts what it is asked for.
+/// Counts the evaluations of a likelihood.
 struct Counted {
   double (*l)(double);
   int* asked;
@@ -21,21 +21,25 @@ struct Counted {
   }
 };
 
-/// 4,000 errors whose size is 1.7, and the likelihood of their size.
-double OfOneSize(double x) { return -4000.0 * (x + 0.5 * 1.7 * 1.7 * std::exp(-2.0 * x)); }
+/// Returns the log likelihood of the size of 4,000 errors that have the size 1.7.
+double OneSizeLogLikelihood(double x) {
+  return -4000.0 * (x + 0.5 * 1.7 * 1.7 * std::exp(-2.0 * x));
+}
 
 TEST(FindPeak, OfErrorsOfOneSizeIsFoundFromFar) {
   int asked = 0;
-  const auto peak = FindPeak(Counted{&OfOneSize, &asked}, {-2.3, -1.15, 0.0, 1.15, 2.3}, -3.5, 3.5);
+  const auto peak =
+      FindPeak(Counted{&OneSizeLogLikelihood, &asked}, {-2.3, -1.15, 0.0, 1.15, 2.3}, -3.5, 3.5);
   ASSERT_TRUE(peak);
   EXPECT_NEAR(peak->log_size, std::log(1.7), 1e-6);
-  EXPECT_NEAR(peak->value, OfOneSize(std::log(1.7)), 1e-6);
+  EXPECT_NEAR(peak->value, OneSizeLogLikelihood(std::log(1.7)), 1e-6);
   EXPECT_NEAR(peak->width, 1.0 / std::sqrt(8000.0), 1e-5);
   EXPECT_LE(asked, 9);
 }
 
-/// Of a hundred components that a size adds to others' errors: d from 1e-3 to 1e3, c^2 = 1 + 4 d.
-double BesideOthers(double x) {
+/// Returns the log likelihood of a size that enlarges the errors of a hundred components. They have
+/// d from 1e-3 to 1e3 and c^2 = 1 + 4 d.
+double AddedSizeLogLikelihood(double x) {
   const double v = std::exp(2.0 * x);
   double l = 0.0;
   for (int k = 0; k < 100; ++k) {
@@ -49,22 +53,22 @@ double BesideOthers(double x) {
 TEST(FindPeak, OfASizeBesideOthersIsFound) {
   int asked = 0;
   const auto peak =
-      FindPeak(Counted{&BesideOthers, &asked}, {-2.3, -1.15, 0.0, 1.15, 2.3}, -3.5, 3.5);
+      FindPeak(Counted{&AddedSizeLogLikelihood, &asked}, {-2.3, -1.15, 0.0, 1.15, 2.3}, -3.5, 3.5);
   ASSERT_TRUE(peak);
-  // The stationary point: v = 4 makes every term stationary.
+  // v = 4 makes every term stationary.
   EXPECT_NEAR(peak->log_size, std::log(2.0), 0.1 * peak->width);
   constexpr double kStep = 1e-3;
   const double at = std::log(2.0);
-  const double curvature =
-      (2.0 * BesideOthers(at) - BesideOthers(at - kStep) - BesideOthers(at + kStep)) /
-      (kStep * kStep);
+  const double curvature = (2.0 * AddedSizeLogLikelihood(at) - AddedSizeLogLikelihood(at - kStep) -
+                            AddedSizeLogLikelihood(at + kStep)) /
+                           (kStep * kStep);
   EXPECT_NEAR(peak->width, 1.0 / std::sqrt(curvature), 0.05 * peak->width);
   EXPECT_LE(asked, 14);
 }
 
 TEST(FindPeak, BeyondThePlacesAskedForIsFound) {
   int asked = 0;
-  const auto peak = FindPeak(Counted{&OfOneSize, &asked}, {-0.7, -0.6, -0.5}, -5.0, 5.0);
+  const auto peak = FindPeak(Counted{&OneSizeLogLikelihood, &asked}, {-0.7, -0.6, -0.5}, -5.0, 5.0);
   ASSERT_TRUE(peak);
   EXPECT_NEAR(peak->log_size, std::log(1.7), 1e-4);
 }

@@ -13,8 +13,8 @@ struct Found {
   std::vector<double> lengths_m;
 };
 
-/// Of `all` measurements the share has an error of a length uniform up to size_m; found are those
-/// that are longer than a threshold, here a little more, there a little less.
+/// Draws measurements. A share of `all` has an error with a length uniform up to size_m. Errors
+/// above a slightly varying threshold are found.
 Found Draw(long all, double share, double size_m, double threshold_m, std::mt19937* random) {
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   Found found;

@@ -15,7 +15,7 @@ namespace dn::internal::screen_test {
 
 using testing::AircraftScenario;
 
-/// A fixed effect of a size that the flight shows, but of first order still.
+/// A fixed effect of a size that the flight shows, but that is still of first order.
 struct Shown {
   std::string effect;
   std::vector<double> value;
@@ -55,7 +55,7 @@ TEST_P(FixedEffect, IsEstimatedAndExplainsTheDataBest) {
         << "component " << k << ", sigma " << cause.sigma[at];
   }
   EXPECT_GT(found->log_evidence, 8.0);
-  // What shares its signature may explain a sample better, and what is not of first order, too.
+  // An effect with a similar signature may explain a sample better, and so may second-order terms.
   constexpr double kAsGoodNats = 3.0, kSecondOrder = 0.05;
   const ScreenedEffect& best = explained.effects.front();
   EXPECT_GE(found->log_evidence,
@@ -159,7 +159,7 @@ TEST(JudgeProcess, FindsTheSizeOfAProcess) {
   EXPECT_LT(found.sigma[0], 0.01);
   EXPECT_GE(found.estimate[3], 4.0);
   EXPECT_LE(found.estimate[3], 60.0);
-  // A longer time constant goes with a larger size: nearly as its root.
+  // A longer time constant implies a larger size, nearly in proportion to its root.
   ASSERT_TRUE(std::isfinite(found.sigma[3]));
   EXPECT_GT(found.sigma[0] / found.estimate[0], 0.25 * found.sigma[3] / found.estimate[3]);
 }
@@ -171,7 +171,7 @@ TEST(JudgeProcess, SizesAndTimesAreWithinTheirSigmas) {
     const ScreenedEffect found =
         Judged("effects: [{effect: gnss_correlated_noise, value: [0.1, 0.1, 0.1, 30]}]", seed);
     ASSERT_TRUE(std::isfinite(found.sigma[3])) << seed;
-    // Of logarithms, in which the likelihood is nearly normal: sigmas are those of the longer side.
+    // The likelihood is nearly normal in the logarithms; sigmas are those of the longer side.
     const double relative = std::log1p(1.96 * found.sigma[0] / found.estimate[0]) / 1.96;
     const double relative_tau = std::log1p(1.96 * found.sigma[3] / found.estimate[3]) / 1.96;
     sigma2 += std::pow(std::log(found.estimate[0] / 0.1) / relative, 2) / kSeeds;
@@ -183,8 +183,8 @@ TEST(JudgeProcess, SizesAndTimesAreWithinTheirSigmas) {
   }
 }
 
-// In seven minutes errors that last for hours have no time constant to be seen; the size that is told
-// goes with the one that is told, and is as uncertain.
+// In seven minutes, errors correlated over hours show no time constant. The estimated size depends
+// on the estimated time constant, and is as uncertain.
 TEST(JudgeProcess, WhatOutlastsTheFlightHasNoSureSize) {
   const ScreenedEffect found =
       Judged("effects: [{effect: gnss_correlated_noise, value: [0.5, 0.5, 0.5, 10000]}]");

@@ -25,8 +25,8 @@ TEST(SemidefiniteRoot, OfARegularMatrixIsItsCholeskyFactor) {
   EXPECT_GT(L.diagonal().minCoeff(), 0.0);
 }
 
-// Thirty columns span ten dimensions, in units that differ by many decades, and rounding has made the
-// least eigenvalues negative.
+// The matrix has thirty columns of rank ten, in units that differ by many decades. Rounding has
+// made its smallest eigenvalues negative.
 TEST(SemidefiniteRoot, OfASingularMatrixIsRightBesideRounding) {
   const Eigen::Index n = 30;
   const Eigen::MatrixXd X = Drawn(n, 10, 2);
@@ -43,7 +43,8 @@ TEST(SemidefiniteRoot, OfASingularMatrixIsRightBesideRounding) {
   EXPECT_EQ((L.diagonal().array() > 0.0).count(), 10);
 }
 
-// What is absorbed but for rounding has no noise of its own, whatever its diagonal is.
+// A component that is absorbed up to rounding has no noise of its own, whatever its diagonal entry
+// is.
 TEST(SemidefiniteRoot, WhatRoundingLeavesIsZero) {
   Eigen::Matrix2d C;
   C << 1.0, 1e-9, 1e-9, -1e-12;

@@ -21,7 +21,7 @@ TEST(OmnibusShrinkage, IsTheShareOfTheExcessThatCloses) {
   EXPECT_NEAR(shrinkage.interval_high, 1.0 - 1.0 / 200.0, 0.006);
 }
 
-// A chi-square of the locations and twice the evidence of gross errors are of one kind.
+// The chi-square of the locations and twice the evidence of outliers are on the same scale.
 TEST(OmnibusShrinkage, CountsWhatTwinsCannotHave) {
   const TwinTest before = Compared(60.0, 0.03), after = Compared(60.0, 0.2);
   EXPECT_NEAR(OmnibusShrinkage({before, 90.0}, {after, 0.0}).fraction, 0.9, 1e-12);

@@ -17,20 +17,20 @@ Flight Perfect(const std::string& effects) {
   return Simulate(AircraftScenario(effects), options).flight;
 }
 
-Signature OfEffect(const std::string& effect, const GapOptions& options = {}) {
+Signature EffectSignature(const std::string& effect, const GapOptions& options = {}) {
   return SignatureOf(Perfect("effects: [" + effect + "]"), Perfect(""), options);
 }
 
 TEST(Signature, AnEffectOfTheTableLeavesNothing) {
-  const Signature arm = OfEffect("{effect: gnss_lever_arm, value: [0.1, 0, 0]}");
+  const Signature arm = EffectSignature("{effect: gnss_lever_arm, value: [0.1, 0, 0]}");
   EXPECT_EQ(arm.nearest, "gnss_lever_arm");
   EXPECT_GT(arm.lambda, 30.0);
   EXPECT_LT(arm.lambda_left, 0.01 * arm.lambda);
 }
 
 TEST(Signature, GrowsWithTheSquareOfTheSize) {
-  const Signature once = OfEffect("{effect: lidar_range_offset, value: [0.05]}");
-  const Signature twice = OfEffect("{effect: lidar_range_offset, value: [0.1]}");
+  const Signature once = EffectSignature("{effect: lidar_range_offset, value: [0.05]}");
+  const Signature twice = EffectSignature("{effect: lidar_range_offset, value: [0.1]}");
   EXPECT_NEAR(twice.lambda, 4.0 * once.lambda, 0.02 * twice.lambda);
 }
 
@@ -38,7 +38,7 @@ TEST(Signature, WhatTheLibraryLacksIsLeftButForWhatItsRelativesTake) {
   GapOptions options;
   options.left_out = {"lidar_range_offset"};
   const std::string effect = "{effect: lidar_range_offset, value: [0.1]}";
-  const Signature whole = OfEffect(effect), left_out = OfEffect(effect, options);
+  const Signature whole = EffectSignature(effect), left_out = EffectSignature(effect, options);
   EXPECT_NEAR(left_out.lambda, whole.lambda, 1e-6 * whole.lambda);
   EXPECT_NE(left_out.nearest, "lidar_range_offset");
   EXPECT_GT(left_out.lambda_left, whole.lambda_left);
@@ -47,8 +47,8 @@ TEST(Signature, WhatTheLibraryLacksIsLeftButForWhatItsRelativesTake) {
 
 TEST(Signature, OfNothingIsNone) { EXPECT_LT(SignatureOf(Perfect(""), Perfect("")).lambda, 1e-9); }
 
-// The best test is that of the effect itself: in data with noise its statistic has the mean
-// lambda + 1, and the standard deviation sqrt(2 + 4 lambda).
+// The best test is that of the effect itself. In data with noise its statistic has the mean lambda
+// + 1 and the standard deviation sqrt(2 + 4 lambda).
 TEST(Signature, IsWhatATestSeesInNoise) {
   const std::string effect = "effects: [{effect: lidar_range_offset, value: [0.05]}]";
   const double lambda = SignatureOf(Perfect(effect), Perfect("")).lambda;

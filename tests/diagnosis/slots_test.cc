@@ -34,7 +34,7 @@ std::vector<std::string> Names(const std::vector<GapCause>& causes) {
 TEST(Posterior, IsBayes) {
   const std::vector<double> p = Posterior({WithEvidence("a", std::log(8.0)), WithEvidence("b", 0.0),
                                            WithEvidence("c", std::log(2.0), false)});
-  // 0.5 nothing, 0.2 x 8 a, 0.2 b, 0.1 x 2 c.
+  // Weights: 0.5 for no effect, 0.2 x 8 for a, 0.2 for b, 0.1 x 2 for c.
   constexpr double kSum = 0.5 + 1.6 + 0.2 + 0.2;
   EXPECT_NEAR(p[0], 1.6 / kSum, 1e-12);
   EXPECT_NEAR(p[1], 0.2 / kSum, 1e-12);
@@ -146,7 +146,8 @@ TEST_F(Decided, NamesNothingWhereADiscrepancyIsLikelier) {
   EXPECT_EQ(Decide({.detected = true}, {"a"}, likely).kind, GapVerdictKind::kIdentified);
 }
 
-// Many times its usual size an effect has less evidence than what needs no such size, and fits better.
+// An effect of many times its typical size has less evidence than a discrepancy of typical size,
+// but fits better.
 TEST_F(Decided, KeepsANameThatFitsBetterThanADiscrepancy) {
   ScreenedEffect drift = WithEvidence("a", 30.0), heading = WithEvidence("heading", 33.0);
   heading.id.reset();

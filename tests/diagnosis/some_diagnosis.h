@@ -47,7 +47,7 @@ inline GapCause ProcessCause() {
   return cause;
 }
 
-/// A flight whose antenna lies elsewhere, every number in place.
+/// Returns the diagnosis of a flight with a wrong antenna position, with every number filled in.
 inline GapDiagnosis LeverArmDiagnosis() {
   GapDiagnosis d;
   d.flight = "somewhere";

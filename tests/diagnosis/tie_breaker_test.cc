@@ -76,7 +76,7 @@ TEST(TieBreaker, RangesFromAnotherHeightTellAnOffsetFromAScale) {
   tie.named.estimate = Eigen::VectorXd::Constant(1, 0.2);
   const std::string text = TieBreaker(flight, *flight.reference, Eigen::Vector3d::Zero(), tie, {});
   EXPECT_THAT(text, HasSubstr("one more strip"));
-  EXPECT_THAT(text, HasSubstr("would tell lidar_range_offset from lidar_range_scale"));
+  EXPECT_THAT(text, HasSubstr("would separate lidar_range_offset from lidar_range_scale"));
 }
 
 TEST(TieBreaker, IsNoneForAnErrorTooSmallToShow) {

@@ -9,8 +9,8 @@ namespace dn::internal::time_constant_test {
 
 constexpr double kTau_s = 30.0, kSize = 2.0;
 
-/// A log likelihood that falls to both sides of ln(30 s) like those of normal distributions; the
-/// size goes with a power of the time constant.
+/// Returns a log likelihood that falls on both sides of ln(30 s) like two normal distributions. The
+/// size varies with a power of the time constant.
 SizesByTau TwoSided(double sigma_shorter, double sigma_longer, double power = 0.0) {
   return [=](double tau_s) -> std::optional<SizeAtTau> {
     const double off = std::log(tau_s / kTau_s);
@@ -19,7 +19,7 @@ SizesByTau TwoSided(double sigma_shorter, double sigma_longer, double power = 0.
   };
 }
 
-/// Upper end of the interval of 95 %, as a logarithm.
+/// Returns the upper end of the 95 % interval of the logarithm, relative to the value.
 double Upper(double value, double sigma) { return std::log1p(1.96 * sigma / value); }
 
 TEST(LikeliestProcess, OfANormalLikelihoodHasItsPeakAndInterval) {

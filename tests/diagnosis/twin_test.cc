@@ -20,7 +20,7 @@ using testing::Calibration;
 using testing::DroneScenario;
 using testing::TempFolder;
 
-constexpr double kSigmas = 4.0;  // of a normal variable; 6e-5 lies outside
+constexpr double kSigmas = 4.0;  // a normal variable exceeds them with probability 6e-5
 
 GapCause LidarLate() {
   GapCause cause;
@@ -30,7 +30,7 @@ GapCause LidarLate() {
   return cause;
 }
 
-/// A drone flight, and its twin as `dn simulate` makes it from the files of `dn gap`.
+/// A drone flight, and its replicate as `dn simulate` makes it from the files of `dn gap`.
 struct FlightAndTwin {
   explicit FlightAndTwin(const Scenario& scenario, const std::vector<GapCause>& causes = {})
       : flown(Simulate(scenario, {})) {
@@ -96,14 +96,14 @@ TEST(Twin, AssumesWhatTheFlightAssumes) {
   FlightConfig expected = both.flown.flight.config;
   expected.name = "drone twin";
   FlightConfig twin = both.twin.flight.config;
-  twin.imu->grade = expected.imu->grade;  // the twin has its figures
+  twin.imu->grade = expected.imu->grade;  // the replicate has its noise figures
   EXPECT_EQ(FormatFlightConfig(twin), FormatFlightConfig(expected));
 }
 
 TEST(Twin, SeesGroundOfTheSameHeightUnderTheSameAngles) {
   const FlightAndTwin both(DroneScenario());
   const double range_m = MeanRange(both.flown.flight.pairs->pairs);
-  constexpr double kOfRange = 0.05;  // houses are left out
+  constexpr double kOfRange = 0.05;  // the replicate has no houses
   EXPECT_NEAR(MeanRange(both.twin.flight.pairs->pairs), range_m, kOfRange * range_m);
   constexpr double kOfAngle = 0.03;
   EXPECT_NEAR(LargestScanAngle(both.twin.flight), LargestScanAngle(both.flown.flight), kOfAngle);
@@ -118,7 +118,7 @@ TEST(Twin, FlatGroundStaysFlat) {
   scenario.terrain.base_m = -20.0;
   const FlightAndTwin both(scenario);
   EXPECT_EQ(both.again.terrain.kind, TerrainKind::kFlat);
-  EXPECT_NEAR(both.again.terrain.base_m, -20.0, 0.1);  // noise of the pairs, plane of the map
+  EXPECT_NEAR(both.again.terrain.base_m, -20.0, 0.1);  // noise of the pairs, tangent plane
 }
 
 TEST(Twin, FindsTheConeOfAConicalScanner) {

@@ -17,7 +17,7 @@ using testing::DroneScenario;
 constexpr Eigen::Index kPlaces = 20;
 constexpr int kTwins = 200;
 
-/// Places that are normal and correlated, and evidence that is not.
+/// Draws normal, correlated location statistics, and evidence that is not normal.
 Appearance Drawn(Random* random) {
   Appearance appearance;
   appearance.locations.resize(kPlaces);
@@ -47,7 +47,7 @@ TEST(CompareWithTwins, IsAsOftenSmallAsItSays) {
   for (long k = 0; k < kFlights; ++k) {
     if (CompareWithTwins(Drawn(&random), twins).p_value <= 0.5) ++below_half;
   }
-  // One set of 100 ranking twins serves all flights: their share below is known to 5 % by itself.
+  // All flights use the same 100 ranking replicates, whose share below a half is known to 5 % only.
   const Interval usual = BinomialInterval(0.9999, 80, 0.5);
   EXPECT_TRUE(usual.Contains(static_cast<double>(below_half) / kFlights)) << below_half;
 }
@@ -70,7 +70,7 @@ TEST(CompareWithTwins, FindsThePlaceThatDeparts) {
   Appearance flight = Drawn(&random);
   flight.locations[4] += 20.0;
   const TwinTest test = CompareWithTwins(flight, twins);
-  constexpr double kLeast = 1.0 / 101.0;  // of 100 twins that rank
+  constexpr double kLeast = 1.0 / 101.0;  // 100 replicates rank
   EXPECT_DOUBLE_EQ(test.p_largest, kLeast);
   EXPECT_DOUBLE_EQ(test.p_adjusted[4], kLeast);
   EXPECT_LE(test.p_value, 3.0 * kLeast);
@@ -107,7 +107,7 @@ TEST(TwinsAgainstTwins, DifferWhereSomeAreOthers) {
   EXPECT_LT(TwinsAgainstTwins(twins), 1e-4);
 }
 
-/// A flight beside its twins.
+/// A flight compared with its replicates.
 struct Compared {
   explicit Compared(const std::string& effects) {
     const Flight flight = Simulate(DroneScenario(effects), {}).flight;
@@ -154,7 +154,7 @@ TEST(Locations, NoiseOfPairsShowsInPairs) {
 
 TEST(Locations, PredictionErrorsAreInMetres) {
   const Compared without("");
-  // sigma_p is 3 cm, that of GNSS 1.5 cm; a prediction adds its own.
+  // sigma_p is 3 cm, that of GNSS 1.5 cm; a prediction adds its own error.
   EXPECT_GT(without.appearance.pair_rms_m, 0.029);
   EXPECT_LT(without.appearance.pair_rms_m, 0.04);
   EXPECT_GT(without.appearance.gnss_rms_m, 0.015);

@@ -39,7 +39,7 @@ class Folder : public TempFolder {
   }
 };
 
-const Table& DifferencesOf(const Document& document) {
+const Table& DifferenceRows(const Document& document) {
   return std::get<Table>(document.sections.at(0).contents.at(0));
 }
 
@@ -70,7 +70,7 @@ TEST(Page, SaysOfEveryVerdictWhetherToRelyOnIt) {
   }
 }
 
-// The shards of a series joined make the same bytes as one run.
+// Joined shards of a series must give the same bytes as one run.
 TEST(Page, LeavesOutWhatTwoRunsOfOneWorkDifferIn) {
   Json other = Report();
   other["command"] = "merge";
@@ -113,7 +113,7 @@ TEST(Comparison, IndependentResultsHaveTheSumOfTheirCovariances) {
   const Folder c("result.json", Result("dn", 0.300, 0.004));
   const Document page = PageOf(std::vector{a.path(), b.path(), c.path()});
   EXPECT_EQ(page.headlines.size(), 3u);
-  const Table& differences = DifferencesOf(page);
+  const Table& differences = DifferenceRows(page);
   ASSERT_EQ(differences.rows.size(), 3u);
   constexpr double kTurnMdeg = 0.01;  // rotations do not quite commute
   EXPECT_NEAR(NumberAt(differences, 0, 1), -6.0, kTurnMdeg);
@@ -127,7 +127,7 @@ TEST(Comparison, OfOneFlightTheDifferenceOfTheCovariances) {
   const Folder dn("result.json", Result("dn", 0.200, 0.003));
   const Folder gh("result.json", Result("gh", 0.206, 0.005));
   const Document page = PageOf(std::vector{dn.path(), gh.path()});
-  const Table& differences = DifferencesOf(page);
+  const Table& differences = DifferenceRows(page);
   EXPECT_NEAR(NumberAt(differences, 0, 1), -6.0, 0.01);
   EXPECT_NEAR(NumberAt(differences, 0, 2), 4.0, 1e-9);
   EXPECT_EQ(TextAt(differences, 0, 9), "of nested data");
@@ -180,7 +180,7 @@ TEST(Page, OfMatchingHasTheSwathSeparationBeforeAndAfter) {
   const Section& section = page.sections.at(1);
   EXPECT_EQ(section.title, "Swath separation");
   const Table& table = std::get<Table>(section.contents.at(0));
-  ASSERT_EQ(table.rows.size(), 4u);  // of two strips and of all
+  ASSERT_EQ(table.rows.size(), 4u);  // two strips and all strips
   EXPECT_EQ(TextAt(table, 0, 0), "1-2");
   EXPECT_EQ(TextAt(table, 2, 0), "all");
   EXPECT_EQ(NumberAt(table, 0, 4), 0.5);
@@ -194,7 +194,7 @@ Json StripPairs(double before, double after) {
            {"after", {{"separation", {{"to_8_cm", after}}}}}}};
 }
 
-// Before is of the trajectory that was given, which the Gauss-Helmert adjustment keeps.
+// `before` belongs to the given trajectory, which the Gauss-Helmert adjustment keeps.
 TEST(Page, OfAllMethodsHasTheirSwathSeparationsSideBySide) {
   Json dn = Result("dn", 0.2, 0.001), gh = Result("gh", 0.2, 0.001);
   dn["strip_pairs"] = StripPairs(0.2, 0.9);
@@ -227,7 +227,7 @@ TEST(Page, OfNewStripsSaysHowFarTheyMovedAndMapsThem) {
   EXPECT_EQ(map.areas.size(), 1u);
 }
 
-/// Rows of `columns` numbers, the first the time.
+/// Returns rows of `columns` numbers; the first column is the time.
 std::string Rows(int rows, int columns, double step_s) {
   std::string text;
   for (int k = 0; k < rows; ++k) {

@@ -7,7 +7,7 @@
 
 namespace dn::testing {
 
-/// Two opposite strips of a minute over rolling ground, an apx15.
+/// Two opposite strips of a minute each over rolling ground, with an apx15.
 inline const std::string kTwoStrips = R"(
 name: two
 origin_deg_m: [46.57, 6.52, 400]
@@ -28,7 +28,7 @@ lidar: {R_sensor_to_body: [[0,1,0],[0,0,1],[1,0,0]], scan_axis: [0,1,0], nadir_a
 pairs: {count: 600}
 )";
 
-/// The same with one value changed.
+/// Returns the two strips with one value changed.
 inline Scenario TwoStripsWith(const std::string& path, const std::string& value) {
   return ParseScenario(WithYamlValue(kTwoStrips, path, value), "two.yaml");
 }

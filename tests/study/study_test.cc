@@ -41,7 +41,7 @@ const StudyDirection* LedBy(const StudyResult& study, const std::string& unknown
   return nullptr;
 }
 
-/// A noisy flight of the crossing design, adjusted, beside the studies of scenario and flight.
+/// A noisy flight of the crossing design with its adjustment, and the study of its scenario.
 struct Adjusted {
   Scenario scenario = TwoStripsWith("plan.lines", kWithCrossStrip);
   SimulatedFlight simulated = Simulate(scenario, {.seed = 1});
@@ -54,7 +54,7 @@ const Adjusted& AdjustedFlight() {
   return adjusted;
 }
 
-// The states of an adjustment are off by their noise, and the pairs' laser vectors by theirs.
+// The states of the adjustment and the laser vectors of the pairs contain noise.
 constexpr double kSameSigma = 0.01;
 
 TEST(Study, SigmasAreThoseOfTheAdjustedFlight) {
@@ -109,7 +109,7 @@ TEST(Study, APlanWithoutDataIsAFlightOnItsTrajectory) {
   EXPECT_GT(study.imu_epochs, 10000);
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(study.boresight.sigma_rad()[i] / adjusted.study.boresight.sigma_rad()[i], 1.0,
-                2.0 * kSameSigma)  // other epochs of GNSS, and so other nodes
+                2.0 * kSameSigma)  // other GNSS epochs, and therefore other nodes
         << i;
   }
 }
@@ -190,7 +190,7 @@ TEST(Study, ARemedyOfParallelStripsIsOneThatHelps) {
   EXPECT_FALSE(json["cause"].get<std::string>().empty());
 }
 
-/// The sigma that the remedy of twice the pairs leaves, over that of a study of twice the pairs.
+/// Returns the sigma after the remedy of twice the pairs, relative to a study with twice the pairs.
 double TriedOverStudied(const Scenario& scenario) {
   const StudyResult study = Study(scenario);
   Scenario changed = scenario;
@@ -208,7 +208,7 @@ double TriedOverStudied(const Scenario& scenario) {
 
 TEST(Study, ARemedyIsWhatTheChangedScenarioGives) {
   constexpr double kSameNodes = 1e-6;
-  // Remedies are compared on nodes at 2 Hz where the study has more.
+  // Remedies are compared with nodes at 2 Hz; the study has more.
   constexpr double kFewerNodes = 0.01;
   EXPECT_NEAR(TriedOverStudied(TwoStripsWith("imu.preset", "airins")), 1.0, kSameNodes);
   EXPECT_NEAR(TriedOverStudied(TwoStrips()), 1.0, kFewerNodes);

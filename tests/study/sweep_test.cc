@@ -14,7 +14,7 @@ namespace dn::testing::sweep_test {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A sweep over the two strips, beside which its base lies.
+/// A sweep over the two strips; its base is in the same folder.
 struct SmallSweep {
   TempFolder folder;
   std::string where = (folder.path() / "sweep.yaml").string();
@@ -25,7 +25,7 @@ struct SmallSweep {
   }
 };
 
-std::string ErrorOf(const std::string& keys) {
+std::string ParseErrorText(const std::string& keys) {
   try {
     SmallSweep().Parse(keys);
   } catch (const InvalidConfig& error) {
@@ -59,11 +59,11 @@ TEST(Sweep, WhatIsFreeMayBeSwept) {
 }
 
 TEST(Sweep, RefusesWhatIsNone) {
-  EXPECT_THAT(ErrorOf("  pairs.cuont: [1]\n"), HasSubstr("cuont"));
-  EXPECT_THAT(ErrorOf("  pairs.count: []\n"), HasSubstr("no values"));
-  EXPECT_THAT(ErrorOf("  pairs.count: [5, 5]\n"), HasSubstr("twice"));
-  EXPECT_THAT(ErrorOf("  pairs.count.more: [5]\n"), HasSubstr("pairs.count"));
-  EXPECT_THAT(ErrorOf("  []\n"), HasSubstr("map"));
+  EXPECT_THAT(ParseErrorText("  pairs.cuont: [1]\n"), HasSubstr("cuont"));
+  EXPECT_THAT(ParseErrorText("  pairs.count: []\n"), HasSubstr("no values"));
+  EXPECT_THAT(ParseErrorText("  pairs.count: [5, 5]\n"), HasSubstr("twice"));
+  EXPECT_THAT(ParseErrorText("  pairs.count.more: [5]\n"), HasSubstr("pairs.count"));
+  EXPECT_THAT(ParseErrorText("  []\n"), HasSubstr("map"));
   EXPECT_THROW(Sweep::Parse("base: no_such\nsweep: {pairs.count: [1]}", "x.yaml"), InvalidConfig);
   EXPECT_THROW(Sweep::Parse("bas: lar3\nsweep: {pairs.count: [1]}", "x.yaml"), InvalidConfig);
   EXPECT_THROW(Sweep::Parse("base: lar3\nsweep: {imu.preset: [airins]}", "x.yaml"), InvalidConfig);

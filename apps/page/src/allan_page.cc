@@ -11,7 +11,7 @@ struct Sensor {
 };
 constexpr Sensor kSensors[] = {{"gyro", "Gyro"}, {"accel", "Accelerometer"}};
 
-/// Of the first axis that has white noise.
+/// Returns the unit of white noise of the first axis that has white noise.
 std::string WhiteUnit(const Facts& of) {
   for (const std::string& axis : kXyz) {
     if (const Facts white = of[axis]["terms"]["white"]) return white["unit"].text();
@@ -25,7 +25,7 @@ Table Terms(const Sensor& sensor, const Facts& of) {
                "sigma", "floor", "at [s]"},
               {},
               "White in " + WhiteUnit(of) + ", others in " + of["x"]["curve"]["unit"].text() +
-                  ". A dash: the record does not show it."};
+                  ". A dash: the record does not show this term."};
   const auto add = [&](const std::string& name, const Facts& fit) {
     std::vector<Cell> row{Text(name)};
     for (const char* term : {"white", "gauss_markov", "gauss_markov_tau", "random_walk"}) {
@@ -74,13 +74,13 @@ Document AllanPage(const ResultFolder& folder) {
   headline.word = warnings.empty() ? "at rest" : "doubtful";
   headline.tone = warnings.empty() ? Tone::kGood : Tone::kDoubtful;
   headline.answer = warnings.empty() ? "The terms below describe the record."
-                                     : "The terms below hold more than noise.";
+                                     : "The terms below contain more than noise.";
   headline.reasons = warnings;
   headline.figures = {Table{"",
                             {"", ""},
                             {Row("values", {allan["values"].Count()}),
                              Row("rate [Hz]", {allan["rate_hz"].Significant(6)})}}};
-  headline.next = {"noise.yaml has them as a section of flight.yaml."};
+  headline.next = {"noise.yaml contains them as a section of flight.yaml."};
   document.headlines = {std::move(headline)};
   for (const Sensor& sensor : kSensors) {
     const Facts of = allan[sensor.key];

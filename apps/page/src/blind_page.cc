@@ -29,19 +29,19 @@ Headline BlindHeadline(const Facts& score) {
   const double allowed = score["nothing"]["allowed_95"][1].number();
   Headline headline;
   Table table = Shares("");
-  table.rows = {ShareRow("false alarms, nothing there", alarms),
+  table.rows = {ShareRow("no effect: false alarms", alarms),
                 ShareRow("one effect: detected", score["one_effect"]["detected"]),
                 ShareRow("one effect: named", score["one_effect"]["named"])};
   headline.figures = {std::move(table)};
   if (!(alarms["of"].number() > 0.0)) {
     headline.word = "scored";
-    headline.answer = "No flight was without an effect: false alarms cannot be judged.";
+    headline.answer = "Every flight has an effect: the false-alarm rate is unknown.";
     return headline;
   }
   const bool fine = alarms["share"].number() <= allowed;
   headline.word = fine ? "no more false alarms than allowed" : "too many false alarms";
-  headline.answer = fine ? "Where nothing is there, the diagnosis says so as often as it should."
-                         : "Where nothing is there, the diagnosis finds something too often.";
+  headline.answer = fine ? "The false-alarm rate is within its limit."
+                         : "The false-alarm rate is above its limit.";
   headline.tone = fine ? Tone::kGood : Tone::kBad;
   return headline;
 }
@@ -49,7 +49,7 @@ Headline BlindHeadline(const Facts& score) {
 Section Power(const Facts& score) {
   Section section{"Power against size", {}};
   BarChart chart{"Flights with one effect", "share of the flights [%], with its 95 %", {}};
-  Table table{"", {"size [usual sizes]", "flights", "detected", "named", "named with group"}, {}};
+  Table table{"", {"size [typical sizes]", "flights", "detected", "named", "named with group"}, {}};
   const std::vector<Facts> sizes = score["by_size"].elements();
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     const std::string from = fmt::format("{:.2g}", sizes[k]["from"].number());
@@ -85,10 +85,10 @@ Section ByEffect(const Facts& score) {
 
 Section Reliability(const Facts& score) {
   Section section{"Do the probabilities hold?", {}};
-  Curve there{"is there, with its 95 %", {}, {}};
+  Curve there{"observed, with its 95 % interval", {}, {}};
   there.points = true;
   Table table{
-      "", {"stated from", "to", "causes", "mean stated", "is there", "95 % from", "to"}, {}};
+      "", {"stated from", "to", "causes", "mean stated", "observed", "95 % from", "to"}, {}};
   for (const Facts& bin : score["reliability"].elements()) {
     const Facts share = bin["true"];
     if (!(share["of"].number() > 0.0)) continue;
@@ -103,9 +103,9 @@ Section Reliability(const Facts& score) {
   }
   if (table.rows.empty()) return section;
   section.contents = {
-      Paragraph{"Of the causes to which the diagnosis gives a probability, as many should be there "
-                "as it says: on the line of the perfect forecast."},
-      Chart{SeriesChart{"Probability of a cause: stated, and how often it is there",
+      Paragraph{"A stated probability is right if the same share of these causes is present. The "
+                "points then lie on the line of the perfect forecast."},
+      Chart{SeriesChart{"Probability of a cause: stated and observed",
                         "stated",
                         "share",
                         {{"perfect", {0.0, 1.0}, {0.0, 1.0}}, std::move(there)}}},
@@ -133,13 +133,15 @@ Document BlindPage(const ResultFolder& folder) {
   Document document = Begin(folder, "blind check", "are the diagnoses right?");
   document.headlines = {BlindHeadline(score)};
   Table others = Shares("");
-  others.rows = {ShareRow("nothing there: a name is given", score["nothing"]["false_names"]),
-                 ShareRow("two effects: detected", score["two_effects"]["detected"]),
-                 ShareRow("two effects: both named", score["two_effects"]["named"]),
-                 ShareRow("outsiders: detected", score["outsider"]["detected"]),
-                 ShareRow("of them rejected as unknown", score["outsider"]["rejected_of_detected"]),
-                 ShareRow("sizes within their 95 %, fixed effects", score["coverage_95"]["fixed"]),
-                 ShareRow("stochastic effects", score["coverage_95"]["stochastic"])};
+  others.rows = {
+      ShareRow("no effect: an effect is named", score["nothing"]["false_names"]),
+      ShareRow("two effects: detected", score["two_effects"]["detected"]),
+      ShareRow("two effects: both named", score["two_effects"]["named"]),
+      ShareRow("effects outside the library: detected", score["outsider"]["detected"]),
+      ShareRow("of these, called unknown", score["outsider"]["rejected_of_detected"]),
+      ShareRow("sizes within their 95 % interval: fixed effects", score["coverage_95"]["fixed"]),
+      ShareRow("sizes within their 95 % interval: stochastic effects",
+               score["coverage_95"]["stochastic"])};
   Append(Power(score), &document);
   Append(Reliability(score), &document);
   Append({"Other shares", {std::move(others)}}, &document);

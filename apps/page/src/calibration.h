@@ -9,19 +9,19 @@
 
 namespace dn::internal {
 
-/// One boresight of a result folder.
+/// A boresight of a result folder.
 struct Calibrated {
-  std::string suffix;  ///< of its files: "", "_dn", "_gh"
+  std::string suffix;  ///< suffix of its files: "", "_dn", "_gh"
   Facts result;
 };
 
-/// Those that a folder has, that of the network first.
+/// Returns the boresights of a folder, that of the network first.
 std::vector<Calibrated> CalibrationsIn(const ResultFolder& folder);
 
-/// The headline of one; `with_name` where there are several.
+/// Returns the headline of a boresight. `with_name` adds the method, for folders with several.
 Headline HeadlineOf(const Calibrated& calibrated, bool with_name);
 
-/// The difference of each two, its sigma and significance.
+/// Returns the difference of each two boresights, its sigma and its significance.
 Table DifferenceTable(const std::vector<std::pair<std::string, Facts>>& named);
 
 }  // namespace dn::internal

@@ -11,18 +11,18 @@
 namespace dn::internal {
 namespace {
 
-/// What a verdict means for who wants to use the angles.
+/// Returns what each verdict means for a user of the angles.
 const std::map<std::string, Meaning>& MeaningsOfVerdict() {
   static const std::map<std::string, Meaning> meanings{
       {"calibrated",
-       {"You may rely on these angles within their sigmas: they are the mounting's.",
+       {"You may rely on these angles within their sigmas: they are those of the mounting.",
         Tone::kGood,
         {"Georeference with these angles.",
-         "dn gap FLIGHT --out DIR says what could still hide, and by how much it could move "
-         "them."}}},
+         "dn gap FLIGHT --out DIR lists undetectable effects, and how far they could shift the "
+         "angles."}}},
       {"absorbed",
-       {"The angles make this cloud consistent, but they hold an error of the trajectory: they are "
-        "not the mounting's.",
+       {"These angles make the cloud consistent, but they contain an error of the trajectory: they "
+        "are not those of the mounting.",
         Tone::kDoubtful,
         {"Use them for this flight only, with this trajectory.",
          "For the mounting: calibrate from the raw data (--method dn), or fly with a better "
@@ -59,7 +59,7 @@ Table OtherAngles(const Facts& boresight) {
     if (boresight[key]) table.rows.push_back(Row(name, Three(boresight[key], 6)));
   };
   add("Euler angles of the order yaw, pitch, roll [deg]", "euler_zyx_deg");
-  add("sigma by the normal matrix alone [deg]", "sigma_apriori_deg");
+  add("sigma from the normal matrix alone [deg]", "sigma_apriori_deg");
   add("the same, times sigma0 [deg]", "sigma_scaled_deg");
   return table;
 }
@@ -76,7 +76,7 @@ Table Covariance(const Facts& matrix) {
 }
 
 Table Estimates(const Facts& estimates) {
-  Table table{"Estimated beside it: corrections to the assumed values",
+  Table table{"Other estimates: corrections to the assumed values",
               {"unknown", "component", "correction", "sigma", "unit"},
               {}};
   for (const std::string& name : estimates.keys()) {
@@ -109,19 +109,9 @@ std::string MethodName(const Facts& result) {
   return method == "planes" ? "plane adjustment" : method;
 }
 
-/// The pairs of strips of a result by name. Throws InvalidInput for a name that is there twice.
-std::map<std::string, Facts> StripPairsByName(const Facts& result) {
-  std::map<std::string, Facts> pairs;
-  for (const Facts& of : result["strip_pairs"].elements()) {
-    const std::string strips = of["strips"].text();
-    if (pairs.emplace(strips, of).second) continue;
-    throw InvalidInput("strip_pairs has '" + WithoutControls(strips) + "' twice");
-  }
-  return pairs;
-}
-
-/// Before and after by each method. Of several, before is what the first shows that has a given
-/// trajectory: the assumed mounting on the trajectory of the user.
+/// Makes the section of swath separations before and after, for each method. With several methods,
+/// `before` is that of the first one on a given trajectory: the assumed mounting on the user's
+/// trajectory.
 Section SeparationOf(const std::vector<Calibrated>& all) {
   const auto given = std::find_if(all.begin(), all.end(), [](const Calibrated& one) {
     return one.result["method"].text() == "gh" && one.result["strip_pairs"];

@@ -11,7 +11,7 @@
 namespace dn::internal {
 namespace {
 
-// Three sigma: chosen, as for the comparison of two methods.
+// Significance level of three sigma, chosen as in the comparison of two methods.
 constexpr double kSignificantDifference = 0.0027;
 
 BoresightResult ResultOf(const Facts& result) {
@@ -22,7 +22,7 @@ BoresightResult ResultOf(const Facts& result) {
   return out;
 }
 
-/// Whether one is the Gauss-Helmert result of the flight that the network of the other has.
+/// Returns whether a is the Gauss-Helmert result of the flight that the network of b has adjusted.
 bool OfOneFlight(const Facts& a, const Facts& b) {
   return a["method"].text() == "gh" && b["method"].text() == "dn" &&
          a["flight"].text() == b["flight"].text();
@@ -30,7 +30,7 @@ bool OfOneFlight(const Facts& a, const Facts& b) {
 
 struct Difference {
   MethodDifference values;
-  std::string covariance;  // how it was taken
+  std::string covariance;  // how the covariance was computed
 };
 
 Difference Between(const Facts& a, const Facts& b) {
@@ -54,8 +54,8 @@ Table DifferenceTable(const std::vector<std::pair<std::string, Facts>>& named) {
       "Significant: p < 0.0027 of the chi-square of all three angles (three sigma). Of nested "
       "data: one is the Gauss-Helmert adjustment, the other the dynamic network of the same "
       "flight, which uses all its data; the difference then has the covariance of the first "
-      "less that of the second (Hausman 1978). Independent: the covariances are summed, which "
-      "is too wide where two results share data."};
+      "minus that of the second (Hausman 1978). Independent: the covariances are summed, which "
+      "is too large if the results share data."};
   constexpr double kMdeg = 1e3 * kDegPerRad;
   for (std::size_t a = 0; a < named.size(); ++a) {
     for (std::size_t b = a + 1; b < named.size(); ++b) {
@@ -80,7 +80,7 @@ Table DifferenceTable(const std::vector<std::pair<std::string, Facts>>& named) {
 
 Document ComparisonPage(const std::vector<std::filesystem::path>& folders) {
   Document document;
-  document.title = "Results side by side";
+  document.title = "Comparison of results";
   std::vector<std::pair<std::string, Facts>> named;
   for (const std::filesystem::path& path : folders) {
     const ResultFolder folder(path);

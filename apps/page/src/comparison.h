@@ -7,7 +7,7 @@
 
 namespace dn::internal {
 
-/// Several results side by side.
+/// Returns a page that compares several results.
 Document ComparisonPage(const std::vector<std::filesystem::path>& folders);
 
 }  // namespace dn::internal

@@ -6,7 +6,7 @@
 namespace dn::internal {
 namespace {
 
-/// Of each component alone; "any": no size is seen.
+/// Returns the detectable size of each component alone; "any" if it is undetectable at any size.
 std::string SeenAlone(const Facts& effect) {
   std::vector<std::string> each;
   for (const Facts& size : effect["detectable_by_component"].elements()) {
@@ -18,14 +18,15 @@ std::string SeenAlone(const Facts& effect) {
 }  // namespace
 
 Section CouldHideSection(const Facts& effects) {
-  Section section{"What could still hide", {}};
-  Table table{"",
-              {"effect", "seen from", "components alone", "named from", "unit", "moves roll [mdeg]",
-               "pitch", "yaw"},
-              {},
-              "An effect below its first size may be there unseen, and move the boresight by up to "
-              "that. The first size is that of the best-determined direction; a component alone "
-              "may have to be larger."};
+  Section section{"Undetectable effects", {}};
+  Table table{
+      "",
+      {"effect", "detectable from", "components alone", "identifiable from", "unit",
+       "shift roll [mdeg]", "pitch", "yaw"},
+      {},
+      "An effect below its detectable size may be present, and shift the boresight by up to "
+      "the stated angles. This size is that of the best-determined direction. A single "
+      "component may have to be larger."};
   for (const Facts& effect : effects.elements()) {
     std::vector<Cell> row{Text(effect["effect"].text()),
                           effect["minimal_detectable"].Significant(2), Text(SeenAlone(effect)),

@@ -11,13 +11,8 @@
 
 namespace dn::internal {
 
-/// How many elements of lists and objects the files of one folder may still bring onto a page: its
-/// size must not follow from a damaged file.
-using RowsLeft = std::shared_ptr<std::size_t>;
-
-/// A place in a JSON file, whether it is there or not: what is absent, or of another kind, is NaN,
-/// empty, without elements. Functions that list elements throw InvalidInput where `rows_left` or
-/// the longest list of texts is exceeded.
+/// A place in a JSON file, which may be absent. An absent value, or one of another type, is NaN, an
+/// empty text or a list without elements.
 class Facts {
  public:
   Facts() = default;
@@ -25,24 +20,22 @@ class Facts {
 
   Facts operator[](const std::string& key) const;
   Facts operator[](std::size_t index) const;
-  /// Elements of a list, values of an object.
+  /// Returns the elements of a list, or the values of an object.
   std::vector<Facts> elements() const;
-  /// Of an object.
+  /// Returns the keys of an object.
   std::vector<std::string> keys() const;
 
   explicit operator bool() const { return json_ != nullptr && !json_->is_null(); }
   double number() const;
   bool flag() const;
   std::string text() const;
-  /// The points of a list of pairs of numbers.
-  Curve points(const std::string& label) const;
-  /// The texts of a list.
+  /// Returns the texts of a list.
   std::vector<std::string> texts() const;
-  /// Three numbers; NaN where there are not three.
+  /// Returns three numbers, with NaN for each that is missing.
   Eigen::Vector3d vector3() const;
   Eigen::Matrix3d matrix3() const;
 
-  /// Cells that carry value and source.
+  /// Returns a cell with value and source.
   Cell Significant(int digits = 4, double scale = 1.0) const;
   Cell Decimals(int digits, double scale = 1.0) const;
   Cell Count() const { return Decimals(0); }
@@ -58,10 +51,10 @@ class Facts {
   const Json* json_ = nullptr;
 };
 
-/// What a chart leaves out.
+/// Value that charts leave out.
 inline const double kNone = std::numeric_limits<double>::quiet_NaN();
 
-/// A cell of a text.
+/// Returns a cell with a text.
 Cell Text(std::string text, Tone tone = Tone::kPlain);
 
 }  // namespace dn::internal

@@ -14,35 +14,36 @@ constexpr std::size_t kMostCauses = 15;
 constexpr std::size_t kMostStatistics = 30;
 constexpr double kSigmasOfBand = 1.96;  // 95 %
 
-// As docs/guides/gap.md says.
+// The meanings agree with docs/guides/gap.md.
 const std::map<std::string, Meaning>& MeaningsOfGap() {
   static const std::map<std::string, Meaning> meanings{
       {"identified",
-       {"The data depart from the model, and the effects named explain it.",
+       {"The data differ from the model, and the named effects explain it.",
         Tone::kDoubtful,
         {"dn calibrate flight.adapted.yaml --out DIR, with the effects in the estimator.",
-         "Where the size can be measured or looked up, correct flight.yaml instead."}}},
+         "If you can measure the size or look it up, correct flight.yaml instead."}}},
       {"group",
-       {"The data depart from the model; one of several effects, which this flight cannot tell "
-        "apart, explains it.",
+       {"The data differ from the model. One of several effects explains it; this flight cannot "
+        "separate them.",
         Tone::kDoubtful,
         {"Measure one of them, or fly what the reason proposes.",
-         "The boresight is as good as the choice between them."}}},
+         "The boresight depends on which of them is the cause."}}},
       {"partial",
-       {"Do not rely on the boresight: a part of the gap has no name.",
+       {"Do not rely on the boresight: no known effect explains a part of the gap.",
         Tone::kBad,
         {"Look at the first place under Where: a sensor, a strip or a time that differs."}}},
       {"unknown",
-       {"Do not rely on the boresight: the data depart from the model, and no known effect "
+       {"Do not rely on the boresight: the data differ from the model, and no known effect "
         "explains it.",
         Tone::kBad,
         {"Look at the first place under Where: a sensor, a strip or a time that differs."}}},
       {"no_gap",
-       {"The data are those that the assumed model would produce.",
+       {"The data agree with the assumed model.",
         Tone::kGood,
-        {"Read below what could still hide, and decide whether you can live with it."}}},
+        {"Read which effects are undetectable, and decide whether you can accept their shift "
+         "of the boresight."}}},
       {"unavailable",
-       {"This flight cannot carry the diagnosis.",
+       {"This flight cannot be diagnosed.",
         Tone::kDoubtful,
         {"Fly or add what the reason asks for."}}},
   };
@@ -61,12 +62,13 @@ Headline GapHeadline(const Facts& gap) {
   const Facts units = gap["gap"]["user_units"];
   Table figures{"The gap", {"", ""}, {}};
   figures.rows = {
-      Row("chance of such data without one (p)", {gap["gap"]["p_value"].Significant(2)}),
+      Row("p-value: probability of such data without a gap",
+          {gap["gap"]["p_value"].Significant(2)}),
       Row("size [nats per observation]", {size["value"].Significant(3)}),
-      Row("at most", {size["upper_limit_95"].Significant(3)}),
-      Row("pairs beyond their noise [mm]", {units["p2p_excess_mm"].Decimals(1)}),
-      Row("GNSS beyond its noise [mm]", {units["gnss_excess_mm"].Decimals(1)}),
-      Row("parts of the flight disagree on the boresight [mdeg]",
+      Row("upper limit of 95 %", {size["upper_limit_95"].Significant(3)}),
+      Row("excess of the pairs over their noise [mm]", {units["p2p_excess_mm"].Decimals(1)}),
+      Row("excess of GNSS over its noise [mm]", {units["gnss_excess_mm"].Decimals(1)}),
+      Row("boresight between strip pairs [mdeg]",
           {units["boresight_inconsistency_mdeg"].Decimals(2)})};
   headline.figures = {figures};
   return headline;
@@ -83,12 +85,12 @@ Section Causes(const Facts& gap) {
   BarChart chart{"Evidence for each effect, with its probability", "log evidence [nats]", {}};
   Table table{
       "",
-      {"effect", "probability", "nats", "moves roll [mdeg]", "pitch", "yaw", "share absorbed",
+      {"effect", "probability", "nats", "shift roll [mdeg]", "pitch", "yaw", "share absorbed",
        "size"},
       {},
-      "Best explanation first. Moves: by how much the boresight is off where the effect is "
-      "there and left out. Share absorbed: what trajectory, biases and boresight follow, so "
-      "that it does not show in residuals."};
+      "Best explanation first. Shift: change of the boresight if the effect is present and not "
+      "modelled. Share absorbed: the part that trajectory, biases and boresight follow. It does "
+      "not show in residuals."};
   for (const Facts& cause : gap["causes"].elements()) {
     const std::string name = cause["effect"].text();
     if (chart.bars.size() < kMostCauses) {
@@ -104,8 +106,7 @@ Section Causes(const Facts& gap) {
   }
   if (table.rows.empty()) return section;
   section.contents = {Chart{std::move(chart)}, std::move(table)};
-  Table nameless{
-      "Ways of departing from the model that have no name", {"", "probability", "nats"}, {}};
+  Table nameless{"Unmodelled discrepancies", {"", "probability", "nats"}, {}};
   for (const Facts& one : gap["discrepancies"].elements()) {
     nameless.rows.push_back(
         Row(DiscrepancyName(one), {one["posterior"].Decimals(3), one["log_evidence"].Decimals(1)}));
@@ -119,7 +120,7 @@ Section Where(const Facts& gap) {
   Table table{"",
               {"sensor", "quantity", "place", "statistic", "p-value"},
               {},
-              "p-values hold for all places together: where p is large, nothing stands out."};
+              "p-values hold for all places together. A large p means that nothing stands out."};
   for (const Facts& place : gap["where"].elements()) {
     table.rows.push_back({Text(place["sensor"].text()), Text(place["quantity"].text()),
                           Text(place["location"].text()), place["statistic"].Decimals(2),
@@ -130,7 +131,7 @@ Section Where(const Facts& gap) {
 }
 
 Section Closed(const Facts& gap) {
-  Section section{"How far the effects close it", {}};
+  Section section{"How far the effects close the gap", {}};
   const Facts closed = gap["shrinkage"];
   if (!closed) return section;
   Table table{"", {"", "before", "after"}, {}};
@@ -150,8 +151,8 @@ Section Closed(const Facts& gap) {
                              {before.Decimals(5), closed["boresight_after_deg"][k].Decimals(5)}));
   }
   Table figures{"", {"", ""}, {}};
-  figures.rows = {Row("closed (1: gone)", {closed["fraction"].Decimals(2)}),
-                  Row("of it 95 % from", {closed["interval_95"][0].Decimals(2)}),
+  figures.rows = {Row("closed part of the gap (1: all)", {closed["fraction"].Decimals(2)}),
+                  Row("95 % interval from", {closed["interval_95"][0].Decimals(2)}),
                   Row("to", {closed["interval_95"][1].Decimals(2)}),
                   Row("gain on held-out data [nats]", {closed["held_out_gain_nats"].Decimals(1)})};
   section.contents = {std::move(figures), std::move(table)};
@@ -164,7 +165,7 @@ double Deviation(const Facts& statistic) {
 }
 
 Section Fingerprint(const Facts& gap) {
-  Section section{"What departs most from the model", {}, true};
+  Section section{"Statistics that differ most from the model", {}, true};
   std::vector<Facts> all = gap["fingerprint"].elements();
   std::erase_if(all, [](const Facts& one) { return !std::isfinite(Deviation(one)); });
   std::stable_sort(all.begin(), all.end(), [](const Facts& a, const Facts& b) {
@@ -172,8 +173,8 @@ Section Fingerprint(const Facts& gap) {
   });
   if (all.size() > kMostStatistics) all.resize(kMostStatistics);
   if (all.empty()) return section;
-  BarChart chart{"Statistics of the flight beside 95 % of its twins",
-                 "departure from the mean of the model [sigmas of it]",
+  BarChart chart{"Statistics of the flight, with 95 % intervals of replicates",
+                 "difference from the mean of the model [its sigmas]",
                  {}};
   for (const Facts& one : all) {
     const std::string name = one["name"].text();
@@ -182,7 +183,7 @@ Section Fingerprint(const Facts& gap) {
     const double sigma = one["null_sigma"].number();
     const double mean = (one["twin_mean"].number() - one["null_mean"].number()) / sigma;
     const double half = kSigmasOfBand * one["twin_sigma"].number() / sigma;
-    chart.bars.push_back({name, "twins with the effects", kNone, mean - half, mean + half});
+    chart.bars.push_back({name, "replicates with the effects", kNone, mean - half, mean + half});
   }
   section.contents.emplace_back(Chart{std::move(chart)});
   return section;
@@ -196,7 +197,7 @@ Section Validity(const Facts& gap) {
       table.rows.push_back(Row(key, {validity[key].Significant(6)}));
     }
   }
-  Section section{"What the diagnosis rests on", {std::move(table)}, true};
+  Section section{"Reliability of the diagnosis", {std::move(table)}, true};
   for (const std::string& note : validity["notes"].texts()) {
     section.contents.emplace_back(Paragraph{note});
   }
@@ -207,7 +208,7 @@ Section Validity(const Facts& gap) {
 
 Document GapPage(const ResultFolder& folder) {
   const Facts gap = folder.Read("gap.json");
-  Document document = Begin(folder, gap["flight"].text(), "do the data depart from the model?");
+  Document document = Begin(folder, gap["flight"].text(), "do the data agree with the model?");
   document.headlines = {GapHeadline(gap)};
   for (Section section : {Closed(gap), Causes(gap), CouldHideSection(gap["could_still_hide"]),
                           Where(gap), TrajectorySection(folder), Fingerprint(gap), Validity(gap)}) {

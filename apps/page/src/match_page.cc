@@ -16,7 +16,7 @@ enum MatchColumn : std::size_t {
   kApartAfter = 8,
   kMatchColumns = 15
 };
-constexpr std::size_t kMostMatchDots = 800;  // of a cloud
+constexpr std::size_t kMostMatchDots = 800;  // per cloud
 
 struct PairsOfStrips {
   std::string strips;  ///< "1-2"
@@ -44,21 +44,22 @@ Headline HeadlineOfMatch(const Facts& match) {
   headline.tone = pairs > 0.0 ? Tone::kGood : Tone::kBad;
   headline.answer = pairs > 0.0
                         ? "The pairs are the same points of the ground within their covariances."
-                        : "No place of the overlaps is clear enough to be the same in both strips.";
+                        : "No place of the overlaps can be identified in both strips.";
   const Facts all = match["misalignment"];
   if (all) {
-    headline.figures = {Table{"",
-                              {"", ""},
-                              {Row("pairs", {match["counts"]["pairs"].Count()}),
-                               Row("apart before, rms [m]", {all["before"]["rms_m"].Decimals(3)}),
-                               Row("apart after, rms [m]", {all["after"]["rms_m"].Decimals(3)}),
-                               Row("ground sampling distance [m]", {match["gsd_m"].Decimals(2)})}}};
+    headline.figures = {
+        Table{"",
+              {"", ""},
+              {Row("pairs", {match["counts"]["pairs"].Count()}),
+               Row("distance before, rms [m]", {all["before"]["rms_m"].Decimals(3)}),
+               Row("distance after, rms [m]", {all["after"]["rms_m"].Decimals(3)}),
+               Row("ground sampling distance [m]", {match["gsd_m"].Decimals(2)})}}};
     headline.next = {
         "dn calibrate flight.matched.yaml of this folder: the boresight and its sigmas"};
   } else {
     headline.next = {
-        "look where the counts below fall to zero: places need shape, such as slopes in "
-        "several directions"};
+        "look where the counts below fall to zero; a place needs shape, such as slopes in several "
+        "directions"};
   }
   return headline;
 }
@@ -69,8 +70,8 @@ Table StagesTable(const Facts& match) {
       {"strips", "overlap [m2]", "places with shape", "clear in the rasters", "registered", "pairs",
        "evenness", "sigma, median [m]"},
       {},
-      "Evenness: mean distance to the next pair by that of as many points anywhere; below 1 "
-      "in clusters. Sigma: three-dimensional, of a pair's difference."};
+      "Evenness: mean distance to the next pair, relative to that of random places; below 1 in "
+      "clusters. Sigma: three-dimensional, of a pair's difference."};
   for (const Facts& of : match["strip_pairs"].elements()) {
     const Facts counts = of["counts"];
     table.rows.push_back(
@@ -83,12 +84,12 @@ Table StagesTable(const Facts& match) {
 }
 
 Table MisalignmentTable(const Facts& match) {
-  Table table{"How far the strips are apart",
+  Table table{"Distance between the strips",
               {"strips", "", "rms [m]", "median", "95 %", "mean E", "mean N", "mean U",
                "heading [deg]", "same direction"},
               {},
-              "Point of the first strip minus point of the second. Same direction: 1 where all "
-              "point the same way, near 0 where they point anywhere."};
+              "Point of the first strip minus point of the second. Same direction: 1 if all "
+              "differences point the same way, near 0 if their directions are random."};
   for (const Facts& of : match["strip_pairs"].elements()) {
     if (!of["misalignment"]) continue;
     for (const char* when : {"before", "after"}) {
@@ -159,8 +160,8 @@ void AddPictures(const ResultFolder& folder, const std::vector<PairsOfStrips>& a
 
 Table LevelsTable(const Facts& match) {
   Table table{"From coarse to fine",
-              {"cell [m]", "search [m]", "places", "clear", "agree", "left, rms [m]", "roll [deg]",
-               "pitch", "yaw"},
+              {"cell [m]", "search [m]", "places", "clear", "agree", "remaining, rms [m]",
+               "roll [deg]", "pitch", "yaw"},
               {}};
   for (const Facts& level : match["levels"].elements()) {
     std::vector<Cell> row{level["cell_m"].Decimals(2), level["search_m"].Decimals(1),

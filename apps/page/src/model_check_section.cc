@@ -10,7 +10,7 @@
 namespace dn::internal {
 namespace {
 
-// Of a family of tests, as the model check has it.
+// Significance level of a family of tests, as in the model check.
 constexpr double kSignificantMisfit = 0.001;
 
 Tone ToneOf(const Facts& p_value) {
@@ -27,7 +27,7 @@ Table Groups(const Facts& check) {
               {"group", "observations", "redundancy", "variance ratio", "p-value", "worst [sigma]",
                "at [s]"},
               {},
-              "Variance ratio: sum of squares over redundancy, 1 where the stated noise is right. "
+              "Variance ratio: sum of squares over redundancy, 1 if the stated noise is right. "
               "p-values hold for all tests of the flight together."};
   for (const Facts& group : check["groups"].elements()) {
     const Facts worst = group["worst"];
@@ -48,20 +48,19 @@ std::vector<Cell> EffectRow(const Facts& effect) {
 }
 
 Table Effects(const Facts& check) {
-  Table table{"Effects that the data hold and the model lacks",
-              {"effect", "p-value", "nats", "moves roll [mdeg]", "pitch", "yaw", "size"},
+  Table table{"Effects that the model lacks",
+              {"effect", "p-value", "nats", "shift roll [mdeg]", "pitch", "yaw", "size"},
               {}};
   for (const Facts& effect : check["effects"].elements()) table.rows.push_back(EffectRow(effect));
   return table;
 }
 
 Table Departures(const Facts& check) {
-  Table table{
-      "Laser vectors that differ as no effect explains",
-      {"departure", "chi-square", "degrees of freedom", "p-value"},
-      {},
-      "Tested beside the effects above, against the noise that the pairs show. p-values hold "
-      "for all tests of the flight together."};
+  Table table{"Differences of laser vectors that no effect explains",
+              {"discrepancy", "chi-square", "degrees of freedom", "p-value"},
+              {},
+              "Tested with the effects above, against the noise that the pairs show. p-values hold "
+              "for all tests of the flight together."};
   for (const Facts& departure : check["departures"].elements()) {
     table.rows.push_back(
         {Text(departure["name"].text()), departure["statistic"].Decimals(1),
@@ -72,12 +71,12 @@ Table Departures(const Facts& check) {
 }
 
 Table Unseen(const Facts& check) {
-  Table table{"What could hide, each of its usual size",
-              {"effect", "usual size", "shows from", "unit", "moves roll [mdeg]", "pitch", "yaw",
-               "[sigma]"},
+  Table table{"Undetectable effects of typical size",
+              {"effect", "typical size", "detectable from", "unit", "shift roll [mdeg]", "pitch",
+               "yaw", "[sigma]"},
               {},
-              "Effects that this flight would not show, though they would move the result by more "
-              "than its sigma: by geometry alone, whether they are there or not."};
+              "This flight would not show these effects, although they would shift the result by "
+              "more than its sigma. The geometry alone decides, whether they are present or not."};
   for (const Facts& unseen : check["unseen"].elements()) {
     std::vector<Cell> cells{Text(unseen["effect"].text() + " " + unseen["component"].text()),
                             unseen["usual"].Significant(2),
@@ -141,7 +140,7 @@ Section ModelCheckSection(const Facts& result) {
   }
   if (section.contents.empty()) {
     section.contents.emplace_back(
-        Paragraph{"No test of the model check speaks against the assumed model.", Tone::kGood});
+        Paragraph{"No test of the model check rejects the assumed model.", Tone::kGood});
   }
   for (Table table : {Effects(check), Departures(check), Unseen(check), Groups(check),
                       Clocks(result["clocks"])}) {

@@ -16,9 +16,7 @@ std::vector<Cell> Judged(const std::string& name, const Facts& figure) {
 }
 
 Table Figures(const Facts& summary) {
-  Table table{"With 99 % inside the band where the covariances are right",
-              {"", "value", "from", "to", ""},
-              {}};
+  Table table{"Bands of 99 %, if the covariances are right", {"", "value", "from", "to", ""}, {}};
   const Facts boresight = summary["boresight"];
   const auto add = [&](const std::string& name, const Facts& figure) {
     if (figure) table.rows.push_back(Judged(name, figure));
@@ -29,7 +27,7 @@ Table Figures(const Facts& summary) {
   add("within 3 sigmas", boresight["coverage_3_sigma"]);
   add("chi-square per degree of freedom", summary["chi2_per_dof"]);
   add("share of flights with chi-square inside", summary["share_of_flights_with_chi2_inside"]);
-  add("share of flights called contradicted", summary["share_of_flights_contradicted"]);
+  add("share of flights with the verdict contradicted", summary["share_of_flights_contradicted"]);
   return table;
 }
 
@@ -39,9 +37,8 @@ Headline MonteCarloHeadline(const Facts& summary) {
   headline.word = consistent ? "consistent" : "not consistent";
   headline.tone = consistent ? Tone::kGood : Tone::kBad;
   headline.answer = consistent
-                        ? "The covariances hold: the errors against the truth are as large as "
-                          "they say."
-                        : "The covariances do not hold: see what lies outside its band.";
+                        ? "The covariances are right: the errors against the truth have this size."
+                        : "The covariances are wrong: see the values outside their bands.";
   headline.reasons = summary["failures"].texts();
   headline.figures = {Figures(summary)};
   return headline;
@@ -84,7 +81,7 @@ Section Trajectory(const ResultFolder& folder, const Facts& summary) {
       "",
       {"", "NEES per degree of freedom", "share of epochs outside", "above", "rms [sigma]", "", ""},
       {},
-      "Of the epochs 1 % lie outside in the mean where the covariances are right."};
+      "If the covariances are right, 1 % of the epochs lie outside on average."};
   for (const Facts& one : quantities) {
     std::vector<Cell> row{Text(one["quantity"].text()), one["nees_per_dof"].Decimals(3),
                           one["share_of_epochs_outside"].Decimals(3),
@@ -130,7 +127,8 @@ Section Sensors(const Facts& summary) {
 
 Document MonteCarloPage(const ResultFolder& folder) {
   const Facts summary = folder.Read("monte_carlo.json");
-  Document document = Begin(folder, folder.report()["scenario"].text(), "do the covariances hold?");
+  Document document =
+      Begin(folder, folder.report()["scenario"].text(), "are the covariances right?");
   document.headlines = {MonteCarloHeadline(summary)};
   Append(Boresight(folder, summary), &document);
   Append(Trajectory(folder, summary), &document);

@@ -17,7 +17,7 @@ Document OtherPage(const ResultFolder& folder) {
   if (const Facts error = report["error"]) {
     document.headlines = {{"failed", error["message"].text(), Tone::kBad}};
   }
-  Table commands{"What each command could do with this flight", {"command", "", ""}, {}};
+  Table commands{"Commands that are possible with this flight", {"command", "", ""}, {}};
   for (const std::string& command : report["commands"].keys()) {
     const bool possible = report["commands"][command]["possible"].flag();
     commands.rows.push_back(

@@ -24,11 +24,11 @@ enum PairColumn : std::size_t {
   kHeading = 15,
   kColumns = 17,
 };
-constexpr std::size_t kMostDots = 600;  // of one cloud
+constexpr std::size_t kMostDots = 600;  // per cloud
 constexpr std::size_t kBins = 15;
-constexpr double kFewest = 8.0;  // pairs of a bin whose mean is shown
+constexpr double kFewest = 8.0;  // smallest number of pairs in a bin with a mean
 
-/// Swath overlap difference, RMSDz [m]: USGS Lidar Base Specification 2.1, table 2.
+/// Limits of the swath overlap difference, RMSDz [m]: USGS Lidar Base Specification 2.1, table 2.
 struct QualityLevel {
   const char* name;
   double most_m;
@@ -62,12 +62,12 @@ Table StripPairs(const Facts& list) {
 Table Usgs(const Facts& all) {
   const Facts rms = all["after"]["rms_enu_m"][2];
   Table table{
-      "Height differences between the swaths, judged by USGS",
+      "Height differences between the swaths, by USGS quality level",
       {"quality level", "at most [m]", "here [m]", ""},
       {},
       "Swath overlap difference (RMSDz) of the USGS Lidar Base Specification 2.1. Pairs are "
-      "single points: their differences hold the noise of ranging and matching too, so that "
-      "a surface of many points is better than this."};
+      "single points: their differences include the noise of ranging and matching. A surface of "
+      "many points is better than this."};
   for (const QualityLevel& level : kUsgs) {
     const bool met = rms.number() <= level.most_m;
     table.rows.push_back(
@@ -77,7 +77,8 @@ Table Usgs(const Facts& all) {
   return table;
 }
 
-/// What is left of a pair along the course of its first end, across (to the right), and up.
+/// Returns the remaining difference of a pair along the course of its first end, across it (to the
+/// right), and up.
 std::array<double, 3> InTrack(const double* row) {
   const double heading_rad = row[kHeading] * std::numbers::pi / 180.0;
   const double east = row[kAfter];
@@ -86,7 +87,7 @@ std::array<double, 3> InTrack(const double* row) {
           east * std::cos(heading_rad) - north * std::sin(heading_rad), row[kAfter + 2]};
 }
 
-/// Means of y over stretches of x; the curve is open where a stretch has few values.
+/// Returns the means of y over bins of x; the curve has gaps at bins with few values.
 Curve BinMeans(const std::string& label, const std::vector<double>& x,
                const std::vector<double>& y) {
   const auto [least, most] = std::minmax_element(x.begin(), x.end());
@@ -110,7 +111,8 @@ Curve BinMeans(const std::string& label, const std::vector<double>& x,
 
 ScatterChart Against(const std::string& what, const TextTable& pairs, std::size_t column,
                      double minus) {
-  ScatterChart chart{"What is left of the pairs against " + what, what, "difference [m]", {}};
+  ScatterChart chart{
+      "Remaining differences of the pairs against " + what, what, "difference [m]", {}};
   const char* names[] = {"along track", "across track", "up"};
   const std::size_t step = pairs.rows() / kMostDots + 1;
   const std::vector<double> x = Column(pairs, column, minus);
@@ -156,8 +158,8 @@ Section PairSection(const ResultFolder& folder, const Facts& result, const std::
     section.contents.emplace_back(Chart{std::move(map)});
   }
   section.contents.emplace_back(Paragraph{
-      "A mean (line) that leaves zero along one of these is what a calibration should have "
-      "taken away."});
+      "A mean (line) that differs from zero in one of these charts is an error that a calibration "
+      "should have removed."});
   for (const auto& [what, column, minus] : {std::tuple("scan angle [deg]", kScanAngle, 0.0),
                                             {"range [m]", kRange, 0.0},
                                             {"heading [deg]", kHeading, 0.0},

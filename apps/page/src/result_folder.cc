@@ -10,9 +10,8 @@
 namespace dn::internal {
 namespace {
 
-// Far above any that a command writes.
-constexpr std::size_t kMostTextBytes = std::size_t{16} << 20;
-constexpr std::size_t kMostRows = 100'000;
+// Limit of the size of a file, far above that of any file that a command writes.
+constexpr std::size_t kMostBytes = std::size_t{256} << 20;
 
 }  // namespace
 
@@ -22,7 +21,7 @@ ResultFolder::ResultFolder(std::filesystem::path folder)
       values_left_(JsonLimits{}.values) {
   report_ = Read("report.json");
   if (report_["schema"].text() == "dn.report/1") return;
-  throw InvalidInput("it is no result of dn: there is no report.json of schema dn.report/1",
+  throw InvalidInput("not a result folder of dn: it has no report.json of schema dn.report/1",
                      {folder_.string()});
 }
 
@@ -32,16 +31,10 @@ bool ResultFolder::Has(const std::string& name) const {
 }
 
 Facts ResultFolder::Read(const std::string& name) const {
-  const auto known = files_.find(name);
-  if (known != files_.end()) return known->second;
-  const std::filesystem::path file = PathOf(name);
-  std::error_code none;
-  if (!std::filesystem::exists(file, none)) return {name, Json(), rows_left_};
-  JsonLimits limits;
-  limits.values = values_left_;
-  Json json = ParseJson(ReadWholeFile(file, limits.bytes), file.string(), limits);
-  values_left_ -= CountValues(json);
-  return files_.emplace(name, Facts(name, std::move(json), rows_left_)).first->second;
+  if (!Has(name)) return {name, Json()};
+  Json json = Json::parse(Text(name), nullptr, false);
+  if (json.is_discarded()) throw InvalidInput("not a JSON file", {PathOf(name).string()});
+  return {name, std::move(json)};
 }
 
 std::optional<TextTable> ResultFolder::Numbers(const std::string& name, std::size_t columns) const {
@@ -57,7 +50,7 @@ std::optional<FlightConfig> ResultFolder::Config() const {
   try {
     return ParseFlightConfig(Text("config.resolved.yaml"), folder_);
   } catch (const InvalidInput&) {
-    return std::nullopt;  // of a scenario, or of no flight at all
+    return std::nullopt;  // the configuration of a scenario, or none
   }
 }
 

@@ -12,23 +12,24 @@
 
 namespace dn::internal {
 
-/// The files of a result.
+/// The files of a result folder.
 class ResultFolder {
  public:
-  /// Throws InvalidInput where no run has ended with results in it.
+  /// Throws InvalidInput if the folder has no report.json of a run that ended with results.
   explicit ResultFolder(std::filesystem::path folder);
 
   const Facts& report() const { return report_; }
   bool Has(const std::string& name) const;
-  /// A JSON file; nothing where it is absent. Throws InvalidInput for what is no regular file, no
-  /// JSON, and where the files of the folder together have more values than ParseJson allows.
+  /// Reads a JSON file; returns an empty value if it is absent. Throws InvalidInput if it is not
+  /// JSON.
   Facts Read(const std::string& name) const;
-  /// A table of numbers; nothing where it is absent or has other columns.
+  /// Reads a table of numbers with so many columns; returns nullopt if it is absent. Throws as
+  /// ReadTextTable.
   std::optional<TextTable> Numbers(const std::string& name, std::size_t columns) const;
-  /// A text; empty where it is absent.
+  /// Reads a text file; returns "" if it is absent.
   std::string Text(const std::string& name) const;
   std::filesystem::path PathOf(const std::string& name) const { return folder_ / name; }
-  /// The flight that config.resolved.yaml describes, where it describes one.
+  /// Returns the flight of config.resolved.yaml; nullopt if the file does not describe a flight.
   std::optional<FlightConfig> Config() const;
 
  private:

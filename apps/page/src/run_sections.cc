@@ -10,7 +10,7 @@
 namespace dn::internal {
 namespace {
 
-// Two points for each pixel of a wide chart.
+// Two points per pixel of a wide chart.
 constexpr std::size_t kMostPoints = 1200;
 constexpr std::size_t kMostListed = 200000;
 
@@ -29,7 +29,7 @@ Table Pairs(const std::string& title, const Facts& object) {
   return table;
 }
 
-/// The first digits of a hash: two files share them by chance once in 2^48.
+/// Returns the first digits of a hash. Two files share them by chance once in 2^48.
 std::string Brief(const std::string& hash) { return hash.substr(0, 12); }
 
 Table Inputs(const Facts& inputs) {
@@ -41,7 +41,7 @@ Table Inputs(const Facts& inputs) {
   return table;
 }
 
-/// What sha256sum -c reads in the folder of the flight.
+/// Returns the hashes in the format of sha256sum -c, to be checked in the folder of the flight.
 Listing Hashes(const Facts& inputs) {
   Listing listing{"SHA-256 of the inputs", ""};
   for (const Facts& input : inputs.elements()) {
@@ -138,9 +138,9 @@ Section StatisticsSection(const Facts& innovations, const Facts& residuals) {
     if (!table.rows.empty()) section.contents.emplace_back(std::move(table));
   };
   add("Innovations of the forward filter", innovations,
-      "Normalised: mean 0, variance 1, white where the model holds.");
+      "Normalised: mean 0, variance 1, white if the model is right.");
   add("Residuals after the adjustment", residuals,
-      "Whitened: the variance is the expected one where the model holds.");
+      "Whitened: the variance is the expected one if the model is right.");
   return section;
 }
 

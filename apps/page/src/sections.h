@@ -10,90 +10,92 @@
 
 namespace dn::internal {
 
-// The axes of three numbers.
+// Names of the three components.
 inline const std::vector<std::string> kBoresightAngles{"roll", "pitch", "yaw"};
 inline const std::vector<std::string> kEnu{"east", "north", "up"};
 inline const std::vector<std::string> kXyz{"x", "y", "z"};
 
-/// A row: a name and cells.
+/// Returns a row of a name and cells.
 std::vector<Cell> Row(std::string name, std::vector<Cell> cells);
 
-/// The three cells of a list of three.
+/// Returns three cells of a list of three numbers.
 std::vector<Cell> Three(const Facts& list, int decimals, double scale = 1.0);
 
-/// A matrix of correlations, in per cent when drawn.
+/// Returns a map of correlations, which are drawn in per cent.
 HeatMap Correlations(const std::string& title, const std::vector<std::string>& rows,
                      const std::vector<std::string>& columns, const Facts& matrix);
 
-/// A column of a table of numbers; `minus` is taken off.
+/// Returns a column of a table of numbers, minus the constant `minus`.
 std::vector<double> Column(const TextTable& table, std::size_t column, double minus = 0.0);
 
-/// The points of a curve that a screen shows.
+/// Returns the points of a curve that a screen can show.
 Curve OnScreen(const Curve& curve);
 
-/// Before and after per pair of strips, where the pairs lie, and what is left of them by scan angle,
-/// range, heading and time. `suffix` as in the names of the files.
+/// Returns the section of the pairs: differences before and after per pair of strips, maps, and
+/// remaining differences by scan angle, range, heading and time. `suffix` is that of the file
+/// names.
 Section PairSection(const ResultFolder& folder, const Facts& result, const std::string& suffix);
 
-/// Shares of the pairs of two strips by difference of height; `when`: before or after what.
+/// Shares of the pairs of two strips by height difference, before or after the step in `when`.
 struct Separation {
   std::string strips;
   std::string when;
   Facts shares;
 };
 
-/// Those that are there, in a table.
+/// Returns a table of the separations that are present.
 Section SeparationSection(const std::vector<Separation>& separations);
 
-/// The path of the flight, its strips, and standard deviations over time; without contents where
-/// the folder has none of them.
+/// Returns the path of the flight, its strips, and standard deviations over time. The section has
+/// no contents if the folder has none of these.
 Section TrajectorySection(const ResultFolder& folder);
 
-/// Inertial biases with their bands.
+/// Returns the inertial biases with their bands.
 Section BiasSection(const ResultFolder& folder);
 
-/// The value of an effect with its sigma, in the units of the table of effects.
+/// Returns the value of an effect with its sigma, in the units of the table of effects.
 std::string SizeOf(const Facts& effect);
 
-/// The reasons that decide, and how many more there are: ModelCheckSection has all findings.
+/// Returns the decisive reasons, and how many more there are. ModelCheckSection has all findings.
 std::vector<std::string> FirstReasons(const Facts& assessment);
 
-/// Groups, effects, clocks, findings.
+/// Returns the groups, effects, clocks and findings of the model check.
 Section ModelCheckSection(const Facts& result);
 
-/// `could_still_hide` of a result: from which size on each effect is seen and named, and the damage.
+/// Returns the detection limits of `could_still_hide`: the sizes from which each effect is
+/// detectable and identifiable, and the shift of the boresight.
 Section CouldHideSection(const Facts& effects);
 
-/// Innovations and residuals per sensor and axis.
+/// Returns the innovations and residuals per sensor and axis.
 Section StatisticsSection(const Facts& innovations, const Facts& residuals);
 
-/// Counts, warnings, versions and settings.
+/// Returns the counts, warnings, versions and settings.
 std::vector<Section> RunSections(const ResultFolder& folder);
 
-/// Adds the section where it has contents.
+/// Adds the section if it has contents.
 void Append(Section section, Document* document);
 
-/// What a verdict means for who reads it.
+/// Meaning of a verdict for the reader.
 struct Meaning {
   const char* answer;
   Tone tone;
   std::vector<std::string> next;
 };
 
-/// Adds what the verdict means, where that is known.
+/// Adds the meaning of the verdict, if it is known.
 void Explain(const std::map<std::string, Meaning>& meanings, const std::string& verdict,
              Headline* headline);
 
-/// Flight and command, versions.
+/// Starts a document with the flight, the command and the version.
 Document Begin(const ResultFolder& folder, const std::string& name, const std::string& what);
 
-/// The correlations of the boresight with the biases.
+/// Returns the correlations of the boresight with the biases.
 Section BiasCorrelationSection(const Facts& correlations);
 
-/// Figures of an adjustment in two columns, what is absent left out.
+/// Returns the figures of an adjustment in two columns, without absent values.
 Table AdjustmentTable(const Facts& adjustment);
 
-// One page each.
+// Pages of the commands.
 Document CalibrationPage(const ResultFolder& folder);
 Document SmoothPage(const ResultFolder& folder);
 Document GapPage(const ResultFolder& folder);
@@ -104,7 +106,7 @@ Document MatchPage(const ResultFolder& folder);
 Document GeorefPage(const ResultFolder& folder);
 Document BlindPage(const ResultFolder& folder);
 Document SweepPage(const ResultFolder& folder);
-/// Of commands without a verdict: simulate, check.
+/// Returns the page of a command without a verdict: simulate, check.
 Document OtherPage(const ResultFolder& folder);
 
 }  // namespace dn::internal

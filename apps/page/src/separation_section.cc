@@ -25,17 +25,17 @@ void AddRow(const Separation& of, Table* table) {
 
 Section SeparationSection(const std::vector<Separation>& separations) {
   Section section{"Swath separation", {}};
-  Table table = EmptyTable("Shares of the pairs by their difference of height");
+  Table table = EmptyTable("Shares of the pairs by their height difference");
   for (const Separation& of : separations) {
     if (of.shares) AddRow(of, &table);
   }
   if (table.rows.empty()) return section;
   table.note =
-      "To 8, to 16 and above 16 cm: the classes of the swath separation images of the USGS Lidar "
-      "Base Specification, which are of open ground that slopes by less than 10 degrees. 3, 5 and "
-      "10 cm: the levels that Leica HxMap sets for its comparison of strips (green, yellow, red), "
-      "which is of distances to a plane. Here it is the difference of height of all pairs: a pair "
-      "does not know slope or plants, so that surfaces are closer than this.";
+      "To 8, 8 to 16 and above 16 cm: classes of the swath separation images of the USGS Lidar "
+      "Base Specification, for open ground with slopes below 10 degrees. 3, 5 and 10 cm: levels "
+      "of Leica HxMap for its comparison of strips (green, yellow, red), for distances to a "
+      "plane. This table has the height differences of all pairs, without regard to slope and "
+      "plants. Surfaces are therefore closer than this.";
   section.contents.emplace_back(std::move(table));
   return section;
 }

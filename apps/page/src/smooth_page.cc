@@ -6,10 +6,10 @@
 namespace dn::internal {
 namespace {
 
-// LP360's trajectory report takes less as good, m; others are marked.
+// Limits of good trajectories in LP360's trajectory report, m; larger values are marked.
 constexpr std::array<double, 3> kUsualSeparationM{0.02, 0.02, 0.05};
 
-/// Cells of the root mean squares, those marked that are larger than usual.
+/// Returns the cells of rms values; values above the limits are marked.
 std::vector<Cell> Judged(const Facts& rms_enu_m) {
   std::vector<Cell> cells = Three(rms_enu_m, 4);
   for (std::size_t axis = 0; axis < cells.size(); ++axis) {
@@ -19,12 +19,13 @@ std::vector<Cell> Judged(const Facts& rms_enu_m) {
 }
 
 Table FilterSeparationTable(const Facts& separation) {
-  Table table{"Forward filter minus reverse filter, after alignment",
-              {"", "", "", ""},
-              {},
-              "Each is blind for half of the data; the smoothed trajectory is better than either. "
-              "Marked: above 2 cm east or north, 5 cm up, which LP360's trajectory report takes as "
-              "the limit of good ones."};
+  Table table{
+      "Forward filter minus reverse filter, after alignment",
+      {"", "", "", ""},
+      {},
+      "Each filter uses only one half of the data at a time; the smoothed trajectory is "
+      "better than either. Marked: above 2 cm east or north, or 5 cm up, the limits of good "
+      "trajectories in LP360's report."};
   table.rows = {Row("rms, east, north, up [m]", Judged(separation["rms_enu_m"])),
                 Row("largest, east, north, up [m]", Three(separation["max_enu_m"], 4)),
                 Row("rms, roll, pitch, heading [deg]", Three(separation["rms_rph_deg"], 4)),
@@ -34,7 +35,8 @@ Table FilterSeparationTable(const Facts& separation) {
 
 Table AccuracyTable(const Facts& accuracy, bool consistent) {
   Table table{"Accuracy: sigmas of the adjustment over the nodes", {"", "", "", ""}, {}};
-  if (!consistent) table.note = "They hold for the assumed model, which the data contradict.";
+  if (!consistent)
+    table.note = "These sigmas are those of the assumed model, which the data contradict.";
   table.rows = {Row("median, east, north, up [m]", Three(accuracy["median_enu_m"], 4)),
                 Row("largest, east, north, up [m]", Three(accuracy["largest_enu_m"], 4)),
                 Row("median, roll, pitch, heading [deg]", Three(accuracy["median_rph_deg"], 4)),

@@ -54,7 +54,8 @@ Section CorrelationsOverTime(const ResultFolder& folder) {
   const auto numbers = folder.Numbers("correlations.txt", kCorrelationColumns);
   if (!numbers) return section;
   for (std::size_t angle = 0; angle < 3; ++angle) {
-    SeriesChart chart{"Of " + kBoresightAngles[angle], "time since start [s]", "correlation", {}};
+    SeriesChart chart{
+        "Correlation of " + kBoresightAngles[angle], "time since start [s]", "correlation", {}};
     for (const auto& [sensor, first] : {std::pair("accelerometer ", 1), {"gyro ", 10}}) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::size_t column = static_cast<std::size_t>(first) + 3 * angle + axis;

@@ -8,7 +8,7 @@ namespace dn::internal {
 namespace {
 
 constexpr std::size_t kMostPlaces = 1800;
-constexpr double kOfAll = 0.98;  // share of the pairs whose colour differs from that of the limit
+constexpr double kOfAll = 0.98;  // share of the pairs inside the scale of colours
 
 double QuantileOf(std::vector<double> values, double share) {
   const auto at =

@@ -9,11 +9,11 @@
 
 namespace dn::internal {
 
-/// The strips of swaths.json with the paths of the body over them; without contents where the folder
-/// has none.
+/// Returns a map of the strips of swaths.json and the paths of the body. It has no contents if the
+/// folder has no swaths.json.
 MapChart SwathMap(const ResultFolder& folder, const std::string& title);
 
-/// Pairs on the ground, and how far their points are apart.
+/// Pairs on the ground, with the distance between their points before and after, m.
 struct PlacedPairs {
   std::vector<double> east_m, north_m;
   std::vector<double> before_m, after_m;
@@ -21,7 +21,8 @@ struct PlacedPairs {
   void Add(double east, double north, double before, double after);
 };
 
-/// Two maps of the pairs over the strips in the same colours, before and after; none without pairs.
+/// Returns two maps of the pairs over the strips with the same colours, before and after; none
+/// without pairs.
 std::vector<MapChart> MapsOf(const ResultFolder& folder, const PlacedPairs& pairs);
 
 }  // namespace dn::internal

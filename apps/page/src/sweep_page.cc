@@ -20,7 +20,7 @@ std::string NameOf(const Facts& design) {
   return name;
 }
 
-/// The designs that determine the boresight, by the largest of the three sigmas.
+/// Returns the designs that determine the boresight, sorted by the largest of the three sigmas.
 std::vector<Facts> BestFirst(const Facts& sweep) {
   std::vector<Facts> designs = sweep["designs"].elements();
   std::erase_if(designs, [](const Facts& design) { return !(Largest(design) > 0.0); });
@@ -42,9 +42,9 @@ Headline SweepHeadline(const std::vector<Facts>& designs, std::size_t all) {
   return headline;
 }
 
-/// For each value of each key, the sigmas of its best design.
+/// Draws the sigmas of the best design for each value of each key.
 Section ByValue(const Facts& sweep, const std::vector<Facts>& designs) {
-  Section section{"What each value allows", {}};
+  Section section{"Best design for each value", {}};
   const std::vector<std::string> keys = sweep["keys"].texts();
   for (std::size_t key = 0; key < std::min(keys.size(), kMostKeys); ++key) {
     BarChart chart{"Best design with each value of " + keys[key], "sigma [mdeg]", {}};

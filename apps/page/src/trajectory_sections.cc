@@ -11,10 +11,10 @@ namespace {
 constexpr std::size_t kSigmaColumns = 10;
 constexpr std::size_t kBiasColumns = 13;
 constexpr std::size_t kSeparationColumns = 7;
-// Spacing of the path on the map: no bend of an aircraft is shorter.
+// Spacing of the path on the map, shorter than any bend in the path of an aircraft.
 constexpr double kMapSpacingS = 0.5;
 
-/// The poses of a trajectory.out in the mapping frame of the flight, thinned.
+/// Returns the poses of trajectory.out in the mapping frame of the flight, thinned.
 std::vector<MapPose> PathOf(const ResultFolder& folder, const FlightConfig& config) {
   if (!folder.Has("trajectory.out") || !config.origin) return {};
   const LocalFrame frame(*config.origin);
@@ -48,7 +48,7 @@ void AddMap(const ResultFolder& folder, Section* section) {
   section->contents.emplace_back(Chart{std::move(map)});
 }
 
-/// Columns of a table over the time since its first row.
+/// Returns a chart of columns of a table over the time since its first row.
 SeriesChart OverTime(const std::string& title, const std::string& y_label, const TextTable& table,
                      const std::vector<std::string>& labels, std::size_t first) {
   SeriesChart chart{title, "time since start [s]", y_label, {}};
@@ -59,7 +59,7 @@ SeriesChart OverTime(const std::string& title, const std::string& y_label, const
   return chart;
 }
 
-/// The same with bands of one sigma, in the columns from `sigma` on.
+/// Returns the same with bands of one sigma, from the columns that begin at `sigma`.
 SeriesChart WithBands(const std::string& title, const std::string& y_label, const TextTable& table,
                       std::size_t first, std::size_t sigma) {
   SeriesChart chart{title, "time since start [s]", y_label, {}};
@@ -125,8 +125,8 @@ Section BiasCorrelationSection(const Facts& correlations) {
       "",
       {"with the bias of the", "largest [%]", "rms [%]"},
       {},
-      "Over all nodes and axes. A large value means that the boresight leans on how well the "
-      "bias is known."};
+      "Over all nodes and axes. A large value means that the boresight depends on the accuracy of "
+      "the bias."};
   for (const auto& [key, name] : {std::pair("boresight_to_accel_bias", "accelerometers"),
                                   {"boresight_to_gyro_bias", "gyros"}}) {
     const Facts of = correlations[key];

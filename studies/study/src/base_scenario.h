@@ -6,16 +6,16 @@
 
 namespace dn {
 
-/// What a file for `dn study` names as its base: a shipped scenario, else a file beside it.
+/// The base that a file for `dn study` names: a shipped scenario, else a file in the same folder.
 struct BaseScenario {
   std::string path;
   std::string text;
 };
 
-/// `where` is the file that names it. Throws as ScenarioText.
+/// Reads the base; `where` is the file that names it. Throws as ScenarioText.
 BaseScenario ReadBaseScenario(const YamlValue& base, const std::string& where);
 
-/// The elements of a list of YAML, joined by commas.
+/// Joins the elements of a YAML list by commas.
 std::string JoinedYaml(const YamlValue& list);
 
 /// The same of a list of unknowns. Throws InvalidConfig at its place for a name of none.

@@ -4,7 +4,7 @@
 
 namespace dn {
 
-/// A field of a CSV file, in quotes where it needs them (RFC 4180).
+/// Returns a field of a CSV file, in quotes if it needs them (RFC 4180).
 inline std::string CsvField(const std::string& field) {
   if (field.find_first_of(",\"\n\r") == std::string::npos) return field;
   std::string quoted = "\"";

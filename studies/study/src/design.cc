@@ -13,15 +13,23 @@
 namespace dn {
 namespace {
 
-// A covariance depends on the density of the inertial noise, hardly on the rate at which it is
-// sampled; the strips' motion is resolved.
+// The rate is limited because a covariance depends on the density of the inertial noise, and hardly
+// on the sampling rate. The motion on the strips is still resolved.
 constexpr double kMostImuRateHz = 50.0;
-constexpr double kPoseSpacingS = 0.05;  // of an INS/GNSS solution
+constexpr double kPoseSpacingS = 0.05;  // for an INS/GNSS solution
 constexpr std::size_t kFewestGnssEpochs = 3;
 
 [[noreturn]] void FailWithoutPairs(const std::string& why) {
   throw RankDeficient("the boresight is not observable: " + why +
                       ". Fly at least two strips that overlap, best one across the others");
+}
+
+std::vector<EstimateEntry> ParseEstimate(const std::string& list) {
+  try {
+    return ParseFlightConfig("name: study\nestimate: [boresight, " + list + "]\n", {}).estimate;
+  } catch (const InvalidConfig& error) {
+    throw InvalidConfig(std::string("estimate [") + list + "]: " + error.what());
+  }
 }
 
 void FreeUnknowns(const DesignOptions& options, Flight* flight) {
@@ -36,9 +44,9 @@ bool HasGnss(const Flight& flight) {
   return flight.gnss && flight.gnss->epochs.size() >= kFewestGnssEpochs;
 }
 
-/// The nodes of the network; without GNSS over all inertial data within the poses, if any, so that
-/// what is then free has a name.
-std::vector<double> NodesOf(const Flight& flight, const std::vector<MapPose>& poses) {
+/// Returns the nodes of the network. Without GNSS they cover all inertial data within the poses, if
+/// any, so that messages can name the undetermined unknowns.
+std::vector<double> ChooseNodes(const Flight& flight, const std::vector<MapPose>& poses) {
   if (HasGnss(flight)) return FlightNodeTimes(flight, NetworkSpan(flight, true), true);
   TimeInterval span{flight.imu->t_begin_s(), flight.imu->t_end_s()};
   if (!poses.empty()) {
@@ -90,7 +98,7 @@ std::vector<MapPose> SolveInsGnss(const Flight& flight, const DesignOptions& opt
   return poses;
 }
 
-/// Whether a trajectory reaches over all data that the network will have.
+/// Returns whether a trajectory covers all data of the network.
 bool CoversData(const std::optional<Trajectory>& trajectory, const Flight& flight) {
   if (!trajectory || trajectory->empty()) return false;
   if (!flight.imu || !HasGnss(flight)) return true;
@@ -116,7 +124,7 @@ void PlaceStates(const DesignOptions& options, StudyDesign* design) {
   }
 }
 
-/// The readings of a flight that is not flown yet: it has no inertial data.
+/// Plans the measurements of a flight without inertial data, which has not been flown yet.
 void PlanSensors(StudyDesign* design) {
   Flight& flight = design->flight;
   if (!flight.config.imu) {
@@ -151,7 +159,7 @@ StudyDesign DesignOf(const Scenario& scenario, const DesignOptions& options) {
   CalibrationState calibration = AssumedCalibration(design.flight);
   calibration.q_boresight = Exp(simulated.boresight_rad);
   design.states.calibration = std::move(calibration);
-  design.states.node_t_s = NodesOf(design.flight, {});
+  design.states.node_t_s = ChooseNodes(design.flight, {});
   for (const double t_s : design.states.node_t_s) {
     design.states.poses.push_back(simulated.truth->Pose(t_s));
   }
@@ -168,7 +176,7 @@ StudyDesign DesignOf(Flight flight, const DesignOptions& options) {
   design.strips = FindStrips(design.flight);
   PlaceStates(options, &design);
   PlanSensors(&design);
-  design.states.node_t_s = NodesOf(design.flight, design.states.poses);
+  design.states.node_t_s = ChooseNodes(design.flight, design.states.poses);
   return design;
 }
 

@@ -14,8 +14,8 @@ constexpr double kParallelRad = 15.0 * kRadPerDeg;
 constexpr double kSameHeight = 0.15;
 constexpr double kSameSpeed = 0.1;
 
-/// Mean distance of the points of pairs below the body, over the ends of pairs within a strip; 0
-/// without any.
+/// Returns the mean height of the body above the points of pairs, over the ends of pairs within a
+/// strip; 0 without pairs.
 double HeightAboveGround(const StudyDesign& design, const StripInterval& strip) {
   const Eigen::Matrix3d R_bs = design.flight.config.lidar->mounting.R_bs_nominal;
   double sum_m = 0.0;
@@ -44,7 +44,7 @@ StripGeometry GeometryOf(const StudyDesign& design, const StripInterval& strip) 
   return geometry;
 }
 
-/// Of two courses, in (-pi, pi].
+/// Returns the turn between two courses, in (-pi, pi].
 double Turn(const StripGeometry& a, const StripGeometry& b) {
   return std::remainder(b.course_rad - a.course_rad, 2.0 * std::numbers::pi);
 }

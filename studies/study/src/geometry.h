@@ -4,6 +4,7 @@
 
 namespace dn {
 
+/// Returns the properties that the strips of a design have in common.
 FlightGeometry GeometryOf(const StudyDesign& design);
 
 }  // namespace dn

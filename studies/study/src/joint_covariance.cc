@@ -11,7 +11,7 @@ namespace {
 
 const char* const kBoresight = "boresight";
 
-/// Numbers that are a sum over blocks, each times a matrix of its own.
+/// Numbers that are a sum over blocks, each multiplied by its own matrix.
 struct Quantity {
   std::string name;
   std::vector<std::string> components;
@@ -21,7 +21,7 @@ struct Quantity {
   std::vector<std::pair<BlockId, Eigen::MatrixXd>> blocks;
 };
 
-std::vector<std::string> ComponentsOf(const std::string& unknown, int size) {
+std::vector<std::string> ComponentNames(const std::string& unknown, int size) {
   if (unknown == kBoresight) return {"roll", "pitch", "yaw"};
   if (size == 1) return {""};
   std::vector<std::string> names;
@@ -39,7 +39,7 @@ std::vector<Quantity> Calibration(const FlightNetwork& network) {
     const BlockRecord& record = network.net.block(id);
     const int size = record.kind.tangent_size;
     quantities.push_back({unknown,
-                          ComponentsOf(unknown, size),
+                          ComponentNames(unknown, size),
                           record.label.unit,
                           record.label.per_si,
                           true,
@@ -52,7 +52,7 @@ std::vector<Quantity> Calibration(const FlightNetwork& network) {
   return quantities;
 }
 
-/// The sum of chains at a time; scale(chain) takes a block to the quantity.
+/// Appends the sum of chains at a time; scale(chain) maps a block to the quantity.
 template <class Scale>
 void AppendTotal(const std::vector<ProcessChain>& chains, double t_s, Quantity quantity,
                  const Scale& scale, std::vector<Quantity>* quantities) {
@@ -63,7 +63,7 @@ void AppendTotal(const std::vector<ProcessChain>& chains, double t_s, Quantity q
   quantities->push_back(std::move(quantity));
 }
 
-std::vector<Quantity> LastingErrors(const FlightNetwork& network) {
+std::vector<Quantity> ListCorrelatedErrors(const FlightNetwork& network) {
   constexpr double kDegPerHour = kDegPerRad * 3600.0;
   const double mg = 1e3 / kStandardGravityMps2;
   const double t_s = LidarBarycentre(network);
@@ -81,7 +81,7 @@ std::vector<Quantity> LastingErrors(const FlightNetwork& network) {
   return all;
 }
 
-std::vector<BlockId> BlocksOf(const std::vector<Quantity>& quantities) {
+std::vector<BlockId> ListBlocks(const std::vector<Quantity>& quantities) {
   std::vector<BlockId> blocks;
   for (const Quantity& quantity : quantities) {
     for (const auto& [block, scale] : quantity.blocks) blocks.push_back(block);
@@ -89,7 +89,7 @@ std::vector<BlockId> BlocksOf(const std::vector<Quantity>& quantities) {
   return blocks;
 }
 
-/// The matrix that takes all blocks, one below the other, to all quantities.
+/// Returns the matrix that maps all blocks, stacked, to all quantities.
 Eigen::MatrixXd Sums(const std::vector<Quantity>& quantities) {
   Eigen::Index rows = 0, columns = 0;
   for (const Quantity& quantity : quantities) {
@@ -108,8 +108,9 @@ Eigen::MatrixXd Sums(const std::vector<Quantity>& quantities) {
   return sums;
 }
 
-JointCovariance CovarianceOf(const std::vector<Quantity>& quantities, const Marginals& marginals) {
-  const std::vector<BlockId> blocks = BlocksOf(quantities);
+JointCovariance ComputeJointCovariance(const std::vector<Quantity>& quantities,
+                                       const Marginals& marginals) {
+  const std::vector<BlockId> blocks = ListBlocks(quantities);
   const Marginals::Columns columns = marginals.SolveColumns(blocks);
   const Eigen::MatrixXd sums = Sums(quantities);
   Eigen::MatrixXd covariance(sums.cols(), sums.cols());
@@ -132,7 +133,7 @@ JointCovariance CovarianceOf(const std::vector<Quantity>& quantities, const Marg
   return joint;
 }
 
-/// Without what has no variance: an axis on which a GNSS process has no error.
+/// Removes quantities without variance, such as an axis on which a GNSS process has no error.
 JointCovariance WithoutConstants(const JointCovariance& joint) {
   JointCovariance kept;
   std::vector<Eigen::Index> rows;
@@ -154,13 +155,14 @@ double JointCovariance::correlation(Eigen::Index i, Eigen::Index j) const {
 }
 
 JointCovariance CalibrationCovariance(const FlightNetwork& network, const Marginals& marginals) {
-  return CovarianceOf(Calibration(network), marginals);
+  return ComputeJointCovariance(Calibration(network), marginals);
 }
 
 JointCovariance CovarianceWithErrors(const FlightNetwork& network, const Marginals& marginals) {
   std::vector<Quantity> quantities = Calibration(network);
-  for (Quantity& quantity : LastingErrors(network)) quantities.push_back(std::move(quantity));
-  return WithoutConstants(CovarianceOf(quantities, marginals));
+  for (Quantity& quantity : ListCorrelatedErrors(network))
+    quantities.push_back(std::move(quantity));
+  return WithoutConstants(ComputeJointCovariance(quantities, marginals));
 }
 
 }  // namespace dn

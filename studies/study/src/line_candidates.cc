@@ -12,26 +12,27 @@ namespace {
 
 constexpr std::size_t kFewestLines = 2, kMostLines = 12;
 
-/// All lines as `plan.lines` of a scenario.
+/// Returns all lines as `plan.lines` of a scenario.
 std::string LinesYaml(const YamlValue& lines, std::vector<std::string>* names) {
   if (!lines.IsMap()) lines.Fail("expected a map from names to lines");
   *names = lines.Keys();
   if (names->size() < kFewestLines || names->size() > kMostLines) {
     lines.Fail(
-        fmt::format("holds {} lines, must hold {} to {}", names->size(), kFewestLines, kMostLines));
+        fmt::format("has {} lines, must have {} to {}", names->size(), kFewestLines, kMostLines));
   }
   std::string yaml;
   for (const std::string& name : *names) yaml += (yaml.empty() ? "[" : ", ") + lines[name].Yaml();
   return yaml + "]";
 }
 
-/// Of the scenario with other lines, whose errors are those of the file that names them.
+/// Returns the scenario with other lines. Their errors are reported in the file that names the
+/// lines.
 Scenario WithLines(const BaseScenario& base, const std::string& lines_yaml,
                    const YamlValue& lines) {
   try {
     return ParseScenario(WithYamlValue(base.text, "plan.lines", lines_yaml), base.path);
   } catch (const InvalidConfig& error) {
-    lines.Fail(std::string("in the base, these lines: ") + error.what());
+    lines.Fail(std::string("these lines do not fit the base: ") + error.what());
   }
 }
 
@@ -42,7 +43,7 @@ LineCandidates LineCandidates::Parse(const std::string& yaml_text, const std::st
   root.ExpectMap({"base", "estimate", "target_deg", "lines"});
   const BaseScenario base = ReadBaseScenario(root["base"], where);
   const Scenario as_it_is = ParseScenario(base.text, base.path);
-  if (as_it_is.plan.replay) root["base"].Fail("flies a replay: it has no lines to choose from");
+  if (as_it_is.plan.replay) root["base"].Fail("flies a replay, which has no lines to choose from");
   if (as_it_is.pairs.count == 0) root["base"].Fail("has no pairs of points");
   LineCandidates candidates;
   const std::string lines_yaml = LinesYaml(root["lines"], &candidates.names);

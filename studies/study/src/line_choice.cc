@@ -13,9 +13,9 @@
 namespace dn {
 namespace {
 
-using Lines = std::uint32_t;  ///< a bit for each line
+using Lines = std::uint32_t;  ///< one bit per line
 
-std::vector<std::size_t> IndicesOf(Lines lines) {
+std::vector<std::size_t> LineIndices(Lines lines) {
   std::vector<std::size_t> indices;
   for (std::size_t k = 0; lines >> k != 0; ++k) {
     if ((lines >> k & 1u) != 0) indices.push_back(k);
@@ -23,7 +23,7 @@ std::vector<std::size_t> IndicesOf(Lines lines) {
   return indices;
 }
 
-bool IsPartOf(Lines some, Lines all) { return (some & ~all) == 0; }
+bool IsSubset(Lines some, Lines all) { return (some & ~all) == 0; }
 
 class Search {
  public:
@@ -36,28 +36,29 @@ class Search {
     Study({all_});
     if (Meets(all_)) {
       Lines best = ShortenOneByOne();
-      best = ShortestOf(ShorterThan(best), best);
+      best = FirstThatMeets(ShorterThan(best), best);
       return Result(best);
     }
     return Result(0);
   }
 
  private:
-  /// Studied side by side, this many: what is studied must not depend on the threads.
+  /// Number of choices studied in parallel. It is constant because the choices that are studied
+  /// must not depend on the number of threads.
   static constexpr std::size_t kAtOnce = 8;
 
   bool Meets(Lines lines) const {
     return studied_.at(lines).WorstRatio(candidates_.target_rad) <= 1.0;
   }
 
-  /// Leaves out the line that saves most, as long as one can be.
+  /// Leaves out the line that saves the most time, as long as the target is met.
   Lines ShortenOneByOne() {
     Lines best = all_;
     for (bool shorter = true; shorter;) {
       shorter = false;
       std::vector<Lines> less;
-      for (const std::size_t k : IndicesOf(best)) less.push_back(best & ~(Lines{1} << k));
-      std::erase_if(less, [](Lines lines) { return IndicesOf(lines).size() < 2; });
+      for (const std::size_t k : LineIndices(best)) less.push_back(best & ~(Lines{1} << k));
+      std::erase_if(less, [](Lines lines) { return LineIndices(lines).size() < 2; });
       Study(less);
       for (const Lines lines : less) {
         if (!Meets(lines) || !IsShorter(lines, best)) continue;
@@ -68,22 +69,22 @@ class Search {
     return best;
   }
 
-  bool IsShorter(Lines a, Lines b) { return TimeOf(a) < TimeOf(b); }
+  bool IsShorter(Lines a, Lines b) { return FlightTime(a) < FlightTime(b); }
 
   std::vector<Lines> ShorterThan(Lines best) {
     std::vector<Lines> shorter;
     for (Lines lines = 1; lines <= all_; ++lines) {
-      if (IndicesOf(lines).size() >= 2 && IsShorter(lines, best)) shorter.push_back(lines);
+      if (LineIndices(lines).size() >= 2 && IsShorter(lines, best)) shorter.push_back(lines);
     }
     std::stable_sort(shorter.begin(), shorter.end(),
                      [&](Lines a, Lines b) { return IsShorter(a, b); });
     return shorter;
   }
 
-  /// The first of `by_time` that meets the target, else `otherwise`.
-  Lines ShortestOf(std::vector<Lines> by_time, Lines otherwise) {
+  /// Returns the first choice of `by_time` that meets the target, or `otherwise` if there is none.
+  Lines FirstThatMeets(std::vector<Lines> by_time, Lines otherwise) {
     while (!by_time.empty()) {
-      std::erase_if(by_time, [&](Lines lines) { return IsPartOfAMiss(lines); });
+      std::erase_if(by_time, [&](Lines lines) { return MissesWithMoreLines(lines); });
       const std::size_t n = std::min(kAtOnce, by_time.size());
       const std::vector<Lines> next(by_time.begin(),
                                     by_time.begin() + static_cast<std::ptrdiff_t>(n));
@@ -95,18 +96,18 @@ class Search {
     return otherwise;
   }
 
-  bool IsPartOfAMiss(Lines lines) const {
+  bool MissesWithMoreLines(Lines lines) const {
     return std::any_of(studied_.begin(), studied_.end(), [&](const auto& one) {
-      return IsPartOf(lines, one.first) && !Meets(one.first);
+      return IsSubset(lines, one.first) && !Meets(one.first);
     });
   }
 
-  double TimeOf(Lines lines) {
+  double FlightTime(Lines lines) {
     const auto known = times_s_.find(lines);
     if (known != times_s_.end()) return known->second;
     if (options_.design.interrupted && options_.design.interrupted()) throw Interrupted();
     const FlightTimes times =
-        PlannedTimes(candidates_.With(IndicesOf(lines)), options_.design.seed);
+        PlannedTimes(candidates_.With(LineIndices(lines)), options_.design.seed);
     return times_s_[lines] = times.end_s - times.begin_s;
   }
 
@@ -114,8 +115,8 @@ class Search {
     std::erase_if(choices, [&](Lines lines) { return studied_.contains(lines); });
     std::vector<LineChoice> results(choices.size());
     for (std::size_t k = 0; k < choices.size(); ++k) {
-      results[k].lines = IndicesOf(choices[k]);
-      results[k].flight_time_s = TimeOf(choices[k]);
+      results[k].lines = LineIndices(choices[k]);
+      results[k].flight_time_s = FlightTime(choices[k]);
     }
     ParallelFor(static_cast<int>(choices.size()), options_.design.threads,
                 [&](int k) { StudyOne(&results[static_cast<std::size_t>(k)]); });
@@ -147,7 +148,7 @@ class Search {
         [](const LineChoice& a, const LineChoice& b) { return a.flight_time_s < b.flight_time_s; });
     const auto at =
         std::find_if(search.studied.begin(), search.studied.end(),
-                     [&](const LineChoice& choice) { return choice.lines == IndicesOf(best); });
+                     [&](const LineChoice& choice) { return choice.lines == LineIndices(best); });
     if (at != search.studied.end()) search.best = at - search.studied.begin();
     return search;
   }

@@ -13,7 +13,7 @@
 namespace dn {
 namespace {
 
-std::vector<std::string> NamesOf(const LineCandidates& candidates, const LineChoice& choice) {
+std::vector<std::string> LineNames(const LineCandidates& candidates, const LineChoice& choice) {
   std::vector<std::string> names;
   for (const std::size_t k : choice.lines) names.push_back(candidates.names[k]);
   return names;
@@ -28,16 +28,16 @@ std::string Joined(const std::vector<std::string>& names, const char* by) {
 Json Triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 Json ToJson(const LineCandidates& candidates, const LineChoice& choice) {
-  Json json = {{"lines", NamesOf(candidates, choice)}, {"flight_time_s", choice.flight_time_s}};
+  Json json = {{"lines", LineNames(candidates, choice)}, {"flight_time_s", choice.flight_time_s}};
   json["sigma_deg"] =
       choice.failure.empty() ? Triple(kDegPerRad * choice.sigma_rad) : Json(nullptr);
   if (!choice.failure.empty()) json["singular"] = choice.failure;
   return json;
 }
 
-/// Of each number of lines the choice that comes nearest to the target.
-std::vector<const LineChoice*> BestOfEachNumber(const LineCandidates& candidates,
-                                                const LineSearch& search) {
+/// Returns the choice nearest to the target for each number of lines.
+std::vector<const LineChoice*> BestPerNumber(const LineCandidates& candidates,
+                                             const LineSearch& search) {
   std::map<std::size_t, const LineChoice*> best;
   const auto ratio = [&](const LineChoice& choice) {
     return choice.WorstRatio(candidates.target_rad);
@@ -53,7 +53,7 @@ std::vector<const LineChoice*> BestOfEachNumber(const LineCandidates& candidates
 
 std::string Row(const LineCandidates& candidates, const LineChoice& choice, bool best) {
   const std::string head = fmt::format("{} {:>7.0f}", best ? '*' : ' ', choice.flight_time_s);
-  const std::string names = Joined(NamesOf(candidates, choice), ", ");
+  const std::string names = Joined(LineNames(candidates, choice), ", ");
   if (!choice.failure.empty()) {
     return fmt::format("{} {:>10} {:>10} {:>10}  {}\n", head, "singular", "", "", names);
   }
@@ -99,28 +99,27 @@ std::string LineSearchSummary(const LineCandidates& candidates, const LineSearch
   const LineChoice* best =
       search.best < 0 ? nullptr : &search.studied[static_cast<std::size_t>(search.best)];
   bool shown = false;
-  for (const LineChoice* choice : BestOfEachNumber(candidates, search)) {
+  for (const LineChoice* choice : BestPerNumber(candidates, search)) {
     text += Row(candidates, *choice, choice == best);
     shown = shown || choice == best;
   }
   if (best != nullptr && !shown) text += Row(candidates, *best, true);
-  text += fmt::format(
-      "{} of {} choices studied; of each number of lines the one nearest to the "
-      "target\n",
-      search.studied.size(),
-      (std::size_t{1} << candidates.names.size()) - candidates.names.size() - 1);
+  text +=
+      fmt::format("{} of {} choices studied; the table has the best one for each number of lines\n",
+                  search.studied.size(),
+                  (std::size_t{1} << candidates.names.size()) - candidates.names.size() - 1);
   if (best == nullptr) {
     return text + "not even all lines meet the target: " + MissedTarget(candidates, search) + "\n";
   }
   return text + fmt::format("* fly {}: {:.0f} s, the shortest flight that meets the target\n",
-                            JoinNames(NamesOf(candidates, *best)), best->flight_time_s);
+                            JoinNames(LineNames(candidates, *best)), best->flight_time_s);
 }
 
 std::string LineSearchCsv(const LineCandidates& candidates, const LineSearch& search) {
   std::string text =
       "lines,flight_time_s,sigma_roll_deg,sigma_pitch_deg,sigma_yaw_deg,meets_target,singular\n";
   for (const LineChoice& choice : search.studied) {
-    text += CsvField(Joined(NamesOf(candidates, choice), " ")) + "," +
+    text += CsvField(Joined(LineNames(candidates, choice), " ")) + "," +
             FormatDouble(choice.flight_time_s);
     for (int i = 0; i < 3; ++i) {
       text += ",";

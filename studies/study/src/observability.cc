@@ -11,10 +11,10 @@ constexpr double kInseparable = 0.999;
 constexpr double kUsualSizes = 100.0;
 constexpr Eigen::Index kBoresightAngles = 3;
 
-/// The sigma beyond which a component of an unknown is not determined, in its unit.
+/// Returns the sigma above which a component of an unknown counts as undetermined, in its unit.
 double LargestSigma(const EffectComponent& component) { return kUsualSizes * component.typical; }
 
-/// Calls visit(index into the joint covariance, effect, number of the component).
+/// Calls visit(index in the joint covariance, effect, index of the component) for each component.
 template <class Visit>
 void ForEachComponent(const FlightConfig& config, const Visit& visit) {
   Eigen::Index i = kBoresightAngles;

@@ -8,11 +8,12 @@
 
 namespace dn {
 
-/// Free unknowns besides the boresight, with their sigmas.
+/// Returns the free unknowns other than the boresight, with their sigmas.
 std::vector<StudyUnknown> UnknownsOf(const JointCovariance& joint, const FlightConfig& config);
 
-/// Those of them that correlate with another calibration unknown by more than 0.999, or whose sigma
-/// exceeds a hundred times their usual size: of them is known no more than before.
+/// Returns those of them that correlate with another calibration unknown by more than 0.999. Also
+/// returns those with a sigma above a hundred times their typical size. The design gives no
+/// information on them.
 std::vector<Unobservable> UnobservableOf(const JointCovariance& joint, const FlightConfig& config);
 
 }  // namespace dn

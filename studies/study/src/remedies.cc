@@ -15,11 +15,11 @@ namespace dn {
 namespace {
 
 constexpr double kWorthWhile = 0.95;
-// Of the nodes in strips: what a change does to a sigma hardly depends on it.
+// Limit of the node rate in strips. The relative change of a sigma hardly depends on this rate.
 constexpr double kNodeRateHz = 2.0;
 
-/// NaN where there is none.
-double SigmaOf(const std::string& unknown, const std::map<std::string, double>& sigmas) {
+/// Returns NaN for an unknown without a sigma.
+double FindSigma(const std::string& unknown, const std::map<std::string, double>& sigmas) {
   const auto sigma = sigmas.find(unknown);
   return sigma == sigmas.end() ? std::numeric_limits<double>::quiet_NaN() : sigma->second;
 }
@@ -44,7 +44,7 @@ RemedyTrials::RemedyTrials(const Scenario& scenario, const StudyDesign& design,
   }
 }
 
-/// Those that have not begun are not tried any more.
+/// Trials that have not started are skipped.
 RemedyTrials::~RemedyTrials() { next_ = scenarios_.size(); }
 
 void RemedyTrials::Prepare(const Scenario& scenario, const FlightGeometry& geometry) {
@@ -80,7 +80,7 @@ RemedyTrials::Sigmas RemedyTrials::SigmasWith(const Scenario& scenario,
       sigmas[unknown.name] = joint.sigma(static_cast<Eigen::Index>(i)) * unknown.per_si;
     }
     return sigmas;
-  } catch (const InvalidConfig&) {  // it cannot be flown, say for a hill in the way
+  } catch (const InvalidConfig&) {  // it cannot be flown, for example because of a hill
     return {};
   } catch (const RankDeficient&) {
     return {};
@@ -99,9 +99,9 @@ void RemedyTrials::Finish(StudyResult* study) {
   for (std::future<void>& worker : workers_) worker.get();
   for (StudyDirection& direction : study->weak) {
     const double unchanged =
-        fewer_nodes_ ? SigmaOf(direction.leading, sigmas_.back()) : direction.sigma;
+        fewer_nodes_ ? FindSigma(direction.leading, sigmas_.back()) : direction.sigma;
     for (std::size_t k = 0; k < kinds_.size(); ++k) {
-      const double left = SigmaOf(direction.leading, sigmas_[k]) / unchanged;
+      const double left = FindSigma(direction.leading, sigmas_[k]) / unchanged;
       if (std::isnan(left)) continue;
       direction.tried.push_back({kinds_[k], left * direction.sigma});
     }

@@ -17,8 +17,8 @@ std::string BoresightLines(const BoresightResult& boresight) {
   }
   text += fmt::format("condition number {:.1f}\n", boresight.condition_number);
   text += fmt::format(
-      "with the accelerometer bias max {:.1f} rms {:.1f}, with the gyro bias max {:.1f} rms {:.1f} "
-      "[%]\n",
+      "correlation with the accelerometer bias max {:.1f} rms {:.1f}, with the gyro bias max "
+      "{:.1f} rms {:.1f} [%]\n",
       100.0 * boresight.accel_bias.max_abs, 100.0 * boresight.accel_bias.rms,
       100.0 * boresight.gyro_bias.max_abs, 100.0 * boresight.gyro_bias.rms);
   return text;
@@ -60,7 +60,7 @@ std::string StudySummary(const StudyResult& study) {
       study.name, study.geometry.strips.size(), study.pairs, study.imu_epochs, study.gnss_epochs,
       study.nodes, study.parameters);
   if (!study.observable()) {
-    text += "NOT OBSERVABLE: the numbers below are no accuracies\n";
+    text += "NOT OBSERVABLE: the numbers below are not accuracies\n";
     for (const std::string& reason : UnobservableWords(study)) {
       text += "  " + Wrapped(reason, "    ");
     }

@@ -9,7 +9,7 @@
 namespace dn {
 namespace {
 
-/// "boresight pitch" of "boresight_pitch".
+/// Returns "boresight pitch" for "boresight_pitch".
 std::string Spoken(std::string name) {
   for (char& c : name) {
     if (c == '_') c = ' ';
@@ -23,7 +23,7 @@ double CourseDeg(const StripGeometry& strip) {
   return std::round(course_rad * kDegPerRad);
 }
 
-/// The first unknown of a direction beside the leading one; empty where it is alone.
+/// Returns the first unknown of a direction other than the leading one; "" if there is none.
 std::string Partner(const StudyDirection& direction) {
   for (const auto& [name, weight] : direction.unknowns) {
     if (name != direction.leading) return Spoken(name);
@@ -31,7 +31,7 @@ std::string Partner(const StudyDirection& direction) {
   return {};
 }
 
-std::string CauseOf(RemedyKind kind, const StudyResult& study, const StudyDirection& direction) {
+std::string CauseText(RemedyKind kind, const StudyResult& study, const StudyDirection& direction) {
   const StripGeometry& strip = study.geometry.strips.front();
   const std::string unknown = Spoken(direction.leading);
   const std::string partner = Partner(direction);
@@ -39,24 +39,23 @@ std::string CauseOf(RemedyKind kind, const StudyResult& study, const StudyDirect
   switch (kind) {
     case RemedyKind::kCrossStrip:
       return fmt::format(
-          "all strips are parallel (course {:.0f} deg): {} displaces their points as {}, and no "
-          "strip sees it from the side",
+          "all strips are parallel (course {:.0f} deg): {} displaces their points in the same way "
+          "as {}, and no strip crosses them",
           CourseDeg(strip), unknown, alike);
     case RemedyKind::kOppositeStrip:
       return fmt::format(
-          "no strip is flown against another: {} displaces the points of all to the same side, and "
-          "only differences are measured",
+          "no strip is flown in the opposite direction: {} displaces the points of all strips to "
+          "the same side, and only differences are measured",
           unknown);
     case RemedyKind::kOtherHeight:
       return fmt::format(
-          "all strips see the ground from one height ({:.0f} m): a turn and a shift of the points, "
-          "{} and what {}, keep one ratio",
+          "all strips have one height above ground ({:.0f} m): {} displaces the points in the same "
+          "way as {}, and only another height separates a rotation from a shift",
           strip.height_m, unknown, alike);
     case RemedyKind::kOtherSpeed:
       return fmt::format(
-          "all strips are flown at one speed ({:.0f} m/s): a delay and a shift along the track "
-          "keep "
-          "one ratio",
+          "all strips are flown at one speed ({:.0f} m/s): a delay looks like a shift along the "
+          "track",
           strip.speed_mps);
     case RemedyKind::kMorePairs:
       return fmt::format("the noise of the {} pairs of points", study.pairs);
@@ -87,7 +86,7 @@ std::string PlanWords(RemedyKind kind) {
   return {};
 }
 
-/// What a geometry lacks first, where nothing was tried.
+/// Returns what a geometry lacks first, for designs without trials.
 std::optional<RemedyKind> Lacking(const FlightGeometry& geometry) {
   if (geometry.parallel) return RemedyKind::kCrossStrip;
   if (geometry.one_direction) return RemedyKind::kOppositeStrip;
@@ -95,23 +94,22 @@ std::optional<RemedyKind> Lacking(const FlightGeometry& geometry) {
   return std::nullopt;
 }
 
-bool OfScenario(const StudyResult& study) { return study.source == DesignSource::kScenario; }
+bool IsScenario(const StudyResult& study) { return study.source == DesignSource::kScenario; }
 
 std::optional<RemedyKind> Helpful(const StudyResult& study, const StudyDirection& direction) {
   if (const auto remedy = direction.remedy()) return remedy->kind;
-  return OfScenario(study) ? std::nullopt : Lacking(study.geometry);
+  return IsScenario(study) ? std::nullopt : Lacking(study.geometry);
 }
 
 std::string Words(const Unobservable& unobservable) {
   if (unobservable.partner.empty()) {
     return fmt::format(
-        "{} has a standard deviation of {:.3g} {}: the flight says nothing about it; give it a "
-        "prior "
-        "({{unknown: .., sigma: ..}}) or leave it out of estimate",
+        "{} has a standard deviation of {:.3g} {}: the flight does not determine it; give it a "
+        "prior ({{unknown: .., sigma: ..}}) or leave it out of estimate",
         Spoken(unobservable.unknown), unobservable.value, unobservable.unit);
   }
   return fmt::format(
-      "{} and {} are not told apart (correlation {:.5f}); give one of them a prior, leave it out "
+      "{} and {} cannot be separated (correlation {:.5f}); give one of them a prior, leave it out "
       "of estimate, or vary courses and heights",
       Spoken(unobservable.unknown), Spoken(unobservable.partner), unobservable.value);
 }
@@ -120,19 +118,20 @@ std::string Words(const Unobservable& unobservable) {
 
 std::string CauseWords(const StudyResult& study, const StudyDirection& direction) {
   const auto kind = Helpful(study, direction);
-  return kind && !study.geometry.strips.empty() ? CauseOf(*kind, study, direction)
+  return kind && !study.geometry.strips.empty() ? CauseText(*kind, study, direction)
                                                 : LimitWords(study);
 }
 
 std::string RemedyWords(const StudyResult& study, const StudyDirection& direction) {
   const auto kind = Helpful(study, direction);
-  if (kind) return PlanWords(*kind) + (OfScenario(study) ? "" : " (not tried)");
+  if (kind) return PlanWords(*kind) + (IsScenario(study) ? "" : " (not tried)");
   if (direction.tried.empty()) return "a better inertial sensor or more strips (not tried)";
   std::string tried;
   for (const TriedRemedy& remedy : direction.tried) {
     tried += (tried.empty() ? "" : "; ") + PlanWords(remedy.kind);
   }
-  return "none of what was tried takes 5 % off (" + tried + "); a better inertial sensor would";
+  return "none of these changes reduces the sigma by 5 % (" + tried +
+         "); a better inertial sensor would";
 }
 
 std::vector<std::string> UnobservableWords(const StudyResult& study) {

@@ -29,14 +29,11 @@ std::vector<SweepValue> ReadValues(const YamlValue& values) {
 SweepKey ReadKey(const YamlValue& values, const std::string& path) {
   SweepKey key{path, ReadValues(values)};
   if (key.values.empty()) values.Fail("has no values");
-  std::set<std::string> labels;
-  for (const SweepValue& value : key.values) {
-    if (HasControls(value.label)) {
-      values.Fail("the name '" + WithoutControls(value.label) +
-                  "' holds a line break or another control character");
-    }
-    if (!labels.insert(value.label).second) {
-      values.Fail("the value '" + value.label + "' stands there twice");
+  for (std::size_t i = 1; i < key.values.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (key.values[i].label == key.values[j].label) {
+        values.Fail("the value '" + key.values[i].label + "' is given twice");
+      }
     }
   }
   return key;
@@ -100,7 +97,7 @@ std::uint64_t Sweep::size() const {
 
 std::vector<std::size_t> Sweep::Choice(std::uint64_t number) const {
   if (number < 1 || number > size()) {
-    throw InvalidInput(fmt::format("sweep: design {} is none of 1 to {}", number, size()));
+    throw InvalidInput(fmt::format("sweep: design {} is not in the range 1 to {}", number, size()));
   }
   std::vector<std::size_t> choice(keys_.size());
   std::uint64_t left = number - 1;

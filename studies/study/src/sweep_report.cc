@@ -12,7 +12,7 @@
 namespace dn {
 namespace {
 
-/// The numbers of a design in the order of the columns, none of one that has failed.
+/// Returns the numbers of a design in the order of the columns; empty if the design failed.
 std::vector<double> NumbersOf(const SweepRecord& record) {
   if (!record.failure.empty()) return {};
   const Eigen::Vector3d sigma_deg = record.sigma_rad * kDegPerRad;
@@ -39,7 +39,7 @@ std::string FileOf(const std::string& path) {
   return name + ".svg";
 }
 
-/// The labels of a key in the order of the designs.
+/// Returns the labels of a key in the order of the designs.
 std::vector<std::string> LabelsOf(const std::vector<SweepRecord>& records, std::size_t key) {
   std::vector<std::string> labels;
   for (const SweepRecord& record : records) {
@@ -134,7 +134,7 @@ std::vector<StudyPlot> SweepPlots(const std::vector<std::string>& paths,
     }
     if (panel.series.empty()) continue;
     plots.push_back({FileOf(paths[key]),
-                     "boresight by " + paths[key] + ", every design a point",
+                     "boresight by " + paths[key] + ", one point per design",
                      "standard deviation [mdeg]",
                      {panel}});
   }

@@ -10,12 +10,13 @@ namespace dn {
 namespace {
 
 constexpr double kListedWeight = 0.2;
-// Variances along a direction are ten times those that the unknowns would have apart.
+// Limit at which the variances along a direction are ten times those of separate unknowns.
 constexpr double kWeakInformation = 0.1;
-constexpr double kCalibrationShare = 0.1;  // squared weight, below: a matter of the errors alone
+constexpr double kCalibrationShare = 0.1;  // smallest squared weight of the calibration unknowns
 constexpr std::size_t kMostDirections = 4;
 
-/// The inverse, by way of the correlations: the unknowns differ in size by orders of magnitude.
+/// Returns the inverse. It is computed from the correlations, because the unknowns differ in size
+/// by orders of magnitude.
 Eigen::MatrixXd Inverse(const Eigen::MatrixXd& covariance) {
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
@@ -29,8 +30,9 @@ class Directions {
   explicit Directions(const JointCovariance& joint)
       : joint_(joint), normal_(Inverse(joint.covariance)) {}
 
-  /// The direction with these weights, one per unknown; the sign is that of the largest.
-  StudyDirection Of(const Eigen::VectorXd& weights) const {
+  /// Returns the direction with these weights, one per unknown. The largest weight becomes
+  /// positive.
+  StudyDirection MakeDirection(const Eigen::VectorXd& weights) const {
     std::vector<Eigen::Index> order(static_cast<std::size_t>(weights.size()));
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) {
@@ -49,8 +51,9 @@ class Directions {
     return direction;
   }
 
-  /// Weights over all unknowns of the weakest direction of the boresight, the first three.
-  Eigen::VectorXd OfBoresight() const {
+  /// Returns the weights of the weakest direction of the boresight, which has the first three
+  /// unknowns.
+  Eigen::VectorXd WeakestBoresightWeights() const {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
         joint_.covariance.topLeftCorner<3, 3>());
     Eigen::VectorXd weights = Eigen::VectorXd::Zero(joint_.covariance.rows());
@@ -58,7 +61,8 @@ class Directions {
     return weights;
   }
 
-  /// The same of the directions that are weak because their unknowns are not told apart.
+  /// Returns the weights of the directions that are weak because their unknowns cannot be
+  /// separated.
   std::vector<Eigen::VectorXd> Coupled() const {
     const Eigen::VectorXd scale = normal_.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * normal_ *
@@ -102,10 +106,10 @@ class Directions {
 
 std::vector<StudyDirection> StudyDirections(const JointCovariance& joint) {
   const Directions directions(joint);
-  std::vector<StudyDirection> found{directions.Of(directions.OfBoresight())};
+  std::vector<StudyDirection> found{directions.MakeDirection(directions.WeakestBoresightWeights())};
   for (const Eigen::VectorXd& weights : directions.Coupled()) {
     if (found.size() == kMostDirections) break;
-    found.push_back(directions.Of(weights));
+    found.push_back(directions.MakeDirection(weights));
   }
   return found;
 }

@@ -8,11 +8,12 @@
 
 namespace dn {
 
-/// The weakest direction of the boresight, then those in which a calibration unknown and others are
-/// determined together but hardly apart, the weakest first. Without remedies.
+/// Returns the weakest direction of the boresight, then the directions in which a calibration
+/// unknown and others are determined jointly but hardly separately, weakest first. Adds no
+/// remedies.
 ///
-/// With C the joint covariance, N = C^-1 and D = diag(N)^(-1/2), the latter are eigenvectors of
-/// D N D, whose eigenvalues are 1 where unknowns are determined apart.
+/// With the joint covariance C, N = C^-1 and D = diag(N)^(-1/2), the latter are eigenvectors of D N
+/// D. The eigenvalues are 1 for unknowns that are determined separately.
 std::vector<StudyDirection> StudyDirections(const JointCovariance& joint);
 
 }  // namespace dn

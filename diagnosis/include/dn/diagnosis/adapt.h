@@ -8,7 +8,7 @@
 
 namespace dn {
 
-/// The configuration of a flight with these effects in the estimator:
+/// Returns the configuration of the flight with the given effects modelled by the estimator:
 ///
 ///   fixed effects             an entry under `estimate`, free; accel_scale_factor,
 ///                             accel_misalignment, gravity_tilt and gravity_disturbance with a
@@ -25,25 +25,26 @@ namespace dn {
 ///   gnss_outliers             gnss.robust: huber
 ///   faults of the data        nothing: no key models them
 ///
-/// An unknown that is estimated already, and a robust loss that is chosen, stay as they are.
-/// Throws InvalidInput for an effect that is not in the table, as FileValue does, for a vibration
-/// without its window, and where the flight has not the section of its sensor.
+/// Leaves an unknown that is already estimated and a robust loss that is already chosen as they
+/// are. Throws InvalidInput for an effect that is not in the table and for a value that FileValue
+/// rejects. Also throws for a vibration without its window, and if flight.yaml lacks the section of
+/// the sensor.
 FlightConfig Adapted(const Flight& flight, const std::vector<GapCause>& causes);
 
-/// With what a diagnosis names, and in words what it could not explain (`unexplained`), which keeps
-/// the flight from being called calibrated.
+/// Returns the configuration with the effects named by the diagnosis. Sets `unexplained` to a
+/// description of the gap that they leave, so that the flight is not reported as calibrated.
 FlightConfig Adapted(const Flight& flight, const GapDiagnosis& diagnosis);
 
-/// What Adapted changes of flight.yaml for an effect: "estimate", "gnss.processes". Empty for a
-/// fault, which no key models.
+/// Returns the key of flight.yaml that Adapted changes for an effect, such as "estimate" or
+/// "gnss.processes". Returns "" for a data fault, which flight.yaml cannot model.
 std::string AdaptedKey(const std::string& effect);
 
-/// The causes that the verdict names, in its order.
+/// Returns the causes that the verdict names, in the order of the verdict.
 std::vector<GapCause> CausesOfVerdict(const GapDiagnosis& diagnosis);
 
-/// The estimate as files take it, in its unit: what lies beyond a bound of the table, as a sigma
-/// below 0, is brought to it. Throws InvalidInput for a value that is no number, and a wrong number
-/// of them.
+/// Returns the estimate in the file's unit, clamped to the bounds of the effect table (a negative
+/// sigma becomes 0). Throws InvalidInput for a value that is not finite and for a wrong number of
+/// values.
 std::vector<double> FileValue(const GapCause& cause);
 
 }  // namespace dn

@@ -11,43 +11,44 @@
 
 namespace dn {
 
-/// How a flight is diagnosed.
+/// Options of a diagnosis.
 struct GapOptions {
   enum class Depth {
-    kFull,    ///< everything
-    kQuick,   ///< fewer twins
-    kScreen,  ///< what the data show, without refits and without simulated twins
-    kLimits,  ///< what could be found; needs no measured values
+    kFull,    ///< all stages
+    kQuick,   ///< fewer replicates
+    kScreen,  ///< screening only: no refits, no simulated replicates
+    kLimits,  ///< detection limits only; needs no measured values
   };
   Depth depth = Depth::kFull;
-  std::uint64_t seed = 1;  ///< of the twins
-  double alpha = 0.05;     ///< of the claim that there is a gap
+  std::uint64_t seed = 1;  ///< seed of the replicates
+  double alpha = 0.05;     ///< significance level (false-alarm rate) of the gap test
   int threads = 1;
   /// Only these effects are considered; empty: the whole library.
   std::vector<std::string> effects = {};
-  /// Effects that the library does without.
+  /// Effects excluded from the library.
   std::vector<std::string> left_out = {};
-  /// Called when a stage begins, with the part of the work that is done.
+  /// Called at the start of each stage with the fraction of the work done so far.
   std::function<void(const std::string& stage, double fraction)> progress = {};
-  /// Polled between steps; true ends the work with Interrupted.
+  /// Polled between steps; returning true aborts the diagnosis with Interrupted.
   std::function<bool()> interrupted = {};
 
   /// Throws InvalidConfig naming the option, its value and its bound.
   void Validate() const;
 };
 
-/// A diagnosis with both halves of "once the effects are added".
+/// A diagnosis, and the flight with the effects of its verdict added.
 struct GapResult {
   GapDiagnosis diagnosis;
-  FlightConfig adapted;   ///< the flight with the verdict's effects in the estimator
-  Trajectory trajectory;  ///< the estimated one, with them: what a twin replays
-  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< likewise, total
+  FlightConfig adapted;  ///< the flight's configuration with the verdict's effects in the estimator
+  Trajectory trajectory;  ///< estimated with these effects; replayed by a replicate
+  Eigen::Vector3d boresight_rad = Eigen::Vector3d::Zero();  ///< estimated with these effects, total
 };
 
-/// Diagnoses a flight that was read with its IMU and GNSS data, and pairs where it has any: whether
-/// the data depart from what the assumed model would produce, where, by which effect, how far the
-/// gap closes once that is added, and what could still hide (docs/method/gap-method.md). The same
-/// for the same seed and number of threads. Throws as Adjust, and InvalidConfig for bad options.
+/// Diagnoses a flight whose IMU and GNSS data, and pairs if it has any, have been read. Tests
+/// whether the data agree with the assumed model, where they do not, and which effects explain the
+/// gap. Also computes how far the gap closes with these effects, and which effects remain
+/// undetectable (docs/method/gap-method.md). Results are reproducible for equal seeds and numbers
+/// of threads. Throws as Adjust, and InvalidConfig for invalid options.
 GapResult Diagnose(const Flight& flight, const GapOptions& options = {});
 
 }  // namespace dn

@@ -10,20 +10,20 @@
 
 namespace dn {
 
-/// What the diagnosis of a flight comes to; gap.json has the word of each.
+/// Verdict of a diagnosis; the words in gap.json are those of Word().
 enum class GapVerdictKind {
-  kIdentified,   ///< the effects named explain the data, and nothing else does
-  kGroup,        ///< the effects named do, or others that this flight cannot tell from them
-  kPartial,      ///< named effects explain a part; something else is left
-  kUnknown,      ///< the data depart from the model in a way that no effect of the library explains
-  kNoGap,        ///< the data are those that the assumed model would produce
-  kUnavailable,  ///< the flight cannot carry the diagnosis
+  kIdentified,  ///< the named effects explain the data, and no others do
+  kGroup,  ///< the named effects explain the data, but this flight cannot separate them from others
+  kPartial,      ///< the named effects explain a part of the gap; a significant part remains
+  kUnknown,      ///< no effect of the library explains the gap
+  kNoGap,        ///< the data agree with the assumed model
+  kUnavailable,  ///< not enough data for a diagnosis
 };
 
-/// "identified", "group", "partial", "unknown", "no_gap", "unavailable".
+/// Returns "identified", "group", "partial", "unknown", "no_gap" or "unavailable".
 const char* Word(GapVerdictKind kind);
 
-/// A place where the data depart from the model. The p-value holds for the family of all places.
+/// A place where the data differ from the model. The p-value is adjusted for the number of places.
 struct GapLocation {
   std::string sensor;    ///< "gnss", "gyro", "accel", "lidar"
   std::string quantity;  ///< "position east", "p2p"
@@ -32,38 +32,40 @@ struct GapLocation {
   double p_adjusted = 1.0;
 };
 
-/// An effect that was screened, in the unit of the table of effects.
+/// A screened effect, in the unit of the table of effects.
 struct GapCause {
   std::string effect;
   std::string unit;
-  EffectTimes times;  ///< where the effect has a window or a start: the likeliest
-  double log_evidence =
-      0.0;                   ///< nats, against its absence, beside the other effects of the verdict
-  double posterior = 0.0;    ///< probability that it is present, calibrated
-  double p_value = 1.0;      ///< of the screen, for the family
-  Eigen::VectorXd estimate;  ///< a fixed effect's components, a ratio, or sigmas then tau
+  EffectTimes times;  ///< most probable window or start, if the effect has one
+  /// Evidence for the effect against its absence, given the other effects of the verdict, nats.
+  double log_evidence = 0.0;
+  double posterior = 0.0;    ///< calibrated probability that the effect is present
+  double p_value = 1.0;      ///< of the screening test, adjusted for the family of effects
+  Eigen::VectorXd estimate;  ///< components of a fixed effect, a ratio, or sigmas followed by tau
   Eigen::VectorXd sigma;
-  double absorbed_fraction = 0.0;  ///< share of the signature that the unknowns follow
+  double absorbed_fraction = 0.0;  ///< share of the signature absorbed by the unknowns
   Eigen::Vector3d boresight_damage_rad = Eigen::Vector3d::Zero();
   std::vector<std::string> inseparable_from;
   std::optional<double> held_out_gain_nats;
   std::optional<double> shrinkage;
 };
 
-/// A departure from the model that is known by its place only: "laser vectors by scan angle". It
-/// competes with the effects, so that what has no name is not given one.
+/// An unmodelled discrepancy, known by its place only, for example "laser vectors by scan angle".
+/// It competes with the effects, so that physics outside the library is not given a wrong name.
 struct GapDiscrepancy {
   std::string name;
-  double log_evidence = 0.0;       ///< nats
-  double posterior = 0.0;          ///< that it is the better account of a part of the gap
-  std::optional<double> period_s;  ///< of an oscillation
-  std::optional<double> tau_s;     ///< of what settles
+  double log_evidence = 0.0;  ///< nats
+  /// Probability that it explains a part of the gap better than the effects.
+  double posterior = 0.0;
+  std::optional<double> period_s;  ///< period of an oscillation
+  std::optional<double> tau_s;     ///< time constant of a decay
 };
 
-/// How large the gap is: mean Kullback-Leibler divergence of predictive errors, nats/observation.
+/// Size of the gap: mean Kullback-Leibler divergence of the predictive errors, nats per
+/// observation.
 struct GapSize {
   double value = 0.0;
-  double null_low = 0.0, null_high = 0.0;  ///< 95 % of the twins
+  double null_low = 0.0, null_high = 0.0;  ///< 95 % interval of the replicates
   double upper_limit_95 = 0.0;
 };
 
@@ -75,17 +77,17 @@ struct GapUserUnits {
   std::optional<Eigen::Vector3d> gh_minus_dn_rad;
 };
 
-/// One side of before and after.
+/// State of the flight before or after the effects are added.
 struct GapState {
   double p_value = 1.0;
   double size_nats_per_obs = 0.0;
-  std::optional<double> p2p_m;   ///< rms of the predicted misclosures
+  std::optional<double> p2p_m;   ///< rms of the predicted pair misclosures
   std::optional<double> gnss_m;  ///< rms of the predicted position errors
   std::optional<Eigen::Vector3d> boresight_rad;
   std::optional<Eigen::Vector3d> boresight_sigma_rad;
 };
 
-/// How far the gap closes once the effects of the verdict are among the unknowns.
+/// Reduction of the gap once the effects of the verdict are among the unknowns.
 struct GapShrinkage {
   double fraction = 0.0;  ///< 1 - excess after / excess before of the omnibus statistic
   double interval_low = 0.0, interval_high = 0.0;  ///< 95 %
@@ -95,69 +97,76 @@ struct GapShrinkage {
   GapState before, after;
 };
 
-/// What could be there without being found. Sizes in `unit`.
+/// Detection limits of an effect, in `unit`: up to these sizes it can stay undetected.
 struct HiddenEffect {
   std::string effect;
   std::string unit;
-  double minimal_detectable = 0.0;  ///< in the best-determined direction; infinite: never
-  std::optional<double> minimal_identifiable;  ///< nothing where geometry never separates it
-  Eigen::Vector3d boresight_damage_rad = Eigen::Vector3d::Zero();  ///< at the minimal detectable
-  std::vector<std::string> inseparable_from;  ///< what it could be taken for, at any size
-  /// Minimal detectable sizes of the components, each alone; infinite: never.
+  /// Minimal detectable bias in the best-determined direction; infinite if no size is detectable.
+  double minimal_detectable = 0.0;
+  /// Smallest size that can be named correctly; nullopt if the geometry never separates the effect.
+  std::optional<double> minimal_identifiable;
+  /// External reliability: shift of the boresight caused by a bias of size `minimal_detectable`.
+  Eigen::Vector3d boresight_damage_rad = Eigen::Vector3d::Zero();
+  std::vector<std::string> inseparable_from;  ///< effects that it can be mistaken for at any size
+  /// Minimal detectable bias of each component alone; infinite if no size is detectable.
   Eigen::VectorXd detectable_by_component = {};
 };
 
-/// An effect that is named with a size far beyond the usual ones, while a discrepancy without a name
-/// describes the data nearly as well.
+/// A named effect whose size is far above typical, while an unmodelled discrepancy describes the
+/// data almost equally well.
 struct GapImplausible {
   std::string effect;
-  double usual_sizes = 0.0;  ///< of its first component that is so large
+  /// Size in multiples of the typical one, for the first component that is implausibly large.
+  double usual_sizes = 0.0;
   std::string discrepancy;
 };
 
 struct GapVerdict {
   GapVerdictKind kind = GapVerdictKind::kNoGap;
   std::vector<std::string> effects;       ///< one for each effect that is present
-  std::vector<std::string> credible_set;  ///< 95 %
-  bool unknown = false;                   ///< a part of the gap has no name
+  std::vector<std::string> credible_set;  ///< 95 % credible set
+  bool unknown = false;                   ///< no effect explains a part of the gap
   std::optional<GapImplausible> implausible;
-  std::string tie_breaker;  ///< what to fly to tell the members of a group apart
-  std::string text;         ///< one sentence that a person can act on
+  std::string tie_breaker;  ///< what to fly to separate the members of a group
+  std::string text;         ///< one sentence that tells the user what to do
 };
 
-/// One statistic of the flight beside what twins without and with the effects make of it.
+/// A statistic of the flight, with its distribution over replicates without and with the effects.
 struct FingerprintValue {
-  std::string name;  ///< as GapLocation: "lidar p2p, strip pair 1-2, mean"
+  std::string name;  ///< name as in GapLocation: "lidar p2p, strip pair 1-2, mean"
   double value = 0.0;
-  double null_mean = 0.0, null_sigma = 1.0;     ///< twins of the assumed model
-  std::optional<double> twin_mean, twin_sigma;  ///< simulated twins with the effects
+  double null_mean = 0.0, null_sigma = 1.0;     ///< over replicates of the assumed model
+  std::optional<double> twin_mean, twin_sigma;  ///< over simulated replicates with the effects
 };
 
-/// How far the diagnosis itself may be trusted.
+/// Reliability of the diagnosis itself.
 struct GapValidity {
   long observations = 0;
-  int twins = 0;       ///< linear
-  int full_twins = 0;  ///< simulated anew and adjusted
+  int twins = 0;       ///< linear replicates
+  int full_twins = 0;  ///< replicates that were simulated and adjusted
   double alpha = 0.05;
   int tests = 0;
-  double aa_p_value = 1.0;                      ///< twins against twins
-  std::optional<double> full_against_linear_p;  ///< their location statistics
-  std::optional<double> like_twins_p;  ///< of the flight among simulated twins with the effects
+  double aa_p_value = 1.0;  ///< test of replicates against replicates
+  /// p-value of the location statistics of simulated against linear replicates.
+  std::optional<double> full_against_linear_p;
+  /// p-value of the flight among simulated replicates with the effects.
+  std::optional<double> like_twins_p;
   std::vector<std::string> notes;
 };
 
-/// Everything that `dn gap` says about a flight.
+/// All results of `dn gap` for a flight.
 struct GapDiagnosis {
   std::string flight;
-  /// The pairs were adjusted on a given trajectory, which holds the errors of its sensors.
+  /// True if the pairs were adjusted on a given trajectory, which contains the errors of its
+  /// sensors.
   bool trajectory_given = false;
   bool detected = false;
   double p_value = 1.0;
   GapSize size;
   GapUserUnits user_units;
   std::vector<GapLocation> where;
-  std::vector<GapCause> causes;               ///< every effect screened, best first
-  std::vector<GapDiscrepancy> discrepancies;  ///< likewise
+  std::vector<GapCause> causes;               ///< every screened effect, most probable first
+  std::vector<GapDiscrepancy> discrepancies;  ///< every unmodelled discrepancy, most probable first
   GapVerdict verdict;
   std::optional<GapShrinkage> shrinkage;
   std::vector<HiddenEffect> could_still_hide;

@@ -8,12 +8,15 @@
 
 namespace dn {
 
-/// What could be there without being found in a flight whose states are known, the most harmful
-/// first: of each fixed effect that the flight's configuration does not model the minimal
-/// detectable size (Baarda: a test of .001, power .8) and the minimal identifiable one (named with
-/// power .8 beside all others). By geometry and stated noise alone; no measured value counts.
-/// `solution` is of a flight that is adjusted, or of a design at its states. Of the options, effects,
-/// left_out, seed and threads count, and `interrupted`. Throws InvalidConfig for bad options.
+/// Returns the detection limits of a flight with known states, largest shift of the boresight
+/// first. There are two sizes for each fixed effect that the configuration does not model. The
+/// minimal detectable bias is found by a test of level 0.001 with power 0.8 (Baarda). The minimal
+/// identifiable size is named correctly with power 0.8 among all other effects. Both depend on
+/// geometry and stated noise alone; no measured value is used.
+///
+/// `solution` belongs to an adjusted flight, or to a design at its assumed states. Only the options
+/// `effects`, `left_out`, `seed`, `threads` and `interrupted` are used. Throws InvalidConfig for
+/// invalid options, and Interrupted.
 std::vector<HiddenEffect> HiddenOnDesign(const Solution& solution, const GapOptions& options = {});
 
 }  // namespace dn

@@ -9,25 +9,27 @@
 
 namespace dn {
 
-/// gap.json: every number of a diagnosis; angles in mdeg and deg, lengths of user_units and of
-/// before and after in mm. What is absent, infinite or not a number is null.
+/// Returns gap.json with every number of a diagnosis: angles in mdeg and deg, lengths of user_units
+/// and of before and after in mm. Absent and non-finite values become null.
 Json GapJson(const GapDiagnosis& diagnosis);
 
-/// What could still hide, as in gap.json: sizes in the units of the table of effects, damage in mdeg.
+/// Returns the detection limits as in gap.json: sizes in the units of the effect table, shift of
+/// the boresight in mdeg.
 Json HiddenEffectsJson(const std::vector<HiddenEffect>& effects);
 
-/// Those of any size in one line, then the five that may move the boresight most, a line each.
+/// Returns the effects that are undetectable at any size in one line. One line each follows for the
+/// five effects that can shift the boresight most.
 std::string HiddenEffectsSummary(const std::vector<HiddenEffect>& effects, bool with_boresight);
 
-/// What of the gap no effect explains, in a few words; empty where nothing is left.
+/// Returns a short description of the part of the gap that no effect explains; "" if there is none.
 std::string UnexplainedWords(const GapDiagnosis& diagnosis);
 
-/// What a diagnosis comes to, in a sentence without its full stop, from its numbers: each effect
-/// with size, sigma, the move of the boresight and the key of flight.yaml that models it.
+/// Returns the verdict as one sentence without a full stop. For each effect it gives size, sigma,
+/// the shift of the boresight and the key of flight.yaml that models it.
 std::string VerdictSentence(const GapDiagnosis& diagnosis);
 
-/// A diagnosis on one screen: verdict, size of the gap, where, causes, before and after, and what
-/// could still hide.
+/// Returns a summary of the diagnosis for one screen: verdict, size of the gap, places, causes,
+/// state before and after, and detection limits.
 std::string GapSummary(const GapDiagnosis& diagnosis);
 
 /// A plot of a diagnosis, for DrawSvg.
@@ -38,7 +40,8 @@ struct GapPlot {
   std::vector<PlotPanel> panels;
 };
 
-/// Ranking of the causes, fingerprint, before and after: those that the diagnosis has numbers for.
+/// Returns the plots for which the diagnosis has data: ranking of the causes, fingerprint, before
+/// and after.
 std::vector<GapPlot> GapPlots(const GapDiagnosis& diagnosis);
 
 }  // namespace dn

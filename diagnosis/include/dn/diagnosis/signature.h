@@ -7,21 +7,22 @@
 
 namespace dn {
 
-/// How a departure from the model would show if there were no noise.
+/// Noise-free signature of an unmodelled discrepancy.
 struct Signature {
-  /// Noncentrality: by how much twice the cost of the best fit grows by the departure. The square of
-  /// the number of sigmas that the best of all tests would see.
+  /// Noncentrality: increase of twice the cost of the best fit caused by the discrepancy. It is the
+  /// squared number of sigmas seen by the most powerful test.
   double lambda = 0.0;
-  /// What is left of it with the nearest effect among the unknowns: what no single fixed effect of
-  /// the library can take the place of, to first order.
+  /// Noncentrality that remains once the nearest single fixed effect of the library is among the
+  /// unknowns, to first order.
   double lambda_left = 0.0;
-  std::string nearest;  ///< that effect; empty where none takes any part
+  std::string nearest;  ///< name of that effect; empty if no effect absorbs any part
 };
 
-/// Of a departure that `with` holds and `without` does not, both simulated without noise and otherwise
-/// the same, read with their assumed model. All data are used: nothing counts as a gross error. Of
-/// the options, effects, left_out, threads and `interrupted` count. Throws as Adjust, RankDeficient
-/// where an unknown is free, InvalidConfig for bad options.
+/// Computes the signature of a discrepancy that `with` contains and `without` does not. Both
+/// flights are simulated without noise, are otherwise equal, and are adjusted with their assumed
+/// model. All data are used: no outlier is rejected. Of the options, only `effects`, `left_out`,
+/// `threads` and `interrupted` are used. Throws as Adjust, RankDeficient if an unknown is not
+/// determined, and InvalidConfig for invalid options.
 Signature SignatureOf(const Flight& with, const Flight& without, const GapOptions& options = {});
 
 }  // namespace dn

@@ -11,16 +11,18 @@
 
 namespace dn {
 
-/// The trajectory that TwinScenario replays; it lies beside the scenario.
+/// File name of the trajectory that a TwinScenario replays; the file is in the folder of the
+/// scenario.
 inline constexpr const char* kTwinTrajectoryFile = "trajectory.out";
 
-/// A scenario that flies a flight again, with these effects in its data: the estimated trajectory
-/// and boresight as the truth, the strips, the rates and the assumed noise of its sensors, its
-/// mounting, lever arms, number and noise of pairs. What the flight does not state is taken from its
-/// pairs: the field of view and pattern of the scan, and height and roughness of the ground.
+/// Returns a scenario that flies a flight again with the given effects (a parametric bootstrap
+/// replicate). The estimated trajectory and boresight become the truth. Strips, rates, the assumed
+/// sensor noise, the mounting, lever arms, and the number and noise of the pairs are those of the
+/// flight. The field of view and pattern of the scan, and the height and roughness of the ground,
+/// are estimated from the pairs.
 ///
-/// `flight` has IMU and GNSS data. Holes of its data are not repeated. Throws InvalidInput as
-/// FileValue does.
+/// `flight` must have IMU and GNSS data. Data gaps are not reproduced. Throws InvalidInput if the
+/// flight has none, or if FileValue rejects a cause.
 Scenario TwinScenario(const Flight& flight, const Trajectory& estimated,
                       const std::vector<GapCause>& causes, const Eigen::Vector3d& boresight_rad);
 

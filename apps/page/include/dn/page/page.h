@@ -7,17 +7,17 @@
 
 namespace dn {
 
-/// The page of a result folder, from its JSON and text files alone: what the command that made it
-/// writes as report.html. Numbers name the file and the key that they come from.
+/// Returns the page of a result folder, made from its JSON and text files alone. It is the
+/// report.html that the command writes. Each number names the file and the key that it comes from.
+/// Values in which two runs of the same work differ (timings, threads, output options) are left
+/// out.
 ///
-/// What two runs of one work differ in (timings, threads, options of the output) is left out.
-///
-/// Throws InvalidInput where the folder holds no report.json of a run that has ended with results,
-/// or a file of it cannot be read.
+/// Throws InvalidInput if the folder has no report.json of a run that ended with results, or if one
+/// of its files cannot be read.
 Document PageOf(const std::filesystem::path& folder);
 
-/// Several side by side: their headlines, and of each two that have a boresight the difference, its
-/// sigma and whether it is significant. One folder: its PageOf.
+/// Returns a page that compares several results: their headlines, and for each two boresights the
+/// difference, its sigma and its significance. Returns the page of the folder if there is only one.
 Document PageOf(const std::vector<std::filesystem::path>& folders);
 
 }  // namespace dn

@@ -12,10 +12,10 @@
 
 namespace dn {
 
-/// Where the states of a design come from.
+/// Origin of the states of a design.
 enum class DesignSource { kScenario, kTrajectory, kInitialGuess, kInsGnss };
 
-/// A flight as it is planned, or as it was flown: all that its covariances depend on.
+/// A planned or flown flight, with everything that its covariances depend on.
 struct StudyDesign {
   Flight flight;  ///< times of the epochs, and laser vectors of the pairs
   NetworkDesign states;
@@ -23,34 +23,31 @@ struct StudyDesign {
   DesignSource source = DesignSource::kScenario;
 };
 
-/// How a design is made.
+/// Options for making a design.
 struct DesignOptions {
   int threads = 1;
-  std::uint64_t seed = 1;  ///< of turbulence and of the choice of pairs in a scenario
-  /// What is free beside the boresight: elements of `estimate` of flight.yaml, joined by commas;
-  /// empty: the boresight, and what the flight's own `estimate` names.
+  std::uint64_t seed = 1;  ///< seed of turbulence and of the choice of pairs in a scenario
+  /// Unknowns estimated with the boresight: elements of `estimate` of flight.yaml, joined by
+  /// commas. Empty: the boresight, and the unknowns in the flight's own `estimate`.
   std::string estimate;
-  /// Of the trajectory nodes within the strips of a scenario; lower than network.node_rate_hz asks
-  /// for, sigmas come out some percent off (docs/validation/benchmarks.md).
+  /// Upper limit of the rate of trajectory nodes within the strips of a scenario. Below
+  /// network.node_rate_hz, sigmas are wrong by some percent (docs/validation/benchmarks.md).
   double most_node_rate_hz = std::numeric_limits<double>::infinity();
-  std::function<bool()> interrupted = {};  ///< polled; true ends the work with Interrupted
+  std::function<bool()> interrupted = {};  ///< polled; returning true aborts with Interrupted
 };
 
-/// The unknowns of DesignOptions::estimate, with the boresight first. Throws InvalidConfig for a name
-/// that is not that of an unknown, and names the nearest one.
-std::vector<EstimateEntry> ParseEstimate(const std::string& list);
-
-/// The flight that a scenario describes, with perfect sensors that state the scenario's noise. Of
-/// its effects only the faults gnss_outage and imu_gap count, which are times without data. Throws
-/// RankDeficient where no two strips see the same ground, or no pairs are wanted; InvalidConfig
-/// where it cannot be flown or `estimate` is none.
+/// Returns the flight that a scenario describes, with perfect sensors that state the scenario's
+/// noise. Ignores its effects except gnss_outage and imu_gap, which are times without data. Throws
+/// RankDeficient if no two strips overlap or if no pairs are requested. Throws InvalidConfig if the
+/// scenario cannot be flown or if `estimate` is invalid.
 StudyDesign DesignOf(const Scenario& scenario, const DesignOptions& options = {});
 
-/// A flight on its trajectory, else on its initial guess, else on the INS/GNSS solution of its
-/// data. Of a flight without inertial data, which is a plan, these are planned at 100 Hz on the
-/// former two, and GNSS epochs at 1 Hz where it has a section `gnss` and none of its own. Throws
-/// RankDeficient without pairs, InvalidInput where there is nothing to place the states on or no
-/// section `imu`, InvalidConfig as above.
+/// Returns a flight on its trajectory, else on its initial guess, else on the INS/GNSS solution of
+/// its data. A flight without inertial data is a plan on one of the former two. Its inertial data
+/// are then planned at 100 Hz, and GNSS epochs at 1 Hz if it has a section `gnss` and no epochs.
+///
+/// Throws RankDeficient for a flight without pairs. Throws InvalidInput if the states have no
+/// source or if there is no section `imu`, and InvalidConfig if `estimate` is invalid.
 StudyDesign DesignOf(Flight flight, const DesignOptions& options = {});
 
 }  // namespace dn

@@ -10,21 +10,21 @@
 
 namespace dn {
 
-/// The changes that a scenario calls for, what its strips have in common varied by one more strip, and
-/// twice the pairs. They are tried side by side from the beginning on, by all threads but one. None
-/// for the replay of a trajectory.
+/// Trials of changes that may improve a scenario: one more strip that varies a common property of
+/// the strips, and twice the pairs. All threads but one try them in parallel from the construction
+/// on. There are no trials for the replay of a trajectory.
 class RemedyTrials {
  public:
-  /// Of a scenario and the design that was made of it.
+  /// Starts the trials. `design` must have been made from the scenario.
   RemedyTrials(const Scenario& scenario, const StudyDesign& design, const DesignOptions& options);
   ~RemedyTrials();
 
-  /// Tries what is left and fills StudyDirection::tried. Changes that cannot be flown, and those that
-  /// leave the design singular, are left out. Once.
+  /// Tries the remaining changes and fills StudyDirection::tried. Leaves out changes that cannot be
+  /// flown or make the design singular. Call it once.
   void Finish(StudyResult* study);
 
  private:
-  /// Sigmas of the calibration unknowns by name, in their units; none where there are none to be had.
+  /// Sigmas of the calibration unknowns by name, in their units; empty if the scenario has none.
   using Sigmas = std::map<std::string, double>;
 
   static Sigmas SigmasWith(const Scenario& scenario, const DesignOptions& options);
@@ -32,10 +32,10 @@ class RemedyTrials {
   void Work();
 
   DesignOptions options_;
-  bool fewer_nodes_ = false;  // than the design itself has
+  bool fewer_nodes_ = false;  // fewer than the design itself
   std::vector<RemedyKind> kinds_;
-  std::vector<Scenario> scenarios_;  // of the kinds, then, with fewer nodes, the unchanged one
-  std::vector<Sigmas> sigmas_;       // of the scenarios
+  std::vector<Scenario> scenarios_;  // one per kind; with fewer nodes, the unchanged scenario last
+  std::vector<Sigmas> sigmas_;       // one per scenario
   std::atomic<std::size_t> next_{0};
   std::vector<std::future<void>> workers_;
 };

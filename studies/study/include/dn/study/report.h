@@ -9,23 +9,23 @@
 
 namespace dn {
 
-/// study.json (schema dn.study/1).
+/// Returns study.json (schema dn.study/1).
 Json StudyJson(const StudyResult& study);
 
-/// correlations.txt: t, then of roll, pitch and yaw the correlations with the accelerometer biases
-/// x, y, z, and of each with the gyro biases.
+/// Returns correlations.txt. A row has the time, then the correlations of roll, pitch and yaw with
+/// the accelerometer biases x, y, z each. Those with the gyro biases follow in the same order.
 std::string FormatCorrelations(const std::vector<BiasCorrelationAt>& correlations);
 
-/// A study on one screen.
+/// Returns a summary of a study for one screen.
 std::string StudySummary(const StudyResult& study);
 
-/// Why a direction is weak: what the strips have in common, else what limits it.
+/// Returns why a direction is weak: what the strips have in common, else what limits it.
 std::string CauseWords(const StudyResult& study, const StudyDirection& direction);
 
-/// What would help, in the words of a flight plan, and whether it was tried.
+/// Returns what would help, in the words of a flight plan, and whether it was tried.
 std::string RemedyWords(const StudyResult& study, const StudyDirection& direction);
 
-/// Why the design is not observable, one line each; none where it is.
+/// Returns why the design is not observable, one line per reason; empty if it is observable.
 std::vector<std::string> UnobservableWords(const StudyResult& study);
 
 /// A plot for DrawSvg.
@@ -36,8 +36,8 @@ struct StudyPlot {
   std::vector<PlotPanel> panels;
 };
 
-/// Sigmas of the boresight, its correlation with the biases over time,
-/// the sigmas of the trajectory over time.
+/// Returns plots of the sigmas of the boresight, its correlation with the biases over time, and the
+/// sigmas of the trajectory over time.
 std::vector<StudyPlot> StudyPlots(const StudyResult& study);
 
 }  // namespace dn

@@ -12,7 +12,7 @@
 
 namespace dn {
 
-/// How a strip was flown, as far as it matters for what it determines.
+/// Properties of a strip that matter for what it determines.
 struct StripGeometry {
   std::string name;
   double course_rad = 0.0;
@@ -20,70 +20,72 @@ struct StripGeometry {
   double height_m = 0.0;  ///< mean height above the ground that its pairs lie on
 };
 
-/// What the strips of a design have in common.
+/// Properties that the strips of a design have in common.
 struct FlightGeometry {
   std::vector<StripGeometry> strips;
   bool parallel = false;       ///< all courses within 15 deg of one line
-  bool one_direction = false;  ///< no strip is flown against another
+  bool one_direction = false;  ///< no two strips have opposite courses
   bool one_height = false;     ///< heights above ground within 15 % of their mean
   bool one_speed = false;      ///< speeds within 10 % of their mean
 };
 
-/// A change of a scenario that may help an unknown. The first four add one strip, the number of
-/// pairs stays.
+/// A change of a scenario that may help an unknown. The first four add a strip and keep the number
+/// of pairs.
 enum class RemedyKind { kCrossStrip, kOppositeStrip, kOtherHeight, kOtherSpeed, kMorePairs };
 
-/// What a remedy leaves of the sigma of a direction.
+/// The sigma of a direction with a remedy.
 struct TriedRemedy {
   RemedyKind kind = RemedyKind::kCrossStrip;
   double sigma = 0.0;
 };
 
-/// Calibration unknowns and lasting errors that the design determines weakly, or only together.
+/// Calibration unknowns and time-correlated errors that the design determines weakly or only
+/// jointly.
 struct StudyDirection {
-  /// Name ("boresight_pitch", "accel_bias_y") and weight, the largest first; the squares of all
-  /// weights sum to 1, those below 0.2 are left out.
+  /// Name ("boresight_pitch", "accel_bias_y") and weight, largest first. The squares of all weights
+  /// sum to 1; weights below 0.2 are left out.
   std::vector<std::pair<std::string, double>> unknowns;
-  std::string leading;             ///< the calibration unknown with the largest weight
-  std::string unit;                ///< of the sigmas
-  double sigma = 0.0;              ///< of the leading unknown
-  double correlation = 0.0;        ///< multiple one of the leading unknown with all others, 0 to 1
-  std::vector<TriedRemedy> tried;  ///< the best first; none where the design is no scenario
-  /// The first of `tried` where it takes at least 5 % off the sigma.
+  std::string leading;  ///< the calibration unknown with the largest weight
+  std::string unit;     ///< unit of the sigmas
+  double sigma = 0.0;   ///< sigma of the leading unknown
+  /// Multiple correlation of the leading unknown with all others, 0 to 1.
+  double correlation = 0.0;
+  std::vector<TriedRemedy> tried;  ///< best first; empty for a design without a scenario
+  /// Returns the first of `tried` if it reduces the sigma by at least 5 %.
   std::optional<TriedRemedy> remedy() const;
 };
 
-/// A free unknown besides the boresight.
+/// A free unknown other than the boresight.
 struct StudyUnknown {
-  std::string name;  ///< of `estimate`
+  std::string name;  ///< name in `estimate`
   std::string unit;
   std::vector<std::string> components;
   std::vector<double> sigma;
 };
 
-/// Why a design, though formally regular, does not determine an unknown.
+/// Reason why a design that is formally regular does not determine an unknown.
 struct Unobservable {
   std::string unknown;
-  std::string partner;  ///< the unknown it cannot be told from; empty: its sigma is too large
-  double value = 0.0;   ///< correlation with the partner, else the sigma
-  std::string unit;     ///< of the sigma
+  std::string partner;  ///< unknown that it cannot be separated from; empty: sigma too large
+  double value = 0.0;   ///< correlation with the partner, or the sigma
+  std::string unit;     ///< unit of the sigma
 };
 
-/// Root mean squares over the nodes within the strips, per axis.
+/// Root mean square sigmas per axis over the nodes within the strips.
 struct StripSigmas {
   double roll_pitch_rad = 0.0;
   double yaw_rad = 0.0;
   double position_m = 0.0;
 };
 
-/// What a design would determine. No measured value enters.
+/// Accuracies of a design. No measured values are used.
 struct StudyResult {
   std::string name;
   DesignSource source = DesignSource::kScenario;
   FlightGeometry geometry;
-  BoresightResult boresight;  ///< its angles are those of the design; no finding is contradicted
+  BoresightResult boresight;  ///< its angles are those of the design; no finding contradicts
   std::vector<StudyUnknown> unknowns;
-  std::vector<Unobservable> unobservable;  ///< of the unknowns besides the boresight
+  std::vector<Unobservable> unobservable;  ///< unknowns other than the boresight
   StripSigmas strips;
   std::vector<TrajectorySigma> trajectory;      ///< at the nodes
   std::vector<BiasCorrelationAt> correlations;  ///< at the nodes
@@ -100,22 +102,23 @@ struct StudyResult {
 /// Options of a study.
 struct StudyOptions {
   DesignOptions design;
-  bool remedies = true;  ///< tries what would help a weak direction, of a scenario
+  bool remedies = true;  ///< tries remedies for weak directions of a scenario
 };
 
-/// Covariances of a scenario before it is flown. Throws RankDeficient where the design leaves an
-/// unknown free (naming it), and as DesignOf; a design that is formally regular and yet determines
-/// an unknown no better than the eye has StudyResult::observable() false.
+/// Returns the covariances of a scenario before it is flown. Throws RankDeficient, with the name of
+/// the unknown, if the design leaves an unknown free; also throws as DesignOf.
+/// StudyResult::observable() is false for a design that is formally regular but does not determine
+/// an unknown.
 StudyResult Study(const Scenario& scenario, const StudyOptions& options = {});
 
-/// The same for a flight; no remedy is tried.
+/// Returns the same for a flight; no remedies are tried.
 StudyResult Study(Flight flight, const StudyOptions& options = {});
 
-/// The network of a design, linearised at its states, with its covariances. The design must outlive
-/// it. Throws RankDeficient where an unknown is free.
+/// Returns the network of a design, linearised at its states, with its covariances. The design must
+/// outlive it. Throws RankDeficient if an unknown is free.
 Solution AtStates(const StudyDesign& design, int threads = 1);
 
-/// Of a design at its states: everything but remedies.
+/// Returns the study of a design at its states, without remedies.
 StudyResult Study(const StudyDesign& design, const Solution& at_states);
 
 }  // namespace dn

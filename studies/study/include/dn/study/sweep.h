@@ -10,39 +10,41 @@
 
 namespace dn {
 
-/// One value of a key that is swept.
+/// A value of a swept key.
 struct SweepValue {
-  std::string label;  ///< its name in the file, else the value itself
+  std::string label;  ///< name in the file, else the value itself
   std::string yaml;
 };
 
-/// A key of the scenario, and the values that it takes.
+/// A key of the scenario, and its values.
 struct SweepKey {
-  std::string path;  ///< "plan.lines"; "estimate": what is free beside the boresight
+  std::string path;  ///< "plan.lines"; "estimate": the unknowns estimated with the boresight
   std::vector<SweepValue> values;
 };
 
-/// A family of designs: a base scenario, and every combination of the values of its keys.
+/// A family of designs: a base scenario with every combination of the values of its keys.
 ///
-///   base: lar3_rest                  # a shipped scenario, or a file beside this one
-///   estimate: [gnss_lever_arm]       # what is free beside the boresight; default: nothing
+///   base: lar3_rest                  # a shipped scenario, or a file in this folder
+///   estimate: [gnss_lever_arm]       # estimated with the boresight; default: nothing
 ///   sweep:
 ///     plan.lines: {opposite: [[..], [..]], cross: [[..], [..]]}    # name: value
 ///     imu.preset: [airins, apx15]                                  # or values alone
 class Sweep {
  public:
-  /// Reads a sweep. `where` is the file, named in messages. Throws InvalidConfig for an unknown key,
-  /// a key without values, more than 10000 designs, two values of a key with one name, a base that
-  /// is no scenario, and designs that are none.
+  /// Reads a sweep. `where` is the file, named in messages. Throws InvalidConfig for an unknown
+  /// key, a key without values, and two values of a key with the same name. Also throws for more
+  /// than 10000 designs, an invalid base, and combinations that are not valid scenarios.
   static Sweep Parse(const std::string& yaml_text, const std::string& where);
 
   const std::vector<SweepKey>& keys() const { return keys_; }
   std::uint64_t size() const;  ///< number of designs
 
-  /// Labels of a design, 1 to size(), one for each key; the last key changes fastest.
+  /// Returns the labels of a design, 1 to size(), one for each key; the last key changes fastest.
+  /// Throws InvalidInput for another number.
   std::vector<std::string> Labels(std::uint64_t number) const;
-  /// Its scenario, which is named after its number, and what is free in it.
+  /// Returns the scenario of a design, named after its number.
   Scenario ScenarioOf(std::uint64_t number) const;
+  /// Returns the unknowns that a design estimates with the boresight.
   std::string EstimateOf(std::uint64_t number) const;
 
   const std::string& base_text() const { return base_text_; }
@@ -58,40 +60,41 @@ class Sweep {
   std::string estimate_;
 };
 
-/// What one design of a sweep determines.
+/// Results of one design of a sweep.
 struct SweepRecord {
   std::uint64_t number = 0;
   std::vector<std::string> labels;
-  /// Why the design is singular or cannot be flown; the numbers below are zero then.
+  /// Reason why the design is singular or cannot be flown; the numbers below are then zero.
   std::string failure;
   Eigen::Vector3d sigma_rad = Eigen::Vector3d::Zero();
   double condition_number = 0.0;
-  double correlation_angles = 0.0;  ///< largest between two angles
-  double correlation_biases = 0.0;  ///< largest with a bias, over the flight
+  double correlation_angles = 0.0;  ///< largest one between two angles
+  double correlation_biases = 0.0;  ///< largest one with a bias, over the flight
   StripSigmas strips;
 };
 
-/// Studies one design. Interrupted passes through.
+/// Studies one design. Throws Interrupted.
 SweepRecord StudyOfSweep(const Sweep& sweep, std::uint64_t number, const DesignOptions& options);
 
-/// A record as JSON, and back: doubles survive unchanged. The second throws InvalidInput for what is
-/// no record, and for a value beyond its range.
+/// Converts a record to JSON and back; doubles stay unchanged.
 Json ToJson(const SweepRecord& record);
 SweepRecord SweepRecordFromJson(const JsonPlace& json);
 
-/// sweep.csv: a row per design.
+/// Returns sweep.csv with a row for each design.
 std::string SweepCsv(const std::vector<std::string>& paths,
                      const std::vector<SweepRecord>& records);
 
-/// sweep.json: `keys`, and per design `number`, `labels`, `singular` (why, else empty) and the columns
-/// of sweep.csv, the sigmas of the boresight in `sigma_deg`.
+/// Returns sweep.json with `keys` and the designs. A design has `number`, `labels`, `singular` (the
+/// reason, else empty) and the columns of sweep.csv. The sigmas of the boresight are in
+/// `sigma_deg`.
 Json SweepJson(const std::vector<std::string>& paths, const std::vector<SweepRecord>& records);
 
-/// The same as a table for the eye.
+/// Returns the same as a table for people.
 std::string SweepTable(const std::vector<std::string>& paths,
                        const std::vector<SweepRecord>& records);
 
-/// For each key the sigmas of all designs, by its values; a key with one value has none.
+/// Returns plots of the sigmas of all designs by the values of a key, for each key with several
+/// values.
 std::vector<StudyPlot> SweepPlots(const std::vector<std::string>& paths,
                                   const std::vector<SweepRecord>& records);
 
