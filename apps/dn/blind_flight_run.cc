@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// This program, also when its file has been replaced since it was started.
+// Path of the running program; still valid if its file has been replaced since the start.
 constexpr const char* kProgram = "/proc/self/exe";
 constexpr double kLongestRun_s = 3600.0;
 
@@ -66,7 +66,8 @@ void WriteFlight(const BlindFlight& flight, const Places& places) {
   folder.Commit();
 }
 
-/// Of the one thing in a flight; noise has no signature, nor has what leaves an unknown free.
+/// Computes the signature of the single effect in a flight. Returns nullopt for no or two effects,
+/// for an effect of another kind than kFixed, and if the computation fails.
 std::optional<BlindSignature> SignatureOfContent(const BlindFlight& flight) {
   const BlindContent content = flight.content();
   if (content == BlindContent::kNothing || content == BlindContent::kTwoEffects) {
@@ -96,7 +97,8 @@ std::optional<BlindSignature> SignatureOfContent(const BlindFlight& flight) {
   }
 }
 
-/// Runs a command of this program; `read` makes the outcome of its result file.
+/// Runs a command of this program in a process of its own. `read` converts its result file to the
+/// outcome.
 template <class T, class Read>
 Outcome<T> RunCommand(const std::vector<std::string>& arguments, const fs::path& out,
                       const std::string& result_name, const Read& read) {
@@ -154,7 +156,7 @@ BlindRecord RunBlindFlight(const BlindFlight& flight, const BlindRunOptions& opt
     WriteFlight(flight, places);
     record.signature = SignatureOfContent(flight);
   } catch (const InvalidInput& error) {
-    record.diagnosis.failure = std::string("the flight cannot be flown: ") + error.what();
+    record.diagnosis.failure = std::string("the flight cannot be simulated: ") + error.what();
     return record;
   }
   RunCommands(places, options.gap_options, &record);

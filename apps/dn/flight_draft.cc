@@ -17,12 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSqrtHourPerSqrtS = 1.0 / 60.0;
-// Noise is stated a little larger than the rows show it in half of the seconds.
+// The stated noise is this factor times the median noise per second.
 constexpr double kWhiteMargin = 1.5;
 constexpr const char* kDefaultImu = "IMU.txt";
 constexpr const char* kDefaultGnss = "GPS.txt";
 
-/// Assumed biases of a class of sensors, told by its white noise: chosen, and wide.
+/// Assumed biases of a sensor class, which is chosen by the white noise. The values are wide.
 struct BiasClass {
   double most_white_deg_sqrt_h;
   const char* name;
@@ -84,7 +84,7 @@ std::string ZoneOf(const Geodetic& place) {
   return fmt::format("{}{}", zone, place.lat_rad < 0.0 ? 's' : 'n');
 }
 
-/// Two digits.
+/// Formats a number with two digits.
 std::string Short(double value) { return fmt::format("{:.2g}", value); }
 
 std::string ImuSummary(const ImuData& imu) {
@@ -176,7 +176,7 @@ void FlightDraft::Settle() {
     FlightNeeds needs{.imu = imu_.has_value(), .gnss = gnss_.has_value()};
     return ReadFlight(ParseFlightConfig(SensorsText(), folder_), needs);
   };
-  // Clocks first: axes are told by course and gyros together.
+  // The clocks come first, since finding the axes needs course and gyros at the same time.
   for (int pass = 0; pass < 3; ++pass) {
     const Flight flight = read();
     const DataAgreement agreement = FindDataAgreement(flight);

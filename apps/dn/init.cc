@@ -93,8 +93,8 @@ void Init(const InitArguments& options, Run& run) {
 void AddInit(CLI::App* program, Action* action) {
   auto options = std::make_shared<InitArguments>();
   CLI::App* app = program->add_subcommand(
-      "init", "A commented flight.yaml for the files that lie in a folder, with what they show");
-  app->add_option("FOLDER", options->folder, "Folder with the data; its flight.yaml is written")
+      "init", "Writes a commented flight.yaml for the data files in a folder");
+  app->add_option("FOLDER", options->folder, "Folder with the data; flight.yaml is written there")
       ->required();
   AddCommonOptions(app, &options->common, false);
   app->footer("Example: dn init flight && dn check flight && dn smooth flight --out result");

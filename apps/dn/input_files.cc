@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kPiece = std::size_t{1} << 20;
 
-/// SHA-256 (FIPS 180-4) of what is added.
+/// Computes the SHA-256 (FIPS 180-4) of the added bytes.
 class Sha256 {
  public:
   Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {

@@ -26,7 +26,7 @@ Json ReportOf(const fs::path& folder) {
   return Json::parse(in, nullptr, false);
 }
 
-/// The series that the run in a folder has flown, or a shard of it.
+/// Reads which series, or which shard of it, the run in a folder has processed.
 Series SeriesOf(const fs::path& folder) {
   const fs::path file = ReportFile(folder);
   const Json report = ReportOf(folder);
@@ -46,9 +46,9 @@ bool SameSeries(const Series& a, const Series& b) {
   return a.command == b.command && a.first == b.first && a.flights == b.flights;
 }
 
-/// The shards of one series and where the record of each flight lies.
+/// The shards of one series with the record file of each flight.
 struct Shards {
-  Series series;  ///< the whole
+  Series series;  ///< the whole series
   Json made_from;
   std::map<std::uint64_t, fs::path> records;
 };
@@ -57,7 +57,7 @@ void ExpectSame(const Shards& shards, const Series& series, const Json& made_fro
                 const std::string& folder) {
   if (SameSeries(shards.series, series) && shards.made_from == made_from) return;
   throw InvalidConfig(folder +
-                      " is no shard of the series in the first folder: its command, flights, "
+                      " is not a shard of the series in the first folder: its command, flights, "
                       "seed, options or version differ (report.json, made_from.json)");
 }
 
@@ -102,7 +102,7 @@ Shards Gather(const std::vector<std::string>& folders) {
   return shards;
 }
 
-/// The records in the order of their numbers; each is copied to the merged folder.
+/// Reads the records in the order of their numbers and copies each to the merged folder.
 template <class Record, class Parse>
 std::vector<Record> Records(const Shards& shards, const RecordFolder& merged, const Parse& parse) {
   std::vector<Record> records;
@@ -139,14 +139,12 @@ void AddMerge(CLI::App* program, Action* action) {
   auto options = std::make_shared<MergeArguments>();
   CLI::App* app = program->add_subcommand("merge",
                                           "Joins the shards of dn monte-carlo, dn blind-check or "
-                                          "dn study --sweep as if one run had made "
-                                          "them");
-  app->add_option("DIR", options->folders, "Results of the shards, all of them")->required();
+                                          "dn study --sweep into the result of a single run");
+  app->add_option("DIR", options->folders, "Result folders of all shards")->required();
   AddCommonOptions(app, &options->common, true);
   app->footer(
-      "Shards are made by --shard 1/2 and --shard 2/2 of otherwise equal commands, each with an "
-      "--out "
-      "of\nits own, on any machine.\n"
+      "Make the shards with otherwise equal commands, e.g. with --shard 1/2 and --shard 2/2, each\n"
+      "with its own --out, on any machine.\n"
       "Example: dn merge one two --out both");
   app->callback([options, action] {
     *action = [options] {

@@ -46,7 +46,7 @@ Json RecordFolder::MadeFrom(const fs::path& folder) {
 
 Json RecordFolder::ParseFile(const fs::path& file) { return Json::parse(ReadText(file)); }
 
-// Temporary files of runs that were killed; the lock of --out keeps others out of here.
+// Removes temporary files of killed runs. The lock of --out keeps other runs out of the folder.
 void RecordFolder::RemoveUnfinished() const {
   std::vector<fs::path> unfinished;
   for (const auto& entry : fs::directory_iterator(folder_)) {

@@ -11,15 +11,16 @@
 
 namespace dn::apps {
 
-/// The records of finished flights, one file each by number, so that an interrupted run can be
-/// taken up, and shards be joined.
+/// Folder with one numbered record file per finished flight. With it an interrupted run can be
+/// resumed and shards can be merged.
 class RecordFolder {
  public:
-  /// Throws InvalidConfig when the folder holds the records of something else than `made_from`.
+  /// Opens or creates the folder. Throws InvalidConfig if it has records of a series that was not
+  /// made from `made_from`.
   RecordFolder(std::filesystem::path folder, const Json& made_from);
 
-  /// What `parse` makes of a record; nothing where there is none. Throws InvalidInput for what is no
-  /// record.
+  /// Reads and parses a record; nullopt if the file does not exist. Throws InvalidInput if the file
+  /// is not a valid record.
   template <class Parse>
   auto Read(std::uint64_t number, const Parse& parse) const
       -> std::optional<decltype(parse(Json()))> {
@@ -30,7 +31,7 @@ class RecordFolder {
 
   void Write(std::uint64_t number, const Json& record) const;
 
-  /// As Read, of a record that must be there.
+  /// Reads and parses a record file that must exist.
   template <class Parse>
   static auto ReadFile(const std::filesystem::path& file, const Parse& parse)
       -> decltype(parse(Json())) {
@@ -45,7 +46,8 @@ class RecordFolder {
 
   static std::filesystem::path FileOf(const std::filesystem::path& folder, std::uint64_t number);
 
-  /// What the records of a folder were made from. Throws InvalidInput where it does not say.
+  /// Reads from which scenario and options the records of a folder were made. Throws InvalidInput
+  /// if the folder does not state it.
   static Json MadeFrom(const std::filesystem::path& folder);
 
  private:

@@ -15,7 +15,8 @@ constexpr std::size_t kWordEnd = 60;
 
 bool Continues(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
 
-/// Bytes of the UTF-8 character at the start of the text; 0 where there is none.
+/// Returns the number of bytes of the UTF-8 character at the start of the text, or 0 if the text
+/// does not start with one.
 std::size_t CharacterBytes(std::string_view text) {
   const auto first = static_cast<unsigned char>(text[0]);
   const std::size_t bytes = first < 0x80                     ? 1
@@ -34,7 +35,7 @@ std::string Escaped(std::string_view bytes) {
   return text;
 }
 
-/// At most so many bytes from the start, no character torn apart.
+/// Returns at most `bytes` bytes from the start, without cutting a character.
 std::string_view Begin(std::string_view text, std::size_t bytes) {
   while (bytes > 0 && bytes < text.size() && Continues(text[bytes])) --bytes;
   return text.substr(0, bytes);

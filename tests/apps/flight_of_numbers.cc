@@ -19,7 +19,7 @@ std::vector<double> NumbersOf(std::string line) {
   return numbers;
 }
 
-/// Where the line of a key begins; a key of a section is SECTION.KEY.
+/// Returns the position at which the line of a key begins. A key of a section is SECTION.KEY.
 std::size_t FindKey(const std::string& yaml, const std::string& key) {
   const std::size_t dot = key.find('.');
   const bool top = dot == std::string::npos;
