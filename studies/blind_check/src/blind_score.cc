@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kAlarmLevel = 0.05;
 constexpr double kBeyond_sigmas = 5.0;
-constexpr double kTwinsOfQuick = 100.0;  // that p-values of dn gap are ranks among, at least
+constexpr double kTwinsOfQuick = 100.0;  // least number of replicates behind a p-value of dn gap
 constexpr double kCovered_sigmas = 1.959963984540054;
 
 bool Holds(const std::vector<std::string>& names, const std::string& name) {
@@ -33,7 +33,7 @@ Quartiles QuartilesOf(const std::vector<double>& values) {
           Quantile(values, 0.75)};
 }
 
-/// The entry of this name, made at the end where there is none.
+/// Returns the entry of this name, which is appended if there is none.
 template <class T>
 T& Entry(const std::string& name, std::string T::*key, std::vector<T>* entries) {
   for (T& entry : *entries) {
@@ -56,7 +56,7 @@ constexpr std::array<double, 3> kSizeLimits{0.0, 2.154, 4.642};  // 10^(1/3), 10
 constexpr std::array<double, 4> kStrengthLimits{0.0, 4.5, 6.0, 8.0};  // sigmas
 constexpr std::array<double, 3> kSignatureLimits{0.0, 5.0, 8.0};
 
-/// The last of some limits that is not above x.
+/// Returns the index of the last limit that is not above x.
 template <std::size_t N>
 std::size_t ClassOf(double x, const std::array<double, N>& limits) {
   const auto above = std::upper_bound(limits.begin(), limits.end(), x);
@@ -74,7 +74,7 @@ void Count(bool detected, bool named, bool with_group, Score* score) {
   score->named_with_group.Count(with_group);
 }
 
-/// Gathers what is not simply counted.
+/// Samples for the quantiles of the score.
 struct Samples {
   std::vector<double> null_p_value, truth_posterior;
   std::vector<double> shrinkage_right, shrinkage_wrong;
@@ -132,7 +132,7 @@ void ScoreTwo(const BlindRecord& record, BlindScore* score) {
   }
 }
 
-/// Of what the diagnosis does not have.
+/// Scores a flight with an effect that the diagnosis does not have.
 void ScoreOutsider(const std::string& name, const BlindRecord& record, BlindScore* score) {
   const BlindDiagnosis& diagnosis = *record.diagnosis.result;
   OutsiderScore& of_outsider = Entry(name, &OutsiderScore::outsider, &score->outsiders);
@@ -223,7 +223,7 @@ void ScoreCalibration(const BlindCalibration& calibration, std::vector<Calibrati
   CalibrationScore& score = Entry(calibration.verdict, &CalibrationScore::verdict, scores);
   ++score.flights;
   score.beyond_5_sigma += calibration.worst() > kBeyond_sigmas ? 1 : 0;
-  score.rms_sigmas += calibration.error_sigmas.squaredNorm();  // its sum, up to the last flight
+  score.rms_sigmas += calibration.error_sigmas.squaredNorm();  // sum of squares until the end
 }
 
 void Finish(std::vector<CalibrationScore>* scores) {
@@ -298,7 +298,7 @@ bool NamedWithGroup(const BlindRecord& record) {
 }
 
 BlindScore ScoreBlindFlights(const std::vector<BlindRecord>& records) {
-  if (records.empty()) throw InvalidInput("there is no flight to score");
+  if (records.empty()) throw InvalidInput("no flight to score: the list of records is empty");
   BlindScore score;
   Samples samples;
   score.flights = static_cast<long>(records.size());

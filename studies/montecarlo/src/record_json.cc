@@ -1,5 +1,4 @@
 #include <dn/montecarlo/flight_record.h>
-
 #include <dn/report/json_numbers.h>
 
 namespace dn {
@@ -11,7 +10,7 @@ Eigen::Matrix3d Matrix3FromJson(const Json& json) {
   return matrix;
 }
 
-// t, then per quantity its NEES and three components.
+// A row contains t, then for each quantity its NEES and three components.
 Json EpochToJson(const EpochErrors& epoch) {
   Json row = Json::array({epoch.t_s});
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
@@ -32,7 +31,7 @@ EpochErrors EpochFromJson(const Json& row) {
   return epoch;
 }
 
-// The figures that a summary over many flights needs.
+// Writes only the statistics that a summary over many flights needs.
 Json SeriesToJson(const std::vector<SeriesStatistics>& series) {
   Json rows = Json::array();
   for (const SeriesStatistics& s : series) {
