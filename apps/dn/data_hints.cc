@@ -54,11 +54,12 @@ void HintAxes(const Flight& flight, const BodyDirections& found, std::vector<Dat
   const std::string matrix = MatrixText(InDeclaredBody(flight.config, R));
   std::string text = fmt::format(
       "the inertial data are in axes {} (x y z; F forward, B back, R right, L left, D down, U up), "
-      "taken as {}",
+      "interpreted as {}",
       AxesName(R), AxesName(flight.config.imu->read.R_imu_to_body));
-  text += found.course_b ? " by flight.yaml: gravity and course say so"
-                         : " by flight.yaml: gravity says so (the course tells nothing, forward is "
-                           "a guess)";
+  text += found.course_b
+              ? " by flight.yaml, according to gravity and course"
+              : " by flight.yaml, according to gravity (without a usable course, forward "
+                "is a guess)";
   hints->push_back({text, "imu.R_imu_to_body", matrix});
 }
 
@@ -72,9 +73,9 @@ void HintLag(const Flight& flight, const TurnComparison& turns, std::vector<Data
   const bool leap = whole_s >= kLeapSecondsFrom && whole_s <= kLeapSecondsTo &&
                     std::abs(std::abs(lag_s) - whole_s) <= 0.5;
   const char* in_utc = lag_s < 0.0 ? "GNSS" : "inertial";
-  std::string text = fmt::format(
-      "the turns of the course fit those of the gyros when the GNSS tags are taken as {}",
-      LagText(lag_s));
+  std::string text =
+      fmt::format("the turns of the course fit those of the gyros if the GNSS time tags are {}",
+                  LagText(lag_s));
   if (!leap) {
     const double offset_s = flight.config.gnss->time_offset_s + lag_s;
     hints->push_back({text + ": the clocks differ", "gnss.time_offset_s", FormatDouble(offset_s)});
@@ -92,7 +93,7 @@ void HintLag(const Flight& flight, const TurnComparison& turns, std::vector<Data
 void HintTurns(const Flight& flight, const TurnComparison& turns, std::vector<DataHint>* hints) {
   if (turns.correlation < -kMirroredTurns) {
     hints->push_back(
-        {"the course turns the other way than the gyros do: latitude and longitude may "
+        {"the course turns opposite to the gyros: latitude and longitude may "
          "be exchanged in gnss.file, or an axis of imu.file has the wrong sign",
          "", ""});
     return;
@@ -177,8 +178,8 @@ void HintVelocities(const Flight& flight, std::vector<DataHint>* hints) {
          "", ""});
     return;
   }
-  hints->push_back({fmt::format("the GNSS positions move by {:.3g} m/s rms otherwise than their "
-                                "velocities of {:.3g} m/s rms say: are these east, north, up, in "
+  hints->push_back({fmt::format("the motion of the GNSS positions differs by {:.3g} m/s rms from "
+                                "their velocities of {:.3g} m/s rms: are these east, north, up, in "
                                 "m/s?",
                                 as_is, speed_mps),
                     "gnss.use_velocity", "false"});
@@ -189,7 +190,7 @@ void HintCoordinates(const Flight& flight, std::vector<DataHint>* hints) {
     const double far_m = flight.gnss->epochs.front().p_m.norm();
     if (far_m > kFarOriginM) {
       hints->push_back({fmt::format("frame.origin_deg_m lies {:.0f} km from the first GNSS "
-                                    "position: is it of another project, or are its latitude and "
+                                    "position: is it from another project, or are its latitude and "
                                     "longitude exchanged?",
                                     far_m / 1e3),
                         "frame.origin_deg_m", "~"});

@@ -1,4 +1,4 @@
-# The test package.find_package; variables come from CMakeLists.txt beside this file.
+# Runs the test package.find_package. CMakeLists.txt in this folder sets the variables.
 set(prefix ${SCRATCH_DIR}/prefix)
 file(REMOVE_RECURSE ${SCRATCH_DIR})
 
@@ -10,12 +10,12 @@ function(run)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 
-if(PCL_LIBRARY)  # as after ./bootstrap, which builds the program alone
+if(PCL_LIBRARY)  # this library is also missing after ./bootstrap, which builds only the program
   file(REMOVE ${PCL_LIBRARY})
 endif()
 run(${CMAKE_COMMAND} --install ${DN_BINARY_DIR} --prefix ${prefix})
 
-# The flags of our own builds and the paths of this tree must not reach a user.
+# The exported targets must not contain development flags or paths of this source tree.
 file(GLOB_RECURSE exported ${prefix}/*/dnTargets*.cmake)
 if(NOT exported)
   message(FATAL_ERROR "no dnTargets*.cmake under ${prefix}")
@@ -25,12 +25,12 @@ foreach(file IN LISTS exported)
   foreach(forbidden IN ITEMS "dn_dev_flags" "-Wshadow" "-fsanitize" "${DN_SOURCE_DIR}/" "${DN_BINARY_DIR}/lib")
     string(FIND "${text}" "${forbidden}" at)
     if(NOT at EQUAL -1)
-      message(FATAL_ERROR "${file} contains ${forbidden}")
+      message(FATAL_ERROR "${file} must not contain ${forbidden}")
     endif()
   endforeach()
 endforeach()
 
-# The text of the README's first block of a language.
+# Writes the first code block of a language in the README to a file.
 function(readme_block language out)
   file(READ ${DN_SOURCE_DIR}/README.md readme)
   string(FIND "${readme}" "```${language}\n" begin)
@@ -46,7 +46,7 @@ endfunction()
 set(compilers -G ${GENERATOR} -D CMAKE_C_COMPILER=${C_COMPILER} -D CMAKE_CXX_COMPILER=${CXX_COMPILER}
   -D CMAKE_CXX_FLAGS=${CXX_FLAGS} -D CMAKE_PREFIX_PATH=${prefix})
 
-# The README's program by the README's CMake lines, on a machine without PCL.
+# Builds the program in the README with the CMake code in the README, as on a machine without PCL.
 readme_block(cpp ${SCRATCH_DIR}/readme/main.cc)
 readme_block(cmake ${SCRATCH_DIR}/readme/CMakeLists.txt)
 run(${CMAKE_COMMAND} -S ${SCRATCH_DIR}/readme -B ${SCRATCH_DIR}/readme/build ${compilers}
@@ -55,18 +55,18 @@ run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/readme/build)
 run(${SCRATCH_DIR}/readme/build/mine)
 message(STATUS "readme: ${output}")
 
-# A project of several layers, that of PCL among them where it was built.
+# Builds a project that uses several components, including the one with PCL if it was built.
 run(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${SCRATCH_DIR}/build ${compilers}
   -D CMAKE_BUILD_TYPE=Release -D WITH_PCL=${PCL_LIBRARY})
 run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/build)
 run(${SCRATCH_DIR}/build/consumer)
 message(STATUS "consumer: ${output}")
 
-# What there is not, is said.
+# A missing component must be reported by name.
 execute_process(
   COMMAND ${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${SCRATCH_DIR}/none ${compilers} -D COMPONENT=radar
   RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
 string(FIND "${output}" "radar" at)
 if(result EQUAL 0 OR at EQUAL -1)
-  message(FATAL_ERROR "a component that there is not was found:\n${output}")
+  message(FATAL_ERROR "find_package(dn) did not report the missing component radar:\n${output}")
 endif()
