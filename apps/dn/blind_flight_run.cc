@@ -41,7 +41,7 @@ struct Places {
   fs::path flight, truth, runs, adapted_config;
 };
 
-SimulateOptions OptionsOf(const BlindFlight& flight) {
+SimulateOptions MakeSimulateOptions(const BlindFlight& flight) {
   SimulateOptions simulate;
   simulate.seed = flight.seed;
   simulate.progress = [](const std::string&, double) {
@@ -52,7 +52,7 @@ SimulateOptions OptionsOf(const BlindFlight& flight) {
 }
 
 void WriteFlight(const BlindFlight& flight, const Places& places) {
-  const SimulatedFlight simulated = Simulate(flight.scenario, OptionsOf(flight));
+  const SimulatedFlight simulated = Simulate(flight.scenario, MakeSimulateOptions(flight));
   std::string truth = FormatTruth(simulated) + "base: " + flight.base + "\n";
   if (flight.outsider) {
     truth += fmt::format("outsider: {{name: {}, parameters: {}}}\n", flight.outsider->name,
@@ -79,7 +79,7 @@ std::optional<BlindSignature> SignatureOfContent(const BlindFlight& flight) {
     if (FindEffect(effect.name)->kind != EffectKind::kFixed) return std::nullopt;
     if (flight.left_out) options.left_out.push_back(effect.name);
   }
-  SimulateOptions simulate = OptionsOf(flight);
+  SimulateOptions simulate = MakeSimulateOptions(flight);
   simulate.noise = false;
   const Flight with = Simulate(flight.scenario, simulate).flight;
   Scenario nothing = flight.scenario;

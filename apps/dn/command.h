@@ -97,8 +97,8 @@ class Run {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Runs the body and reports exceptions as an error line on stderr, in report.json and as the exit
-/// code: 0 success, 1 failed, 2 usage or configuration, 130 interrupted.
+/// Runs the body. Reports an exception as an error line on stderr and in report.json. Returns the
+/// exit code: 0 success, 1 failed, 2 usage or configuration, 130 interrupted.
 int Execute(const std::string& command, const CommonOptions& options,
             const std::function<void(Run&)>& body);
 

@@ -42,7 +42,7 @@ constexpr BiasClass kClasses[] = {
      "100}",
      "{type: random_constant, sigma_mg: 50}, {type: gauss_markov, sigma_mg: 3, tau_s: 100}"}};
 
-const BiasClass& ClassOf(double white_deg_sqrt_h) {
+const BiasClass& FindBiasClass(double white_deg_sqrt_h) {
   return *std::find_if(std::begin(kClasses), std::end(kClasses), [&](const BiasClass& c) {
     return white_deg_sqrt_h <= c.most_white_deg_sqrt_h;
   });
@@ -233,7 +233,7 @@ std::string FlightDraft::ImuText() const {
   if (!imu_) return {};
   const double gyro_deg_sqrt_h = std::max(white_gyro_ * kDegPerRad / kSqrtHourPerSqrtS, 1e-4);
   const double accel_m_s_sqrt_h = std::max(white_accel_ / kSqrtHourPerSqrtS, 1e-4);
-  const BiasClass& biases = ClassOf(gyro_deg_sqrt_h);
+  const BiasClass& biases = FindBiasClass(gyro_deg_sqrt_h);
   std::string text = fmt::format("\n# {}\nimu:\n  file: {}\n  format: {}\n", imu_summary_,
                                  QuoteYaml(Named(imu_->file)),
                                  imu_->imu_format == ImuFormat::kOdyn ? "odyn" : "increments");

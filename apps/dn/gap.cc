@@ -32,7 +32,7 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
   return words;
 }
 
-GapOptions::Depth DepthOf(const GapArguments& options) {
+GapOptions::Depth ChooseDepth(const GapArguments& options) {
   if (options.limits) return GapOptions::Depth::kLimits;
   if (options.screen_only) return GapOptions::Depth::kScreen;
   return options.quick ? GapOptions::Depth::kQuick : GapOptions::Depth::kFull;
@@ -40,7 +40,7 @@ GapOptions::Depth DepthOf(const GapArguments& options) {
 
 GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
   GapOptions gap;
-  gap.depth = DepthOf(options);
+  gap.depth = ChooseDepth(options);
   gap.seed = options.seed;
   gap.alpha = options.alpha;
   gap.threads = run->options().threads;

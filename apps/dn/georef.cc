@@ -310,7 +310,7 @@ void AddGeorefOptions(CLI::App* app, GeorefOptions* options) {
       ->capture_default_str();
 }
 
-Inputs InputsOf(const GeorefOptions& options) {
+Inputs GeorefInputs(const GeorefOptions& options) {
   Inputs inputs = FlightInputs(options.flight, {}, options.trajectory);
   if (!options.result.empty()) inputs.files.emplace_back(options.result);
   return inputs;
@@ -327,7 +327,7 @@ void AddGeoref(CLI::App* program, Action* action) {
   app->footer("Example: dn georef flight --boresight 0.1,-0.02,0.3 --out result");
   app->callback([options, action] {
     *action = [options] {
-      options->common.inputs = InputsOf(*options);
+      options->common.inputs = GeorefInputs(*options);
       return Execute("georef", options->common, [&](Run& run) { RunGeoref(*options, run); });
     };
   });

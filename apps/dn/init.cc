@@ -40,7 +40,7 @@ const char* KindName(FileKind kind) {
   return "not known";
 }
 
-std::vector<FileContent> ContentsOf(const fs::path& folder) {
+std::vector<FileContent> LookAtFlightFolder(const fs::path& folder) {
   std::vector<FileContent> contents = LookAtFolder(folder);
   if (!fs::is_directory(folder / "lidar")) return contents;
   for (FileContent& content : LookAtFolder(folder / "lidar")) {
@@ -63,7 +63,7 @@ void Init(const InitArguments& options, Run& run) {
   const fs::path folder = options.folder;
   ExpectFolder(folder);
   run.progress.Stage("looking at " + folder.string());
-  const std::vector<FileContent> contents = ContentsOf(folder);
+  const std::vector<FileContent> contents = LookAtFlightFolder(folder);
   FlightDraft draft(folder, contents);
   if (draft.empty()) {
     throw InvalidInput("no file in " + folder.string() +

@@ -8,10 +8,10 @@ namespace dn::apps {
 /// Returns true after SIGINT, SIGTERM or SIGHUP.
 bool SignalCame();
 
-/// Installs handlers for SIGINT, SIGTERM and SIGHUP. A signal asks the work to stop. If it has not
-/// stopped after 0.4 s, or after a second signal, the handler removes the staged files and ends the
-/// program with exit code 130. SIGHUP stays ignored if the program was started so (nohup). SIGPIPE
-/// and SIGXFSZ are ignored, so that a closed pipe or a file-size limit gives a write error.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP. A signal asks the work to stop. After another
+/// 0.4 s, or at a second signal, the program is ended by force: the staged files are removed and
+/// the exit code is 130. SIGHUP stays ignored if the program was started so (nohup). SIGPIPE and
+/// SIGXFSZ are ignored, so that a closed pipe or a file-size limit gives a write error.
 void InstallSignalHandlers();
 
 /// Sets the actions of a forced end: print the error line `message`, remove the directory

@@ -30,7 +30,7 @@ struct MatchCommand {
   std::vector<int> classes;
 };
 
-MatchOptions OptionsOf(const MatchCommand& command, Run& run) {
+MatchOptions MakeMatchOptions(const MatchCommand& command, Run& run) {
   MatchOptions options = MatchOptionsOf(run);
   if (command.gsd_m > 0.0) options.gsd_m = command.gsd_m;
   options.search_rad = command.search_deg * kRadPerDeg;
@@ -41,7 +41,7 @@ MatchOptions OptionsOf(const MatchCommand& command, Run& run) {
   return options;
 }
 
-PointFilter FilterOf(const MatchCommand& command) {
+PointFilter MakePointFilter(const MatchCommand& command) {
   PointFilter filter = kLastReturns;
   filter.last_returns = !command.all_returns;
   for (const int each : command.classes) filter.classes.insert(static_cast<std::uint8_t>(each));
@@ -55,8 +55,9 @@ bool IsFlight(const std::vector<std::string>& what) {
 
 void MatchFlightCommand(const MatchCommand& command, Run& run) {
   FlightConfig config = ReadFlightConfig(command.what[0], command.common.changes);
-  MatchedFlight matched = MatchStripsOfFlight(std::move(config), command.trajectory,
-                                              OptionsOf(command, run), FilterOf(command), run);
+  MatchedFlight matched =
+      MatchStripsOfFlight(std::move(config), command.trajectory, MakeMatchOptions(command, run),
+                          MakePointFilter(command), run);
   AddMatches(matched, run);
   if (matched.smoothed) {
     AddTrajectoryFiles(*matched.smoothed, &run);
@@ -85,8 +86,8 @@ std::string FormatPositions(const MatchResult& result, const BareMatchSource& so
 
 void MatchBareCommand(const MatchCommand& command, Run& run) {
   std::vector<fs::path> files(command.what.begin(), command.what.end());
-  BareMatchSource source(FindMatchStrips(files), FilterOf(command));
-  const MatchResult result = MatchBareStrips(&source, OptionsOf(command, run));
+  BareMatchSource source(FindMatchStrips(files), MakePointFilter(command));
+  const MatchResult result = MatchBareStrips(&source, MakeMatchOptions(command, run));
   run.AddFile("pairs_xyz.txt", FormatPositions(result, source));
   AddMatchFiles(files.front().stem().string(), result, source, run);
   if (result.pairs() == 0) FailNoPairs();
@@ -100,7 +101,7 @@ void RunMatch(const MatchCommand& command, Run& run) {
   }
 }
 
-Inputs InputsOf(const MatchCommand& command) {
+Inputs MatchInputs(const MatchCommand& command) {
   if (IsFlight(command.what)) {
     return FlightInputs(command.what[0], command.common.changes, command.trajectory);
   }
@@ -157,7 +158,7 @@ void AddMatch(CLI::App* program, Action* action) {
       "result");
   app->callback([command, action] {
     *action = [command] {
-      command->common.inputs = InputsOf(*command);
+      command->common.inputs = MatchInputs(*command);
       return Execute("match", command->common, [&](Run& run) { RunMatch(*command, run); });
     };
   });

@@ -44,7 +44,7 @@ struct FlightPath {
   std::unique_ptr<FlightRun> smoothed;
 };
 
-FlightPath PathOf(FlightConfig* config, const std::string& trajectory, Run& run) {
+FlightPath FindFlightPath(FlightConfig* config, const std::string& trajectory, Run& run) {
   FlightPath path;
   const bool own = HasTrajectory(*config);
   if (own || !trajectory.empty()) {
@@ -103,7 +103,7 @@ MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& traject
   const std::vector<fs::path> files = NeedStripFiles(config.folder);
   CheckSystems(files, config.strips_crs, run);
   MatchedFlight matched;
-  FlightPath path = PathOf(&config, trajectory, run);
+  FlightPath path = FindFlightPath(&config, trajectory, run);
   matched.smoothed = std::move(path.smoothed);
   path.options.made_with = config.lidar->mounting;
   path.options.time_span_s = config.time_span_s;

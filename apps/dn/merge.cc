@@ -27,7 +27,7 @@ Json ReportOf(const fs::path& folder) {
 }
 
 /// Reads which series, or which shard of it, the run in a folder has processed.
-Series SeriesOf(const fs::path& folder) {
+Series ReadSeries(const fs::path& folder) {
   const fs::path file = ReportFile(folder);
   const Json report = ReportOf(folder);
   if (!report.is_object() || !report.contains("series")) {
@@ -88,7 +88,7 @@ void ExpectComplete(const Shards& shards) {
 Shards Gather(const std::vector<std::string>& folders) {
   Shards shards;
   for (const std::string& folder : folders) {
-    const Series series = SeriesOf(folder);
+    const Series series = ReadSeries(folder);
     const fs::path records = fs::path(folder) / RecordFolderName(series.command);
     const Json made_from = RecordFolder::MadeFrom(records);
     if (shards.records.empty()) {

@@ -35,8 +35,8 @@ std::vector<Point> Points(const Flight& flight) {
   return points;
 }
 
-StripLine LineOf(const std::vector<Point>& points, const LocalFrame& frame,
-                 const StripInterval& strip) {
+StripLine LineFromPoints(const std::vector<Point>& points, const LocalFrame& frame,
+                         const StripInterval& strip) {
   StripLine line{strip};
   const auto earlier = [](const Point& point, double t_s) { return point.t_s < t_s; };
   const auto first = std::lower_bound(points.begin(), points.end(), strip.t0_s, earlier);
@@ -72,7 +72,8 @@ bool AnyTwo(const std::vector<StripLine>& lines, const Test& test) {
 std::vector<StripLine> StripLines(const Flight& flight, const std::vector<StripInterval>& strips) {
   const std::vector<Point> points = Points(flight);
   std::vector<StripLine> lines;
-  for (const StripInterval& strip : strips) lines.push_back(LineOf(points, flight.frame, strip));
+  for (const StripInterval& strip : strips)
+    lines.push_back(LineFromPoints(points, flight.frame, strip));
   return lines;
 }
 

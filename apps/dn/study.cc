@@ -184,7 +184,7 @@ void AddStudyOptions(CLI::App* app, StudyArguments* options) {
   AddCommonOptions(app, &options->common, true);
 }
 
-Inputs InputsOf(const StudyArguments& options) {
+Inputs StudyInputs(const StudyArguments& options) {
   if (!options.what.empty()) {
     return std::filesystem::is_directory(options.what) ? FlightInputs(options.what, {})
                                                        : ScenarioInputs(options.what);
@@ -220,7 +220,7 @@ void AddStudy(CLI::App* program, Action* action) {
       throw CLI::RequiredError("FLIGHT");
     }
     *action = [options] {
-      options->common.inputs = InputsOf(*options);
+      options->common.inputs = StudyInputs(*options);
       options->common.keeps_records = !options->sweep.file.empty();
       return Execute("study", options->common, [&](Run& run) { RunOne(*options, run); });
     };

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<double> NumbersOf(std::string line) {
+std::vector<double> SplitNumbers(std::string line) {
   std::replace(line.begin(), line.end(), ',', ' ');
   std::istringstream stream(line);
   std::vector<double> numbers;
@@ -36,7 +36,7 @@ Table FlightOfNumbers::Rows(const std::string& name) const {
   std::istringstream stream(Read(name));
   Table rows;
   for (std::string line; std::getline(stream, line);) {
-    if (!line.empty() && line.front() != '#') rows.push_back(NumbersOf(std::move(line)));
+    if (!line.empty() && line.front() != '#') rows.push_back(SplitNumbers(std::move(line)));
   }
   return rows;
 }

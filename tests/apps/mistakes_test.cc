@@ -310,10 +310,10 @@ const Mistake kNoMistakes[] = {
     {"FivePercentOfGnssWrong", GnssOutliers, Must::kBeRight},
 };
 
-std::string NameOf(const ::testing::TestParamInfo<Mistake>& info) { return info.param.name; }
+std::string MistakeName(const ::testing::TestParamInfo<Mistake>& info) { return info.param.name; }
 
-INSTANTIATE_TEST_SUITE_P(People, Mistakes, ::testing::ValuesIn(kMistakes), NameOf);
-INSTANTIATE_TEST_SUITE_P(Nobody, Mistakes, ::testing::ValuesIn(kNoMistakes), NameOf);
+INSTANTIATE_TEST_SUITE_P(People, Mistakes, ::testing::ValuesIn(kMistakes), MistakeName);
+INSTANTIATE_TEST_SUITE_P(Nobody, Mistakes, ::testing::ValuesIn(kNoMistakes), MistakeName);
 
 // Pairs that are listed more than once must not reduce the sigmas.
 TEST(RepeatedPairs, NarrowNoSigma) {

@@ -26,7 +26,7 @@ struct Shown {
   std::string text;
 };
 
-std::vector<Shown> NumbersOf(const std::string& html) {
+std::vector<Shown> ParseShownNumbers(const std::string& html) {
   const std::regex cell(
       R"re(data-value="([^"]*)" data-scale="([^"]*)" data-source="([^"#]*)#([^"]*)"[^>]*>([^<]*)</td>)re");
   std::vector<Shown> numbers;
@@ -56,7 +56,7 @@ void ExpectPageOfItsFiles(const std::filesystem::path& folder, std::size_t least
   const std::string html = ContentOf(folder / "report.html");
   EXPECT_LT(html.size(), kMostBytes);
   std::map<std::string, Json> files;
-  const std::vector<Shown> numbers = NumbersOf(html);
+  const std::vector<Shown> numbers = ParseShownNumbers(html);
   EXPECT_GE(numbers.size(), least);
   for (const Shown& shown : numbers) {
     if (!files.contains(shown.file)) {

@@ -44,7 +44,7 @@ T& Entry(const std::string& name, std::string T::*key, std::vector<T>* entries) 
   return entries->back();
 }
 
-const BlindCause* CauseOf(const BlindDiagnosis& diagnosis, const std::string& effect) {
+const BlindCause* FindCause(const BlindDiagnosis& diagnosis, const std::string& effect) {
   for (const BlindCause& cause : diagnosis.causes) {
     if (cause.effect == effect) return &cause;
   }
@@ -58,13 +58,13 @@ constexpr std::array<double, 3> kSignatureLimits{0.0, 5.0, 8.0};
 
 /// Returns the index of the last limit that is not above x.
 template <std::size_t N>
-std::size_t ClassOf(double x, const std::array<double, N>& limits) {
+std::size_t ClassIndex(double x, const std::array<double, N>& limits) {
   const auto above = std::upper_bound(limits.begin(), limits.end(), x);
   return static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, above - limits.begin()) - 1);
 }
 
 SignatureScore& OfSignature(const BlindSignature& signature, BlindScore* score) {
-  return score->signatures[ClassOf(std::sqrt(signature.lambda_left), kSignatureLimits)];
+  return score->signatures[ClassIndex(std::sqrt(signature.lambda_left), kSignatureLimits)];
 }
 
 template <class Score>
@@ -108,17 +108,17 @@ void ScoreOne(const BlindRecord& record, BlindScore* score, Samples* samples) {
   Count(diagnosis.detected, named, with_group,
         &Entry(effect, &EffectScore::effect, &score->effects));
   Count(diagnosis.detected, named, with_group,
-        &score->sizes[ClassOf(SizeOf(record.effects.front()), kSizeLimits)]);
+        &score->sizes[ClassIndex(SizeOf(record.effects.front()), kSizeLimits)]);
   if (record.signature) {
     StrengthScore& strength =
-        score->strengths[ClassOf(std::sqrt(record.signature->lambda), kStrengthLimits)];
+        score->strengths[ClassIndex(std::sqrt(record.signature->lambda), kStrengthLimits)];
     Count(diagnosis.detected, named, with_group, &strength);
     if (const auto& calibrated = record.calibrated.result) {
       strength.calibrated_beyond_5_sigma.Count(calibrated->verdict == "calibrated" &&
                                                calibrated->worst() > kBeyond_sigmas);
     }
   }
-  const BlindCause* cause = CauseOf(diagnosis, effect);
+  const BlindCause* cause = FindCause(diagnosis, effect);
   if (diagnosis.detected) samples->truth_posterior.push_back(cause ? cause->posterior : 0.0);
 }
 
@@ -166,7 +166,7 @@ void ScoreReliability(const BlindRecord& record, BlindScore* score, Samples* sam
 void ScoreCoverage(const BlindRecord& record, BlindScore* score) {
   const BlindDiagnosis& diagnosis = *record.diagnosis.result;
   for (const Effect& effect : record.effects) {
-    const BlindCause* cause = CauseOf(diagnosis, effect.name);
+    const BlindCause* cause = FindCause(diagnosis, effect.name);
     if (!Holds(diagnosis.effects, effect.name) || cause == nullptr) continue;
     const bool fixed = FindEffect(effect.name)->kind == EffectKind::kFixed;
     Share* coverage = fixed ? &score->fixed_coverage : &score->stochastic_coverage;

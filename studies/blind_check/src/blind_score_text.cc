@@ -37,7 +37,7 @@ std::string Lines(const std::string& title, const std::vector<CalibrationScore>&
 std::string Fraction(const Share& share) { return fmt::format("{}/{}", share.hits, share.of); }
 
 template <class Score>
-std::string RowOf(const std::string& name, const Score& score) {
+std::string FormatRow(const std::string& name, const Score& score) {
   return fmt::format("  {:<28} {:>9} {:>9} {:>12}\n", name, Fraction(score.detected),
                      Fraction(score.named), Fraction(score.named_with_group));
 }
@@ -49,10 +49,10 @@ std::string EffectLines(const BlindScore& s) {
         "flights with one effect, by its size / typical size\n"
         "  {:<28} {:>9} {:>9} {:>12}\n",
         "", "detected", "named", "with groups");
-    text += RowOf("below 2.2", s.sizes[0]) + RowOf("2.2 to 4.6", s.sizes[1]) +
-            RowOf("above 4.6", s.sizes[2]) + "by effect\n";
+    text += FormatRow("below 2.2", s.sizes[0]) + FormatRow("2.2 to 4.6", s.sizes[1]) +
+            FormatRow("above 4.6", s.sizes[2]) + "by effect\n";
   }
-  for (const EffectScore& score : s.effects) text += RowOf(score.effect, score);
+  for (const EffectScore& score : s.effects) text += FormatRow(score.effect, score);
   if (!s.outsiders.empty()) {
     text += fmt::format("by effect that the diagnosis does not have\n  {:<28} {:>9} {:>9}\n", "",
                         "detected", "rejected");

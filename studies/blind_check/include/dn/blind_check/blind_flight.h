@@ -43,9 +43,9 @@ std::vector<std::string> BlindScenarioNames();
 double SizeOf(const Effect& effect);
 
 /// Draws flight `number` (from 1): the lines (heading, height, length, number), the terrain, the
-/// true boresight and the content. Unless the suite prescribes the content, 20 % of the flights
-/// contain no effect, 50 % one, 10 % two, and 20 % an effect outside the library. The result depends
-/// only on the suite and the number.
+/// true boresight and the content, unless the suite prescribes it. 20 % of the flights contain no
+/// effect, 50 % one, 10 % two, and 20 % an effect outside the library. The result depends only on
+/// the suite and the number.
 ///
 /// The logarithm of a size is uniform. Sizes are 1 to 10 times the typical size in the table. For a
 /// ratio r, r - 1 is 0.5 to 4 times the typical one. Components that are not a size (a correlation
