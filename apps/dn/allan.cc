@@ -23,10 +23,11 @@ struct AllanArguments {
   std::string body = "FRD";
 };
 
-// Rate given against rate found: more is another file or another sensor.
+// Largest relative difference between --rate and the rate of the time tags. A larger one indicates
+// another file or another sensor.
 constexpr double kRateTolerance = 0.01;
 
-/// One sensor in the units that flight.yaml uses.
+/// Units of one sensor, as flight.yaml uses them.
 struct SensorUnits {
   const char* name;
   double rate_per_si;  ///< deg/h per rad/s; mg per m/s^2
@@ -55,7 +56,7 @@ struct Sensor {
   const SensorUnits& units;
   std::vector<Axis> axes;
   std::vector<AllanPoint> mean_curve;
-  NoiseFit fit;  // of the mean curve: one model for the three axes
+  NoiseFit fit;  // fitted to the mean curve: one model for the three axes
 };
 
 std::vector<double> AxisValues(const ImuData& imu, bool gyro, int axis) {
@@ -81,15 +82,15 @@ Sensor Analyse(const ImuData& imu, const SensorUnits& units, bool gyro, Run* run
     axis.fit = FitNoise(axis.curve);
     if (!AtRest(values, imu.nominal_dt_s, gyro ? kRestGyroRadps : kRestAccelMps2)) {
       throw InvalidInput(fmt::format(
-          "{} {}: the sensor was not at rest, and the terms would hold its motion as well as its "
-          "noise; cut out a part at rest",
+          "{} {}: the sensor was not at rest, so the noise terms would include its motion; cut out "
+          "a part at rest",
           units.name, kAxes[i]));
     }
     const double drift = DriftInSigmas(values, imu.nominal_dt_s, axis.fit);
     if (std::abs(drift) > kDriftSigmas) {
       warnings->push_back(fmt::format(
-          "{} {}: the record drifts from its first to its last third by {:.3g} times what its "
-          "stationary terms explain: temperature? A random walk below may be that drift",
+          "{} {}: the record drifts from its first to its last third by {:.3g} times the sigma of "
+          "its stationary terms, perhaps with temperature; a fitted random walk may be this drift",
           units.name, kAxes[i], std::abs(drift)));
     }
     curves.push_back(axis.curve);
@@ -186,7 +187,7 @@ void PrintTable(const std::vector<Sensor>& sensors) {
   }
 }
 
-/// Whether a term is known to a half of itself.
+/// Returns true if the sigma of a term is at most half its value.
 bool Determined(const std::optional<NoiseTerm>& term) {
   return term && term->sigma <= 0.5 * term->value;
 }
@@ -208,7 +209,7 @@ std::string SensorYaml(const Sensor& sensor) {
   if (noise.white > 0.0) {
     text += fmt::format("    {}: {:.4g}\n", u.white_key, u.white_per_si * noise.white);
   } else {
-    text += fmt::format("    # {}: not seen; take it from the data sheet\n", u.white_key);
+    text += fmt::format("    # {}: not found; take it from the data sheet\n", u.white_key);
   }
   text += fmt::format(
       "    # means by axis [{}]: {:.4g} {:.4g} {:.4g}; a turn-on bias needs several\n"
@@ -241,7 +242,8 @@ std::string NoiseYaml(const std::vector<Sensor>& sensors, const AllanArguments& 
   std::string text = fmt::format(
       "# Noise of {} by Allan variance: {} values at {:.6g} Hz. One model for three axes, fitted "
       "to\n"
-      "# the mean of their variances. Terms slower than {:.0f} s are beyond the record.\nimu:\n",
+      "# the mean of their variances. The record is too short for terms slower than {:.0f} s.\n"
+      "imu:\n",
       options.file.filename().string(), imu.samples.size(), 1.0 / imu.nominal_dt_s,
       sensors[0].fit.longest_tau_s);
   for (const Sensor& sensor : sensors) text += SensorYaml(sensor);
@@ -275,7 +277,7 @@ void AddPlot(const Sensor& sensor, Run* run) {
   }
 }
 
-/// Gaps and bridged holes, by time.
+/// Returns the gaps and the bridged gaps in the order of time.
 std::vector<ImuGap> Holes(const ImuData& imu) {
   std::vector<ImuGap> holes = imu.gaps;
   for (const ImuBridge& bridge : imu.bridges) {
@@ -288,8 +290,9 @@ std::vector<ImuGap> Holes(const ImuData& imu) {
 
 void CheckRecord(const AllanArguments& options, const ImuData& imu) {
   if (imu.uneven) {
-    throw InvalidInput("the rows are not evenly spaced; the Allan variance needs an even record",
-                       {options.file.string()});
+    throw InvalidInput(
+        "the rows are not evenly spaced; the Allan variance needs evenly spaced rows",
+        {options.file.string()});
   }
   const double found_hz = 1.0 / imu.nominal_dt_s;
   if (std::abs(found_hz / options.rate_hz - 1.0) > kRateTolerance) {
@@ -299,11 +302,12 @@ void CheckRecord(const AllanArguments& options, const ImuData& imu) {
   }
   const std::vector<ImuGap> holes = Holes(imu);
   if (!holes.empty()) {
-    throw InvalidInput(fmt::format("{} gaps in the record, the first from {:.3f} to {:.3f} s; the "
-                                   "Allan variance needs an even record: cut out the longest part "
-                                   "without a gap",
-                                   holes.size(), holes[0].t_begin_s, holes[0].t_end_s),
-                       {options.file.string()});
+    throw InvalidInput(
+        fmt::format("{} gaps in the record, the first from {:.3f} to {:.3f} s; the "
+                    "Allan variance needs evenly spaced rows: cut out the longest part "
+                    "without a gap",
+                    holes.size(), holes[0].t_begin_s, holes[0].t_end_s),
+        {options.file.string()});
   }
 }
 
@@ -342,16 +346,20 @@ void Allan(const AllanArguments& options, Run& run) {
 void AddAllan(CLI::App* program, Action* action) {
   auto options = std::make_shared<AllanArguments>();
   CLI::App* app = program->add_subcommand(
-      "allan", "Allan variance of a record at rest: noise terms ready for flight.yaml");
-  app->add_option("IMU", options->file, "IMU.txt: t, rates [rad/s], specific force [m/s^2]")
+      "allan", "Fits noise terms for flight.yaml to the Allan variance of a record at rest");
+  app->add_option("IMU", options->file,
+                  "IMU.txt with time [s], angular rates [rad/s] and specific forces [m/s^2]")
       ->required();
-  app->add_option("--rate", options->rate_hz, "Rate of the record [Hz], checked against its tags")
+  app->add_option("--rate", options->rate_hz,
+                  "Rate of the record [Hz], checked against its time tags")
       ->required()
       ->check(PositiveNumber());
-  app->add_option("--format", options->format, "odyn or increments, as imu.format of flight.yaml")
+  app->add_option("--format", options->format,
+                  "File format, odyn or increments, as imu.format of flight.yaml")
       ->check(OneOf({"odyn", "increments"}))
       ->capture_default_str();
-  app->add_option("--body", options->body, "Axes of the file: FRD or FLU")
+  app->add_option("--body", options->body,
+                  "Body axes of the file: FRD (forward, right, down) or FLU (forward, left, up)")
       ->check(OneOf({"FRD", "FLU"}))
       ->capture_default_str();
   AddCommonOptions(app, &options->common, true);

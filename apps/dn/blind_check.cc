@@ -26,7 +26,7 @@ struct BlindCheckArguments {
   std::vector<std::string> scenarios = BlindScenarioNames();
   std::string gap_options = "quick";
   std::string shard = "1/1";
-  std::string only;  ///< a word of BlindContent, or nothing
+  std::string only;  ///< word of a BlindContent, or empty for a random content
   bool discard_flights = false;
 };
 
@@ -36,12 +36,12 @@ std::vector<std::string> GapOptions(const std::string& word) {
   return {};
 }
 
-/// What the flights are made from: the names of shipped scenarios and the texts of others.
+/// Lists the base scenarios: shipped ones by name, others by name and text.
 Json ScenariosJson(const std::vector<std::string>& scenarios) {
   const std::vector<std::string> shipped = ScenarioNames();
   Json names = Json::array();
   for (const std::string& scenario : scenarios) {
-    ReadScenario(scenario);  // a fault is told before the first flight
+    ReadScenario(scenario);  // reports an invalid scenario before the first flight
     const bool is_shipped = std::find(shipped.begin(), shipped.end(), scenario) != shipped.end();
     names.push_back(is_shipped ? Json(scenario) : Json{{scenario, ScenarioText(scenario)}});
   }
@@ -99,8 +99,8 @@ void BlindCheck(const BlindCheckArguments& options, Run& run) {
 }
 
 PlotPanel ReliabilityPanel(const BlindScore& score) {
-  PlotSeries seen{"seen", {}, PlotStyle::kPoints};
-  PlotSeries interval_95{"what agrees with it at 95 %", {}, PlotStyle::kSpans};
+  PlotSeries seen{"observed", {}, PlotStyle::kPoints};
+  PlotSeries interval_95{"95 % confidence interval", {}, PlotStyle::kSpans};
   for (const ReliabilityBin& bin : score.reliability) {
     if (bin.true_ones.of == 0) continue;
     const Interval interval = bin.true_ones.interval_95();
@@ -109,7 +109,7 @@ PlotPanel ReliabilityPanel(const BlindScore& score) {
     interval_95.points.emplace_back(bin.stated, interval.high);
   }
   const PlotSeries calibrated{"calibrated", {{0.0, 0.0}, {1.0, 1.0}}, PlotStyle::kLines};
-  return {"share that is there", {interval_95, seen, calibrated}};
+  return {"observed frequency", {interval_95, seen, calibrated}};
 }
 
 PlotPanel BoresightPanel(const std::string& label, const std::vector<BlindRecord>& records,
@@ -125,8 +125,9 @@ PlotPanel BoresightPanel(const std::string& label, const std::vector<BlindRecord
 }
 
 void AddPlots(const BlindScore& score, const std::vector<BlindRecord>& records, Run* run) {
-  const auto reliability = DrawSvg("posterior of a cause: stated, and how often it is there",
-                                   "stated", {ReliabilityPanel(score)}, SignalCame);
+  const auto reliability =
+      DrawSvg("posterior of a cause: stated probability and observed frequency", "stated",
+              {ReliabilityPanel(score)}, SignalCame);
   if (!reliability) {
     run->progress.Warn("no plots: gnuplot is not installed or failed");
     return;
@@ -167,41 +168,44 @@ void AddBlindCheck(CLI::App* program, Action* action) {
   auto options = std::make_shared<BlindCheckArguments>();
   CLI::App* app = program->add_subcommand(
       "blind-check",
-      "Flies flights with hidden effects, has each diagnosed by dn gap, and scores what it said");
-  app->add_option("--flights", options->flights, "Number of flights")
+      "Simulates flights with random effects, diagnoses each with dn gap and scores the diagnoses");
+  app->add_option("--flights", options->flights, "Number of simulated flights")
       ->check(WholeNumber(1, 1000000))
       ->capture_default_str();
-  app->add_option("--seed", options->seed, "Seed of what the flights are and contain")
+  app->add_option("--seed", options->seed, "Seed of the random flights and their effects")
       ->check(WholeNumber(0))
       ->capture_default_str();
   app->add_option("--scenarios", options->scenarios,
-                  "Scenarios to make the flights from, shipped ones or files, separated by commas")
+                  "Comma-separated base scenarios of the flights, names of shipped ones or files")
       ->delimiter(',')
       ->capture_default_str();
-  app->add_option("--gap-options", options->gap_options, "Depth of dn gap: full, quick or screen")
+  app->add_option("--gap-options", options->gap_options,
+                  "Depth of the diagnosis by dn gap: full, quick (--quick) or screen "
+                  "(--screen-only)")
       ->check(OneOf({"full", "quick", "screen"}))
       ->capture_default_str();
   app->add_option("--shard", options->shard,
-                  "Fly only every N-th flight, from the i-th on; dn merge joins the shards")
+                  "i/N: simulates only every N-th flight, starting with the i-th; dn merge joins "
+                  "the shards")
       ->check(ShardText())
       ->capture_default_str();
   CLI::Option* only =
       app->add_option("--only", options->only,
-                      "What every flight contains: nothing, one effect, two, or an outsider, "
-                      "physics that the table of effects does not have")
+                      "Content of every flight: no effect, one, two, or one that the table of "
+                      "effects does not have")
           ->check(OneOf({"nothing", "one", "two", "outsider"}));
   app->add_flag_callback(
          "--left-out", [options] { options->only = Word(BlindContent::kLeftOut); },
-         "Every flight contains one effect, and dn gap has to do without it")
+         "Every flight contains one effect, which dn gap must not consider")
       ->excludes(only);
   app->add_flag("--discard-flights", options->discard_flights,
-                "Remove the folder of a flight (some 20 MB) when it is recorded");
+                "Removes each flight folder (about 20 MB) once the flight is recorded");
   AddCommonOptions(app, &options->common, true);
   app->footer(
-      "One flight runs on each thread. Flights are in DIR/flights, what they contain in DIR/truth, "
-      "what\nwas made of them in DIR/runs. Recorded flights stay in DIR/records: the same command "
-      "takes an\ninterrupted run up again, and with more --flights it adds to it. Flight 7 of 40 "
-      "alone: --flights\n40 --shard 7/40.\n"
+      "Each thread runs one flight at a time. DIR/flights has the flights, DIR/truth their\n"
+      "contents and DIR/runs their results. Recorded flights are kept in DIR/records: the same\n"
+      "command resumes an interrupted run, and a larger --flights extends a finished one.\n"
+      "To run flight 7 of 40 alone, give --flights 40 --shard 7/40.\n"
       "Example: dn blind-check --flights 100 --out blind --seed 3");
   app->callback([options, action] {
     *action = [options] {

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// This program, also when its file has been replaced since it was started.
+// Path of the running program; still valid if its file has been replaced since the start.
 constexpr const char* kProgram = "/proc/self/exe";
 constexpr double kLongestRun_s = 3600.0;
 
@@ -43,7 +43,7 @@ struct Places {
   fs::path flight, truth, runs, adapted_config;
 };
 
-SimulateOptions OptionsOf(const BlindFlight& flight) {
+SimulateOptions MakeSimulateOptions(const BlindFlight& flight) {
   SimulateOptions simulate;
   simulate.seed = flight.seed;
   simulate.progress = [](const std::string&, double) {
@@ -54,7 +54,7 @@ SimulateOptions OptionsOf(const BlindFlight& flight) {
 }
 
 void WriteFlight(const BlindFlight& flight, const Places& places) {
-  const SimulatedFlight simulated = Simulate(flight.scenario, OptionsOf(flight));
+  const SimulatedFlight simulated = Simulate(flight.scenario, MakeSimulateOptions(flight));
   std::string truth = FormatTruth(simulated) + "base: " + flight.base + "\n";
   if (flight.outsider) {
     truth += fmt::format("outsider: {{name: {}, parameters: {}}}\n", flight.outsider->name,
@@ -68,7 +68,8 @@ void WriteFlight(const BlindFlight& flight, const Places& places) {
   folder.Commit();
 }
 
-/// Of the one thing in a flight; noise has no signature, nor has what leaves an unknown free.
+/// Computes the signature of the single effect in a flight. Returns nullopt for no or two effects,
+/// for an effect of another kind than kFixed, and if the computation fails.
 std::optional<BlindSignature> SignatureOfContent(const BlindFlight& flight) {
   const BlindContent content = flight.content();
   if (content == BlindContent::kNothing || content == BlindContent::kTwoEffects) {
@@ -80,7 +81,7 @@ std::optional<BlindSignature> SignatureOfContent(const BlindFlight& flight) {
     if (FindEffect(effect.name)->kind != EffectKind::kFixed) return std::nullopt;
     if (flight.left_out) options.left_out.push_back(effect.name);
   }
-  SimulateOptions simulate = OptionsOf(flight);
+  SimulateOptions simulate = MakeSimulateOptions(flight);
   simulate.noise = false;
   const Flight with = Simulate(flight.scenario, simulate).flight;
   Scenario nothing = flight.scenario;
@@ -98,16 +99,17 @@ std::optional<BlindSignature> SignatureOfContent(const BlindFlight& flight) {
   }
 }
 
-/// Removes what a program that was killed left staged in its folder of results.
+/// Removes the staged files that a killed program left in its results folder.
 void RemoveStaged(const fs::path& out) {
   try {
     const OutputDirectory swept(out);
   } catch (const std::exception&) {
-    return;  // it had no folder of results yet
+    return;  // the program had not made its results folder yet
   }
 }
 
-/// Runs a command of this program; `read` makes the outcome of its result file.
+/// Runs a command of this program in a process of its own. `read` converts its result file to the
+/// outcome.
 template <class T, class Read>
 Outcome<T> RunCommand(const std::vector<std::string>& arguments, const fs::path& out,
                       const std::string& result_name, const Read& read) {
@@ -169,7 +171,7 @@ BlindRecord RunBlindFlight(const BlindFlight& flight, const BlindRunOptions& opt
     WriteFlight(flight, places);
     record.signature = SignatureOfContent(flight);
   } catch (const InvalidInput& error) {
-    record.diagnosis.failure = std::string("the flight cannot be flown: ") + error.what();
+    record.diagnosis.failure = std::string("the flight cannot be simulated: ") + error.what();
     return record;
   }
   RunCommands(places, options.gap_options, &record);

@@ -8,18 +8,19 @@
 
 namespace dn::apps {
 
-/// Where the flights of a blind check lie, and how they are diagnosed.
+/// Output folder and diagnosis options of a blind check.
 struct BlindRunOptions {
   std::filesystem::path out;
-  std::vector<std::string> gap_options;  ///< of `dn gap`, beside the flight and --out
-  bool discard_flights = false;          ///< remove the folder of a flight that is recorded
+  std::vector<std::string> gap_options;  ///< extra options for `dn gap`
+  bool discard_flights = false;          ///< delete the flight folder after recording
 };
 
-/// Writes a drawn flight to OUT/flights/NNN and its truth to OUT/truth/NNN.yaml, lets `dn gap` and
-/// `dn calibrate` run on its folder as programs of their own, and then `dn calibrate` on the
-/// adapted flight where the diagnosis has made one. Their results stay in OUT/runs/NNN. What they
-/// refuse, and a flight that cannot be flown, becomes the record's failure. Throws Interrupted, and
-/// for what cannot be written or started.
+/// Simulates a randomly drawn flight, diagnoses and calibrates it, and returns the record. The
+/// flight goes to OUT/flights/NNN and its truth to OUT/truth/NNN.yaml. `dn gap` and `dn calibrate`
+/// run on the flight folder as separate processes. If the diagnosis writes an adapted flight,
+/// `dn calibrate` also runs on that. Results stay in OUT/runs/NNN. A failed simulation or run is
+/// stored as the record's failure. Throws Interrupted, and system errors if a file cannot be
+/// written or a process cannot be started.
 BlindRecord RunBlindFlight(const BlindFlight& flight, const BlindRunOptions& options);
 
 }  // namespace dn::apps

@@ -19,7 +19,7 @@ namespace {
 struct CalibrateOptions {
   CommonOptions common;
   std::string flight;
-  std::string method;  ///< empty: by the data
+  std::string method;  ///< empty: chosen from the available data
   std::string trajectory;
 };
 
@@ -65,16 +65,16 @@ void PrintAssessment(const BoresightResult& boresight) {
   fmt::print("\n");
 }
 
-/// What a verdict cannot know of.
+/// Prints the effects that may be present without being detected.
 void PrintUnseen(const std::vector<UnseenEffect>& unseen) {
   constexpr std::size_t kMostTold = 3;
   if (unseen.empty()) return;
-  fmt::print("could hide, each of its usual size (dn gap has more):\n");
+  fmt::print("effects not detectable at their typical size (dn gap lists more):\n");
   for (std::size_t k = 0; k < std::min(kMostTold, unseen.size()); ++k) {
     const UnseenEffect& one = unseen[k];
     const std::string shows = std::isfinite(one.minimal_detectable)
-                                  ? fmt::format("shows from {:.2g} on", one.minimal_detectable)
-                                  : "never shows";
+                                  ? fmt::format("detectable from {:.2g}", one.minimal_detectable)
+                                  : "never detectable";
     fmt::print("  {}{}{}, {:.2g} {}: would move the boresight by {:.1f} sigma, {}\n", one.name,
                one.component.empty() ? "" : " ", one.component, one.usual, one.unit, one.damage,
                shows);
@@ -129,20 +129,19 @@ void PrintResult(const FlightRun& flight_run, const BoresightResult& boresight,
   PrintTimes(flight_run.timings);
 }
 
-/// Of a method on a fixed trajectory.
+/// Prints the sigmas of a method on a fixed trajectory, by source.
 void PrintSigmas(const BoresightResult& boresight, const TrajectoryScatter& scatter,
                  const Eigen::Matrix3d& constant_rad2) {
   const auto print_sigmas = [](const char* title, const Eigen::Vector3d& rad) {
     fmt::print("  {:<43} {:>10.6f} {:>10.6f} {:>10.6f}\n", title, rad.x() * kDegPerRad,
                rad.y() * kDegPerRad, rad.z() * kDegPerRad);
   };
-  fmt::print("sigmas beside it [deg]\n");
+  fmt::print("sigmas by source [deg]\n");
   print_sigmas("normal matrix", *boresight.sigma_apriori_rad);
   print_sigmas("normal matrix, times sigma0", *boresight.sigma_scaled_rad);
-  print_sigmas("scatter by time-correlated trajectory errors",
-               scatter.covariance_rad2.diagonal().cwiseSqrt());
+  print_sigmas("time-correlated trajectory errors", scatter.covariance_rad2.diagonal().cwiseSqrt());
   if (constant_rad2.isZero(0.0)) {
-    fmt::print("  {:<43} part of the scatter\n", "attitude error constant over the flight");
+    fmt::print("  {:<43} included in the line above\n", "attitude error constant over the flight");
   } else {
     print_sigmas("attitude error constant over the flight", constant_rad2.diagonal().cwiseSqrt());
   }
@@ -207,7 +206,7 @@ Methods ChooseMethods(const CalibrateOptions& options, const FlightConfig& confi
   return {.dn = dn, .gh = !dn};
 }
 
-/// Says how to get a trajectory where a method needs one that is not there.
+/// Throws if the trajectory that a method needs does not exist. The message says how to get one.
 void ExpectTrajectory(const CalibrateOptions& options, const FlightConfig& config,
                       const char* method) {
   if (HasTrajectory(config)) return;
@@ -266,12 +265,12 @@ void FailUnlessReliable(const std::vector<const BoresightResult*>& results) {
   }
 }
 
-/// A flight adjusted by the dynamic network, with what calibration takes out of it.
+/// A flight adjusted by the dynamic network, with the calibration results.
 struct NetworkRun {
   std::unique_ptr<FlightRun> flight_run;
   BoresightResult boresight;
   std::vector<UnknownEstimate> unknowns;
-  PoseInterpolator poses;  ///< of its trajectory
+  PoseInterpolator poses;  ///< poses of the adjusted trajectory
   std::vector<PairResidual> pairs;
 };
 
@@ -283,7 +282,8 @@ NetworkRun CalibrateByNetwork(std::unique_ptr<FlightRun> flight_run) {
           std::move(pairs)};
 }
 
-/// Those of matched point clouds, if any, stay: they show more than pairs do.
+/// Stages the swaths of the pairs, unless swaths of matched point clouds are staged: those show
+/// more.
 void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
                const PoseInterpolator& poses, Run* run) {
   const std::vector<std::string>& staged = run->files().staged();
@@ -291,7 +291,7 @@ void AddSwaths(const Flight& flight, const std::vector<PairResidual>& pairs,
   run->AddFile("swaths.json", FormatSwaths(SwathsOfPairs(FindStrips(flight), pairs, poses)));
 }
 
-/// `suffix` tells the method where a run has several.
+/// Stages the files of the dynamic network. suffix: distinguishes the methods of a run.
 void AddNetworkFiles(const NetworkRun& network, const std::string& suffix, Run* run) {
   const FlightRun& flight_run = *network.flight_run;
   AddTrajectoryFiles(flight_run, run);
@@ -345,7 +345,7 @@ void RunGaussHelmert(const FlightConfig& config, Run& run) {
 
 PlaneRun CalibrateByPlanes(const CalibrateOptions& options, const Flight& flight, Run* run) {
   const FlightConfig own = ReadFlightConfig(options.flight, options.common.changes);
-  // One that was smoothed for the strips is in use, too, and not in the folder.
+  // If the flight has no trajectory, the one smoothed for matching is used.
   const std::string& trajectory =
       HasTrajectory(own) ? options.trajectory : flight.config.trajectory->file;
   return CalibrateByPlanes(flight, own, trajectory, run);
@@ -379,7 +379,7 @@ void RunPlanes(const CalibrateOptions& options, const FlightConfig& config, Run&
   FailUnlessReliable({&planes.calibration.boresight});
 }
 
-/// Planes beside the other methods: they may be missing, with the reason.
+/// Plane calibration as part of --method all; `missing` says why there is no result.
 struct PlanesOfAll {
   std::optional<PlaneRun> run;
   std::string missing;
@@ -480,19 +480,21 @@ void Calibrate(const CalibrateOptions& options, Run& run) {
 void AddCalibrate(CLI::App* program, Action* action) {
   auto options = std::make_shared<CalibrateOptions>();
   CLI::App* app = program->add_subcommand("calibrate",
-                                          "Boresight (and what `estimate` names) from raw "
-                                          "inertial, GNSS and lidar data (dn), or from a "
-                                          "smoothed trajectory and lidar data (gh, planes)");
+                                          "Estimates the boresight (and the unknowns in "
+                                          "`estimate`) from raw inertial, GNSS and lidar data "
+                                          "(dn), or from a smoothed trajectory and lidar data "
+                                          "(gh, planes)");
   AddFlightOptions(app, &options->flight, &options->common);
   app->add_option(
          "--method", options->method,
-         "dn: dynamic network; gh: Gauss-Helmert adjustment on a trajectory; planes: of "
-         "overlapping strips, on a trajectory; all: these and their comparison. Default: dn, gh "
-         "where flight.yaml has no inertial data. Strips without pairs are matched first")
+         "dn: dynamic network; gh: Gauss-Helmert adjustment on a fixed trajectory; planes: planes "
+         "in overlapping strips on a fixed trajectory; all: all three and their comparison. "
+         "Default: dn, or gh if flight.yaml has no inertial data. Strips without pairs are matched "
+         "first")
       ->check(OneOf({"dn", "gh", "planes", "all"}));
   app->add_option("--trajectory", options->trajectory,
-                  "Smoothed trajectory for gh and planes (SBET .out, or text), instead of "
-                  "flight.yaml's");
+                  "Smoothed trajectory for gh and planes (SBET .out or text). Default: that of "
+                  "the flight");
   AddCommonOptions(app, &options->common, true);
   app->footer(
       "Example: dn calibrate flight --method gh --trajectory smoothed/trajectory.out --out result");

@@ -13,7 +13,7 @@ namespace dn::apps {
 
 std::string WhyNoPlanes(const FlightConfig& config) {
   if (FindStripFiles(config.folder).empty()) return "the flight has no strips";
-  if (config.strips_crs == "none") return "strips_crs is none: such points have no trajectory";
+  if (config.strips_crs == "none") return "strips_crs is 'none': such points have no trajectory";
   return {};
 }
 

@@ -11,24 +11,25 @@
 
 namespace dn::apps {
 
-/// A flight calibrated by the planes of its strips.
+/// Result of the plane calibration of a flight.
 struct PlaneRun {
   PlaneCalibration calibration;
   std::vector<std::string> strips;  ///< names
-  Json extraction;                  ///< what was found before the adjustment
+  Json extraction;                  ///< counts of the plane extraction
   RunTimings timings;
 };
 
-/// Why this program cannot take planes of a flight; empty: it can.
+/// Returns why planes cannot be extracted from the flight's strips, or an empty string if they can.
 std::string WhyNoPlanes(const FlightConfig& config);
 
-/// Takes the planes of the flight's strips and calibrates by them. flight: with the trajectory in
-/// use. config: as it is in the folder; trajectory: the one in use where that is not the folder's
-/// own, else empty. Throws InvalidInput where WhyNoPlanes says so.
+/// Extracts planes from the flight's strips and calibrates with them.
+/// flight: contains the trajectory in use. config: the configuration of the flight folder.
+/// trajectory: file of the trajectory in use; empty if it is the folder's own.
+/// Throws InvalidInput if WhyNoPlanes gives a reason.
 PlaneRun CalibrateByPlanes(const Flight& flight, const FlightConfig& config,
                            const std::string& trajectory, Run* run);
 
-/// What report.json holds of it beyond result.json.
+/// Returns the entries of a plane calibration that report.json has in addition to result.json.
 Json PlaneReportJson(const PlaneRun& planes);
 
 void PrintPlanes(const PlaneRun& planes);

@@ -34,13 +34,14 @@ bool HasStripsAlone(const FlightConfig& config) {
 
 void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,
                      const std::function<void(const FlightConfig&)>& calibrate) {
-  run.progress.Warn("no file that lidar.p2p names is there: the strips are matched for pairs");
+  run.progress.Warn("no file of lidar.p2p exists: pairs are computed by matching the strips");
   const MatchedFlight matched =
       MatchStripsOfFlight(config, trajectory, MatchOptionsOf(run), kLastReturns, run);
   AddMatches(matched, run);
   if (matched.smoothed) AddSmoothedTrajectory(*matched.smoothed, "smoothed/", run);
   if (matched.result.pairs() == 0) FailNoPairs();
-  // The work reads the files where they are staged; what it says of them is where they will lie.
+  // The calibration reads the staged files, but the written configuration must name the paths of
+  // the published files.
   const FlightConfig published = WithMatches(matched, run.files().path(), kSmoothed);
   const auto correct = [&] { run.AddFile("config.resolved.yaml", FormatFlightConfig(published)); };
   try {

@@ -9,11 +9,12 @@
 
 namespace dn::apps {
 
-/// Whether a flight has point clouds, and no pair file that it names is there.
+/// Returns true if the flight has point clouds, but none of the pair files it names exists.
 bool HasStripsAlone(const FlightConfig& config);
 
-/// Matches the strips of such a flight, stages what `dn match` writes (a trajectory that had to be
-/// smoothed as smoothed/trajectory.out), and calls `calibrate` with the flight that has the pairs.
+/// Matches the strips of such a flight, stages the files that `dn match` writes, and calls
+/// `calibrate` with the flight and its pairs. If the flight has no trajectory, the smoothed one is
+/// staged as smoothed/trajectory.out.
 void CalibrateStrips(const FlightConfig& config, const std::string& trajectory, Run& run,
                      const std::function<void(const FlightConfig&)>& calibrate);
 

@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A logger that repeats fewer rows than this does so by chance, as a coarse sensor at rest does.
+// Largest share of repeated rows that can occur by chance, e.g. with a coarse sensor at rest.
 constexpr double kRepeatedShare = 0.05;
 constexpr FlightNeeds kEverything{
     .imu = true, .gnss = true, .pairs = true, .trajectory = true, .optional = true};
@@ -30,19 +30,19 @@ struct CheckArguments {
   std::string flight;
 };
 
-/// What was read of a folder, and what could not be.
+/// The readable data of a folder, and the errors of the others.
 struct Contents {
   Flight flight;
   std::vector<std::string> problems;
   std::exception_ptr first_problem;
 };
 
-/// A flight with the parts that can be read, one after the other.
+/// Reads the parts of a flight one after the other and keeps those that can be read.
 class PartReader {
  public:
   explicit PartReader(const FlightConfig& config) : config_(config) {}
 
-  /// Adds a part where it can be read alone, and with the parts before it.
+  /// Adds a part if it can be read alone and together with the parts before it.
   void Try(bool FlightNeeds::*part) {
     FlightNeeds alone{.optional = true};
     alone.*part = true;
@@ -126,7 +126,7 @@ void SummariseImu(const Flight& flight, Json* json) {
       {"gaps", imu.gaps.size()},      {"rows_that_repeat_values", imu.repeated_values}};
 }
 
-/// Attitude of the axes against gravity and course, as data show them.
+/// Prints the attitude of the sensor axes relative to gravity and course, as found in the data.
 void SummariseAxes(const BodyDirections& directions, Json* json) {
   const Eigen::Vector3d& down = directions.down_b;
   const double roll_deg = std::atan2(down.y(), down.z()) * kDegPerRad;
@@ -137,10 +137,10 @@ void SummariseAxes(const BodyDirections& directions, Json* json) {
   if (directions.course_b) {
     const Eigen::Vector3d& course = *directions.course_b;
     const double heading_deg = std::atan2(-course.y(), course.x()) * kDegPerRad;
-    text += fmt::format("; heading some {:.0f} deg from the course", heading_deg);
+    text += fmt::format("; heading about {:.0f} deg from the course", heading_deg);
     axes["heading_from_course_deg"] = heading_deg;
   } else {
-    text += "; heading against course not shown";
+    text += "; heading relative to the course unknown";
   }
   fmt::print("                {}\n", text);
 }
@@ -217,7 +217,7 @@ void SummarisePairs(const Flight& flight, Json* json) {
 struct CommandVerdict {
   std::string command;
   bool possible = false;
-  std::string why;  ///< what it would do, or what is missing
+  std::string why;  ///< the work of the command, or the missing data
 };
 
 std::string Missing(const std::vector<std::pair<std::string, bool>>& needs) {
@@ -367,7 +367,7 @@ void Check(const CheckArguments& options, Run& run) {
 void AddCheck(CLI::App* program, Action* action) {
   auto options = std::make_shared<CheckArguments>();
   CLI::App* app = program->add_subcommand(
-      "check", "Validates a flight folder, summarises it, says what each command could do with it");
+      "check", "Validates and summarises a flight folder, and lists the commands it has data for");
   AddFlightOptions(app, &options->flight, &options->common);
   AddCommonOptions(app, &options->common, false);
   app->footer("Example: dn check flight");

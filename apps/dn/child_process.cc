@@ -26,10 +26,10 @@ double Seconds(const timeval& t) {
   return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
 }
 
-// Between fork and exec: system calls only.
+// Runs between fork and exec and may therefore only make system calls.
 [[noreturn]] void Become(std::vector<char*>& arguments, const char* output_file, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (::getppid() != parent) _exit(kCannotRun);  // it died before
+  if (::getppid() != parent) _exit(kCannotRun);  // the parent died before prctl
   const int file = ::open(output_file, O_WRONLY | O_CREAT | O_TRUNC, 0644);
   if (file >= 0) {
     ::dup2(file, STDOUT_FILENO);

@@ -7,24 +7,25 @@
 
 namespace dn::apps {
 
-/// What a finished program used.
+/// Exit code and resource usage of a finished process.
 struct ProcessUsage {
-  int exit_code = -1;  ///< 128 + signal when it was killed
+  int exit_code = -1;  ///< 128 + signal number if a signal killed the process
   double wall_s = 0.0;
   double cpu_s = 0.0;  ///< user and system, all threads
   double peak_rss_mib = 0.0;
 };
 
-/// When a program is ended before its time.
+/// Conditions under which a process is killed.
 struct ProcessLimits {
-  double longest_s = 1e9;                       ///< then it is ended
-  std::function<bool()> interrupted = nullptr;  ///< polled; true ends it
+  double longest_s = 1e9;                       ///< maximum run time
+  std::function<bool()> interrupted = nullptr;  ///< polled; returns true to end the process
 };
 
-/// Runs a program with its output in a file, and waits for it. It is ended by SIGTERM, so that it can
-/// remove what it staged, and two seconds later by SIGKILL; by SIGTERM also when the calling thread
-/// dies. The figures are those of the kernel, as in `/usr/bin/time -v`. Throws
-/// std::system_error when the program cannot be started, Interrupted when it was interrupted.
+/// Runs a program with stdout and stderr in `output_file` and waits for it to end. The process is
+/// ended by SIGTERM, so that it can remove its staged files, and two seconds later by SIGKILL. The
+/// kernel sends SIGTERM if the calling thread dies. The usage is measured by the kernel, as in
+/// `/usr/bin/time -v`. Throws std::system_error if the program cannot be started, and Interrupted
+/// if `limits.interrupted` returned true.
 ProcessUsage RunProgram(const std::vector<std::string>& command,
                         const std::filesystem::path& output_file, const ProcessLimits& limits);
 

@@ -29,7 +29,7 @@ constexpr const char* kPageName = "report.html";
 std::string InterruptedText(const CommonOptions& options) {
   std::string text = "interrupted; no result was written";
   if (options.keeps_records) {
-    text += "; what is finished is kept, the same command goes on from there";
+    text += "; finished work is kept, run the same command again to continue";
   }
   return text;
 }
@@ -45,7 +45,7 @@ struct Failure {
   std::string message;
 };
 
-// A path in it is no word that the message happens to hold.
+// A path must contain a slash, so that a plain word of the message is not taken for it.
 bool Names(const std::string& message, const std::string& where) {
   return where.find('/') != std::string::npos && message.find(where) != std::string::npos;
 }
@@ -119,7 +119,7 @@ namespace {
 
 void WriteLine(const std::string& line) {
   const std::string text = line + "\n";
-  std::fwrite(text.data(), 1, text.size(), stderr);  // nobody is left to be told of a failure
+  std::fwrite(text.data(), 1, text.size(), stderr);  // a failure cannot be reported anywhere
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ void SayJson(const Json& line) {
 
 namespace {
 
-/// How many of the threads can be started now, at least one.
+/// Returns how many of the wanted threads can be started now, at least 1.
 int StartableThreads(int wanted) {
   std::promise<void> enough;
   const std::shared_future<void> wait = enough.get_future().share();
@@ -194,8 +194,8 @@ void Run::AddFile(const std::string& name, const std::string& content) {
   if (!options_.out.empty()) files().Add(name, content);
 }
 
-// The page is made from what is staged, as dn report makes it from what is published. A result
-// without its page is better than none.
+// The page is made from the staged files, as dn report makes it from published ones. If the page
+// fails, the result is published without it.
 void Run::AddPage() {
   try {
     files_->Add(kPageName, ToHtml(PageOf(files_->staging())));
@@ -232,7 +232,7 @@ void Run::PublishFailure(const std::string& kind, const std::string& message) {
 
 namespace {
 
-// The body's exit code when its results are to be written: 1 when they must not pass for a success.
+// Returns 0, or 1 if the body threw FailedWithResults. In both cases the results are published.
 int RunBody(Run& run, const std::function<void(Run&)>& body) {
   try {
     body(run);
@@ -248,7 +248,7 @@ int EndFailed(Run& run, const Failure& failure) {
   try {
     run.PublishFailure(failure.kind, failure.message);
   } catch (const std::exception&) {
-    // The directory cannot be written: the line on stderr says what failed.
+    // The directory cannot be written. The line on stderr still reports the first error.
   }
   Say("dn " + run.command() + ": error: " + failure.message);
   return failure.exit_code;
@@ -277,15 +277,15 @@ int Execute(const std::string& command, const CommonOptions& options,
 
 void AddChanges(CLI::App* app, const std::string& of, const std::string& example,
                 CommonOptions* options) {
-  app->add_option("--set", options->changes,
-                  "key=value: another value of a key of " + of + " for this run, as " + example +
-                      "; may be given again")
+  app->add_option(
+         "--set", options->changes,
+         "key=value: replaces a value of " + of + " for this run, e.g. " + example + "; repeatable")
       ->take_all()
       ->expected(1);
 }
 
 void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options) {
-  app->add_option("FLIGHT", *flight, "Flight folder, or the YAML file of a flight")->required();
+  app->add_option("FLIGHT", *flight, "Flight folder or YAML file of a flight")->required();
   AddChanges(app, "flight.yaml", "gnss.sigma_scale=2", options);
 }
 
@@ -294,17 +294,16 @@ void AddThreads(CLI::App* app, CommonOptions* options) {
   options->threads = std::max(1, cores);
   app->set_version_flag("--version", "dn " DN_VERSION);
   app->add_option("--threads", options->threads,
-                  "Threads for evaluating the network; another number agrees to 1e-9 sigma, not to "
-                  "the last digit")
+                  "Number of threads; results for different numbers agree within 1e-9 sigma")
       ->check(WholeNumber(1, 1024))
       ->capture_default_str();
   app->add_flag("--json-progress", options->json_progress,
-                "Progress on stderr as lines of JSON: stage, done, of, elapsed_s, left_s");
+                "Prints progress and remaining time on stderr as JSON lines");
 }
 
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required) {
   AddThreads(app, options);
-  auto* out = app->add_option("--out", options->out, "Directory for the results, made if absent")
+  auto* out = app->add_option("--out", options->out, "Result directory, created if absent")
                   ->check([](const std::string& text) {
                     return text.empty() ? std::string("is empty") : std::string();
                   });

@@ -20,19 +20,18 @@
 
 namespace dn::apps {
 
-/// Options that every subcommand takes.
+/// Options that every subcommand has.
 struct CommonOptions {
   int threads = 1;
   bool json_progress = false;
   std::filesystem::path out;
-  std::vector<std::string> changes;  ///< --set, of a command that reads YAML
-  Inputs inputs;                     ///< what the command reads; filled in before it runs
-  bool makes_flight = false;         ///< its result is a flight folder
-  bool keeps_records = false;        ///< the same command goes on where it was interrupted
+  std::vector<std::string> changes;  ///< key=value of each --set; empty without a YAML file
+  Inputs inputs;                     ///< files and folders that the command reads
+  bool makes_flight = false;         ///< the result is a flight folder
+  bool keeps_records = false;        ///< the command can be resumed after an interruption
 };
 
-/// The work ended with results that must not pass for a success: they are written, the exit code
-/// is 1.
+/// Ends a run whose results are written but must not count as a success: the exit code is 1.
 class FailedWithResults : public std::runtime_error {
  public:
   FailedWithResults(std::string kind, const std::string& message)
@@ -43,45 +42,46 @@ class FailedWithResults : public std::runtime_error {
   std::string kind_;
 };
 
-/// What an error says, with the place that it names.
+/// Returns the error message with its file, line and column appended, if known.
 std::string WithLocation(const InvalidInput& error);
 
-/// A line on stderr, where it can be written.
+/// Writes a line to stderr. A write error is ignored.
 void Say(const std::string& line);
 
-/// The same of JSON, which spells control characters in its own way.
+/// Prints a JSON line on stderr. JSON has its own notation for control characters.
 void SayJson(const Json& line);
 
-/// What was printed may wait in a buffer that cannot be written, on a full disk say: false, and an
-/// error line.
+/// Flushes stdout. If that fails, e.g. on a full disk, prints an error line and returns false.
 bool FlushStandardOutput(const std::string& command);
 
-/// Keeps the command line for report.json.
+/// Stores the command line for report.json.
 void RememberCommandLine(int argc, char** argv);
 
-/// One run of a subcommand: what it writes into its output directory, and its report.
+/// One run of a subcommand with its output directory and its report.
 class Run {
  public:
   Run(std::string command, const CommonOptions& options);
 
-  /// Stages a file of --out. Without --out nothing is written.
+  /// Stages a file for --out. Does nothing without --out.
   void AddFile(const std::string& name, const std::string& content);
 
-  /// The output directory itself, for a library that writes into one. Throws without --out.
+  /// Returns the output directory, for library functions that write into it. Throws InvalidConfig
+  /// without --out.
   OutputDirectory& files();
 
-  /// Takes --out for this run: throws where results in it would do harm or another run holds it,
-  /// and removes the files of an earlier result.
+  /// Locks --out for this run and removes the files of an earlier result. Throws if results there
+  /// would damage inputs, or if another run uses the directory.
   void TakeOutput();
 
-  /// The point clouds of the flight are among what this run reads.
+  /// Declares that this run reads the flight's point clouds, so that report.json lists them.
   void ReadsStrips();
 
-  /// Publishes what was staged, report.json and report.html. Throws Interrupted when a signal came
-  /// before.
+  /// Publishes the staged files, report.json and report.html. Throws Interrupted if a signal
+  /// arrived before.
   void Publish();
 
-  /// Publishes nothing but report.json, if --out was taken: what it holds so far, and the error.
+  /// Publishes only report.json, with its present content and the error. Does nothing unless
+  /// TakeOutput was called.
   void PublishFailure(const std::string& kind, const std::string& message);
 
   Json report;
@@ -100,25 +100,26 @@ class Run {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Runs the body and turns what it throws into the error line on stderr, report.json and the exit
-/// code: 0, 1 failed, 2 usage or configuration, 130 interrupted.
+/// Runs the body. Reports an exception as an error line on stderr and in report.json. Returns the
+/// exit code: 0 success, 1 failed, 2 usage or configuration, 130 interrupted.
 int Execute(const std::string& command, const CommonOptions& options,
             const std::function<void(Run&)>& body);
 
 /// Adds --threads and --json-progress to a subcommand.
 void AddThreads(CLI::App* app, CommonOptions* options);
 
-/// Adds --out to them. out_required: as for commands whose result is files.
+/// Adds --threads, --json-progress and --out. out_required: --out is mandatory.
 void AddCommonOptions(CLI::App* app, CommonOptions* options, bool out_required);
 
-/// --set of a command that reads the YAML file `of`.
+/// Adds --set to a command that reads the YAML file `of`; `example` is a key=value for the help.
 void AddChanges(CLI::App* app, const std::string& of, const std::string& example,
                 CommonOptions* options);
 
 /// Adds the argument FLIGHT and --set.
 void AddFlightOptions(CLI::App* app, std::string* flight, CommonOptions* options);
 
-/// Subcommands: each adds itself to the program and puts its action where main calls it.
+/// Each Add... function below adds one subcommand to the program. If the command line names that
+/// subcommand, parsing stores its action in *action; main then runs it.
 using Action = std::function<int()>;
 void AddAllan(CLI::App* program, Action* action);
 void AddInit(CLI::App* program, Action* action);

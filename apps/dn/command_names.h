@@ -8,7 +8,7 @@ namespace dn::apps {
 
 std::vector<std::string> CommandNames(const CLI::App& program);
 
-/// Of a command, or of the program itself, each with its two dashes.
+/// Returns the option names of a command or of the program itself, with the two dashes.
 std::vector<std::string> OptionNames(const CLI::App& app);
 
 }  // namespace dn::apps

@@ -10,8 +10,8 @@
 namespace dn::apps {
 namespace {
 
-/// A function of bash that completes commands and options; all other words are names of files,
-/// which bash knows.
+/// Returns a bash function that completes commands and options. For all other words bash completes
+/// file names.
 std::string BashScript(const CLI::App& program) {
   std::string cases;
   for (const CLI::App* command : program.get_subcommands([](const CLI::App*) { return true; })) {
@@ -38,9 +38,9 @@ std::string BashScript(const CLI::App& program) {
 void AddCompletion(CLI::App* program, Action* action) {
   auto shell = std::make_shared<std::string>();
   CLI::App* app =
-      program->add_subcommand("completion", "Completion of commands and options by the shell");
+      program->add_subcommand("completion", "Prints a shell script that completes dn commands");
   app->set_version_flag("--version", "dn " DN_VERSION);
-  app->add_option("SHELL", *shell, "bash or zsh")
+  app->add_option("SHELL", *shell, "Shell of the script: bash or zsh")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh"}));
   app->footer("Example: source <(dn completion bash)");

@@ -7,7 +7,8 @@
 
 namespace dn::apps {
 
-/// The text of a file that says what to do. Throws InvalidConfig where it cannot be read.
+/// Returns the content of a configuration file, at most 1 MiB. Throws InvalidConfig if the file
+/// cannot be read.
 inline std::string ReadConfigText(const std::string& file) {
   constexpr std::size_t kMostBytes = std::size_t{1} << 20;
   try {

@@ -11,21 +11,21 @@
 namespace dn::apps {
 namespace {
 
-// Directions scatter by more where the body turns over, or is carried about.
+// Smallest agreement of the directions. It is lower if the body rolls over or is carried around.
 constexpr double kLeastAgreement = 0.8;
-// An instrument is put in along the axes of its carrier, to better than this.
+// Instruments are mounted along the axes of their carrier within this angle.
 constexpr double kMostAxesDistanceRad = 35.0 * kRadPerDeg;
-// Turns that are the same, seen by two sensors.
+// Correlation above which two sensors measure the same turns.
 constexpr double kSameTurns = 0.9;
 constexpr double kLeastGain = 0.1;
-// A course that is mirrored is distorted as well: east and north have other scales.
+// Correlation of mirrored turns. It is lower because east and north have different scales.
 constexpr double kMirroredTurns = 0.7;
 constexpr double kLeastLagS = 1.0;
-// Leap seconds between GPS time and UTC, from 2006 on.
+// Leap seconds between GPS time and UTC since 2006.
 constexpr double kLeapSecondsFrom = 14.0, kLeapSecondsTo = 18.0;
-// Where LocalFrame begins to lose digits.
+// Distance from the origin beyond which LocalFrame loses digits.
 constexpr double kFarOriginM = 1e5;
-// A longer step between velocities is a hole.
+// A longer step between velocities counts as a gap.
 constexpr double kLongestStepS = 5.0;
 
 bool Agree(const BodyDirections& directions) {
@@ -33,7 +33,7 @@ bool Agree(const BodyDirections& directions) {
          (!directions.course_b || directions.course_agreement >= kLeastAgreement);
 }
 
-/// A signed axis of body by its letter.
+/// Returns the letter of the nearest body axis: F, R, D or, if opposite, B, L, U.
 char Letter(const Eigen::Vector3d& direction_b) {
   constexpr char kLetters[2][4] = {"FRD", "BLU"};
   Eigen::Index axis = 0;
@@ -41,7 +41,7 @@ char Letter(const Eigen::Vector3d& direction_b) {
   return kLetters[direction_b[axis] < 0.0 ? 1 : 0][axis];
 }
 
-/// The matrix that the file's key takes: that to forward-right-down, in the axes that `body` names.
+/// Converts R, which leads to forward-right-down, to the body axes that flight.yaml declares.
 Eigen::Matrix3d InDeclaredBody(const FlightConfig& config, Eigen::Matrix3d R) {
   if (config.body_is_flu) R.bottomRows<2>().array() = 0.0 - R.bottomRows<2>().array();
   return R;
@@ -54,11 +54,12 @@ void HintAxes(const Flight& flight, const BodyDirections& found, std::vector<Dat
   const std::string matrix = MatrixText(InDeclaredBody(flight.config, R));
   std::string text = fmt::format(
       "the inertial data are in axes {} (x y z; F forward, B back, R right, L left, D down, U up), "
-      "taken as {}",
+      "interpreted as {}",
       AxesName(R), AxesName(flight.config.imu->read.R_imu_to_body));
-  text += found.course_b ? " by flight.yaml: gravity and course say so"
-                         : " by flight.yaml: gravity says so (the course tells nothing, forward is "
-                           "a guess)";
+  text += found.course_b
+              ? " by flight.yaml, according to gravity and course"
+              : " by flight.yaml, according to gravity (without a usable course, forward "
+                "is a guess)";
   hints->push_back({text, "imu.R_imu_to_body", matrix});
 }
 
@@ -72,9 +73,9 @@ void HintLag(const Flight& flight, const TurnComparison& turns, std::vector<Data
   const bool leap = whole_s >= kLeapSecondsFrom && whole_s <= kLeapSecondsTo &&
                     std::abs(std::abs(lag_s) - whole_s) <= 0.5;
   const char* in_utc = lag_s < 0.0 ? "GNSS" : "inertial";
-  std::string text = fmt::format(
-      "the turns of the course fit those of the gyros when the GNSS tags are taken as {}",
-      LagText(lag_s));
+  std::string text =
+      fmt::format("the turns of the course fit those of the gyros if the GNSS time tags are {}",
+                  LagText(lag_s));
   if (!leap) {
     const double offset_s = flight.config.gnss->time_offset_s + lag_s;
     hints->push_back({text + ": the clocks differ", "gnss.time_offset_s", FormatDouble(offset_s)});
@@ -92,7 +93,7 @@ void HintLag(const Flight& flight, const TurnComparison& turns, std::vector<Data
 void HintTurns(const Flight& flight, const TurnComparison& turns, std::vector<DataHint>* hints) {
   if (turns.correlation < -kMirroredTurns) {
     hints->push_back(
-        {"the course turns the other way than the gyros do: latitude and longitude may "
+        {"the course turns opposite to the gyros: latitude and longitude may "
          "be exchanged in gnss.file, or an axis of imu.file has the wrong sign",
          "", ""});
     return;
@@ -103,13 +104,13 @@ void HintTurns(const Flight& flight, const TurnComparison& turns, std::vector<Da
   if (shifted) HintLag(flight, turns, hints);
 }
 
-/// Whether a latitude and longitude in deg lie where no land is, but numbers in radians do.
+/// Returns true if latitude and longitude could be radians and lie at sea when taken as degrees.
 bool LooksLikeRadians(const Geodetic& point) {
   return std::abs(point.lat_rad * kDegPerRad) <= std::numbers::pi / 2.0 &&
          std::abs(point.lon_rad * kDegPerRad) <= std::numbers::pi;
 }
 
-/// Root mean square of the horizontal velocities, m/s; 0 without any.
+/// Returns the root mean square of the horizontal velocities, m/s; 0 without velocities.
 double RmsSpeed(const std::vector<MapGnssEpoch>& epochs) {
   double sum = 0.0, n = 0.0;
   for (const MapGnssEpoch& epoch : epochs) {
@@ -120,8 +121,8 @@ double RmsSpeed(const std::vector<MapGnssEpoch>& epochs) {
   return n > 0.0 ? std::sqrt(sum / n) : 0.0;
 }
 
-/// East and north that the velocities lead over from an epoch to a later one, by trapezoids; absent
-/// across a hole.
+/// Integrates the velocities between two epochs by trapezoids and returns east and north, m.
+/// Returns nullopt if there is a gap between the epochs.
 std::optional<Eigen::Vector2d> WayBetween(const std::vector<MapGnssEpoch>& epochs,
                                           std::size_t first, std::size_t last) {
   Eigen::Vector2d way = Eigen::Vector2d::Zero();
@@ -134,9 +135,9 @@ std::optional<Eigen::Vector2d> WayBetween(const std::vector<MapGnssEpoch>& epoch
   return way;
 }
 
-/// Root mean square of what the positions move beyond what the velocities say, m/s, with latitude and
-/// longitude as they are or exchanged. Over legs so long that the noise of the positions is a fifth
-/// of the speed.
+/// Returns the rms difference between the motion of the positions and the velocities, m/s.
+/// exchanged: swaps latitude and longitude first. The legs are long enough for the noise of the
+/// positions to be a fifth of the speed.
 double VelocityMisfit(const Flight& flight, double speed_mps, bool exchanged) {
   const std::vector<MapGnssEpoch>& epochs = flight.gnss->epochs;
   const double leg_s = std::max(1.0, 10.0 * TypicalGnssSigma(flight) / speed_mps);
@@ -177,8 +178,8 @@ void HintVelocities(const Flight& flight, std::vector<DataHint>* hints) {
          "", ""});
     return;
   }
-  hints->push_back({fmt::format("the GNSS positions move by {:.3g} m/s rms otherwise than their "
-                                "velocities of {:.3g} m/s rms say: are these east, north, up, in "
+  hints->push_back({fmt::format("the motion of the GNSS positions differs by {:.3g} m/s rms from "
+                                "their velocities of {:.3g} m/s rms: are these east, north, up, in "
                                 "m/s?",
                                 as_is, speed_mps),
                     "gnss.use_velocity", "false"});
@@ -189,7 +190,7 @@ void HintCoordinates(const Flight& flight, std::vector<DataHint>* hints) {
     const double far_m = flight.gnss->epochs.front().p_m.norm();
     if (far_m > kFarOriginM) {
       hints->push_back({fmt::format("frame.origin_deg_m lies {:.0f} km from the first GNSS "
-                                    "position: is it of another project, or are its latitude and "
+                                    "position: is it from another project, or are its latitude and "
                                     "longitude exchanged?",
                                     far_m / 1e3),
                         "frame.origin_deg_m", "~"});

@@ -9,7 +9,7 @@
 
 namespace dn::apps {
 
-/// What inertial and GNSS data show of axes, clocks and coordinates before any adjustment.
+/// Agreement of inertial and GNSS data in axes and clocks, computed before any adjustment.
 struct DataAgreement {
   std::optional<BodyDirections> directions;
   std::optional<TurnComparison> turns;
@@ -17,27 +17,28 @@ struct DataAgreement {
 
 DataAgreement FindDataAgreement(const Flight& flight, int threads = 1);
 
-/// A likely mistake in the data or in flight.yaml, with what mends it.
+/// A likely mistake in the data or in flight.yaml, with its correction.
 struct DataHint {
   std::string text;
-  std::string key;    ///< of flight.yaml that mends it; empty where none does
-  std::string value;  ///< that it takes, YAML
+  std::string key;    ///< key of flight.yaml that corrects it; empty if there is none
+  std::string value;  ///< corrected value of the key, in YAML
 };
 
-/// Axes, clocks, coordinates that do not look as declared; none of well-formed data.
+/// Returns a hint for each axis, clock or coordinate convention that contradicts flight.yaml.
+/// Consistent data give an empty list.
 std::vector<DataHint> DataHints(const Flight& flight, const DataAgreement& agreement);
 
-/// The hint on one line, with the key that mends it.
+/// Formats the hint on one line, with the key that corrects it.
 std::string TextOf(const DataHint& hint);
 
-/// A mistake in the axes of imu.file, with what mends it.
+/// Describes a mistake in the axes of imu.file and its remedy.
 std::string TextOf(const AxesMistake& mistake);
 
-/// Axes of data by three letters, say RFU: x right, y forward, z up. R_imu_to_body: to
-/// forward-right-down, a permutation.
+/// Returns the axes of the data as three letters, e.g. RFU: x right, y forward, z up.
+/// R_imu_to_body: signed permutation from the data's axes to forward-right-down.
 std::string AxesName(const Eigen::Matrix3d& R_imu_to_body);
 
-/// "[[0, 1, 0], [1, 0, 0], [0, 0, -1]]".
+/// Formats a matrix for YAML, e.g. "[[0, 1, 0], [1, 0, 0], [0, 0, -1]]".
 std::string MatrixText(const Eigen::Matrix3d& matrix);
 
 }  // namespace dn::apps

@@ -8,9 +8,10 @@
 
 namespace dn::apps {
 
-/// Flies `count` flights on several threads, the next one as a thread gets free. `fly(k)` is called
-/// from several threads at once; `landed(k)` by one at a time, when fly(k) is done. Throws what the
-/// first of them threw, and Interrupted after a signal. The progress counts them as `what`.
+/// Simulates `count` flights on several threads; a free thread takes the next flight.
+/// `fly(k)` is called from several threads at once. `landed(k)` is called after fly(k), by one
+/// thread at a time. The progress counts the flights under the name `what`. Rethrows the first
+/// exception of a flight; throws Interrupted after a signal.
 void FlyAll(std::size_t count, Run* run, const std::function<void(std::size_t k)>& fly,
             const std::function<void(std::size_t k)>& landed, const std::string& what = "flights");
 

@@ -19,12 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kSqrtHourPerSqrtS = 1.0 / 60.0;
-// Noise is stated a little larger than the rows show it in half of the seconds.
+// The stated noise is this factor times the median noise per second.
 constexpr double kWhiteMargin = 1.5;
 constexpr const char* kDefaultImu = "IMU.txt";
 constexpr const char* kDefaultGnss = "GPS.txt";
 
-/// Assumed biases of a class of sensors, told by its white noise: chosen, and wide.
+/// Assumed biases of a sensor class, which is chosen by the white noise. The values are wide.
 struct BiasClass {
   double most_white_deg_sqrt_h;
   const char* name;
@@ -44,7 +44,7 @@ constexpr BiasClass kClasses[] = {
      "100}",
      "{type: random_constant, sigma_mg: 50}, {type: gauss_markov, sigma_mg: 3, tau_s: 100}"}};
 
-const BiasClass& ClassOf(double white_deg_sqrt_h) {
+const BiasClass& FindBiasClass(double white_deg_sqrt_h) {
   return *std::find_if(std::begin(kClasses), std::end(kClasses), [&](const BiasClass& c) {
     return white_deg_sqrt_h <= c.most_white_deg_sqrt_h;
   });
@@ -86,7 +86,7 @@ std::string ZoneOf(const Geodetic& place) {
   return fmt::format("{}{}", zone, place.lat_rad < 0.0 ? 's' : 'n');
 }
 
-/// Two digits.
+/// Formats a number with two digits.
 std::string Short(double value) { return fmt::format("{:.2g}", value); }
 
 std::string ImuSummary(const ImuData& imu) {
@@ -149,12 +149,12 @@ void FlightDraft::Take(const FileContent& content) {
     const bool better = *place && name == usual;
     if (*place && !better) {
       notes_.push_back(
-          fmt::format("{} holds {} as well; {} is taken", name, what, Named((*place)->file)));
+          fmt::format("{} also contains {}; {} is used", name, what, Named((*place)->file)));
       return;
     }
     if (better) {
       notes_.push_back(
-          fmt::format("{} holds {} as well; {} is taken", Named((*place)->file), what, name));
+          fmt::format("{} also contains {}; {} is used", Named((*place)->file), what, name));
     }
     *place = content;
   };
@@ -175,10 +175,10 @@ void FlightDraft::Take(const FileContent& content) {
       pairs_.push_back(content);
       break;
     case FileKind::kPointCloud:
-      notes_.push_back(name + " is a point cloud: those of the strips belong into strips/");
+      notes_.push_back(name + " is a point cloud: move point clouds of strips to strips/");
       break;
     case FileKind::kUnknown:
-      notes_.push_back(name + " is left out: " + content.why);
+      notes_.push_back(name + " is not used: " + content.why);
       break;
   }
 }
@@ -190,7 +190,7 @@ void FlightDraft::Settle() {
     FlightNeeds needs{.imu = imu_.has_value(), .gnss = gnss_.has_value()};
     return ReadFlight(ParseFlightConfig(SensorsText(), folder_), needs);
   };
-  // Clocks first: axes are told by course and gyros together.
+  // The clocks come first, since finding the axes needs course and gyros at the same time.
   for (int pass = 0; pass < 3; ++pass) {
     const Flight flight = read();
     const DataAgreement agreement = FindDataAgreement(flight);
@@ -247,22 +247,23 @@ std::string FlightDraft::ImuText() const {
   if (!imu_) return {};
   const double gyro_deg_sqrt_h = std::max(white_gyro_ * kDegPerRad / kSqrtHourPerSqrtS, 1e-4);
   const double accel_m_s_sqrt_h = std::max(white_accel_ / kSqrtHourPerSqrtS, 1e-4);
-  const BiasClass& biases = ClassOf(gyro_deg_sqrt_h);
+  const BiasClass& biases = FindBiasClass(gyro_deg_sqrt_h);
   std::string text = fmt::format("\n# {}\nimu:\n  file: {}\n  format: {}\n", imu_summary_,
                                  QuoteYaml(Named(imu_->file)),
                                  imu_->imu_format == ImuFormat::kOdyn ? "odyn" : "increments");
   text +=
       "  sampling: mean                # assumed: rows are means; instantaneous: values at the "
       "tag\n";
-  if (imu_->rates_in_deg) text += "  rate_unit: deg/s              # by the size of the rates\n";
-  if (imu_->forces_in_g) text += "  force_unit: g                 # by the size of gravity\n";
+  if (imu_->rates_in_deg) text += "  rate_unit: deg/s              # from the size of the rates\n";
+  if (imu_->forces_in_g) text += "  force_unit: g                 # from the size of gravity\n";
   text += fmt::format("  R_imu_to_body: {}   # data in axes {}: {}\n", MatrixText(R_imu_to_body_),
                       AxesName(R_imu_to_body_),
-                      axes_known_ ? "by gravity and course" : "by gravity; forward is a guess");
+                      axes_known_ ? "from gravity and course" : "from gravity; forward is a guess");
   text += OffsetText(imu_offset_s_);
   text += fmt::format(
-      "  # White noise as the rows show it in half of the seconds, times {:g}. Biases assumed, of\n"
-      "  # {}: put the data sheet's in, or a preset (grade).\n"
+      "  # White noise: median over the seconds of the data, times {:g}. The biases are assumed "
+      "for\n"
+      "  # {}: replace them by those of the data sheet or by a preset (grade).\n"
       "  gyro: {{white_deg_sqrt_h: {}, processes: [{}]}}\n"
       "  accel: {{white_m_s_sqrt_h: {}, processes: [{}]}}\n",
       kWhiteMargin, biases.name, Short(gyro_deg_sqrt_h), biases.gyro, Short(accel_m_s_sqrt_h),
@@ -313,10 +314,11 @@ std::string FlightDraft::LidarText() const {
   R_bs << scan_axis_s_.transpose(), nadir_s_.cross(scan_axis_s_).transpose(), nadir_s_.transpose();
   return fmt::format(
       "\nlidar:\n  p2p: [{}]\n"
-      "  # By the laser vectors: nadir is the axis along which they point, the mirror turns about "
-      "that\n"
-      "  # along which they hardly do. That it points forward is a GUESS: turn it if it points "
-      "back.\n"
+      "  # From the laser vectors: the nadir axis is their main direction, and the scan axis is "
+      "the\n"
+      "  # one with their smallest component. That the scan axis points forward is a GUESS: "
+      "reverse\n"
+      "  # it if it points back.\n"
       "  R_sensor_to_body: {}\n  scan_axis: {}\n  nadir_axis: {}\n"
       "  lever_arm_m: [0, 0, 0]        # MISSING: scanner in body, forward right down, m\n"
       "  sigma_p_m: 0.1                # assumed: per coordinate of a pair; or gsd_m\n{}",
@@ -340,24 +342,24 @@ std::string FlightDraft::ColumnsText() const {
   std::string text;
   if (IsInGrid(*trajectory_)) {
     text += utm_zone_.empty()
-                ? "  crs: utm:ZONEn                # MISSING: the zone, as utm:32n or utm:19s\n"
-                : fmt::format("  crs: utm:{}                  # the zone by the GNSS positions\n",
+                ? "  crs: utm:ZONEn                # MISSING: the zone, e.g. utm:32n or utm:19s\n"
+                : fmt::format("  crs: utm:{}                  # zone from the GNSS positions\n",
                               utm_zone_);
   } else if (columns.crs != "geographic") {
-    text += fmt::format("  crs: {:<25} # by the size of the coordinates\n", columns.crs);
+    text += fmt::format("  crs: {:<25} # from the size of the coordinates\n", columns.crs);
   }
   if (columns.attitude != TrajectoryColumns::Attitude::kQuaternionNed) {
-    text += fmt::format("  attitude: {:<20} # by the course\n", WordOfAttitude(columns.attitude));
+    text += fmt::format("  attitude: {:<20} # from the course\n", WordOfAttitude(columns.attitude));
   }
   return text;
 }
 
 std::string FlightDraft::SensorsText() const {
   std::string text =
-      "# Written by dn init from what the files of this folder hold; every key: "
-      "docs/reference/flight.yaml.\n"
-      "# What the data do not tell is marked MISSING, assumed or GUESS.\n"
-      "body: FRD                       # of lever arms and mounting: forward, right, down\n";
+      "# Written by dn init from the files of this folder. docs/reference/flight.yaml has all "
+      "keys.\n"
+      "# Values that do not follow from the data are marked MISSING, assumed or GUESS.\n"
+      "body: FRD                       # axes of lever arms and mounting: forward, right, down\n";
   return text + ImuText() + GnssText() + LidarText();
 }
 
@@ -373,18 +375,18 @@ std::vector<std::string> FlightDraft::Missing() const {
   }
   if (imu_) missing.emplace_back("imu.gyro and imu.accel: biases of the data sheet");
   if (imu_ && !axes_known_) {
-    missing.emplace_back("imu.R_imu_to_body: no course that tells which axis points forward");
+    missing.emplace_back("imu.R_imu_to_body: without a course the forward axis is unknown");
   }
   if (trajectory_ && IsInGrid(*trajectory_) && utm_zone_.empty()) {
     missing.emplace_back("trajectory.crs: the zone of the grid");
   }
   if (trajectory_ && trajectory_->trajectory && trajectory_->trajectory->crs == "map") {
-    missing.emplace_back("frame.origin_deg_m: where the coordinates of the trajectory are zero");
+    missing.emplace_back("frame.origin_deg_m: the origin of the trajectory's coordinates");
   }
   if (trajectory_ && trajectory_->trajectory && trajectory_->trajectory->body_is_flu) {
     missing.emplace_back(
-        "the attitude of the trajectory is that of a body with axes forward, left, up: write body: "
-        "FLU, and lever arms and mounting in it");
+        "the trajectory has body axes forward, left, up: write body: FLU, and give lever arms and "
+        "mounting in these axes");
   }
   if (strips_without_vectors_ > 0) {
     missing.emplace_back(

@@ -10,26 +10,26 @@
 
 namespace dn::apps {
 
-/// A flight.yaml for files whose content is known, with what the data show as comments.
+/// Draft of a flight.yaml for recognised data files, with findings from the data as comments.
 class FlightDraft {
  public:
-  /// Takes one file of each kind; the others are notes.
+  /// Takes one file of each kind; the remaining files become notes.
   FlightDraft(std::filesystem::path folder, const std::vector<FileContent>& contents);
 
-  /// Reads the files and settles what only the data tell: axes, noise, clocks. Throws InvalidInput
-  /// where a file cannot be read after all.
+  /// Reads the files and determines axes, noise and clocks from the data. Throws InvalidInput if a
+  /// file cannot be read.
   void Settle();
 
-  /// flight.yaml.
+  /// Returns the text of flight.yaml.
   std::string Text() const;
 
   bool empty() const { return !imu_ && !gnss_ && !trajectory_ && pairs_.empty(); }
 
-  /// What was found, a line each.
+  /// Findings from the data, one line each.
   const std::vector<std::string>& found() const { return found_; }
-  /// Files that are not used, and why.
+  /// Files that are not used, with the reason.
   const std::vector<std::string>& notes() const { return notes_; }
-  /// What the data do not tell, or what is not there.
+  /// Returns the missing data and the values that the user must supply, one line each.
   std::vector<std::string> Missing() const;
 
  private:
@@ -52,7 +52,7 @@ class FlightDraft {
   std::vector<std::string> found_, notes_, axes_notes_;
   Eigen::Matrix3d R_imu_to_body_ = Eigen::Matrix3d::Identity();
   bool axes_known_ = false;
-  std::string utm_zone_;  ///< "32n", where the GNSS positions tell it
+  std::string utm_zone_;  ///< e.g. "32n", from the GNSS positions; empty if unknown
   double imu_offset_s_ = 0.0, gnss_offset_s_ = 0.0;
   std::string imu_summary_, gnss_summary_;
   double white_gyro_ = 0.0, white_accel_ = 0.0;  ///< rad/sqrt(s), m/s/sqrt(s)

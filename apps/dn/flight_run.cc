@@ -17,9 +17,9 @@
 namespace dn::apps {
 namespace {
 
-// Spacing of trajectory.out: 100 Hz resolves the motion of every platform that we know.
+// Spacing of trajectory.out: 100 Hz resolves the motion of all common platforms.
 constexpr double kTrajectorySpacingS = 0.01;
-// Points of a plotted curve beyond which nobody sees more.
+// Maximum number of points of a plotted curve; more would not be visible.
 constexpr std::size_t kPlotPoints = 2000;
 
 template <class Row, class Get>
@@ -34,7 +34,7 @@ PlotSeries Curve(const std::string& label, const std::vector<Row>& rows, const G
 
 struct Plot {
   std::string file;
-  std::optional<std::string> svg;  ///< absent: it could not be drawn
+  std::optional<std::string> svg;  ///< absent if it could not be drawn
 };
 
 std::vector<Plot> DrawPlots(const FlightRun& flight_run) {
@@ -75,7 +75,7 @@ void AddPlots(const std::vector<Plot>& plots, Run* run) {
   }
 }
 
-/// "3 GNSS positions and 1 GNSS velocity".
+/// Formats the counts, e.g. "3 GNSS positions and 1 GNSS velocity".
 std::string LeftOutText(const LeftOutGnss& out) {
   const auto count = [](long n, const char* one, const char* many) {
     return fmt::format("{} GNSS {}", n, n == 1 ? one : many);
@@ -107,7 +107,7 @@ std::vector<std::string> Warnings(const FlightRun& flight_run) {
   return warnings;
 }
 
-/// What is known before the adjustment, kept where that fails.
+/// Fills the report with the results of reading, so that a failed adjustment keeps them.
 void ReportReading(const FlightRun& flight_run, Run* run) {
   run->report["flight"] = flight_run.flight.config.name;
   run->report["counts"] = flight_run.flight.counts;

@@ -13,18 +13,19 @@ namespace dn::apps {
 /// A flight adjusted for `dn smooth` or `dn calibrate`.
 struct FlightRun {
   Flight flight;
-  std::vector<std::string> hints;    ///< what its data show before the adjustment
-  std::optional<Solution> solution;  ///< of `flight`
-  Trajectory trajectory;             ///< of the solution, at 100 Hz
+  std::vector<std::string> hints;    ///< likely mistakes, found before the adjustment
+  std::optional<Solution> solution;  ///< adjustment of `flight`
+  Trajectory trajectory;             ///< adjusted trajectory at 100 Hz
   RunTimings timings;
 
   const Adjustment& adjustment() const { return solution->adjustment(); }
 };
 
-/// Reads, adjusts and factors a flight, with progress and the parts of report.json that are common.
+/// Reads and adjusts a flight and factorises its network. Reports progress and fills the parts of
+/// report.json that `dn smooth` and `dn calibrate` share.
 std::unique_ptr<FlightRun> AdjustFlight(const FlightConfig& config, bool with_pairs, Run* run);
 
-/// The same for a flight that was read already, with imu and gnss (and pairs), in read_s seconds.
+/// Adjusts a flight that is already read, with imu and gnss (and pairs). read_s: reading time, s.
 std::unique_ptr<FlightRun> AdjustFlight(Flight flight, double read_s, bool with_pairs, Run* run);
 
 /// Stages trajectory.out, trajectory_sigma.txt, biases.txt, config.resolved.yaml and the plots.
@@ -36,11 +37,11 @@ void FillReport(const FlightRun& flight_run, Run* run);
 /// Prints offset and drift of the clocks with their sigmas.
 void PrintClocks(const Clocks& clocks);
 
-/// Prints the first reasons of an assessment, a line each, and where the others are.
+/// Prints the first reasons of an assessment, one per line, and names the file with the others.
 void PrintReasons(const std::vector<std::string>& reasons, const std::string& file);
 
-/// Ends the work with its results and the error that the data contradict the assumed model, by its
-/// first finding; `file` has all of them.
+/// Throws FailedWithResults: the data contradict the assumed model. The message quotes the first
+/// finding and refers to `file` for all findings.
 [[noreturn]] void ThrowContradicted(const std::string& first_finding, const std::string& file);
 
 }  // namespace dn::apps

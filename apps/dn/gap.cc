@@ -32,7 +32,7 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
   return words;
 }
 
-GapOptions::Depth DepthOf(const GapArguments& options) {
+GapOptions::Depth ChooseDepth(const GapArguments& options) {
   if (options.limits) return GapOptions::Depth::kLimits;
   if (options.screen_only) return GapOptions::Depth::kScreen;
   return options.quick ? GapOptions::Depth::kQuick : GapOptions::Depth::kFull;
@@ -40,7 +40,7 @@ GapOptions::Depth DepthOf(const GapArguments& options) {
 
 GapOptions DiagnosisOptions(const GapArguments& options, Run* run) {
   GapOptions gap;
-  gap.depth = DepthOf(options);
+  gap.depth = ChooseDepth(options);
   gap.seed = options.seed;
   gap.alpha = options.alpha;
   gap.threads = run->options().threads;
@@ -80,7 +80,7 @@ std::string AdaptedFile(const GapResult& result) {
   const std::vector<std::string>& effects = result.diagnosis.verdict.effects;
   const std::string added =
       effects.empty() ? "nothing added" : fmt::format("{}", fmt::join(effects, ", "));
-  return "# The flight with what its diagnosis names: " + added + ".\n" +
+  return "# The flight with the effects that its diagnosis identified: " + added + ".\n" +
          FormatFlightFile(result.adapted);
 }
 
@@ -88,7 +88,7 @@ void AddTwin(const Flight& flight, const GapResult& result, Run* run) {
   if (result.trajectory.empty() || !flight.imu) return;
   const Scenario twin = TwinScenario(flight, result.trajectory, CausesOfVerdict(result.diagnosis),
                                      result.boresight_rad);
-  run->AddFile("twin.yaml", "# Flies the flight again, over the trajectory beside this file.\n" +
+  run->AddFile("twin.yaml", "# Scenario that simulates the flight again on its own trajectory.\n" +
                                 FormatScenario(twin));
   run->AddFile(kTwinTrajectoryFile,
                FormatSbet(result.trajectory.points(), flight.pairs.has_value()));
@@ -122,12 +122,13 @@ void RunGap(const GapArguments& options, Run& run) {
 }
 
 void AddDepth(CLI::App* app, GapArguments* options) {
-  CLI::Option* quick = app->add_flag("--quick", options->quick, "Fewer twins, in less time");
-  CLI::Option* screen = app->add_flag(
-      "--screen-only", options->screen_only,
-      "What the data show at once: no adjustments with the effects, no simulated twins");
+  CLI::Option* quick = app->add_flag("--quick", options->quick,
+                                     "Fewer Monte-Carlo replicates, for a shorter run time");
+  CLI::Option* screen = app->add_flag("--screen-only", options->screen_only,
+                                      "Screening only: no refits, no simulated replicates");
   CLI::Option* limits = app->add_flag(
-      "--limits", options->limits, "What could be found, and what could hide; no measured values");
+      "--limits", options->limits,
+      "Reports only which effects are detectable in such a flight; needs no measured values");
   quick->excludes(screen)->excludes(limits);
   screen->excludes(limits);
 }
@@ -135,17 +136,19 @@ void AddDepth(CLI::App* app, GapArguments* options) {
 void AddGapOptions(CLI::App* app, GapArguments* options) {
   AddFlightOptions(app, &options->flight, &options->common);
   AddDepth(app, options);
-  app->add_option("--seed", options->seed, "Seed of the twins")
+  app->add_option("--seed", options->seed, "Seed of the Monte-Carlo replicates")
       ->check(WholeNumber(0))
       ->capture_default_str();
   app->add_option("--alpha", options->alpha,
-                  "Share of flights without a gap that are said to have one")
+                  "Significance level (false-alarm rate) of the gap test")
       ->check(PositiveNumber())
       ->capture_default_str();
   app->add_option(
       "--effects", options->effects,
-      "Only these effects are considered: names of docs/reference/effects.md, joined by commas");
-  app->add_option("--without", options->without, "Effects that are not considered, likewise");
+      "Comma-separated names of the only effects to consider (docs/reference/effects.md). "
+      "Default: all");
+  app->add_option("--without", options->without,
+                  "Comma-separated names of effects that are not considered");
   AddCommonOptions(app, &options->common, true);
 }
 
@@ -155,12 +158,11 @@ void AddGap(CLI::App* program, Action* action) {
   auto options = std::make_shared<GapArguments>();
   CLI::App* app = program->add_subcommand(
       "gap",
-      "Where a flight departs from its assumed model, which effect is the cause, and how far "
-      "adding it closes the gap");
+      "Tests whether a flight fits its assumed model, finds the effects that cause a misfit, and "
+      "reports how far adding them closes the gap");
   AddGapOptions(app, options.get());
   app->footer(
-      "A gap that is found is no failure: the exit code is 0. docs/guides/gap.md says how to read "
-      "it.\n"
+      "The exit code is 0 even if a gap is found. docs/guides/gap.md explains the results.\n"
       "Example: dn gap flight --out gap && dn calibrate gap/flight.adapted.yaml --out result");
   app->callback([options, action] {
     *action = [options] {

@@ -27,14 +27,14 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kMostAngleDeg = 180.0;
-// The standard deviation across a Gaussian beam is a quarter of its divergence, which is the full
-// angle where the intensity has fallen by e^2.
+// The standard deviation across a Gaussian beam is a quarter of its divergence. The divergence is
+// the full angle at which the intensity has fallen by the factor e^2.
 constexpr double kBeamSigmas = 4.0;
 
 struct GeorefOptions {
   CommonOptions common;
   std::string flight;
-  std::string boresight;  ///< empty: of the result, else of flight.yaml
+  std::string boresight;  ///< empty: from `result`, else from flight.yaml
   std::string trajectory;
   std::string result;
   bool anyway = false;  ///< also with a result that cannot be relied on
@@ -43,7 +43,7 @@ struct GeorefOptions {
   double divergence_mrad = 0.35;
 };
 
-/// What a result.json says of the boresight.
+/// Boresight in a result.json.
 struct BoresightOfResult {
   std::string verdict;  ///< empty: the file has none
   Vector3d angles_rad = Vector3d::Zero();
@@ -122,7 +122,7 @@ void ExpectGeoreferenceable(const FlightConfig& config) {
   }
   if (config.strips_crs == "none") {
     throw InvalidConfig(
-        "strips_crs is none: points in an unknown system cannot be georeferenced; write map, "
+        "strips_crs is 'none': points in an unknown system cannot be georeferenced; write map, "
         "utm:ZONEn, utm:ZONEs or ecef",
         where);
   }
@@ -151,12 +151,12 @@ StripErrors ReadErrors(const GeorefOptions& options, const FlightConfig& config,
   return errors;
 }
 
-/// All that the command reads but the points.
+/// Everything that the command reads except the points.
 struct Georef {
-  FlightConfig config;  ///< with the trajectory of the new points
+  FlightConfig config;  ///< names the trajectory of the new points
   LocalFrame frame{Geodetic{}};
   GeoreferenceOptions options;
-  std::string accuracy;  ///< what states the trajectory's errors
+  std::string accuracy;  ///< source of the trajectory's sigmas
 };
 
 Georef Prepare(const GeorefOptions& given, Run& run) {
@@ -228,7 +228,7 @@ Json CovarianceJson(const GeorefOptions& given, const FlightConfig& config) {
           {"divergence_mrad", given.divergence_mrad}};
 }
 
-/// Georeferences one strip into the output; adds to the report.
+/// Georeferences one strip, stages the new file and returns the strip's report entry.
 Json RenewStrip(const StripGeoreferencer& georeferencer, const fs::path& file,
                 const std::string& strips_crs, std::vector<Swath>* swaths, Run& run) {
   const std::string name = file.filename().string();
@@ -311,32 +311,31 @@ void RunGeoref(const GeorefOptions& given, Run& run) {
 }
 
 void AddGeorefOptions(CLI::App* app, GeorefOptions* options) {
-  app->add_option("FLIGHT", options->flight, "Flight folder, or the YAML file of a flight")
-      ->required();
+  app->add_option("FLIGHT", options->flight, "Flight folder or YAML file of a flight")->required();
   app->add_option(
       "--boresight", options->boresight,
       "Boresight of the new points, roll,pitch,yaw [deg], as `dn calibrate` reports it. "
-      "Default: of --result, else of flight.yaml");
+      "Default: from --result, else from flight.yaml");
   app->add_option("--trajectory", options->trajectory,
-                  "Trajectory of the new points (SBET .out, or text). Default: that of the flight");
+                  "Trajectory of the new points (SBET .out or text). Default: that of the flight");
   app->add_option("--result", options->result,
-                  "result.json of `dn calibrate`: its boresight, and its covariance");
+                  "result.json of `dn calibrate` with the boresight and its covariance");
   app->add_flag("--anyway", options->anyway,
                 "Use --result even if it is contradicted or not_observable");
   app->add_flag("--covariance", options->covariance,
-                "Also write the covariance of every point, from trajectory, boresight and beam");
+                "Also writes the covariance of every point, from trajectory, boresight and beam");
   app->add_option("--sigma-range-m", options->sigma_range_m,
                   "Standard deviation of a range [m], for --covariance")
       ->check(PositiveNumber())
       ->capture_default_str();
   app->add_option("--divergence-mrad", options->divergence_mrad,
-                  "Divergence of the beam [mrad], for --covariance; a quarter of it is the "
-                  "standard deviation of the beam's direction")
+                  "Beam divergence [mrad], for --covariance; a quarter of it is the standard "
+                  "deviation of the beam direction")
       ->check(PositiveNumber())
       ->capture_default_str();
 }
 
-Inputs InputsOf(const GeorefOptions& options) {
+Inputs GeorefInputs(const GeorefOptions& options) {
   Inputs inputs = FlightInputs(options.flight, {}, options.trajectory);
   if (!options.result.empty()) inputs.files.emplace_back(options.result);
   return inputs;
@@ -347,13 +346,13 @@ Inputs InputsOf(const GeorefOptions& options) {
 void AddGeoref(CLI::App* program, Action* action) {
   auto options = std::make_shared<GeorefOptions>();
   CLI::App* app = program->add_subcommand(
-      "georef", "Point clouds of a flight with another boresight or trajectory");
+      "georef", "Recomputes the point clouds of a flight with another boresight or trajectory");
   AddGeorefOptions(app, options.get());
   AddCommonOptions(app, &options->common, true);
   app->footer("Example: dn georef flight --boresight 0.1,-0.02,0.3 --out result");
   app->callback([options, action] {
     *action = [options] {
-      options->common.inputs = InputsOf(*options);
+      options->common.inputs = GeorefInputs(*options);
       return Execute("georef", options->common, [&](Run& run) { RunGeoref(*options, run); });
     };
   });

@@ -6,10 +6,11 @@
 
 namespace dn::apps {
 
-/// The configuration of a flight with the trajectory of the command line; empty: its own.
+/// Returns the configuration with the trajectory file replaced by `trajectory`, unless that is
+/// empty.
 FlightConfig WithTrajectory(FlightConfig config, const std::string& trajectory);
 
-/// Whether there is a trajectory for ReadFlight to read.
+/// Returns true if the trajectory file that ReadFlight would read exists.
 bool HasTrajectory(const FlightConfig& config);
 
 }  // namespace dn::apps

@@ -41,7 +41,7 @@ const char* KindName(FileKind kind) {
   return "not known";
 }
 
-std::vector<FileContent> ContentsOf(const fs::path& folder) {
+std::vector<FileContent> LookAtFlightFolder(const fs::path& folder) {
   std::vector<FileContent> contents = LookAtFolder(folder);
   std::error_code none;
   if (!fs::is_directory(folder / "lidar", none)) return contents;
@@ -66,7 +66,7 @@ void Init(const InitArguments& options, Run& run) {
   const fs::path folder = options.folder;
   ExpectFolder(folder);
   run.progress.Stage("looking at " + folder.string());
-  const std::vector<FileContent> contents = ContentsOf(folder);
+  const std::vector<FileContent> contents = LookAtFlightFolder(folder);
   FlightDraft draft(folder, contents);
   if (draft.empty()) {
     throw InvalidInput("no file in " + folder.string() +
@@ -96,8 +96,8 @@ void Init(const InitArguments& options, Run& run) {
 void AddInit(CLI::App* program, Action* action) {
   auto options = std::make_shared<InitArguments>();
   CLI::App* app = program->add_subcommand(
-      "init", "A commented flight.yaml for the files that lie in a folder, with what they show");
-  app->add_option("FOLDER", options->folder, "Folder with the data; its flight.yaml is written")
+      "init", "Writes a commented flight.yaml for the data files in a folder");
+  app->add_option("FOLDER", options->folder, "Folder with the data; flight.yaml is written there")
       ->required();
   AddCommonOptions(app, &options->common, false);
   app->footer("Example: dn init flight && dn check flight && dn smooth flight --out result");

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string NameOf(const fs::path& file, const std::vector<fs::path>& folders) {
+std::string NameInFlight(const fs::path& file, const std::vector<fs::path>& folders) {
   const fs::path whole = fs::absolute(file).lexically_normal();
   for (const fs::path& folder : folders) {
     const fs::path inside =
@@ -31,7 +31,7 @@ Json InputFilesJson(const Inputs& inputs) {
     if (none || !fs::is_regular_file(canonical, none) || !seen.insert(canonical).second) continue;
     const auto identity = IdentifyFile(file);
     if (!identity) continue;
-    list.push_back({{"file", NameOf(file, inputs.folders)},
+    list.push_back({{"file", NameInFlight(file, inputs.folders)},
                     {"bytes", identity->bytes},
                     {"sha256", identity->sha256}});
   }

@@ -6,9 +6,9 @@
 
 namespace dn::apps {
 
-/// What identifies the files that a command reads: [{"file", "bytes", "sha256"}], each once, named
-/// relative to the flight where it lies in it. Files are read in pieces; of what cannot be read there
-/// is no element. Throws Interrupted when a signal came.
+/// Returns name, size and hash of each file that a command reads: [{"file", "bytes", "sha256"}].
+/// Files in the flight folder have names relative to it. Unreadable files are left out. Throws
+/// Interrupted after a signal.
 Json InputFilesJson(const Inputs& inputs);
 
 }  // namespace dn::apps

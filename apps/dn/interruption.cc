@@ -24,12 +24,12 @@ static_assert(std::atomic<bool>::is_always_lock_free);
 static_assert(std::atomic<const void*>::is_always_lock_free);
 std::atomic<bool> g_interrupted{false};
 
-/// Of two threads, one that ends the program by force and one that publishes, the first one stays.
+/// A forced end and the publication of results exclude each other; the first to start wins.
 enum class Course { kWork, kPublication, kForcedEnd };
 static_assert(std::atomic<Course>::is_always_lock_free);
 std::atomic<Course> g_course{Course::kWork};
 
-/// False when another course has been taken.
+/// Starts a course. Returns false if another one has been started before.
 bool Take(Course course) {
   Course before = Course::kWork;
   return g_course.compare_exchange_strong(before, course);
@@ -39,16 +39,16 @@ bool Take(Course course) {
   for (;;) ::pause();
 }
 
-/// All that the end by force needs, in memory that does not move.
+/// Data of the forced end, at a fixed address because a signal handler reads them.
 struct ForcedEnd {
   std::string directory;
-  std::string staging;  // its name in the directory
+  std::string staging;  // name of the staging directory within `directory`
   std::string report;
   std::string message;
 };
 std::atomic<const ForcedEnd*> g_forced_end{nullptr};
 
-// Everything from here to EndByForce runs in a signal handler: system calls only.
+// All functions from here to EndByForce run in a signal handler and must only make system calls.
 
 void WriteAll(int fd, std::string_view text) {
   while (!text.empty()) {
@@ -70,7 +70,7 @@ bool RemoveEntry(int directory, const char* name, int depth) {
   return ::unlinkat(directory, name, AT_REMOVEDIR) == 0;
 }
 
-/// True when something was removed: there may be more.
+/// Removes some entries. Returns true if it removed any: there may be more.
 bool RemoveSome(int directory, int depth) {
   alignas(dirent64) std::array<char, 4096> buffer;
   bool removed = false;
@@ -96,7 +96,7 @@ void RemoveContent(int directory, int depth) {
 constexpr int kStagedLevels = 3;  // ".replaced/lidar/1_2.txt"
 constexpr int kAttempts = 1000;
 
-/// Another thread may stage a file at any time until the directory is gone.
+/// Removes the staging directory. Retries, because another thread may still stage files in it.
 void RemoveStaging(int directory, const char* name, int staging) {
   for (int i = 0; i < kAttempts; ++i) {
     RemoveContent(staging, kStagedLevels);
@@ -121,7 +121,7 @@ void LeaveReportOnly(const ForcedEnd& end) {
   RemoveStaging(directory, end.staging.c_str(), staging);
 }
 
-/// A reader that does not read must not hold us up.
+/// Writes the message to stderr unless that would block, e.g. on a full pipe.
 void SayWithoutWaiting(std::string_view message) {
   pollfd stream{STDERR_FILENO, POLLOUT, 0};
   if (::poll(&stream, 1, 0) == 1 && (stream.revents & POLLOUT) != 0) {

@@ -5,26 +5,26 @@
 
 namespace dn::apps {
 
-/// True after SIGINT, SIGTERM or SIGHUP.
+/// Returns true after SIGINT, SIGTERM or SIGHUP.
 bool SignalCame();
 
-/// From here on such a signal asks the work to end, and what has not ended 0.4 s later is ended by
-/// force, as by a second signal: nothing stays of what was staged, exit code 130. A SIGHUP that the
-/// program was started to ignore (nohup) stays ignored. A reader of our output that goes away and a
-/// limit of file size are errors of writing, not the end.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP. A signal asks the work to stop. After another
+/// 0.4 s, or at a second signal, the program is ended by force: the staged files are removed and
+/// the exit code is 130. SIGHUP stays ignored if the program was started so (nohup). SIGPIPE and
+/// SIGXFSZ are ignored, so that a closed pipe or a file-size limit gives a write error.
 void InstallSignalHandlers();
 
-/// What an end by force leaves in the output directory: its staging directory is removed, and this
-/// report.json put into it. Empty paths: nothing. The error line says `message`.
+/// Sets the actions of a forced end: print the error line `message`, remove the directory
+/// `staging` and write `report` to report.json in `directory`. Empty paths: only print.
 void PrepareForcedEnd(const std::string& command, const std::string& message,
                       const std::filesystem::path& directory, const std::filesystem::path& staging,
                       const std::string& report);
 
-/// From here on results are published, which no signal interrupts any more. False when one came
+/// Starts publishing the results; signals no longer interrupt. Returns false if a signal arrived
 /// before.
 bool BeginPublishing();
 
-/// The same after the work has failed: the report of it is published in any case.
+/// Starts publishing the report of a failure, even after a signal.
 void BeginReporting();
 
 }  // namespace dn::apps

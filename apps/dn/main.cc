@@ -13,8 +13,9 @@
 
 namespace {
 
-// A standard stream that was closed would go to the next file that is opened. In its place stands
-// one that, as before, cannot be read or written; what is lost on stderr is lost.
+// The next opened file would take the descriptor of a closed standard stream. Therefore closed
+// streams are opened on /dev/null, so that stdin reads nothing, writing to stdout fails, and output
+// to stderr is dropped.
 void OpenStandardStreams() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(fd, F_GETFD) >= 0 || errno != EBADF) continue;
@@ -22,12 +23,12 @@ void OpenStandardStreams() {
   }
 }
 
-// Large matrices come and go with every step of an adjustment: what they leave is kept for the next
-// one, instead of being returned to the system and cleared by it again.
+// Each adjustment step allocates and frees large matrices. Keeping freed memory in the process
+// saves returning it to the system, which would clear it again.
 void KeepFreedMemory() {
-  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that there is
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest value that glibc accepts
   ::mallopt(M_TRIM_THRESHOLD, 1 << 30);
-  ::mallopt(M_TOP_PAD, 16 << 20);  // also of threads that come and go
+  ::mallopt(M_TOP_PAD, 16 << 20);  // applies also to the arenas of short-lived threads
 }
 
 int ParseAndRun(int argc, char** argv) {
@@ -81,7 +82,7 @@ int main(int argc, char** argv) {
   try {
     return ParseAndRun(argc, argv);
   } catch (const std::bad_alloc&) {
-    dn::apps::Say("dn: error: out of memory before the work began; allow the process more");
+    dn::apps::Say("dn: error: out of memory at program start; allow the process more memory");
     return 1;
   } catch (const std::exception& error) {
     dn::apps::Say(std::string("dn: error: ") + error.what());

@@ -18,9 +18,9 @@ using Eigen::Vector3d;
 
 struct MatchCommand {
   CommonOptions common;
-  std::vector<std::string> what;  ///< a flight, or strips
+  std::vector<std::string> what;  ///< a flight or strip files
   std::string trajectory;
-  double gsd_m = 0.0;  ///< 0: as flight.yaml says, else from the density
+  double gsd_m = 0.0;  ///< 0: from flight.yaml, else from the point density
   double search_deg = 5.0;
   double search_m = 10.0;
   std::size_t most_pairs = 3000;
@@ -30,7 +30,7 @@ struct MatchCommand {
   std::vector<int> classes;
 };
 
-MatchOptions OptionsOf(const MatchCommand& command, Run& run) {
+MatchOptions MakeMatchOptions(const MatchCommand& command, Run& run) {
   MatchOptions options = MatchOptionsOf(run);
   if (command.gsd_m > 0.0) options.gsd_m = command.gsd_m;
   options.search_rad = command.search_deg * kRadPerDeg;
@@ -41,7 +41,7 @@ MatchOptions OptionsOf(const MatchCommand& command, Run& run) {
   return options;
 }
 
-PointFilter FilterOf(const MatchCommand& command) {
+PointFilter MakePointFilter(const MatchCommand& command) {
   PointFilter filter = kLastReturns;
   filter.last_returns = !command.all_returns;
   for (const int each : command.classes) filter.classes.insert(static_cast<std::uint8_t>(each));
@@ -55,8 +55,9 @@ bool IsFlight(const std::vector<std::string>& what) {
 
 void MatchFlightCommand(const MatchCommand& command, Run& run) {
   FlightConfig config = ReadFlightConfig(command.what[0], command.common.changes);
-  MatchedFlight matched = MatchStripsOfFlight(std::move(config), command.trajectory,
-                                              OptionsOf(command, run), FilterOf(command), run);
+  MatchedFlight matched =
+      MatchStripsOfFlight(std::move(config), command.trajectory, MakeMatchOptions(command, run),
+                          MakePointFilter(command), run);
   AddMatches(matched, run);
   if (matched.smoothed) {
     AddTrajectoryFiles(*matched.smoothed, &run);
@@ -85,8 +86,8 @@ std::string FormatPositions(const MatchResult& result, const BareMatchSource& so
 
 void MatchBareCommand(const MatchCommand& command, Run& run) {
   std::vector<fs::path> files(command.what.begin(), command.what.end());
-  BareMatchSource source(FindMatchStrips(files), FilterOf(command));
-  const MatchResult result = MatchBareStrips(&source, OptionsOf(command, run));
+  BareMatchSource source(FindMatchStrips(files), MakePointFilter(command));
+  const MatchResult result = MatchBareStrips(&source, MakeMatchOptions(command, run));
   run.AddFile("pairs_xyz.txt", FormatPositions(result, source));
   AddMatchFiles(files.front().stem().string(), result, source, run);
   if (result.pairs() == 0) FailNoPairs();
@@ -100,7 +101,7 @@ void RunMatch(const MatchCommand& command, Run& run) {
   }
 }
 
-Inputs InputsOf(const MatchCommand& command) {
+Inputs MatchInputs(const MatchCommand& command) {
   if (IsFlight(command.what)) {
     return FlightInputs(command.what[0], command.common.changes, command.trajectory);
   }
@@ -113,49 +114,51 @@ Inputs InputsOf(const MatchCommand& command) {
 
 void AddMatch(CLI::App* program, Action* action) {
   auto command = std::make_shared<MatchCommand>();
-  CLI::App* app =
-      program->add_subcommand("match", "Point-to-point correspondences from overlapping strips");
+  CLI::App* app = program->add_subcommand(
+      "match", "Finds point-to-point correspondences in overlapping strips");
   app->add_option("FLIGHT|STRIP", command->what,
-                  "Flight folder with strips/, or the YAML file of a flight; or two strips or more "
+                  "Flight folder with strips/, YAML file of a flight, or at least two strips "
                   "(.las, .txt) without a trajectory")
       ->required();
   app->add_option("--trajectory", command->trajectory,
-                  "Trajectory (SBET .out, or text). Default: that of the flight, else the smoothed "
-                  "one of its inertial and GNSS data");
+                  "Trajectory (SBET .out or text). Default: that of the flight, else smoothed from "
+                  "its inertial and GNSS data");
   app->add_option(
          "--gsd", command->gsd_m,
-         "Ground sampling distance [m]. Default: gsd_m of flight.yaml, else by the density "
-         "of the points")
+         "Ground sampling distance [m]. Default: gsd_m of flight.yaml, else from the point "
+         "density")
       ->check(PositiveNumber());
   app->add_option("--search-deg", command->search_deg,
-                  "How far the boresight may be off, about each axis [deg]")
+                  "Largest boresight error about each axis [deg]")
       ->check(PositiveNumber())
       ->capture_default_str();
   app->add_option("--search-m", command->search_m,
-                  "How far strips without a trajectory may be apart [m]")
+                  "Largest offset between strips without a trajectory [m]")
       ->check(PositiveNumber())
       ->capture_default_str();
-  app->add_option("--max-pairs", command->most_pairs, "Most pairs of two strips")
+  app->add_option("--max-pairs", command->most_pairs, "Maximum number of pairs between two strips")
       ->check(WholeNumber(1))
       ->capture_default_str();
   app->add_option("--patch-gsd", command->patch_gsd,
-                  "Half the side of the smallest patches, in ground sampling distances")
+                  "Half the side length of the smallest patches, in ground sampling distances")
       ->check(CLI::Range(6.0, 200.0))
       ->capture_default_str();
   app->add_option("--classes", command->classes,
-                  "Only points of these LAS classes, as 2 for the ground under trees")
+                  "Comma-separated LAS classes of the points to use, e.g. 2 for the ground under "
+                  "trees. Default: all")
       ->delimiter(',')
       ->check(CLI::Range(0, 255));
   app->add_flag("--all-returns", command->all_returns,
-                "Every return of a pulse, not only the last");
-  app->add_option("--seed", command->seed, "Of the search for a consensus")->capture_default_str();
+                "Uses every return of a pulse, not only the last");
+  app->add_option("--seed", command->seed, "Seed of the random consensus search")
+      ->capture_default_str();
   AddCommonOptions(app, &command->common, true);
   app->footer(
       "Example: dn match flight --out matched && dn calibrate matched/flight.matched.yaml --out "
       "result");
   app->callback([command, action] {
     *action = [command] {
-      command->common.inputs = InputsOf(*command);
+      command->common.inputs = MatchInputs(*command);
       return Execute("match", command->common, [&](Run& run) { RunMatch(*command, run); });
     };
   });

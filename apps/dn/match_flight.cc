@@ -24,7 +24,7 @@ void ExpectMatchable(const FlightConfig& config) {
   }
   if (config.strips_crs == "none") {
     throw InvalidConfig(
-        "strips_crs is none: such points have no trajectory; match their files by themselves, "
+        "strips_crs is 'none': such points have no trajectory; match their files alone with "
         "dn match STRIP STRIP --out DIR, or write map, utm:ZONEn, utm:ZONEs or ecef",
         where);
   }
@@ -53,14 +53,14 @@ VectorOrigin CheckStrips(const std::vector<fs::path>& files, const std::string& 
   return weakest;
 }
 
-/// The trajectory of a flight, and where it comes from.
+/// The trajectory of a flight with its origin.
 struct FlightPath {
   StripSourceOptions options;
   LocalFrame frame{Geodetic{}};
   std::unique_ptr<FlightRun> smoothed;
 };
 
-FlightPath PathOf(FlightConfig* config, const std::string& trajectory, Run& run) {
+FlightPath FindFlightPath(FlightConfig* config, const std::string& trajectory, Run& run) {
   FlightPath path;
   const bool own = HasTrajectory(*config);
   if (own || !trajectory.empty()) {
@@ -78,7 +78,7 @@ FlightPath PathOf(FlightConfig* config, const std::string& trajectory, Run& run)
   }
   if (!config->imu || !config->gnss) {
     throw InvalidInput(
-        "the flight has neither a trajectory nor inertial and GNSS data to make one of; give it "
+        "the flight has neither a trajectory nor inertial and GNSS data to compute one; give one "
         "with --trajectory FILE, or match bare strips: dn match STRIP STRIP --out DIR");
   }
   path.smoothed = AdjustFlight(*config, false, &run);
@@ -120,7 +120,7 @@ MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& traject
   const StripGeoreferencing made_with = GeoreferencingOf(config);
   MatchedFlight matched;
   matched.origin = CheckStrips(files, config.strips_crs, made_with, run);
-  FlightPath path = PathOf(&config, trajectory, run);
+  FlightPath path = FindFlightPath(&config, trajectory, run);
   matched.smoothed = std::move(path.smoothed);
   path.options.made_with = made_with;
   path.options.time_span_s = config.time_span_s;
@@ -207,9 +207,9 @@ void AddSmoothedTrajectory(const FlightRun& smoothed, const std::string& folder,
 void FailNoPairs() {
   throw FailedWithResults(
       "no_pairs",
-      "no correspondence was found: match.json has the counts of every stage. Where there are no "
-      "candidates the ground has too little shape (water, flat fields); where none is registered, "
-      "is gsd_m that of the points, and are the strips of one flight?");
+      "no correspondence was found; match.json has the counts of every stage. Without candidates "
+      "the ground has too little relief (water, flat fields). If candidates exist but none is "
+      "registered, check that gsd_m fits the points and that the strips are of one flight");
 }
 
 }  // namespace dn::apps

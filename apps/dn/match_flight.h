@@ -12,33 +12,32 @@
 
 namespace dn::apps {
 
-/// The strips of a flight, matched.
+/// Strips of a flight with their matches.
 struct MatchedFlight {
-  FlightConfig config;  ///< with the trajectory in use
+  FlightConfig config;  ///< names the trajectory in use
   std::unique_ptr<FlightMatchSource> source;
   VectorOrigin origin;  ///< of the laser vectors, the least reliable of all strips
   MatchResult result;
-  std::unique_ptr<FlightRun> smoothed;  ///< where the flight has no trajectory
+  std::unique_ptr<FlightRun> smoothed;  ///< set if the flight has no trajectory
 };
 
-/// What of the strips is used where nothing else is asked for: the last returns.
+/// Default point filter: last returns only, all classes.
 inline const PointFilter kLastReturns{.last_returns = true, .classes = {}};
 
-/// The strips of a flight on its trajectory, else on `trajectory`, else on the smoothed one of its
-/// inertial and GNSS data; not matched yet.
+/// Opens the strips of a flight without matching them. The trajectory is the flight's own, else
+/// `trajectory`, else one smoothed from the inertial and GNSS data.
 MatchedFlight OpenStripsOfFlight(FlightConfig config, const std::string& trajectory,
                                  const PointFilter& filter, Run& run);
 
-/// Matches the strips of a flight on its trajectory, else on `trajectory`, else on the smoothed one
-/// of its inertial and GNSS data.
+/// Matches the strips of a flight. The trajectory is chosen as in the function above.
 MatchedFlight MatchStripsOfFlight(FlightConfig config, const std::string& trajectory,
                                   MatchOptions options, const PointFilter& filter, Run& run);
 
-/// Options of a run: its threads, its progress.
+/// Returns matching options with the threads and the progress callback of the run.
 MatchOptions MatchOptionsOf(Run& run);
 
-/// The flight with its pairs, lidar/<a>_<b>.txt in a folder, and the trajectory in it that was
-/// smoothed, where one was.
+/// Returns the configuration with the pair files lidar/<a>_<b>.txt in `folder`. If the trajectory
+/// was smoothed, it refers to the file `trajectory` in the same folder.
 FlightConfig WithMatches(const MatchedFlight& matched, const std::filesystem::path& folder,
                          const std::string& trajectory);
 
@@ -46,13 +45,13 @@ FlightConfig WithMatches(const MatchedFlight& matched, const std::filesystem::pa
 void AddMatchFiles(const std::string& name, const MatchResult& result, const MatchSource& source,
                    Run& run);
 
-/// The same with the pair files of a flight.
+/// Stages the files of AddMatchFiles and the pair files of a flight.
 void AddMatches(const MatchedFlight& matched, Run& run);
 
 /// Stages <folder>trajectory.out and its trajectory_sigma.txt.
 void AddSmoothedTrajectory(const FlightRun& smoothed, const std::string& folder, Run& run);
 
-/// Ends a run that found no pair, with its results.
+/// Throws FailedWithResults because no pair was found.
 [[noreturn]] void FailNoPairs();
 
 }  // namespace dn::apps

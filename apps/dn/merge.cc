@@ -19,8 +19,8 @@ struct MergeArguments {
 
 fs::path ReportFile(const fs::path& folder) { return folder / "report.json"; }
 
-/// The series that the run in a folder has flown, or a shard of it.
-Series SeriesOf(const fs::path& folder) {
+/// Reads which series, or which shard of it, the run in a folder has processed.
+Series ReadSeries(const fs::path& folder) {
   const fs::path file = ReportFile(folder);
   const Json report = RecordFolder::IsThere(file) ? ReadJsonFile(file) : Json();
   const JsonPlace place(report, file.string());
@@ -36,9 +36,9 @@ bool SameSeries(const Series& a, const Series& b) {
   return a.command == b.command && a.first == b.first && a.flights == b.flights;
 }
 
-/// The shards of one series and where the record of each flight lies.
+/// The shards of one series with the record file of each flight.
 struct Shards {
-  Series series;  ///< the whole
+  Series series;  ///< the whole series
   Json made_from;
   std::string made_from_file;
   std::map<std::uint64_t, fs::path> records;
@@ -48,7 +48,7 @@ void ExpectSame(const Shards& shards, const Series& series, const Json& made_fro
                 const std::string& folder) {
   if (SameSeries(shards.series, series) && shards.made_from == made_from) return;
   throw InvalidConfig(folder +
-                      " is no shard of the series in the first folder: its command, flights, "
+                      " is not a shard of the series in the first folder: its command, flights, "
                       "seed, options or version differ (report.json, made_from.json)");
 }
 
@@ -85,7 +85,7 @@ void ExpectOneRun(const Series& series, const Json& made_from, const std::string
 Shards Gather(const std::vector<std::string>& folders) {
   Shards shards;
   for (const std::string& folder : folders) {
-    const Series series = SeriesOf(folder);
+    const Series series = ReadSeries(folder);
     const fs::path records = fs::path(folder) / RecordFolderName(series.command);
     const Json made_from = RecordFolder::MadeFrom(records);
     ExpectOneRun(series, made_from, folder);
@@ -101,7 +101,7 @@ Shards Gather(const std::vector<std::string>& folders) {
   return shards;
 }
 
-/// The records in the order of their numbers; all are read before the first is copied into `folder`.
+/// Reads the records in the order of their numbers. Reads all before it copies the first to `folder`.
 template <class Record>
 std::vector<Record> Records(const Shards& shards, const fs::path& folder,
                             const RecordReader<Record>& reader) {
@@ -157,14 +157,12 @@ void AddMerge(CLI::App* program, Action* action) {
   auto options = std::make_shared<MergeArguments>();
   CLI::App* app = program->add_subcommand("merge",
                                           "Joins the shards of dn monte-carlo, dn blind-check or "
-                                          "dn study --sweep as if one run had made "
-                                          "them");
-  app->add_option("DIR", options->folders, "Results of the shards, all of them")->required();
+                                          "dn study --sweep into the result of a single run");
+  app->add_option("DIR", options->folders, "Result folders of all shards")->required();
   AddCommonOptions(app, &options->common, true);
   app->footer(
-      "Shards are made by --shard 1/2 and --shard 2/2 of otherwise equal commands, each with an "
-      "--out "
-      "of\nits own, on any machine.\n"
+      "Make the shards with otherwise equal commands, e.g. with --shard 1/2 and --shard 2/2, each\n"
+      "with its own --out, on any machine.\n"
       "Example: dn merge one two --out both");
   app->callback([options, action] {
     *action = [options] {

@@ -139,29 +139,31 @@ void AddMonteCarlo(CLI::App* program, Action* action) {
   auto options = std::make_shared<MonteCarloArguments>();
   CLI::App* app = program->add_subcommand(
       "monte-carlo",
-      "Flies a scenario many times and judges the covariances by the errors against the truth");
-  app->add_option("SCENARIO", options->scenario, "Scenario file, or the name of a shipped one")
+      "Simulates a scenario many times and tests the covariances against the true errors");
+  app->add_option("SCENARIO", options->scenario, "Scenario file or name of a shipped scenario")
       ->required();
-  app->add_option("--flights", options->flights, "Number of flights")
+  app->add_option("--flights", options->flights, "Number of simulated flights")
       ->check(WholeNumber(1, 1000000))
       ->capture_default_str();
-  app->add_option("--seed", options->first_seed, "Seed of the first flight; the others follow")
+  app->add_option("--seed", options->first_seed,
+                  "Seed of the first flight; each further flight adds 1")
       ->check(WholeNumber(0))
       ->capture_default_str();
   app->add_flag("--without-pairs", options->without_pairs,
-                "INS/GNSS only, as dn smooth: no boresight");
+                "Uses INS/GNSS data only, as dn smooth does, without boresight");
   app->add_option("--epoch-spacing", options->epoch_spacing_s,
-                  "Spacing of the epochs at which the trajectory is judged [s]")
+                  "Spacing of the epochs at which the trajectory is tested [s]")
       ->check(PositiveNumber())
       ->capture_default_str();
   app->add_option("--shard", options->shard,
-                  "Fly only every N-th flight, from the i-th on; dn merge joins the shards")
+                  "i/N: simulates only every N-th flight, starting with the i-th; dn merge joins "
+                  "the shards")
       ->check(ShardText())
       ->capture_default_str();
   AddCommonOptions(app, &options->common, true);
   app->footer(
-      "One flight runs on each thread. Finished flights stay in DIR/flights: the same command "
-      "takes an\ninterrupted run up again, and with more --flights it adds to it.\n"
+      "Each thread runs one flight at a time. Finished flights are kept in DIR/flights: the same\n"
+      "command resumes an interrupted run, and a larger --flights extends a finished one.\n"
       "Example: dn monte-carlo uav3 --flights 100 --out consistency");
   app->callback([options, action] {
     *action = [options] {

@@ -6,10 +6,10 @@
 
 namespace dn::apps {
 
-/// A program without PCL names the command, and says what it lacks.
+/// Adds a command that only reports that this build lacks PCL.
 void AddMatch(CLI::App* program, Action* action) {
   CLI::App* app = program->add_subcommand(
-      "match", "Point-to-point correspondences from overlapping strips (not in this build)");
+      "match", "Finds point-to-point correspondences in overlapping strips (not in this build)");
   app->allow_extras();
   app->callback([action] {
     *action = [] {

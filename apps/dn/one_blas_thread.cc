@@ -1,4 +1,4 @@
-// OpenBLAS asks this function of its own, when it is loaded, how many threads to keep; ours stands
-// in front of it. The fronts of these networks are too small to share, and a pool of threads costs
-// memory that a limited process may not have.
+// OpenBLAS calls this function of its own at load time to get the number of its threads. This
+// definition replaces it. The frontal matrices of these networks are too small to be shared between
+// threads. A thread pool would need memory that a limited process may not have.
 extern "C" int openblas_num_threads_env() { return 1; }

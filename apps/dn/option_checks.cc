@@ -14,7 +14,8 @@
 namespace dn::apps {
 namespace {
 
-/// Parses all of `text` as a number of type T; a leading '+' is accepted.
+/// Parses the whole text as a number of type T; a leading '+' is accepted. Returns false if the
+/// text is not such a number.
 template <class T>
 bool ParseAll(std::string_view text, T& value) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
@@ -33,7 +34,7 @@ CLI::Validator PositiveNumber() {
   const auto check = [](const std::string& text) {
     double value = 0.0;
     if (ParseAll(text, value) && value > 0.0 && std::isfinite(value)) return std::string();
-    return Quoted(text) + " is no number above 0";
+    return Quoted(text) + " is not a number above 0";
   };
   return {check, "POSITIVE"};
 }
@@ -42,7 +43,7 @@ CLI::Validator WholeNumber(std::uint64_t least, std::uint64_t most) {
   const auto check = [least, most](const std::string& text) {
     std::uint64_t value = 0;
     if (ParseAll(text, value) && value >= least && value <= most) return std::string();
-    return fmt::format("{} is no whole number from {} to {}", Quoted(text), least, BoundText(most));
+    return fmt::format("{} is not an integer from {} to {}", Quoted(text), least, BoundText(most));
   };
   return {check, fmt::format("{} to {}", least, BoundText(most))};
 }
@@ -51,7 +52,7 @@ CLI::Validator OneOf(std::vector<std::string> words) {
   const std::string all = JoinNames(words);
   const auto check = [words = std::move(words), all](const std::string& text) {
     if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
-    return Quoted(text) + " is none of " + all;
+    return Quoted(text) + " is not one of " + all;
   };
   return {check, "one of " + all};
 }

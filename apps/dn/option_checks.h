@@ -8,7 +8,7 @@
 
 namespace dn::apps {
 
-/// What the values of options must be. The message says the value, shortened, and the bound.
+/// Validators of option values. Each message quotes the value (shortened) and the bound.
 CLI::Validator PositiveNumber();
 CLI::Validator WholeNumber(std::uint64_t least,
                            std::uint64_t most = std::numeric_limits<std::uint64_t>::max());

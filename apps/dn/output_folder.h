@@ -6,30 +6,32 @@
 
 namespace dn::apps {
 
-/// What a run reads, and so must not touch.
+/// Files and folders that a run reads and must therefore not overwrite.
 struct Inputs {
-  std::vector<std::filesystem::path> folders;  ///< of the flight and of the data it names
+  std::vector<std::filesystem::path> folders;  ///< flight folder and folders of its data
   std::vector<std::filesystem::path> files;
-  std::vector<std::filesystem::path> strips = {};  ///< point clouds, which few commands read
-  std::vector<std::filesystem::path> circular_links = {};  ///< among the data; they are left out
+  std::vector<std::filesystem::path> strips = {};  ///< point clouds; only some commands read them
+  std::vector<std::filesystem::path> circular_links = {};  ///< links among the data, left out
 
   std::vector<std::filesystem::path> All() const;  ///< files and strips
 };
 
-/// The flight's YAML file with `changes` of it (ReadFlightConfig), its folder of data, and the files that are named as far as they can be
-/// read. Faults of the YAML file are for the command to report.
+/// Returns the inputs of a flight: its YAML file, its data folder and the files it names.
+/// `changes`: --set values, as in ReadFlightConfig. Errors in the YAML file are not reported here;
+/// the command that reads the file reports them.
 Inputs FlightInputs(const std::filesystem::path& folder_or_file,
                     const std::vector<std::string>& changes, const std::string& trajectory = "");
 
-/// The scenario's file, if it is no shipped scenario, and the trajectory that it replays.
+/// Returns the inputs of a scenario: its file, unless it is a shipped one, and the trajectory that
+/// it replays.
 Inputs ScenarioInputs(const std::string& name_or_path,
                       const std::vector<std::string>& changes = {});
 
-/// The files that an earlier run left in a folder, as its report.json lists them.
+/// Returns the files of an earlier run in the folder, as its report.json lists them.
 std::vector<std::string> EarlierResults(const std::filesystem::path& out);
 
-/// Throws InvalidConfig where results in `out` would harm an input, or a flight that is not ours:
-/// only a command that makes flights may replace one, and only one that such a command made.
+/// Throws InvalidConfig if results in `out` would overwrite an input or a flight folder. A command
+/// that makes flights may replace a flight folder that such a command made.
 void ExpectHarmless(const std::filesystem::path& out, const Inputs& inputs, bool makes_flight);
 
 /// Throws UnusableOutput where a file or a link stands in the place of a folder of the results.

@@ -19,7 +19,7 @@ Json PlaneReportJson(const PlaneRun& planes) {
 
 void PrintPlanes(const PlaneRun& planes) {
   const PlaneAdjustment& adjustment = planes.calibration.adjustment;
-  fmt::print("  {} planes of {} kept, {} points, {} left out\n", adjustment.planes_kept,
+  fmt::print("  {} of {} planes kept, {} points, {} left out\n", adjustment.planes_kept,
              planes.calibration.problem.planes.size(), adjustment.points_kept,
              adjustment.points_left_out);
   for (const auto& [pair, count] : adjustment.planes_of_strips) {

@@ -14,7 +14,7 @@ namespace dn::apps {
 namespace {
 
 constexpr double kLeastJsonInterval_s = 0.1;
-/// What takes less is not worth saying.
+/// Shorter remaining times are not displayed.
 constexpr double kLeastTimeLeft_s = 5.0;
 
 std::string Text(const Share& share) {

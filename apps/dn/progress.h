@@ -6,17 +6,17 @@
 
 namespace dn::apps {
 
-/// How much of the work at hand is done: `done` of `of` things. A whole of 1 is shown in percent.
+/// Completed part of a stage: `done` of `of` things. `of` = 1 is displayed in percent.
 struct Share {
   double done = 0.0, of = 1.0;
   std::string things;
 };
 
-/// Estimates the time that is left from how fast a share grows.
+/// Estimates the remaining time from the rate of progress.
 class TimeLeft {
  public:
-  /// Seconds left at now_s; nothing before the share has grown. A share of something else, or one
-  /// that has shrunk, begins anew.
+  /// Returns the remaining time in s, or nullopt before any progress. `now_s`: present time, s. The
+  /// estimate restarts if the counted things change or the share decreases.
   std::optional<double> At(const Share& share, double now_s);
 
  private:
@@ -25,9 +25,9 @@ class TimeLeft {
   bool begun_ = false;
 };
 
-/// Progress on stderr: a live line on a terminal, else a line per stage, or with `as_json` a line of
-/// JSON for each stage and up to ten each second within it: command, stage, elapsed_s and, as far
-/// as they are known, detail, done, of, left_s.
+/// Prints progress on stderr: a live line on a terminal, otherwise one line per stage.
+/// With `as_json` it prints JSON lines instead: one per stage and up to ten per second within a
+/// stage. Keys: command, stage, elapsed_s and, if known, detail, done, of, left_s.
 class Progress {
  public:
   Progress(std::string command, bool as_json);
@@ -37,7 +37,7 @@ class Progress {
 
   /// Enters a stage, or updates the detail of the one it is in.
   void Stage(const std::string& stage, const std::string& detail = "");
-  /// The same with how much is done, and about how long the rest takes.
+  /// Enters or updates a stage, with the completed part and the estimated remaining time.
   void Stage(const std::string& stage, const Share& share);
   void Warn(const std::string& message);
 

@@ -7,7 +7,7 @@
 
 namespace dn::apps {
 
-/// The bytes of a file; nothing where it cannot be read.
+/// Returns the content of a file, or an empty string if it cannot be read.
 inline std::string ReadText(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};

@@ -74,7 +74,7 @@ void RecordFolder::ExpectHash(const JsonPlace& record, const std::string& hash) 
   }
 }
 
-// Temporary files of runs that were killed; the lock of --out keeps others out of here.
+// Removes temporary files of killed runs. The lock of --out keeps other runs out of the folder.
 void RecordFolder::RemoveUnfinished() const {
   std::vector<fs::path> unfinished;
   for (const auto& entry : fs::directory_iterator(folder_)) {

@@ -13,20 +13,20 @@
 
 namespace dn::apps {
 
-/// Reads the record of a flight or design of this number. Throws InvalidInput for what is no record,
-/// or that of something else.
+/// Reads the record of the flight or design `number`. Throws InvalidInput if the value is not a record
+/// or belongs to another number.
 template <class Record>
 using RecordReader = std::function<Record(const JsonPlace& json, std::uint64_t number)>;
 
-/// The records of finished flights, one file each by number, so that an interrupted run can be
-/// taken up, and shards be joined. Each holds the hash of what it was made from.
+/// Folder with one numbered record file per finished flight. With it an interrupted run can be
+/// resumed and shards can be merged. Each record has the hash of what it was made from.
 class RecordFolder {
  public:
-  /// Throws InvalidConfig when the folder holds the records of something else than `made_from`, and
-  /// UnusableOutput when it is a link or a file.
+  /// Opens or creates the folder. Throws InvalidConfig if it has records of a series that was not
+  /// made from `made_from`, and UnusableOutput if it is a link or a file.
   RecordFolder(std::filesystem::path folder, const Json& made_from);
 
-  /// The record of a number; nothing where there is none. Throws as ReadFile.
+  /// Reads a record; nullopt if the file does not exist. Throws like ReadFile.
   template <class Record>
   std::optional<Record> Read(std::uint64_t number, const RecordReader<Record>& reader) const {
     const std::filesystem::path file = FileOf(folder_, number);
@@ -36,8 +36,8 @@ class RecordFolder {
 
   void Write(std::uint64_t number, Json record) const;
 
-  /// A record that must be there. Throws InvalidInput for what is no regular file, no record, one of
-  /// another number, and one that was not made from what has this `hash`.
+  /// Reads a record file that must exist. Throws InvalidInput if it is not a regular file or not a
+  /// record, if it has another number, or if it was not made from the content with this `hash`.
   template <class Record>
   static Record ReadFile(const std::filesystem::path& file, std::uint64_t number,
                          const std::string& hash, const RecordReader<Record>& reader) {
@@ -55,7 +55,8 @@ class RecordFolder {
   static bool IsThere(const std::filesystem::path& file);
 
   static std::filesystem::path MadeFromFile(const std::filesystem::path& folder);
-  /// What the records of a folder were made from. Throws InvalidInput where it does not say.
+  /// Reads from which scenario and options the records of a folder were made. Throws InvalidInput
+  /// if the folder does not state it.
   static Json MadeFrom(const std::filesystem::path& folder);
   /// The hash that the records made from it hold.
   static std::string HashOf(const Json& made_from);

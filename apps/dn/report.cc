@@ -15,12 +15,12 @@ struct ReportArguments {
   std::string file;
 };
 
-/// A page may take the place of a page, of nothing else.
+/// Accepts only .html and .htm, so that the page cannot overwrite a file of another type.
 CLI::Validator HtmlFile() {
   const auto check = [](const std::string& text) {
     const std::string extension = std::filesystem::path(text).extension().string();
     if (extension == ".html" || extension == ".htm") return std::string();
-    return Quoted(text) + " does not end in .html: give the file of the page";
+    return Quoted(text) + " does not end in .html: give the file name of the page";
   };
   return {check, "FILE.html"};
 }
@@ -29,10 +29,10 @@ void Report(const ReportArguments& options, Run& run) {
   run.progress.Stage("reading results");
   Document document = PageOf({options.folders.begin(), options.folders.end()});
   if (std::filesystem::is_directory(options.file)) {
-    throw InvalidConfig("--out " + options.file + " is a folder; give the file of the page");
+    throw InvalidConfig("--out " + options.file + " is a folder; give the file name of the page");
   }
   WriteFileAtomically(options.file, ToHtml(document));
-  if (options.folders.size() == 1) document.sections.clear();  // the page has them
+  if (options.folders.size() == 1) document.sections.clear();  // only the page shows them
   fmt::print("{}", ToText(document));
 }
 
@@ -42,10 +42,9 @@ void AddReport(CLI::App* program, Action* action) {
   auto options = std::make_shared<ReportArguments>();
   CLI::App* app = program->add_subcommand(
       "report",
-      "One offline page from result folders; several side by side, with their differences");
-  app->add_option("DIR", options->folders, "Folders that commands have written with --out")
-      ->required();
-  app->add_option("--out", options->file, "The page, one file that needs no network")
+      "Makes one offline HTML page from result folders; several are compared with each other");
+  app->add_option("DIR", options->folders, "Result folders of other commands")->required();
+  app->add_option("--out", options->file, "HTML file of the page; it needs no network")
       ->required()
       ->check(HtmlFile());
   AddThreads(app, &options->common);

@@ -11,7 +11,7 @@
 namespace dn::apps {
 namespace {
 
-/// The shard of a text; index 0 where it is none.
+/// Parses "i/N"; the returned index is 0 if the text is invalid.
 Shard TryParse(const std::string& text) {
   constexpr int kMostShards = 1000000;
   const char* end = text.data() + text.size();
@@ -29,7 +29,7 @@ Shard TryParse(const std::string& text) {
 CLI::Validator ShardText() {
   const auto check = [](const std::string& text) {
     if (TryParse(text).index > 0) return std::string();
-    return Quoted(text) + " is no shard i/N with 1 <= i <= N";
+    return Quoted(text) + " is not a shard i/N with 1 <= i <= N";
   };
   return {check, "i/N"};
 }
@@ -43,7 +43,7 @@ std::vector<std::uint64_t> Series::Numbers() const {
     numbers.push_back(first + k);
   }
   if (!numbers.empty()) return numbers;
-  throw InvalidConfig(fmt::format("shard {}/{} of {} flights has none; give at most {} shards",
+  throw InvalidConfig(fmt::format("shard {}/{} of {} flights is empty; give at most {} shards",
                                   shard.index, shard.count, flights, flights));
 }
 

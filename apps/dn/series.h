@@ -13,23 +13,23 @@
 
 namespace dn::apps {
 
-/// The part of a series of flights that one run flies: of N shards the i-th has every N-th flight,
-/// from the i-th on.
+/// Part of a series that one run processes: shard i of N has every N-th flight, starting with the
+/// i-th.
 struct Shard {
   int index = 1;  ///< from 1
   int count = 1;
 };
 
-/// "i/N" with 1 <= i <= N.
+/// Accepts "i/N" with 1 <= i <= N.
 CLI::Validator ShardText();
 
-/// Reads what ShardText has accepted.
+/// Parses a text that ShardText has accepted.
 Shard ParseShard(const std::string& text);
 
-/// More flights, or designs, are refused.
+/// Largest number of flights or designs of a series.
 inline constexpr std::uint64_t kMostFlights = 1'000'000;
 
-/// A series of numbered flights, or designs, as report.json tells it to `dn merge`.
+/// A series of numbered flights or designs, as report.json describes it for `dn merge`.
 struct Series {
   std::string command;      ///< "monte-carlo", "blind-check", "study"
   std::uint64_t first = 1;  ///< number of the first flight
@@ -37,18 +37,19 @@ struct Series {
   Shard shard = {};
   std::string made_from = {};  ///< hash of its made_from.json
 
-  /// Numbers of the flights of the shard. Throws InvalidConfig where it has none.
+  /// Returns the numbers of the shard's flights. Throws InvalidConfig if the shard is empty.
   std::vector<std::uint64_t> Numbers() const;
 };
 
 Json SeriesToJson(const Series& series);
-/// Throws InvalidInput for what is no series.
+/// Reads a series from report.json. Throws InvalidInput if the value does not describe a series.
 Series SeriesFromJson(const JsonPlace& json);
 
-/// Where a command keeps its records in --out.
+/// Returns the name of the record folder of a command within --out.
 std::string RecordFolderName(const std::string& command);
 
-/// Judges the records of flights that were made from `made_from`, and stages the result files.
+/// These functions evaluate the records of a series and stage the result files of the command.
+/// made_from: scenario and options of the series.
 void AddMonteCarloResults(const Json& made_from, const std::vector<FlightRecord>& records,
                           Run* run);
 void AddBlindCheckResults(const Json& made_from, const std::vector<BlindRecord>& records, Run* run);

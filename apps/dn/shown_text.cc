@@ -15,7 +15,8 @@ constexpr std::size_t kWordEnd = 60;
 
 bool Continues(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
 
-/// Bytes of the UTF-8 character at the start of the text; 0 where there is none.
+/// Returns the number of bytes of the UTF-8 character at the start of the text, or 0 if the text
+/// does not start with one.
 std::size_t CharacterBytes(std::string_view text) {
   const auto first = static_cast<unsigned char>(text[0]);
   const std::size_t bytes = first < 0x80                     ? 1
@@ -34,7 +35,7 @@ std::string Escaped(std::string_view bytes) {
   return text;
 }
 
-/// Whether more bytes may complete the character at the start of the text.
+/// Tells whether more bytes may complete the character at the start of the text.
 bool IsUnfinished(std::string_view text) {
   constexpr std::size_t kLongestCharacter = 4;
   if (text.size() >= kLongestCharacter) return false;
@@ -44,7 +45,7 @@ bool IsUnfinished(std::string_view text) {
   return false;
 }
 
-/// Takes the first character off the text, as a terminal may have it.
+/// Removes the first character from the text and returns it in a form that is safe for a terminal.
 std::string TakeCharacter(std::string_view* text) {
   const std::size_t bytes = CharacterBytes(*text);
   const std::string_view character = text->substr(0, std::max<std::size_t>(bytes, 1));
@@ -52,7 +53,7 @@ std::string TakeCharacter(std::string_view* text) {
   return bytes == 0 || HasControls(character) ? Escaped(character) : std::string(character);
 }
 
-/// At most so many bytes from the start, no character torn apart.
+/// Returns at most `bytes` bytes from the start, without cutting a character.
 std::string_view Begin(std::string_view text, std::size_t bytes) {
   while (bytes > 0 && bytes < text.size() && Continues(text[bytes])) --bytes;
   return text.substr(0, bytes);

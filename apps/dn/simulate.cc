@@ -20,7 +20,7 @@ struct SimulateArguments {
   bool noise_free = false;
 };
 
-/// The point clouds; what became of their pulses.
+/// Writes the point clouds and returns the counts of pulses and points per strip.
 Json WriteStrips(const SimulatedFlight& simulated, Run& run) {
   const std::vector<CloudCounts> counts =
       WriteClouds(simulated, run.options().threads, run.files(),
@@ -73,7 +73,8 @@ void RunSimulate(const SimulateArguments& options, Run& run) {
   }
 }
 
-/// The shipped scenarios with this ending, without any where it is empty, in lines of the help.
+/// Lists the shipped scenarios whose names have this ending, as lines of the help text. An empty
+/// `ending` lists those with neither _rest nor _effects.
 std::string ShippedLines(std::string_view ending) {
   constexpr std::size_t kWidth = 80;
   std::string text, line;
@@ -87,10 +88,10 @@ std::string ShippedLines(std::string_view ending) {
 }
 
 std::string Footer() {
-  return "Shipped scenarios, with the noise of flight (docs/guides/flight-noise.md):\n" +
-         ShippedLines("") + "with the sensor at rest, the noise of its data sheet alone:\n" +
+  return "Shipped scenarios with in-flight noise (docs/guides/flight-noise.md):\n" +
+         ShippedLines("") + "with the noise of a sensor at rest, from its data sheet:\n" +
          ShippedLines("_rest") +
-         "at rest, and the causes of in-flight noise as effects that the model lacks:\n" +
+         "with noise at rest, and the causes of in-flight noise as unmodelled effects:\n" +
          ShippedLines("_effects") + "Example: dn simulate lar3 --out flight --seed 7";
 }
 
@@ -98,15 +99,15 @@ std::string Footer() {
 
 void AddSimulate(CLI::App* program, Action* action) {
   auto options = std::make_shared<SimulateArguments>();
-  CLI::App* app = program->add_subcommand("simulate", "A flight folder from a scenario");
+  CLI::App* app = program->add_subcommand("simulate", "Simulates a flight folder from a scenario");
   app->add_option("SCENARIO", options->scenario,
-                  "Scenario file, or the name of a shipped one (below)")
+                  "Scenario file or name of a shipped scenario (list below)")
       ->required();
   app->add_option("--seed", options->seed, "Seed of every random number")
       ->check(WholeNumber(0))
       ->capture_default_str();
   app->add_flag("--noise-free", options->noise_free,
-                "Perfect sensors; flight.yaml still states the scenario's stochastic model");
+                "Adds no noise; flight.yaml still has the stochastic model of the scenario");
   AddChanges(app, "the scenario", "strips=true", &options->common);
   AddCommonOptions(app, &options->common, true);
   app->footer(Footer());

@@ -25,7 +25,8 @@ std::vector<StripInterval> Strips(const FlightRun& flight_run) {
   return FindStrips(Trajectory(std::move(points)));
 }
 
-// What `dn calibrate --method gh` needs to know how the errors of the trajectory correlate.
+// Stages the trajectory covariance, from which `dn calibrate --method gh` takes the correlation of
+// the trajectory errors.
 void AddCovarianceFile(const FlightRun& flight_run, Run* run) {
   const TrajectoryCovariance covariance = flight_run.solution->PoseCovariance(Strips(flight_run));
   if (covariance.t_s.empty()) return;
@@ -58,7 +59,7 @@ void Smooth(const SmoothOptions& options, Run& run) {
 void AddSmooth(CLI::App* program, Action* action) {
   auto options = std::make_shared<SmoothOptions>();
   CLI::App* app =
-      program->add_subcommand("smooth", "INS/GNSS only: the optimally smoothed trajectory");
+      program->add_subcommand("smooth", "Computes the smoothed INS/GNSS trajectory, without lidar");
   AddFlightOptions(app, &options->flight, &options->common);
   AddCommonOptions(app, &options->common, true);
   app->footer("Example: dn smooth flight --out result");

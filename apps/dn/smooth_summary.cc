@@ -13,7 +13,7 @@ std::string Triple(const Eigen::Vector3d& values) {
   return fmt::format("{:.4f}, {:.4f}, {:.4f}", values.x(), values.y(), values.z());
 }
 
-/// Two figures of position and attitude: "median", "largest".
+/// Two statistics of position and attitude with their labels, e.g. "median" and "largest".
 struct Figures {
   const char *one, *other;
   Eigen::Vector3d one_enu_m, other_enu_m, one_rph_rad, other_rph_rad;
@@ -43,7 +43,8 @@ void PrintAccuracy(const std::vector<TrajectorySigma>& sigma, bool contradicted)
 void PrintSeparation(const FilterSeparation& separation) {
   if (separation.epochs.empty()) {
     fmt::print(
-        "forward/reverse separation: none; no time at which both filters know the heading\n");
+        "forward/reverse separation: not available; the filters never know the heading at the same "
+        "time\n");
     return;
   }
   const SeparationAt rms = separation.Rms(), max = separation.Max();

@@ -6,8 +6,8 @@
 
 namespace dn::apps {
 
-/// Prints what a person asks first of a smoothed trajectory, and the tables behind it: whether the
-/// data agree with the model, how accurate it is, what the two filters say, the clocks.
+/// Prints the summary of a smoothed trajectory with its tables: agreement of data and model,
+/// accuracy, forward/reverse separation and clocks.
 void PrintSmoothSummary(const FlightRun& flight_run, const FilterSeparation& separation,
                         const Json& reference_errors);
 

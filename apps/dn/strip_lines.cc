@@ -12,7 +12,7 @@
 namespace dn::apps {
 namespace {
 
-// As the Gauss-Helmert assessment takes lines as different.
+// Smallest angle between crossing lines, as in the Gauss-Helmert assessment.
 constexpr double kCrossingRad = 20.0 * kRadPerDeg;
 constexpr double kHeightPerRange = 0.05;
 
@@ -35,8 +35,8 @@ std::vector<Point> Points(const Flight& flight) {
   return points;
 }
 
-StripLine LineOf(const std::vector<Point>& points, const LocalFrame& frame,
-                 const StripInterval& strip) {
+StripLine LineFromPoints(const std::vector<Point>& points, const LocalFrame& frame,
+                         const StripInterval& strip) {
   StripLine line{strip};
   const auto earlier = [](const Point& point, double t_s) { return point.t_s < t_s; };
   const auto first = std::lower_bound(points.begin(), points.end(), strip.t0_s, earlier);
@@ -72,7 +72,8 @@ bool AnyTwo(const std::vector<StripLine>& lines, const Test& test) {
 std::vector<StripLine> StripLines(const Flight& flight, const std::vector<StripInterval>& strips) {
   const std::vector<Point> points = Points(flight);
   std::vector<StripLine> lines;
-  for (const StripInterval& strip : strips) lines.push_back(LineOf(points, flight.frame, strip));
+  for (const StripInterval& strip : strips)
+    lines.push_back(LineFromPoints(points, flight.frame, strip));
   return lines;
 }
 
@@ -100,7 +101,7 @@ std::string GeometryInWords(const std::vector<StripLine>& lines, double mean_ran
       !std::all_of(lines.begin(), lines.end(), [](const StripLine& line) { return line.known; })) {
     return {};
   }
-  if (lines.size() == 1) return "one line: nothing overlaps it";
+  if (lines.size() == 1) return "one line: no other line overlaps it";
   const bool crossing = AnyTwo(lines, Cross);
   const bool opposite = AnyTwo(lines, Opposite);
   const bool heights = AnyTwo(lines, [&](const StripLine& a, const StripLine& b) {
@@ -109,8 +110,8 @@ std::string GeometryInWords(const std::vector<StripLine>& lines, double mean_ran
   const std::string all =
       fmt::format("{} {} lines at {}", lines.size(), crossing ? "crossing" : "parallel",
                   heights ? "different heights" : "one height");
-  if (crossing && heights) return all + ": roll, pitch and yaw are told apart";
-  if (crossing) return all + ": roll, pitch and yaw are told apart, a range offset hardly";
+  if (crossing && heights) return all + ": roll, pitch and yaw are separable";
+  if (crossing) return all + ": roll, pitch and yaw are separable, a range offset hardly";
   if (!opposite) return all + ", all in one direction: pitch and yaw will be weak";
   return all + (heights || lines.size() >= 4 ? " in both directions: yaw is the weakest"
                                              : ": yaw will be weak");

@@ -23,17 +23,17 @@ namespace {
 
 struct StudyArguments {
   CommonOptions common;
-  std::string what;  ///< a scenario or a flight
+  std::string what;  ///< scenario or flight
   std::string estimate;
   bool no_remedies = false;
   bool no_limits = false;
   std::uint64_t seed = 1;
   SweepOptions sweep;
-  std::string lines;  ///< file of candidates
+  std::string lines;  ///< file with the candidate lines
 };
 
-/// A shipped scenario, or a YAML file with a plan; what is not there passes for a scenario, whose
-/// reader tells what there is.
+/// Returns true for a shipped scenario or a YAML file with the key `plan`. A missing file also
+/// counts as a scenario, since the error of the scenario reader lists the shipped ones.
 bool IsScenario(const std::string& what) {
   std::error_code none;
   if (std::filesystem::is_directory(what, none)) return false;
@@ -54,10 +54,10 @@ StudyOptions MakeOptions(const StudyArguments& options, const Run& run) {
   return study;
 }
 
-/// A study, and what could be there in such a flight without being found.
+/// A study with the effects that such a flight could not detect.
 struct StudyAndLimits {
   StudyResult study;
-  std::vector<HiddenEffect> could_hide;  ///< none where it was not asked, or nothing is determined
+  std::vector<HiddenEffect> could_hide;  ///< empty with --no-limits or if not observable
 };
 
 StudyAndLimits StudyDesigned(const StudyArguments& options, const StudyDesign& design,
@@ -65,7 +65,7 @@ StudyAndLimits StudyDesigned(const StudyArguments& options, const StudyDesign& d
   const Solution at_states = AtStates(design, study.design.threads);
   StudyAndLimits result{Study(design, at_states), {}};
   if (options.no_limits || !result.study.observable()) return result;
-  run->progress.Stage("which effects it would show");
+  run->progress.Stage("detectability of effects");
   GapOptions gap;
   gap.threads = study.design.threads;
   gap.interrupted = study.design.interrupted;
@@ -152,39 +152,39 @@ void RunStudy(const StudyArguments& options, Run& run) {
 void AddStudyOptions(CLI::App* app, StudyArguments* options) {
   CLI::Option* what = app->add_option(
       "FLIGHT", options->what,
-      "Scenario file, the name of a shipped scenario, a flight folder, or the file of a flight");
+      "Scenario file, name of a shipped scenario, flight folder or YAML file of a flight");
   app->add_option(
       "--estimate", options->estimate,
-      "What is free beside the boresight: elements of `estimate` of flight.yaml, joined "
-      "by commas; instead of the flight's own");
+      "Comma-separated unknowns in addition to the boresight, as in `estimate` of flight.yaml. "
+      "Default: those of the flight");
   app->add_option("--seed", options->seed,
-                  "Seed of the turbulence and of the choice of pairs in a scenario")
+                  "Seed of the turbulence and the pair selection of a scenario")
       ->check(WholeNumber(0))
       ->capture_default_str();
   app->add_flag("--no-remedies", options->no_remedies,
-                "Do not try which change of the scenario would help its weak directions");
+                "Skips the trial of scenario changes that would improve weak directions");
   app->add_flag("--no-limits", options->no_limits,
-                "Do not ask from which size on each effect that the model lacks would be seen");
+                "Skips the minimal detectable bias of each unmodelled effect");
   CLI::Option* sweep =
       app->add_option("--sweep", options->sweep.file,
-                      "File that names a base scenario and values of its keys: every combination "
-                      "is studied, a row of sweep.csv each");
+                      "YAML file with a base scenario and values of its keys; each combination is "
+                      "studied and gives one row of sweep.csv");
   app->add_option("--shard", options->sweep.shard,
-                  "Study only every N-th design of a sweep, from the i-th on; dn merge joins the "
-                  "shards")
+                  "i/N: studies only every N-th design of a sweep, starting with the i-th; dn "
+                  "merge joins the shards")
       ->check(ShardText())
       ->needs(sweep)
       ->capture_default_str();
-  CLI::Option* lines =
-      app->add_option("--optimise", options->lines,
-                      "File that names a base scenario, candidate lines and the sigmas to be met: "
-                      "the shortest flight over some of the lines that meets them is found");
+  CLI::Option* lines = app->add_option(
+      "--optimise", options->lines,
+      "YAML file with a base scenario, candidate lines and target sigmas; finds the "
+      "shortest flight over a subset of the lines that meets them");
   what->excludes(sweep)->excludes(lines);
   sweep->excludes(lines);
   AddCommonOptions(app, &options->common, true);
 }
 
-Inputs InputsOf(const StudyArguments& options) {
+Inputs StudyInputs(const StudyArguments& options) {
   if (!options.what.empty()) {
     return std::filesystem::is_directory(options.what) ? FlightInputs(options.what, {})
                                                        : ScenarioInputs(options.what);
@@ -206,13 +206,12 @@ void AddStudy(CLI::App* program, Action* action) {
   auto options = std::make_shared<StudyArguments>();
   CLI::App* app = program->add_subcommand(
       "study",
-      "Covariances, correlations and observability of a flight or a scenario; needs no measured "
-      "values");
+      "Computes covariances, correlations and observability of a flight or scenario; needs no "
+      "measured values");
   AddStudyOptions(app, options.get());
   app->footer(
-      "A design that leaves an unknown undetermined ends with exit code 1. docs/guides/study.md "
-      "says how "
-      "to read it.\n"
+      "If the design leaves an unknown undetermined, the exit code is 1.\n"
+      "docs/guides/study.md explains the results.\n"
       "Example: dn study lar2 --out study\n"
       "         dn study --sweep lines_and_grades.yaml --out sweep\n"
       "         dn study --optimise candidates.yaml --out plan");
@@ -221,7 +220,7 @@ void AddStudy(CLI::App* program, Action* action) {
       throw CLI::RequiredError("FLIGHT");
     }
     *action = [options] {
-      options->common.inputs = InputsOf(*options);
+      options->common.inputs = StudyInputs(*options);
       options->common.keeps_records = !options->sweep.file.empty();
       return Execute("study", options->common, [&](Run& run) { RunOne(*options, run); });
     };

@@ -6,14 +6,14 @@
 
 namespace dn::apps {
 
-/// What `dn study --optimise` runs on.
+/// Options of `dn study --optimise`.
 struct LineOptions {
   std::string file;
   std::uint64_t seed = 1;
 };
 
-/// Chooses the lines of the shortest flight that meets the target of the file; where none does, the
-/// results are written, too.
+/// Chooses the lines of the shortest flight that meets the target in the file. Results are also
+/// written if no choice meets the target.
 void RunLineChoice(const LineOptions& options, Run& run);
 
 }  // namespace dn::apps

@@ -6,14 +6,14 @@
 
 namespace dn::apps {
 
-/// What `dn study --sweep` runs on.
+/// Options of `dn study --sweep`.
 struct SweepOptions {
   std::string file;
   std::string shard = "1/1";
 };
 
-/// Studies the designs of a sweep, or of a shard of it, one on each thread; those that are recorded
-/// in --out already are not studied again.
+/// Studies the designs of a sweep or of a shard of it, one per thread. Designs that are already
+/// recorded in --out are skipped.
 void RunSweep(const SweepOptions& options, Run& run);
 
 }  // namespace dn::apps

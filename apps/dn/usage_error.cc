@@ -17,7 +17,7 @@ std::string Nearest(const std::string& word, const std::vector<std::string>& kno
 
 std::string UnknownOption(const CLI::App& app, const std::string& word) {
   const std::string name = word.substr(0, word.find('='));
-  return Quoted(name) + " is no option" + Nearest(name, OptionNames(app));
+  return Quoted(name) + " is not an option" + Nearest(name, OptionNames(app));
 }
 
 std::string NoCommand(const CLI::App& program) {
@@ -25,7 +25,7 @@ std::string NoCommand(const CLI::App& program) {
   if (words.empty()) return "a command is required: " + JoinNames(CommandNames(program));
   const std::string& word = words.front();
   if (word.rfind("--", 0) == 0) return UnknownOption(program, word);
-  return Quoted(word) + " is no command" + Nearest(word, CommandNames(program));
+  return Quoted(word) + " is not a command" + Nearest(word, CommandNames(program));
 }
 
 std::string OptionIn(const std::string& text) {

@@ -5,7 +5,7 @@
 
 namespace dn::apps {
 
-/// The error line for a command line that cannot be parsed: "dn COMMAND: error: ...".
+/// Returns the error line for an invalid command line: "dn COMMAND: error: ...".
 std::string UsageError(const CLI::App& program, const CLI::ParseError& error);
 
 }  // namespace dn::apps

@@ -82,7 +82,7 @@ TEST(CliAllan, MotionIsRefused) {
   EXPECT_THAT(run.err, HasSubstr("gyro z: the sensor was not at rest"));
 }
 
-// The first 2,000 s of a measured record, unpacked from its 16-bit integers (its README.md).
+// Uses the first 2,000 s of a measured record of 16-bit integers, described in its README.md.
 TEST(CliAllan, MeasuredSensor) {
   const fs::path packed = fs::path(DN_SHARED_DATA_DIR) / "data/adis16405/adis16405_run1.i16.xz";
   if (!fs::exists(packed)) GTEST_SKIP() << "no measured data: " << packed;
@@ -105,7 +105,7 @@ TEST(CliAllan, MeasuredSensor) {
   const ProgramRun run = Allan(folder, "100");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json model = Json::parse(ContentOf(folder.path() / "out/allan.json"))["gyro"]["model"];
-  // Independent figures for this record: about 2.5 deg/sqrt(h) and a floor of 25 to 30 deg/h.
+  // Independent results for this record: about 2.5 deg/sqrt(h) and a floor of 25 to 30 deg/h.
   EXPECT_NEAR(model["white"]["value"], 2.5, 0.25);
   EXPECT_NEAR(model["floor"]["deviation"], 27.0, 6.0);
 }

@@ -17,8 +17,8 @@ using ::testing::IsEmpty;
 using ::testing::StartsWith;
 namespace fs = std::filesystem;
 
-/// The run failed as it should: the exit code, one line on stderr with `what`, no result but
-/// report.json with the same message.
+/// Expects a failed run: the exit code, one line on stderr that contains `what`, and report.json
+/// with the same message as the only result.
 void ExpectFailure(const ProgramRun& run, const DamagedFlight& flight, int exit_code,
                    const std::string& kind, const std::string& what) {
   EXPECT_EQ(run.exit_code, exit_code) << run.err;
@@ -160,7 +160,7 @@ TEST(CliBadInput, PairsThatCannotBelongToThisFlight) {
   EXPECT_EQ(run.exit_code, result["assessment"]["verdict"] == "not_observable" ? 1 : 0);
 }
 
-/// One row of a file is replaced: what dn says, and where.
+/// A file with one replaced row, and the expected message with its location.
 struct BadRow {
   const char* name;
   const char* file;
@@ -192,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadRow{"WordForANumber", "IMU.txt", 9, "381000.18, a, 0, 0, 0, 0, -9.8", "a"}),
     [](const auto& parameter) { return std::string(parameter.param.name); });
 
-/// Every value of some columns of a table, changed.
+/// Returns the table with columns multiplied by `factor`.
 std::string WithColumns(const std::string& table, std::size_t first, std::size_t last,
                         double factor) {
   std::istringstream in(table);
@@ -209,7 +209,7 @@ std::string WithColumns(const std::string& table, std::size_t first, std::size_t
   return out;
 }
 
-/// A table without some of its lines, counted from 1.
+/// Returns the table without the lost lines. Line numbers start at 1.
 std::string WithoutLines(const std::string& table, const std::function<bool(int)>& lost) {
   std::istringstream in(table);
   std::string out;
@@ -220,7 +220,7 @@ std::string WithoutLines(const std::string& table, const std::function<bool(int)
   return out;
 }
 
-/// Line of IMU.txt whose interval holds the first epoch of the first pair.
+/// Returns the line of IMU.txt whose interval contains the first epoch of the first pair.
 int LineOfAPair(const DamagedFlight& flight) {
   const std::string pairs = flight.Read("lidar/" + NamesIn(flight.path() / "lidar").front());
   const double pair_s = std::stod(pairs);

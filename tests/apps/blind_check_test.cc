@@ -32,7 +32,7 @@ bool HoldsAnywhere(const fs::path& folder, const std::string& name) {
   return false;
 }
 
-/// Two flights, flown once, in two shards.
+/// Two flights in two shards, simulated once.
 class BlindCheck : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -81,7 +81,7 @@ TEST_F(BlindCheck, MergedShardsAreTheBytesOfOneRun) {
   ExpectPageOfItsFiles(merged, 30);
   fs::create_directories(whole);
   fs::copy(merged / "records", whole / "records");
-  const ProgramRun one_run = RunProgram(Arguments(whole, "1/1"));  // only sums up
+  const ProgramRun one_run = RunProgram(Arguments(whole, "1/1"));  // only evaluates records
   ASSERT_EQ(one_run.exit_code, 0) << one_run.err;
   EXPECT_FALSE(fs::exists(whole / "flights")) << "flown again";
   for (const char* name :

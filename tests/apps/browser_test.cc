@@ -36,8 +36,8 @@ std::string OutputOf(const std::string& command) {
   return text;
 }
 
-/// A page that shows another in a frame of the width, all of it as for a printer, and says what it
-/// then sees.
+/// Returns a page that shows another one in a frame of this width, completely, as for printing. Its
+/// script then reports figures of the shown page.
 std::string Frame(const fs::path& page, int width) {
   return "<!DOCTYPE html><body><iframe style=\"width:" + std::to_string(width) +
          "px;height:30000px;border:0\" src=\"file://" + page.string() + R"("></iframe>
@@ -56,7 +56,7 @@ onload = () => {
 </script>)";
 }
 
-/// What a browser sees of a page.
+/// Figures of a page as a browser reports them.
 struct Seen {
   Json figures;
   std::string console;
@@ -78,7 +78,7 @@ Seen Show(const fs::path& page, int width) {
           ContentOf(folder.path() / "console.txt")};
 }
 
-/// A page of every command, made once.
+/// Pages of all commands, made once.
 class Browser : public ::testing::TestWithParam<int> {
  protected:
   static void SetUpTestSuite() {
@@ -135,7 +135,7 @@ TEST_P(Browser, DrawsEveryChartWithoutAWordInItsConsole) {
     EXPECT_THAT(seen.console, Not(HasSubstr("CONSOLE")));
     ASSERT_TRUE(seen.figures.is_object());
     EXPECT_EQ(seen.figures["drawn"], seen.figures["figures"]);
-    EXPECT_LE(seen.figures["width"], GetParam());  // nothing makes one scroll sideways
+    EXPECT_LE(seen.figures["width"], GetParam());  // no horizontal scrolling
   }
 }
 

@@ -11,7 +11,7 @@ namespace dn::testing::completion_test {
 
 using ::testing::HasSubstr;
 
-/// What bash offers for the words of a line, of which the last is to be completed.
+/// Returns the completions that bash offers for the last word of a command line.
 std::string Offered(const std::filesystem::path& folder, const std::string& words, int last) {
   std::ofstream(folder / "dn.bash") << RunProgram({"completion", "bash"}).out;
   const std::string line = "bash --norc -c 'source " + (folder / "dn.bash").string() +

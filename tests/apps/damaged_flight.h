@@ -8,7 +8,7 @@
 
 namespace dn::testing {
 
-/// A copy of a flight to be damaged, and a place for results.
+/// A copy of a flight that a test may damage, with a folder for results.
 class DamagedFlight {
  public:
   explicit DamagedFlight(const std::filesystem::path& flight = ShortFlight()) {
@@ -23,7 +23,7 @@ class DamagedFlight {
     folder_.Write("flight/" + name, content);
   }
 
-  /// Replaces the only occurrence of a text.
+  /// Replaces the only occurrence of a text in a file. Throws if it does not occur exactly once.
   void Replace(const std::string& name, const std::string& old_text,
                const std::string& new_text) const {
     std::string content = Read(name);
@@ -34,7 +34,7 @@ class DamagedFlight {
     Write(name, content.replace(at, old_text.size(), new_text));
   }
 
-  /// Replaces a line, counted from 1.
+  /// Replaces a line of a file. Line numbers start at 1.
   void ReplaceLine(const std::string& name, int line, const std::string& new_text) const {
     std::string content = Read(name);
     std::size_t begin = 0;

@@ -13,7 +13,7 @@ using ::testing::AnyOf;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-// The shadow of the address sanitizer takes terabytes.
+// The shadow memory of the address sanitizer needs terabytes of address space.
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool kMemoryCanBeLimited = false;
 #elif defined(__has_feature)
@@ -78,7 +78,7 @@ TEST(CliEnvironment, LittleMemoryIsAnErrorNotAnEndlessLoop) {
     options.max_memory_bytes = megabytes << 20;
     const ProgramRun run = RunProgram(options);
     EXPECT_EQ(run.signal, 0);
-    EXPECT_THAT(run.exit_code, AnyOf(0, 1, 127));  // 127: the libraries cannot even be loaded
+    EXPECT_THAT(run.exit_code, AnyOf(0, 1, 127));  // 127: the libraries cannot be loaded
     EXPECT_TRUE(run.exit_code != 1 || run.err.find("error: ") != std::string::npos);
   }
 }

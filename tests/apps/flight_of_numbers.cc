@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<double> NumbersOf(std::string line) {
+std::vector<double> SplitNumbers(std::string line) {
   std::replace(line.begin(), line.end(), ',', ' ');
   std::istringstream stream(line);
   std::vector<double> numbers;
@@ -19,7 +19,7 @@ std::vector<double> NumbersOf(std::string line) {
   return numbers;
 }
 
-/// Where the line of a key begins; a key of a section is SECTION.KEY.
+/// Returns the position at which the line of a key begins. A key of a section is SECTION.KEY.
 std::size_t FindKey(const std::string& yaml, const std::string& key) {
   const std::size_t dot = key.find('.');
   const bool top = dot == std::string::npos;
@@ -36,7 +36,7 @@ Table FlightOfNumbers::Rows(const std::string& name) const {
   std::istringstream stream(Read(name));
   Table rows;
   for (std::string line; std::getline(stream, line);) {
-    if (!line.empty() && line.front() != '#') rows.push_back(NumbersOf(std::move(line)));
+    if (!line.empty() && line.front() != '#') rows.push_back(SplitNumbers(std::move(line)));
   }
   return rows;
 }

@@ -9,28 +9,28 @@
 
 namespace dn::testing {
 
-/// A number per column, a vector per row of a text file.
+/// Numbers of a text file: one vector per row, one number per column.
 using Table = std::vector<std::vector<double>>;
 
-/// A damaged flight whose numbers can be computed with.
+/// A damaged flight whose files are read and written as tables of numbers.
 class FlightOfNumbers : public DamagedFlight {
  public:
   using DamagedFlight::DamagedFlight;
 
-  /// Rows of a text file without comments.
+  /// Reads the rows of a text file, without comments.
   Table Rows(const std::string& name) const;
   void WriteRows(const std::string& name, const Table& rows) const;
-  /// Changes every row of a text file.
+  /// Applies `change` to every row of a text file.
   void EachRow(const std::string& name,
                const std::function<void(std::vector<double>&)>& change) const;
 
-  /// Names of the pair files, such as lidar/1_2.txt, sorted.
+  /// Returns the sorted names of the pair files, such as lidar/1_2.txt.
   std::vector<std::string> PairFiles() const;
   void EachPair(const std::function<void(std::vector<double>&)>& change) const;
 
-  /// Sets a key of flight.yaml, such as lidar.lever_arm_m, that stands there on a line of its own.
+  /// Sets a key of flight.yaml, such as lidar.lever_arm_m. The key must be on its own line.
   void Set(const std::string& key, const std::string& value) const;
-  /// Takes files of another flight instead of this one's.
+  /// Replaces files of this flight by those of another one.
   void Take(const std::filesystem::path& other, const std::vector<std::string>& names) const;
 };
 

@@ -40,7 +40,7 @@ TEST(CliGap, TheAdaptedFlightCalibratesFromWhereItLiesAndFromTheFlightFolder) {
   const std::string adapted = (GapResult() / "flight.adapted.yaml").string();
   const ProgramRun there =
       RunProgram({"calibrate", adapted, "--out", (folder.path() / "there").string()});
-  // What the diagnosis could not explain keeps the flight contradicted.
+  // If the diagnosis leaves a discrepancy unexplained, the adapted flight stays contradicted.
   const int expected = ReadFlightConfig(adapted).unexplained.empty() ? 0 : 1;
   EXPECT_EQ(there.exit_code, expected) << there.err;
   fs::copy(ShortFlight(), folder.path() / "copy", fs::copy_options::recursive);

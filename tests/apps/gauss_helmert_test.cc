@@ -24,7 +24,7 @@ std::string SmoothedTrajectory() { return (SmoothResult() / "trajectory.out").st
 
 Json JsonOf(const fs::path& file) { return Json::parse(ContentOf(file)); }
 
-/// A flight without its inertial data.
+/// Removes the section imu from flight.yaml.
 void RemoveImuSection(const DamagedFlight& flight) {
   std::string yaml = flight.Read("flight.yaml");
   const std::size_t begin = yaml.find("\nimu:") + 1;
@@ -46,7 +46,7 @@ void ExpectNear(const Json& boresight, double sigmas) {
   }
 }
 
-/// A trajectory as text in grid coordinates, with angles from grid north.
+/// Formats a trajectory as text in grid coordinates, with angles relative to grid north.
 std::string InUtm(const Trajectory& trajectory, const std::string& crs) {
   const LocalFrame frame(trajectory.points().front().position);
   const PointCrs grid(crs, frame);
@@ -135,7 +135,7 @@ TEST(CliGaussHelmert, AllMethodsAndTheirComparison) {
   EXPECT_EQ(dn["method"], "dn");
   EXPECT_EQ(gh["method"], "gh");
   EXPECT_EQ(dn["boresight"],
-            JsonOf(CalibrateResult() / "result.json")["boresight"]);  // as by itself
+            JsonOf(CalibrateResult() / "result.json")["boresight"]);  // same as --method dn alone
   const Json comparison = JsonOf(flight.out() / "comparison.json");
   EXPECT_EQ(comparison["methods"]["dn"]["angles_deg"], dn["boresight"]["angles_deg"]);
   EXPECT_EQ(comparison["methods"]["gh"]["sigma_deg"], gh["boresight"]["sigma_deg"]);
@@ -149,7 +149,8 @@ TEST(CliGaussHelmert, AllMethodsAndTheirComparison) {
     const double d = difference["difference_deg"][i];
     const double expected = gh["boresight"]["angles_deg"][i].get<double>() -
                             dn["boresight"]["angles_deg"][i].get<double>();
-    EXPECT_NEAR(d, expected, 1e-4 + 0.01 * std::abs(expected));  // a rotation, not a subtraction
+    // The difference is a rotation, which differs a little from the subtraction of the angles.
+    EXPECT_NEAR(d, expected, 1e-4 + 0.01 * std::abs(expected));
     EXPECT_NEAR(difference["significance"][i].get<double>(),
                 std::abs(d) / difference["sigma_deg"][i].get<double>(), 1e-9);
   }
@@ -174,7 +175,7 @@ TEST(CliGaussHelmert, IsTheDefaultWithoutInertialData) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Json result = JsonOf(flight.out() / "result.json");
   EXPECT_EQ(result["method"], "gh");
-  // No trajectory_sigma.txt beside it: the section's sigmas.
+  // Without a trajectory_sigma.txt next to the trajectory, the sigmas of flight.yaml are used.
   EXPECT_THAT(JsonOf(flight.out() / "report.json")["gauss_helmert"]["trajectory_sigma"]["source"]
                   .get<std::string>(),
               HasSubstr("flight.yaml"));
@@ -293,7 +294,7 @@ TEST(CliGaussHelmert, TooFewPairsAndTheSamePairAgain) {
   const std::vector<std::string> gh{"--method", "gh", "--trajectory", SmoothedTrajectory()};
   flight.Write(pairs, line);
   ExpectError(flight.Run("calibrate", gh), 1, "at least two point pairs");
-  flight.Write(pairs, line + line + line);  // counted once
+  flight.Write(pairs, line + line + line);  // equal pairs count once
   ExpectError(flight.Run("calibrate", gh), 1, "at least two point pairs");
 }
 
@@ -341,7 +342,7 @@ TEST(CliGaussHelmert, TentIsToldThatItHasNoPairs) {
   const ProgramRun run =
       RunProgram({"calibrate", folder.string(), "--out", (out.path() / "r").string()});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.err, ::testing::HasSubstr("no file that lidar.p2p names is there"));
+  EXPECT_THAT(run.err, ::testing::HasSubstr("no file of lidar.p2p exists"));
 }
 
 }  // namespace dn::testing::gauss_helmert_test

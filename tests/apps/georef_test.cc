@@ -21,7 +21,7 @@ using ::testing::Not;
 constexpr int kPoints = 50;
 constexpr double kGridM = 1e-4;
 
-/// The short flight with point clouds of its first line as the true boresight makes them.
+/// The short flight with point clouds of its first line, computed with the true boresight.
 class FlightWithStrips : public DamagedFlight {
  public:
   FlightWithStrips() {
@@ -52,7 +52,7 @@ class FlightWithStrips : public DamagedFlight {
     return text;
   }
 
-  /// As they were made without knowing the boresight.
+  /// Returns a LAS file computed with the assumed mounting.
   std::string Las(const Mounting& assumed) const {
     LasBytes las;
     las.scale = kGridM;
@@ -115,7 +115,7 @@ TEST(CliGeoref, AResultBringsItsBoresightAndItsCovariance) {
   EXPECT_EQ(json["covariance"]["boresight"], result);
   const StripCloud points = ReadAll(flight.out() / "strips/1.txt");
   ASSERT_FALSE(points.covariance_c_m2.empty());
-  // The range alone has 0.02 m along the beam, all together no metre.
+  // The range alone contributes 0.02 m along the beam; all errors together stay below 1 m.
   EXPECT_GT(points.covariance_c_m2[0].trace(), 0.02 * 0.02);
   EXPECT_LT(points.covariance_c_m2[0].trace(), 1.0);
   EXPECT_EQ(ReadAll(flight.out() / "strips/2.las").record_bytes, 28u + 24u);
@@ -194,7 +194,7 @@ TEST(CliGeoref, WhatIsMissingIsNamed) {
   }
   flight.Write("no.json", "{}");
   ExpectFailure(flight.Run("georef", {"--result", (flight.path() / "no.json").string()}), 1,
-                "no result of `dn calibrate`");
+                "not a result of `dn calibrate`");
   fs::rename(flight.path() / "strips", flight.path() / "clouds");
   ExpectFailure(flight.Run("georef"), 1, "the flight has no strips");
   fs::rename(flight.path() / "clouds", flight.path() / "strips");
@@ -215,7 +215,7 @@ TEST(CliGeoref, OneBadStripLeavesNoResult) {
 TEST(CliGeoref, StripsWithoutASystemAreNotForIt) {
   const FlightWithStrips flight;
   flight.Replace("flight.yaml", "strips_crs: \"map\"", "strips_crs: none");
-  ExpectFailure(flight.Run("georef"), 2, "strips_crs is none");
+  ExpectFailure(flight.Run("georef"), 2, "strips_crs is 'none'");
 }
 
 }  // namespace dn::testing::georef_test

@@ -17,7 +17,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-/// A program called gnuplot that does not end by itself, found first while this lives.
+/// Provides a program named gnuplot that does not end by itself. While this object lives, it is the
+/// first one in PATH.
 class HangingGnuplot {
  public:
   HangingGnuplot() : path_(std::getenv("PATH")) {
@@ -26,7 +27,7 @@ class HangingGnuplot {
     setenv("PATH", (folder_.path().string() + ":" + path_).c_str(), 1);
   }
   ~HangingGnuplot() { setenv("PATH", path_.c_str(), 1); }
-  // One that has ended and that nobody waits for has no command line any more.
+  // A zombie process has an empty command line.
   bool Runs() const {
     std::ifstream in("/proc/" + std::to_string(std::stoi(ContentOf(pid_file()))) + "/cmdline");
     return in.get() != std::ifstream::traits_type::eof();
@@ -42,7 +43,7 @@ class HangingGnuplot {
 
 void ExpectInterrupted(const ProgramRun& run, const fs::path& out) {
   EXPECT_EQ(run.exit_code, 130) << run.err;
-  EXPECT_LT(run.end_after_signal_s, 2.0);  // a second, on a busy machine
+  EXPECT_LT(run.end_after_signal_s, 2.0);  // about 1 s on a busy machine
   EXPECT_THAT(run.err, HasSubstr("error: interrupted; no result was written\n"));
   EXPECT_THAT(NamesIn(out), ElementsAre("report.json"));
   const Json report = Json::parse(ContentOf(out / "report.json"));

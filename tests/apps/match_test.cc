@@ -125,7 +125,7 @@ TEST_F(Matching, AllMethodsRunFromStripsAlone) {
   EXPECT_TRUE(fs::exists(In("all/lidar/1_2.txt")));
   ExpectPageOfItsFiles(In("all"), 200);
   EXPECT_THAT(ContentOf(In("all/config.resolved.yaml")), HasSubstr(In("all/lidar/1_2.txt")));
-  // Once without the pairs, for matching and planes, and once with them.
+  // The GNSS screening runs once without pairs, for matching and planes, and once with them.
   EXPECT_EQ(CountOf("dn calibrate: GNSS screening", run.err), 2) << run.err;
 }
 

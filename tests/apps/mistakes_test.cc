@@ -19,15 +19,17 @@ using ::testing::Each;
 using ::testing::Le;
 namespace fs = std::filesystem;
 
-// As simulated: `boresight_deg` of mistakes.yaml.
+// The simulated boresight, `boresight_deg` of mistakes.yaml.
 constexpr double kTruthDeg[] = {0.2, 0.03, 0.35};
-// Of each angle, in its own sigmas; three angles exceed it by chance once in 5000 flights.
+// Largest error of each angle, in its own sigmas. One of three angles exceeds it by chance once in
+// 5000 flights.
 constexpr double kLargestError = 4.0;
-// A sigma beyond which nothing is calibrated.
+// A result with a larger sigma does not count as calibrated.
 constexpr double kLargestSigmaDeg = 2.0;
 constexpr double kFoot = 0.3048;
 
-/// A flight simulated from mistakes.yaml with one text of it replaced, once per process.
+/// Returns a flight simulated from mistakes.yaml with one text replaced. Each flight is simulated
+/// once per process.
 const fs::path& Simulated(const std::string& old_text = "", const std::string& new_text = "",
                           int seed = 1) {
   static std::map<std::string, std::unique_ptr<TempFolder>> folders;
@@ -46,9 +48,9 @@ const fs::path& Simulated(const std::string& old_text = "", const std::string& n
 }
 
 enum class Must {
-  kNotDeceive,      // refused, contradicted, or right
-  kBeRight,         // calibrated
-  kBeContradicted,  // refused or contradicted
+  kNotDeceive,      // rejected, contradicted, or calibrated correctly
+  kBeRight,         // calibrated correctly
+  kBeContradicted,  // rejected or contradicted
   kNotBeObservable
 };
 
@@ -73,7 +75,7 @@ std::function<void(const FlightOfNumbers&)> Set(const std::string& key, const st
   return [=](const FlightOfNumbers& flight) { flight.Set(key, value); };
 }
 
-/// Ranges r of all laser vectors become scale r + offset.
+/// Replaces the range r of each laser vector by scale * r + offset.
 std::function<void(const FlightOfNumbers&)> Ranges(double scale, double offset_m) {
   return [=](const FlightOfNumbers& flight) {
     flight.EachPair([=](std::vector<double>& pair) {
@@ -85,7 +87,7 @@ std::function<void(const FlightOfNumbers&)> Ranges(double scale, double offset_m
   };
 }
 
-/// A share of the pairs is wrong by 0.5 to 5 m in a random direction.
+/// Shifts a share of the pairs by 0.5 to 5 m in a random direction.
 std::function<void(const FlightOfNumbers&)> WrongPairs(double share) {
   return [=](const FlightOfNumbers& flight) {
     std::mt19937 random(5);
@@ -100,7 +102,7 @@ std::function<void(const FlightOfNumbers&)> WrongPairs(double share) {
   };
 }
 
-/// The second halves of the pairs, columns from `first` on, belong to other pairs.
+/// Permutes the given columns of the pairs, so that they belong to other pairs.
 void ShufflePairs(const FlightOfNumbers& flight, const std::vector<int>& columns) {
   for (const std::string& name : flight.PairFiles()) {
     const Table rows = flight.Rows(name);
@@ -153,7 +155,7 @@ void GnssSigmasATenth(const FlightOfNumbers& flight) {
   });
 }
 
-/// All body quantities are forward-left-up, and flight.yaml does not say so.
+/// Converts all body quantities to forward-left-up without declaring it in flight.yaml.
 void UndeclaredAxes(const FlightOfNumbers& flight) {
   flight.EachRow("IMU.txt", [](std::vector<double>& row) {
     for (const int i : {2, 3, 5, 6}) row[i] = -row[i];
@@ -197,7 +199,7 @@ void PairsOfAnotherFlight(const FlightOfNumbers& flight) {
 
 class Mistakes : public ::testing::TestWithParam<Mistake> {
  protected:
-  /// What the program said, and the largest error in sigmas.
+  /// Result of the program with the largest error in sigmas.
   struct Answer {
     ProgramRun run;
     std::string verdict = "refused";
@@ -308,19 +310,19 @@ const Mistake kNoMistakes[] = {
     {"FivePercentOfGnssWrong", GnssOutliers, Must::kBeRight},
 };
 
-std::string NameOf(const ::testing::TestParamInfo<Mistake>& info) { return info.param.name; }
+std::string MistakeName(const ::testing::TestParamInfo<Mistake>& info) { return info.param.name; }
 
-INSTANTIATE_TEST_SUITE_P(People, Mistakes, ::testing::ValuesIn(kMistakes), NameOf);
-INSTANTIATE_TEST_SUITE_P(Nobody, Mistakes, ::testing::ValuesIn(kNoMistakes), NameOf);
+INSTANTIATE_TEST_SUITE_P(People, Mistakes, ::testing::ValuesIn(kMistakes), MistakeName);
+INSTANTIATE_TEST_SUITE_P(Nobody, Mistakes, ::testing::ValuesIn(kNoMistakes), MistakeName);
 
-/// The same information listed more than once is no more information.
+// Pairs that are listed more than once must not reduce the sigmas.
 TEST(RepeatedPairs, NarrowNoSigma) {
   const FlightOfNumbers once(Simulated());
   const FlightOfNumbers repeated(Simulated());
   RepeatPairs(repeated);
   ASSERT_EQ(once.Run("calibrate").exit_code, 0);
   const ProgramRun run = repeated.Run("calibrate");
-  if (run.exit_code != 0) {  // refused
+  if (run.exit_code != 0) {  // rejected
     EXPECT_NE(run.err.find("dn calibrate: error: "), std::string::npos) << run.err;
     return;
   }

@@ -58,7 +58,7 @@ TEST(MonteCarlo, AnInterruptedRunKeepsItsFlights) {
   options.signal_after = "flights (";
   const ProgramRun run = RunProgram(options);
   EXPECT_EQ(run.exit_code, 130) << run.err;
-  EXPECT_THAT(run.err, ::testing::HasSubstr("the same command goes on from there"));
+  EXPECT_THAT(run.err, ::testing::HasSubstr("run the same command again to continue"));
   EXPECT_FALSE(NamesIn(out / "flights").empty());
   EXPECT_FALSE(fs::exists(out / "monte_carlo.json"));
 }

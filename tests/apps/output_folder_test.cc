@@ -16,8 +16,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
 
-/// What all files of a folder hold, by name.
-std::map<std::string, std::string> ContentsOf(const fs::path& folder) {
+/// Returns the contents of all files of a folder by name.
+std::map<std::string, std::string> FolderContents(const fs::path& folder) {
   std::map<std::string, std::string> contents;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file()) contents[entry.path().string()] = ContentOf(entry.path());
@@ -26,11 +26,11 @@ std::map<std::string, std::string> ContentsOf(const fs::path& folder) {
 }
 
 void ExpectRefused(const std::vector<std::string>& arguments, const fs::path& untouched) {
-  const auto before = ContentsOf(untouched);
+  const auto before = FolderContents(untouched);
   const ProgramRun run = RunProgram(arguments);
   EXPECT_EQ(run.exit_code, 2) << run.err;
   EXPECT_THAT(run.err, HasSubstr("--out "));
-  EXPECT_EQ(ContentsOf(untouched), before);
+  EXPECT_EQ(FolderContents(untouched), before);
 }
 
 TEST(CliOutputFolder, IsNeverTheFlightFolder) {

@@ -20,7 +20,7 @@ std::vector<std::string> CalibrateInto(const fs::path& out) {
   return {"calibrate", ShortFlight().string(), "--out", out.string()};
 }
 
-/// Staged or temporary files of any folder below.
+/// Returns the names of staged or temporary files in the folder and its subfolders.
 std::vector<std::string> HiddenNamesBelow(const fs::path& folder) {
   std::vector<std::string> hidden;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -30,7 +30,8 @@ std::vector<std::string> HiddenNamesBelow(const fs::path& folder) {
   return hidden;
 }
 
-/// Simulates and calibrates with a number of threads; the results' text but for the timings.
+/// Simulates and calibrates with this number of threads. Returns the texts of the results without
+/// the timings.
 std::vector<std::string> FlyAndCalibrate(const fs::path& folder, const std::string& threads) {
   const std::string flight = (folder / "flight").string(), result = (folder / "result").string();
   EXPECT_EQ(RunProgram({"simulate", ShortScenario().string(), "--seed", "5", "--out", flight,
@@ -93,7 +94,7 @@ TEST(CliOutput, AFullDiskLeavesTheEarlierResult) {
   folder.Write("r/result.json", "an earlier result");
   ProgramOptions options;
   options.arguments = CalibrateInto(folder.path() / "r");
-  options.max_file_bytes = 50000;  // enough for report.json, not for trajectory.out
+  options.max_file_bytes = 50000;  // enough for report.json, but not for trajectory.out
   const ProgramRun run = RunProgram(options);
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("trajectory.out"));

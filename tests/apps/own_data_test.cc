@@ -1,4 +1,4 @@
-// Data of somebody else: what is unusual about them is named, with what mends it.
+// Tests with data from other programs: dn must name what is unusual and how to correct it.
 #include <dn/geo/point_crs.h>
 #include <dn/geo/text_table.h>
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 using Row = std::vector<double>;
 
-/// Rewrites every row of a file of numbers; an empty row is left out.
+/// Rewrites every row of a file of numbers and drops rows that `change` has emptied.
 void EachRow(const DamagedFlight& flight, const std::string& name,
              const std::function<void(std::size_t, Row*)>& change) {
   const TextTable table = ReadTextTable(flight.path() / name, {});
@@ -130,7 +130,8 @@ TEST(OwnData, RowsThatRepeatTheValuesBeforeAreCounted) {
   EXPECT_THAT(Checked(flight), HasSubstr("(33 %) repeat the values of the row before"));
 }
 
-// A logger that writes means over one to three intervals: data, not gaps, and as good as the even ones.
+// A logger may write means over one to three intervals. These are data without gaps, and the result
+// must be as good as with even rows.
 TEST(OwnData, UnevenRowsAreSmoothed) {
   const DamagedFlight flight;
   Row sum;
@@ -172,7 +173,7 @@ TEST(OwnData, AFailedRunKeepsItsCounts) {
               AllOf(HasSubstr("\"gnss epochs\""), HasSubstr("\"read\"")));
 }
 
-/// A folder with the raw logs of the short flight alone, changed by `change`.
+/// A folder that contains only the raw logs of the short flight, modified by `change`.
 class RawFolder {
  public:
   explicit RawFolder(const std::function<void(const DamagedFlight&)>& change = {}) {
@@ -218,7 +219,8 @@ TEST(CliInit, SettlesAxesUnitsAndClocks) {
   EXPECT_THAT(check.out, Not(HasSubstr("look at")));
 }
 
-/// What somebody else's program writes: grid coordinates, roll, pitch, yaw counter-clockwise from east.
+/// Returns a trajectory as another program may write it: grid coordinates, roll, pitch, and yaw
+/// counter-clockwise from east.
 std::string GridTrajectory(const std::string& gps, std::size_t rows) {
   const TextTable table = ReadTextTable(gps, {});
   const LocalFrame frame({46.57 / kDegPerRad, 6.52 / kDegPerRad, 400.0});

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostBytes = 3000000;
 
-/// A number of a page that says where it comes from.
+/// A number of a page together with the result file and key that it is taken from.
 struct Shown {
   double value = 0.0;
   double scale = 1.0;
@@ -26,7 +26,7 @@ struct Shown {
   std::string text;
 };
 
-std::vector<Shown> NumbersOf(const std::string& html) {
+std::vector<Shown> ParseShownNumbers(const std::string& html) {
   const std::regex cell(
       R"re(data-value="([^"]*)" data-scale="([^"]*)" data-source="([^"#]*)#([^"]*)"[^>]*>([^<]*)</td>)re");
   std::vector<Shown> numbers;
@@ -37,7 +37,7 @@ std::vector<Shown> NumbersOf(const std::string& html) {
   return numbers;
 }
 
-/// Half a unit of the last digit of a number in a text, and what rounding twice may add.
+/// Returns half a unit of the last digit of a number in a text, plus a margin for double rounding.
 double HalfOfTheLastDigit(const std::string& text) {
   const std::size_t exponent = text.find('e');
   const std::string mantissa = text.substr(0, exponent);
@@ -56,7 +56,7 @@ void ExpectPageOfItsFiles(const std::filesystem::path& folder, std::size_t least
   const std::string html = ContentOf(folder / "report.html");
   EXPECT_LT(html.size(), kMostBytes);
   std::map<std::string, Json> files;
-  const std::vector<Shown> numbers = NumbersOf(html);
+  const std::vector<Shown> numbers = ParseShownNumbers(html);
   EXPECT_GE(numbers.size(), least);
   for (const Shown& shown : numbers) {
     if (!files.contains(shown.file)) {

@@ -5,8 +5,8 @@
 
 namespace dn::testing {
 
-/// The page of a result is small enough to be sent, and every number of it that says where it comes
-/// from, at least `least` of them, is that of the file that it names.
+/// Expects that the page of a result is small enough to be sent by mail. Also expects at least
+/// `least` numbers with a source, each equal to the value in the file that it names.
 void ExpectPageOfItsFiles(const std::filesystem::path& folder, std::size_t least);
 
 }  // namespace dn::testing

@@ -73,12 +73,12 @@ TEST(CliPage, SeveralResultsSideBySide) {
   EXPECT_THAT(again.out, HasSubstr("independent"));
 }
 
-// The hash is that of sha256sum for the ten bytes.
+// The expected hash is the output of sha256sum for the ten bytes.
 TEST(CliPage, NamesItsInputsByTheirHashes) {
   const std::string hash = "bb3f6e853581c6e91d279993712aab3c699befcad00ad93f8b375590ac395472";
   const TempFolder flight, out;
   flight.Write("flight.yaml", "name: abc\n");
-  flight.Write("strips/1.txt", "no point cloud\n");  // which no check reads
+  flight.Write("strips/1.txt", "no point cloud\n");  // dn check does not read the points
   ASSERT_EQ(RunProgram({"check", flight.path().string(), "--out", out.path().string()}).exit_code,
             0);
   const Json expected = {{{"file", "flight.yaml"}, {"bytes", 10}, {"sha256", hash}}};

@@ -41,7 +41,7 @@ TEST(JsonProgress, HasALineForEachStageAndHowMuchOfItIsDone) {
     ++times_left;
   }
   EXPECT_EQ(done, 3.0);
-  EXPECT_EQ(times_left, 2);  // not yet after the first of three
+  EXPECT_EQ(times_left, 2);  // the first of three steps has no estimate yet
 }
 
 TEST(JsonProgress, EndsStageByStage) {

@@ -34,7 +34,7 @@ std::vector<std::string> KeysOf(const Json& json) {
   return keys;
 }
 
-/// A list of n finite numbers.
+/// Expects a list of n finite numbers.
 void ExpectNumbers(const Json& json, std::size_t n) {
   ASSERT_TRUE(json.is_array()) << json.dump();
   ASSERT_EQ(json.size(), n) << json.dump();
@@ -47,7 +47,7 @@ void ExpectMatrix3(const Json& json) {
   for (const Json& row : json) ExpectNumbers(row, 3);
 }
 
-/// A resolved configuration that reads back to itself.
+/// Expects that the resolved configuration of a result reads back to the same configuration.
 void ExpectReadsBack(const fs::path& folder) {
   const std::string text = ContentOf(folder / "config.resolved.yaml");
   EXPECT_EQ(FormatFlightConfig(ParseFlightConfig(text, folder)), text);
@@ -266,7 +266,7 @@ TEST(CliCalibrate, ResultHasEveryDocumentedKey) {
 
 TEST(CliCalibrate, SigmaIsTheRootOfTheCovariance) {
   const Json boresight = JsonOf(CalibrateResult() / "result.json")["boresight"];
-  constexpr double kRounding = 1e-12;  // of one square root
+  constexpr double kRounding = 1e-12;  // rounding error of one square root
   for (std::size_t i = 0; i < 3; ++i) {
     const double sigma = boresight["sigma_deg"][i];
     EXPECT_NEAR(sigma, std::sqrt(boresight["covariance_deg2"][i][i].get<double>()),
@@ -277,9 +277,9 @@ TEST(CliCalibrate, SigmaIsTheRootOfTheCovariance) {
 TEST(CliCalibrate, FindsTheSimulatedBoresight) {
   const Json boresight = JsonOf(CalibrateResult() / "result.json")["boresight"];
   const double truth_deg[] = {0.2, 0.03, 0.35};
-  // Probability below 1e-5 per angle; the seed is fixed.
+  // The false-alarm probability is below 1e-5 per angle, and the seed is fixed.
   constexpr double kSigmas = 4.5;
-  // What these two strips must resolve at the least, deg: a tenth of the angles.
+  // Largest useful error, deg: a tenth of the angles.
   constexpr double kUsefulDeg = 0.03;
   for (std::size_t i = 0; i < 3; ++i) {
     const double sigma = boresight["sigma_deg"][i];
@@ -290,7 +290,7 @@ TEST(CliCalibrate, FindsTheSimulatedBoresight) {
 
 TEST(CliCalibrate, TheSmoothedTrajectoryIsNearTheTrueOne) {
   const Json errors = JsonOf(CalibrateResult() / "report.json")["reference_errors"];
-  // GNSS of 1.5 cm and 3 cm, and a navigation grade unit.
+  // The GNSS sigmas are 1.5 cm and 3 cm, and the inertial unit is of navigation grade.
   constexpr double kPositionM = 0.05;
   constexpr double kRollPitchDeg = 0.02;
   for (const Json& rmse_m : errors["position_enu_rmse_m"]) EXPECT_LT(rmse_m, kPositionM);

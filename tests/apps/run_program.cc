@@ -52,7 +52,8 @@ void BecomeNobody() {
   Limit(RLIMIT_FSIZE, options.max_file_bytes);
   Limit(RLIMIT_AS, options.max_memory_bytes);
   Limit(RLIMIT_NPROC, options.max_threads);
-  if (options.max_threads) ::setenv("ASAN_OPTIONS", "detect_leaks=0", 1);  // leaks need a thread
+  // Leak detection starts a thread of its own.
+  if (options.max_threads) ::setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
   if (options.max_threads && ::geteuid() == 0) BecomeNobody();
   for (const int stream : options.closed_streams) ::close(stream);
   std::vector<std::string> words{DN_PROGRAM};
@@ -64,7 +65,7 @@ void BecomeNobody() {
   ::_exit(127);
 }
 
-/// Appends what can be read; false at the end of the stream.
+/// Appends the readable bytes to the text. Returns false at the end of the stream.
 bool Append(int fd, std::string* text) {
   std::array<char, 4096> buffer;
   const ssize_t count = ::read(fd, buffer.data(), buffer.size());
@@ -72,7 +73,7 @@ bool Append(int fd, std::string* text) {
   return count > 0;
 }
 
-/// Follows stdout and stderr until both are closed, and sends the signal in between.
+/// Reads stdout and stderr until both are closed, and sends the signal when its condition is met.
 void Follow(pid_t child, const ProgramOptions& options, const Pipe& out, const Pipe& err,
             ProgramRun* run) {
   std::array<pollfd, 2> streams{pollfd{out.ends[0], POLLIN, 0}, pollfd{err.ends[0], POLLIN, 0}};

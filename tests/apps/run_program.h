@@ -9,7 +9,7 @@
 
 namespace dn::testing {
 
-/// What one run of the program dn left behind.
+/// Output and exit status of one run of the program dn.
 struct ProgramRun {
   int exit_code = -1;  ///< -1: ended by `signal`
   int signal = 0;
@@ -20,46 +20,46 @@ struct ProgramRun {
 
 struct ProgramOptions {
   std::vector<std::string> arguments;
-  /// Where stdout goes instead of ProgramRun::out.
+  /// File for stdout, instead of ProgramRun::out.
   std::optional<std::string> out_file;
-  /// Where stderr goes instead of ProgramRun::err.
+  /// File for stderr, instead of ProgramRun::err.
   std::optional<std::string> err_file;
   /// Streams that are closed when the program starts.
   std::vector<int> closed_streams;
-  /// Largest file that the program may write, as on a full disk.
+  /// Size limit of files that the program writes, which acts like a full disk.
   std::optional<long> max_file_bytes;
-  /// Memory that the program may map.
+  /// Limit of the program's address space.
   std::optional<long> max_memory_bytes;
-  /// Processes and threads that its user may have. They are not counted for root, who runs the
-  /// program as nobody then.
+  /// Limit of processes and threads of the user. Since it does not apply to root, root runs the
+  /// program as user nobody.
   std::optional<long> max_threads;
-  /// Signal sent, so many times, once stderr contains `signal_after`.
+  /// Signal that is sent once stderr contains `signal_after`, as often as given below.
   int signal = 0;
   int signal_count = 1;
   std::string signal_after;
-  /// Called in its place, with the program's process id.
+  /// Called instead of sending the signal, with the program's process id.
   std::function<void(int)> at_signal;
 };
 
-/// Runs build/.../bin/dn. A run longer than two minutes is killed, and so seen as `signal`.
+/// Runs build/.../bin/dn. A run above two minutes is killed, which shows in ProgramRun::signal.
 ProgramRun RunProgram(const ProgramOptions& options);
 ProgramRun RunProgram(const std::vector<std::string>& arguments);
 
-/// The flight that the test cli.simulate made of short.yaml, and the results of cli.check,
-/// cli.smooth, cli.calibrate and cli.gap on it. Never written to.
+/// These functions return the flight that the test cli.simulate made of short.yaml, and the results
+/// of cli.check, cli.smooth, cli.calibrate and cli.gap on it. Tests must not write into them.
 std::filesystem::path ShortFlight();
 std::filesystem::path CheckResult();
 std::filesystem::path SmoothResult();
 std::filesystem::path CalibrateResult();
-std::filesystem::path GapResult();  ///< of cli.gap, screened only
+std::filesystem::path GapResult();  ///< result of cli.gap with --screen-only
 std::filesystem::path ShortScenario();
 
 std::string ContentOf(const std::filesystem::path& file);
 
-/// A text without the lines that hold `part`.
+/// Returns the text without the lines that contain `part`.
 std::string WithoutLines(const std::string& text, const std::string& part);
 
-/// Names in a folder, hidden ones too, sorted.
+/// Returns the sorted names in a folder, including hidden ones.
 std::vector<std::string> NamesIn(const std::filesystem::path& folder);
 
 }  // namespace dn::testing

@@ -30,7 +30,7 @@ ProgramRun Merge(const std::vector<fs::path>& folders, const fs::path& out) {
   return RunProgram(arguments);
 }
 
-/// Two shards of a series of three flights, flown once.
+/// Two shards of a series of three flights, simulated once.
 class SeriesOfThree : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -68,7 +68,7 @@ TEST_F(SeriesOfThree, MergedShardsAreTheBytesOfOneRun) {
   ExpectPageOfItsFiles(merged, 30);
   fs::create_directories(whole);
   fs::copy(merged / "flights", whole / "flights");
-  const ProgramRun one_run = Fly(whole, "1/1");  // only sums up: all flights are there
+  const ProgramRun one_run = Fly(whole, "1/1");  // only evaluates: all flights are recorded
   ASSERT_EQ(one_run.exit_code, 0) << one_run.err;
   EXPECT_EQ(merge.out, one_run.out);
   std::vector<std::string> names = NamesIn(whole);
@@ -94,7 +94,7 @@ TEST_F(SeriesOfThree, WhatDoesNotFitTogetherIsRefused) {
   ASSERT_EQ(other.exit_code, 0) << other.err;
   const ProgramRun mixed = Merge({One(), Path("other")}, Path("refused"));
   EXPECT_EQ(mixed.exit_code, 2);
-  EXPECT_THAT(mixed.err, HasSubstr("no shard of the series"));
+  EXPECT_THAT(mixed.err, HasSubstr("not a shard of the series"));
 }
 
 TEST_F(SeriesOfThree, ARecordIsTheOneThatItsNameSays) {
@@ -247,7 +247,7 @@ TEST_F(SeriesOfThree, AShardIsINotMoreThanN) {
   for (const char* shard : {"0/2", "3/2", "1", "a/b", "1/2x", "/2", "-1/2"}) {
     const ProgramRun run = Fly(Path("never"), shard);
     EXPECT_EQ(run.exit_code, 2) << shard;
-    EXPECT_THAT(run.err, HasSubstr("is no shard")) << shard;
+    EXPECT_THAT(run.err, HasSubstr("is not a shard")) << shard;
   }
   const ProgramRun empty = Fly(Path("never"), "4/4");
   EXPECT_EQ(empty.exit_code, 2);

@@ -78,7 +78,7 @@ TEST(CliSimulate, TruthStaysInItsOwnFile) {
   EXPECT_TRUE(boresight_deg->isApprox(Eigen::Vector3d(0.2, 0.03, 0.35), 1e-12));
 }
 
-/// Root mean square of the heights of a strip above a level plain, m.
+/// Returns the root mean square of a strip's heights above a level plain, m.
 double RmsHeight(const fs::path& file) {
   const auto reader = OpenStrip(file);
   double squares = 0.0;
@@ -113,7 +113,7 @@ TEST(CliSimulate, PointCloudsLieOnTheGroundWithTheTrueBoresight) {
                   (flight / "reference.out").string(), "--out", clouds.string()});
   ASSERT_EQ(georef.exit_code, 0) << georef.err;
   for (const char* name : {"strips/1.las", "strips/2.las"}) {
-    EXPECT_LT(RmsHeight(clouds / name), 0.01) << name;  // of a trajectory at 50 Hz
+    EXPECT_LT(RmsHeight(clouds / name), 0.01) << name;  // the trajectory has 50 Hz
     EXPECT_GT(RmsHeight(flight / name), 0.1) << name;
   }
 }

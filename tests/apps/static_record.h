@@ -12,7 +12,7 @@ namespace dn::testing {
 constexpr double kRate_hz = 50.0;
 constexpr double kArw_deg_sqrt_h = 0.3, kVrw_m_s_sqrt_h = 0.06;
 
-/// A sensor at rest with white noise; some rows may be left out, or turn.
+/// Returns the record of a sensor at rest with white noise. A gap and a rotation can be added.
 inline std::string StaticRecord(int seconds, int gap_from = -1, double turn_radps = 0.0) {
   std::mt19937 rng(7);
   std::normal_distribution<double> normal;

@@ -14,7 +14,7 @@ inline std::string With(std::string text, const std::string& old, const std::str
   return text.replace(at, old.size(), now);
 }
 
-/// The short scenario with point clouds, few enough for a test.
+/// Returns the short scenario with point clouds that are small enough for a test.
 inline std::string StripScenario(const std::string& terrain) {
   std::string text = ContentOf(ShortScenario());
   text = With(text, "[-400, 0, 400, 0, 200, 45]", "[-150, 0, 150, 0, 200, 40]");

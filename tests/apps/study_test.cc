@@ -63,7 +63,7 @@ TEST(CliStudy, OfAFlightAgreesWithItsCalibration) {
 TEST(CliStudy, SizesOfEffectsAreThoseOfTheDiagnosis) {
   const TempFolder folder;
   const fs::path out = folder.path() / "study", limits = folder.path() / "limits";
-  // The flight has this seed's turbulence.
+  // The turbulence of the flight was simulated with this seed.
   const ProgramRun run =
       RunProgram({"study", ShortScenario(), "--seed", "3", "--no-remedies", "--out", out});
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -96,7 +96,7 @@ TEST(CliStudy, SizesOfEffectsCanBeLeftOut) {
   EXPECT_FALSE(JsonIn(out / "study.json").contains("could_still_hide"));
 }
 
-/// The short scenario with one line less, and a sweep over its lines.
+/// The short scenario without one of its lines, and a sweep over its lines.
 struct OneStrip {
   TempFolder folder;
   fs::path scenario = folder.path() / "one.yaml";

@@ -18,7 +18,7 @@ constexpr const char* kSubcommands[] = {"init",        "check", "simulate", "smo
 
 class EverySubcommand : public ::testing::TestWithParam<const char*> {
  protected:
-  // With what the subcommand requires.
+  // Adds the arguments that the subcommand requires.
   static std::vector<std::string> Complete(const std::vector<std::string>& options) {
     const std::string name = GetParam();
     std::vector<std::string> arguments{name, "--out", "y.html"};
@@ -128,7 +128,7 @@ TEST(CliUsage, PlanesWithoutATrajectorySayHowToGetOne) {
   EXPECT_EQ(NamesIn(folder.path() / "r"), std::vector<std::string>{"report.json"});
 }
 
-/// The run ended with exit code 2 and this one line.
+/// Expects exit code 2 and exactly this line on stderr.
 void ExpectUsageError(const ProgramRun& run, const std::string& line) {
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.out, IsEmpty());
@@ -147,8 +147,9 @@ TEST(CliUsage, WrongUsageIsOneErrorLine) {
                    "dn simulate: error: --noise-free takes no value" + see);
   ExpectUsageError(RunProgram({"simulate", "lar3", "uav3", "--out", "x"}),
                    "dn simulate: error: 'uav3' is one argument too many" + see);
-  ExpectUsageError(RunProgram({"simulate", "lar3", "--out", "x", "--sed=3"}),
-                   "dn simulate: error: '--sed' is no option; the nearest one is '--seed'" + see);
+  ExpectUsageError(
+      RunProgram({"simulate", "lar3", "--out", "x", "--sed=3"}),
+      "dn simulate: error: '--sed' is not an option; the nearest one is '--seed'" + see);
 }
 
 TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
@@ -158,10 +159,10 @@ TEST(CliUsage, WithoutACommandTheCommandsAreNamed) {
       "match, georef, gap, monte-carlo, blind-check, merge, allan, report, completion; see dn "
       "--help");
   ExpectUsageError(RunProgram({"calibrat", "x"}),
-                   "dn: error: 'calibrat' is no command; the nearest one is 'calibrate'; see dn "
+                   "dn: error: 'calibrat' is not a command; the nearest one is 'calibrate'; see dn "
                    "--help");
   ExpectUsageError(RunProgram({"--versio"}),
-                   "dn: error: '--versio' is no option; the nearest one is '--version'; see dn "
+                   "dn: error: '--versio' is not an option; the nearest one is '--version'; see dn "
                    "--help");
 }
 
@@ -175,17 +176,17 @@ TEST(CliUsage, NumbersAreRefusedWithTheirBound) {
                                                 what + "; see " + name + " --help");
   };
   for (const char* value : {"x", "-1", "0", "nan", "inf", "1e999", "", "1 2"}) {
-    expect({"allan", "IMU.txt", "--out", "x"}, "--rate", value, "no number above 0");
-    expect(monte_carlo, "--epoch-spacing", value, "no number above 0");
+    expect({"allan", "IMU.txt", "--out", "x"}, "--rate", value, "not a number above 0");
+    expect(monte_carlo, "--epoch-spacing", value, "not a number above 0");
   }
   for (const char* value : {"x", "-1", "0.5", "1e30", "18446744073709551616", ""}) {
-    expect(monte_carlo, "--seed", value, "no whole number from 0 to 2^64 - 1");
+    expect(monte_carlo, "--seed", value, "not an integer from 0 to 2^64 - 1");
   }
   for (const char* value : {"x", "0", "1000001"}) {
-    expect(monte_carlo, "--flights", value, "no whole number from 1 to 1000000");
+    expect(monte_carlo, "--flights", value, "not an integer from 1 to 1000000");
   }
   for (const char* value : {"x", "0", "1025"}) {
-    expect(monte_carlo, "--threads", value, "no whole number from 1 to 1024");
+    expect(monte_carlo, "--threads", value, "not an integer from 1 to 1024");
   }
 }
 

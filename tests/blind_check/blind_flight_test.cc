@@ -104,10 +104,10 @@ TEST(BlindFlight, TheSizeIsThatOfTheLargestComponent) {
   EXPECT_NEAR(SizeOf(effect), 1.5, 1e-12);
   effect.name = "gyro_bias_process";
   effect.value = {0.6, 900.0};
-  EXPECT_NEAR(SizeOf(effect), 2.0, 1e-12) << "a correlation time is no size";
+  EXPECT_NEAR(SizeOf(effect), 2.0, 1e-12) << "a correlation time does not count as a size";
   effect.name = "p2p_outliers";
   effect.value = {0.03, 20.0};
-  EXPECT_NEAR(SizeOf(effect), 1.0, 1e-12) << "nor is the length of gross errors";
+  EXPECT_NEAR(SizeOf(effect), 1.0, 1e-12) << "the length of outliers does not count as a size";
 }
 
 TEST(BlindFlight, SizesAreOneToTenTimesTheUsualOne) {
@@ -187,7 +187,7 @@ TEST(Outsider, EachSpoilsItsSensorAlone) {
                       (own.boresight_rad ? 1 : 0) + (own.laser_vector ? 1 : 0) +
                       (own.lidar_tag_shift_s ? 1 : 0) + (own.pairs ? 1 : 0);
     EXPECT_EQ(hooks, 1) << name;
-    EXPECT_FALSE(FindEffect(name)) << "has a name in the table";
+    EXPECT_FALSE(FindEffect(name)) << "the table has an effect of this name";
   }
   EXPECT_THROW(MakeOwnErrors({"none", {}}, scenario), InvalidInput);
 }
@@ -234,7 +234,7 @@ TEST(Outsider, AWarmingBoresightIsZeroInTheMiddleOfTheStrips) {
   pose.t_s = times.strips.front().t0_s;
   const double early = own.boresight_rad(pose).norm();
   pose.t_s = 2.0 * middle_s - pose.t_s;
-  EXPECT_GT(early, 1.5 * own.boresight_rad(pose).norm()) << "slower and slower";
+  EXPECT_GT(early, 1.5 * own.boresight_rad(pose).norm()) << "the rate must decrease";
 }
 
 }  // namespace dn::blind_flight_test

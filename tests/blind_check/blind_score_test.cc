@@ -84,9 +84,9 @@ TEST(BlindScore, NamesAreRightStrictlyOrByTheGroup) {
   Said alone = group;
   alone.verdict = "identified";
   EXPECT_FALSE(NamedWithGroup(Record(1, {"gnss_lever_arm"}, alone)))
-      << "the credible set counts for a group alone";
+      << "the credible set counts only for a group";
   const BlindRecord more = Record(1, {"gnss_lever_arm"}, {"identified", {"gnss_lever_arm", "x"}});
-  EXPECT_FALSE(NamedStrictly(more)) << "a name too many";
+  EXPECT_FALSE(NamedStrictly(more)) << "one name too many";
   EXPECT_FALSE(NamedStrictly(Record(1, {}, {"no_gap", {}})));
 }
 
@@ -263,7 +263,7 @@ TEST(BlindScore, WritesATableAJsonAndRows) {
   records[1].diagnosis.result.reset();
   records[1].diagnosis.failure = "exit code 1: \"no\" attitude";
   const BlindScore score = ScoreBlindFlights(records);
-  EXPECT_THAT(FormatTable(score), HasSubstr("named, and nothing else"));
+  EXPECT_THAT(FormatTable(score), HasSubstr("named alone"));
   const Json json = ToJson(score);
   EXPECT_EQ(json.at("schema"), "dn.blind_check/1");
   EXPECT_EQ(json.at("one_effect").at("named").at("hits"), 1);

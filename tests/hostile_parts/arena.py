@@ -1,7 +1,7 @@
-"""The folder of one attack: a copy of the flight to be damaged, and what may not change around it.
+"""The folder of one attack: a copy of the flight to be damaged, and files that must not change.
 
-    here/          the working directory; must stay empty but for `flight`, `out` and what the
-                   attack itself puts there
+    here/          the working directory; must contain only `flight`, `out` and the files that the
+                   attack itself writes there
     here/flight    the flight
     here/out       the results
     tmp/           TMPDIR
@@ -14,8 +14,8 @@ import re
 import shutil
 import stat
 
-LARGEST_HASHED = 1 << 26  # bytes; larger files are known by size and time
-CANARY = "CANARY"  # what an injected command would make
+LARGEST_HASHED = 1 << 26  # bytes; larger files are identified by size and time
+CANARY = "CANARY"  # file that an injected command would create
 
 
 class Arena:
@@ -32,11 +32,11 @@ class Arena:
         self.truth_deg = read_truth(base.flight)
 
     def remember(self):
-        """To be called once the attack is prepared."""
+        """Stores the contents before the run. Call it after preparing the attack."""
         self.before = self.contents()
 
     def contents(self):
-        """Path and hash of all that lies in `here` and `tmp`."""
+        """Returns path and hash of all files in `here` and `tmp`."""
         found = {}
         for root, folders, files in os.walk(self.folder, onerror=None):
             for name in folders + files:
@@ -61,7 +61,7 @@ class Arena:
 
 
 def read_truth(folder):
-    """The simulated boresight."""
+    """Returns the simulated boresight, deg."""
     text = (pathlib.Path(folder) / "truth.yaml").read_text()
     numbers = re.search(r"boresight_deg: \[(.*)\]", text).group(1)
     return [float(x) for x in numbers.split(",")]

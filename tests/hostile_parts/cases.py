@@ -1,4 +1,4 @@
-"""What an attack is made of."""
+"""The definition of an attack, and the commands that are attacked."""
 
 import dataclasses
 import typing
@@ -9,19 +9,19 @@ from .program import Conditions
 
 @dataclasses.dataclass
 class Case:
-    label: str  # what is tried, in a few words
-    arguments: list = dataclasses.field(default_factory=list)  # of the program
+    label: str  # short description
+    arguments: list = dataclasses.field(default_factory=list)  # command line of the program
     prepare: typing.Callable = lambda arena: None  # damages the arena
     conditions: Conditions = dataclasses.field(default_factory=Conditions)
     needs_location: bool = False
-    echoes: str = ""  # what a message may repeat
-    heard: bool = True  # stderr can be written
+    echoes: str = ""  # text of the attack that a message may repeat
+    heard: bool = True  # stderr is writable
     peak_mb: float = PEAK_MB
-    anywhere: bool = False  # results may lie in another folder than `out`
-    after: typing.Callable = lambda arena, outcome: []  # more findings
+    anywhere: bool = False  # results may be in another folder than `out`
+    after: typing.Callable = lambda arena, outcome: []  # returns further findings
 
     def attack(self, arena):
-        """Runs it once; the outcome's command and the findings."""
+        """Runs the attack once. Returns the outcome and the findings."""
         self.prepare(arena)
         if self.conditions.as_nobody:
             arena.open_for_nobody()

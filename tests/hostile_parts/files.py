@@ -1,4 +1,4 @@
-"""Every file of a flight damaged, replaced by something else, or in a strange folder."""
+"""Attacks on the files of a flight: damaged, replaced, or in folders with strange names."""
 
 import os
 
@@ -33,7 +33,7 @@ STRANGE_NAMES = [
 
 
 def lay(arena, name):
-    """The file as it should be, made of the trajectory where the flight has none."""
+    """Writes an undamaged file. If the flight lacks it, it is made from the trajectory."""
     path = arena.flight / name
     sbet = arena.flight / "trajectory.out"
     if not path.exists():
@@ -49,7 +49,7 @@ def lay(arena, name):
 
 
 def damage(rng, arena, name):
-    """Damages the file; says how."""
+    """Damages the file. Returns a description of the damage."""
     path = lay(arena, name)
     draw = rng.random()
     if draw < 0.1 and name != "truth.yaml":
@@ -80,7 +80,7 @@ def file_case(rng, number):
 
 
 def flight_named(rng, name):
-    """The folder of the flight has a strange name, and the flight perhaps that of its folder."""
+    """Gives the folder of the flight, and in some cases the flight itself, a strange name."""
     nameless = rng.random() < 0.5
 
     def prepare(arena):

@@ -1,4 +1,4 @@
-"""The small flight that is attacked: simulated once, a fraction of a second to calibrate."""
+"""The small flight that is attacked. It is simulated once and calibrated in a fraction of 1 s."""
 
 import math
 import pathlib
@@ -138,7 +138,7 @@ class NoBase(Exception):
 
 
 class Base:
-    """What every attack starts from."""
+    """The undamaged flight and scenario, from which every attack starts."""
 
     def __init__(self, program, folder, seed):
         self.program = program
@@ -182,7 +182,7 @@ class Base:
 
 
 def known_keys(written, program, work):
-    """FLIGHT_YAML without the keys that this version of the program does not know."""
+    """Returns FLIGHT_YAML without the keys that this version of the program does not have."""
     text = FLIGHT_YAML
     trial = work / "trial"
     shutil.copytree(work / "flight", trial)
@@ -208,7 +208,7 @@ def thin_sbet(path, step):
 
 
 def text_trajectory(sbet):
-    """The same trajectory as ODyN text."""
+    """Returns the trajectory of the flight in the ODyN text format."""
     rows = []
     for i in range(0, len(sbet) - 135, 136):
         t, lat, lon, h, *_, roll, pitch, heading, wander = struct.unpack("<11d", sbet[i:i + 88])
@@ -219,7 +219,7 @@ def text_trajectory(sbet):
 
 
 def attitude(roll, pitch, heading):
-    """Body to north-east-down, as a quaternion."""
+    """Returns the quaternion from body to north-east-down."""
     turns = [(0, 0, heading), (0, pitch, 0), (roll, 0, 0)]
     down, right, forward = (quaternion([math.degrees(x) for x in turn]) for turn in turns)
     return product(product(down, right), forward)

@@ -1,4 +1,4 @@
-"""Something else that lies where a file should be."""
+"""Replaces a file by something else, such as a folder, a pipe or a link."""
 
 import os
 import socket
@@ -19,7 +19,7 @@ def fifo(path):
 def listening_socket(path):
     here = os.open(".", os.O_RDONLY)
     try:
-        os.chdir(path.parent)  # the name of a socket is short
+        os.chdir(path.parent)  # the path of a socket must be short
         with socket.socket(socket.AF_UNIX) as end:
             end.bind(path.name)
     finally:
@@ -59,7 +59,7 @@ THINGS = [missing, folder, fifo, listening_socket, link_to_itself, links_in_a_ci
 
 
 def laid(rng, path):
-    """What lies there now."""
+    """Replaces the file. Returns the name of the replacement."""
     if path.exists() or path.is_symlink():
         path.unlink()
     thing = rng.choice(THINGS)

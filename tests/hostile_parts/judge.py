@@ -1,4 +1,4 @@
-"""The rules that every run must keep, whatever it was given."""
+"""The rules that every run must obey, whatever its input."""
 
 import json
 import math
@@ -9,8 +9,8 @@ from .arena import CANARY
 from .rotation import difference_deg
 
 ALLOWED_EXITS = (0, 1, 2, 130)
-WRONG_SIGMAS = 6.0  # error of an angle beyond which `calibrated` is a lie
-LARGEST_SIGMA_DEG = 2.0  # of an angle that may be called calibrated
+WRONG_SIGMAS = 6.0  # error of an angle beyond which the verdict `calibrated` is wrong
+LARGEST_SIGMA_DEG = 2.0  # largest sigma of an angle with the verdict `calibrated`
 PEAK_MB = 600.0
 LONGEST_LINE = 1500
 SANITIZERS = re.compile(r"(Address|Leak|Thread|Memory|UndefinedBehavior)Sanitizer|runtime error:")
@@ -20,7 +20,7 @@ EMPTY_WORDS = re.compile(
     r"\bdimension\b|\binternal\b|basic_string|vector::|bad_alloc|std::|\bstod\b|Eigen|_M_|__cxx|"
     r"errno|\(null\)|\d{60,}")
 NOT_A_NUMBER = re.compile(r"(?<![\w'\"])[-+]?(?:nan|inf)(?![\w'\"])", re.IGNORECASE)
-NOT_STARTED = "error while loading shared libraries"  # too little memory for the loader
+NOT_STARTED = "error while loading shared libraries"  # the loader has too little memory
 LEFTOVER = re.compile(r"\.part($|/)|staging|\.tmp($|/)|(^|/)core($|\.)")
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f]")
 USAGE = re.compile(r"; see dn (?:[\w-]+ )?--help$", re.MULTILINE)
@@ -30,7 +30,7 @@ LOCATION = re.compile(r"\.ya?ml:\d+")
 
 def judge(outcome, arena, needs_location=False, echoes="", heard=True, peak_mb=PEAK_MB,
           anywhere=False):
-    """Findings, as (rule, text). `echoes`: what the attack wrote, which a message may repeat."""
+    """Returns findings as (rule, text). `echoes`: text of the attack that a message may repeat."""
     findings = []
     findings += judge_end(outcome, arena, peak_mb)
     if outcome.exit_code in (1, 2) and heard:
@@ -90,7 +90,7 @@ def judge_output(outcome, echoes):
 
 
 def without_echoes(message, echoes):
-    """The message without what the attack wrote, also where the program shows only begin and end."""
+    """Returns the message without the text of the attack, which may be cut in the middle."""
     if len(echoes) <= 2:
         return message
     text = message.replace(echoes, "")
@@ -155,7 +155,7 @@ def judge_boresight(outcome, result, truth_deg):
     if outcome.exit_code == 0 and verdict in ("contradicted", "not_observable"):
         return [("exit code", f"0 with the verdict {verdict}")]
     if outcome.exit_code == 2:
-        return [("half written", f"a result stands beside a refusal: {last_line(outcome.err)}")]
+        return [("half written", f"exit code 2, but a result exists: {last_line(outcome.err)}")]
     if verdict != "calibrated":
         return []
     sigmas = result["boresight"]["sigma_deg"]

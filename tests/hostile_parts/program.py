@@ -1,4 +1,4 @@
-"""One run of the program, with limits, and what it left behind."""
+"""Runs the program with limits and collects its outcome."""
 
 import dataclasses
 import os
@@ -7,14 +7,14 @@ import signal
 import subprocess
 import time
 
-OUTPUT_BYTES = 1 << 20  # of stdout and stderr that are looked at
-NOBODY = 65534  # the user that root becomes where permissions must count
+OUTPUT_BYTES = 1 << 20  # bytes of stdout and stderr that are read
+NOBODY = 65534  # user of the run if permissions must apply but the test runs as root
 
 
 @dataclasses.dataclass
 class Outcome:
     command: list
-    exit_code: int | None = None  # None: ended by a signal
+    exit_code: int | None = None  # absent if ended by a signal
     signal: int = 0
     timed_out: bool = False
     seconds: float = 0.0
@@ -25,10 +25,10 @@ class Outcome:
 
 @dataclasses.dataclass
 class Conditions:
-    """What a run finds around it."""
+    """Limits, environment, streams and signals of a run."""
 
     limits: dict = dataclasses.field(default_factory=dict)  # resource.RLIMIT_*: value
-    environment: dict = dataclasses.field(default_factory=dict)  # None removes a variable
+    environment: dict = dataclasses.field(default_factory=dict)  # the value None removes a name
     closed: tuple = ()  # file descriptors closed at the start
     stdout: str | None = None  # a file such as /dev/full
     stderr: str | None = None
@@ -113,7 +113,7 @@ class Process:
             if ended is None:
                 time.sleep(0.002)
         status, usage = ended
-        self.child.returncode = 0  # it has been waited for
+        self.child.returncode = 0  # the child has been waited for
         outcome.seconds = time.monotonic() - self.begin
         outcome.peak_mb = usage.ru_maxrss / 1024
         if os.WIFEXITED(status):

@@ -1,4 +1,4 @@
-"""Several runs at once into one folder, or one run that reads what another writes."""
+"""Several runs at once into one folder, or one run that reads the file another one writes."""
 
 import json
 import os
@@ -13,7 +13,7 @@ OTHER = ["calibrate", "other", "--out", "out"]
 
 
 def lay_other(arena):
-    """A second flight, the same but for its name, and for the sigma of its pairs."""
+    """Makes a second flight that differs in its name and in the sigma of its pairs."""
     lay_scenario(arena)
     shutil.copytree(arena.flight, arena.here / "other")
     yaml = (arena.here / "other" / "flight.yaml").read_text()
@@ -40,7 +40,7 @@ class Race(Case):
 
     @staticmethod
     def one_run(arena):
-        """The results belong to one flight."""
+        """Returns a finding if the results belong to several flights."""
         names = set()
         for file in ("result.json", "report.json"):
             path = arena.out / file
@@ -50,11 +50,11 @@ class Race(Case):
         resolved = arena.out / "config.resolved.yaml"
         if names and resolved.exists() and 'name: "' in resolved.read_text():
             names.add(resolved.read_text().split('name: "')[1].split('"')[0])
-        return [("race", f"results of {sorted(names)} side by side")] if len(names) > 1 else []
+        return [("race", f"results of {sorted(names)} in one folder")] if len(names) > 1 else []
 
 
 class Rewritten(Case):
-    """A trajectory that another run writes while this one reads it."""
+    """Reads a trajectory while another run writes it."""
 
     def attack(self, arena):
         self.prepare(arena)

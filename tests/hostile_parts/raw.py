@@ -1,8 +1,8 @@
-"""Damage to the bytes of any file, and to the records of SBET."""
+"""Damages the bytes of any file, and the records of an SBET file."""
 
 import struct
 
-RECORD = 136  # bytes of SBET
+RECORD = 136  # bytes of an SBET record
 INSERTED = [b"\0", b"\xff\xfe", b"x", b"\n", b",", b"\x1b]0;x\x07", b"-", b"."]
 DOUBLES = [float("nan"), float("inf"), 1e308, -1e308, 0.0, 1e9, -1.0, 5e-324, 7.0]
 
@@ -83,7 +83,7 @@ CHANGES = [truncate, truncate, flip, flip_many, insert, cut_out, zero_some, empt
 
 
 def damaged(rng, content):
-    """The content, damaged, and how."""
+    """Returns the damaged content and a description of the damage."""
     change = rng.choice(CHANGES)
     at = rng.randrange(len(content))
     return change(rng, content, at), f"{change.__name__} at byte {at}"

@@ -1,4 +1,4 @@
-"""What a run finds around it: no memory, no disk, no streams, no threads, a strange environment."""
+"""Runs with too little memory, disk, streams or threads, or in a strange environment."""
 
 import os
 import resource
@@ -16,7 +16,7 @@ MB = 1 << 20
 
 
 def after_failure(arguments, as_nobody=False):
-    """Nothing half-written, and with the shortage gone the next run works."""
+    """Checks that no file is half written and that the next run, without the shortage, works."""
     def judge_after(arena, outcome):
         findings = [("half written", name) for name in half_written(arena.out)]
         if outcome.exit_code not in (0, None):
@@ -28,7 +28,7 @@ def after_failure(arguments, as_nobody=False):
 def memory(rng, command):
     limit = rng.choice([100, 150, 200, 250, 300, 400, 500, 600, 800])
     threads = rng.choice([[], ["--threads", "1"], ["--threads", "2"], ["--threads", "64"]])
-    return Case(f"{command[0]} {' '.join(threads)} with {limit} MB of addresses",
+    return Case(f"{command[0]} {' '.join(threads)} with {limit} MB of address space",
                 [*command, *threads], lay_scenario,
                 Conditions(limits={resource.RLIMIT_AS: limit * MB}), after=after_failure(command))
 
@@ -93,7 +93,7 @@ def environment(rng, command):
 
 
 class Mounted(Case):
-    """Results on a file system that is full before they are complete."""
+    """Writes the results to a file system that is too small for them."""
 
     def attack(self, arena):
         self.prepare(arena)

@@ -1,4 +1,4 @@
-"""How far two rotations are apart."""
+"""The difference of two rotations."""
 
 import math
 
@@ -17,7 +17,7 @@ def product(p, q):
 
 
 def difference_deg(first_deg, second_deg):
-    """Rotation vector that takes the second to the first, from the left."""
+    """Returns the rotation vector, deg, that leads from the second to the first, from the left."""
     w, *xyz = product(quaternion(first_deg), quaternion([-x for x in second_deg]))
     sine = math.hypot(*xyz)
     if sine == 0:

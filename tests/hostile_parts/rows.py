@@ -1,4 +1,4 @@
-"""Damage to the rows and columns of a text file."""
+"""Damages rows and columns of a text file."""
 
 import dataclasses
 import random
@@ -15,7 +15,7 @@ FACTORS = [1.001, 1.1, 0.3048, 3.2808, 57.2958, 0.0174533, 9.80665, 0.10197, 100
 
 @dataclasses.dataclass
 class Rows:
-    """Rows of cells, and the place that is damaged."""
+    """The rows of a file as cells, with the place to be damaged."""
 
     rng: random.Random
     cells: list
@@ -24,7 +24,7 @@ class Rows:
 
     @property
     def times(self):
-        """Columns of time tags: pairs have two."""
+        """Returns the columns with time tags; pairs have two."""
         return (0, 1) if len(self.cells[0]) in (8, 14) else (0,)
 
     def another(self, count):
@@ -225,13 +225,13 @@ LAYOUTS = [semicolons, tabs, decimal_commas, empty_lines]
 
 
 def read(content):
-    """Cells of the rows that are no comments."""
+    """Returns the cells of all rows except comments."""
     lines = [line for line in content.decode().splitlines() if not line.startswith("#")]
     return [line.split(",") if "," in line else line.split() for line in lines]
 
 
 def damaged(rng, content):
-    """The text file, damaged, and how."""
+    """Returns the damaged text file and a description of the damage."""
     cells = read(content)
     if rng.random() < 0.1:
         layout = rng.choice(LAYOUTS)

@@ -1,4 +1,4 @@
-"""Signals at random moments: SIGKILL leaves nothing half-written, the others end the work."""
+"""Signals at random moments: SIGKILL must leave no half-written file, others must end the run."""
 
 import json
 import os
@@ -10,15 +10,15 @@ from .judge import LEFTOVER
 from .program import Conditions
 
 POLITE = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
-SOON_S = 2.0  # from a signal to the end of the program, on a busy machine
+SOON_S = 2.0  # longest time from a signal to the end of the program, on a busy machine
 SIMULATE = ["simulate", "scenario.yaml", "--out", "out"]
 MONTE_CARLO = ["monte-carlo", "scenario.yaml", "--flights", "3", "--out", "out"]
 COMMANDS = [CALIBRATE, CALIBRATE, SMOOTH, GAUSS_HELMERT, SIMULATE, MONTE_CARLO]
-LONGEST_MOMENT_S = 1.2  # most runs have ended by then
+LONGEST_MOMENT_S = 1.2  # latest time of a signal; most runs have ended by then
 
 
 def half_written(folder):
-    """Names of result files that are not whole."""
+    """Returns the names of incomplete result files."""
     broken = []
     for root, _, names in os.walk(folder):
         for name in names:
@@ -44,12 +44,12 @@ def is_whole(path):
     return not path.endswith((".txt", ".yaml")) or content.endswith(b"\n")
 
 
-# Of a series that is ended by force while it records a flight: the next run sweeps it.
+# Unfinished record of a series that was killed while writing it. The next run removes it.
 UNFINISHED_RECORD = re.compile(r"^here/out/(flights|records)/\.\d+\.json\.\d+\.part$")
 
 
 def run_again(arena, arguments, as_nobody=False):
-    """The next run into the same folder works and sweeps."""
+    """Checks that the next run into the same folder works and removes leftovers."""
     again = arena.base.program.run(arguments, arena.folder, Conditions(as_nobody=as_nobody))
     findings = []
     if again.exit_code != 0:
@@ -62,7 +62,7 @@ def run_again(arena, arguments, as_nobody=False):
 
 
 class Killed(Case):
-    """SIGKILL: what stands in the folder is whole, and the next run as if nothing had been."""
+    """Sends SIGKILL. All files in the folder must be complete, and the next run must work."""
 
     def attack(self, arena):
         self.prepare(arena)
@@ -76,7 +76,7 @@ class Killed(Case):
 
 
 def mixed(folder):
-    """Findings where results of one run stand without those that belong to them."""
+    """Returns a finding if the results of a run are published only in part."""
     names = set(os.listdir(folder)) if os.path.isdir(folder) else set()
     if "result.json" in names and "report.json" not in names:
         return [("half written", "result.json without report.json")]
@@ -84,7 +84,7 @@ def mixed(folder):
 
 
 class Interrupted(Case):
-    """Another signal: exit 130 soon, no result, no leftover."""
+    """Sends another signal. The run must soon exit with 130, without results or leftovers."""
 
     expected_exits = (0, 130)
 
@@ -104,7 +104,7 @@ class Interrupted(Case):
             findings.append(("signal", f"exit {outcome.exit_code}, signal {outcome.signal}: "
                              f"{outcome.err[-200:]}"))
         if outcome.exit_code == 130 and any(n.startswith("result") for n in os.listdir(arena.out)):
-            findings.append(("half written", "a result stands beside exit 130"))
+            findings.append(("half written", "exit 130, but a result exists"))
         findings += self.left_over(arena)
         if any(UNFINISHED_RECORD.search(path) for path in arena.contents()):
             findings += run_again(arena, self.arguments)
@@ -121,7 +121,7 @@ class Interrupted(Case):
 
 
 class Waiting(Interrupted):
-    """The same while the program waits for a file, unless it refuses that file."""
+    """Sends the signal while the program waits for a file. The program may also reject the file."""
 
     expected_exits = (1, 2, 130)
 
@@ -131,7 +131,7 @@ def lay_scenario(arena):
 
 
 def lay_fifo(arena):
-    """A file that nobody writes: the program waits unless it refuses."""
+    """Replaces IMU.txt by a pipe without a writer. The program waits for it or rejects it."""
     lay_scenario(arena)
     path = arena.flight / "IMU.txt"
     path.unlink()

@@ -1,11 +1,11 @@
-"""Small point clouds for the flight that is attacked, and damage to the fields of a LAS file."""
+"""Makes small point clouds for the attacked flight, and damages the fields of a LAS file."""
 
 import math
 import struct
 
 HEADER = 227
 RECORD = 28
-# Byte and kind of a number in the header, in the first record, or behind it.
+# Byte offset and type of numbers in the header, in the first record, or after it.
 FIELDS = [(6, "H"), (24, "B"), (25, "B"), (94, "H"), (96, "I"), (100, "I"), (104, "B"), (105, "H"),
           (107, "I"), (131, "d"), (139, "d"), (147, "d"), (155, "d"), (163, "d"), (HEADER, "i"),
           (HEADER + 14, "B"), (HEADER + 20, "d"), (HEADER + RECORD + 20, "d")]
@@ -19,7 +19,7 @@ def epochs(first_s, last_s, count):
 
 
 def las(epochs_s):
-    """LAS 1.2, point format 1, in the mapping frame."""
+    """Returns a LAS 1.2 file with point format 1 in the mapping frame."""
     header = bytearray(HEADER)
     header[0:4] = b"LASF"
     header[24:26] = bytes([1, 2])
@@ -41,7 +41,7 @@ def text(epochs_s):
 
 
 def damaged_las(rng, content):
-    """The LAS file with a hostile number in one field, and how."""
+    """Returns the LAS file with a hostile number in one field, and its description."""
     at, kind = rng.choice(FIELDS)
     value = rng.choice(REAL) if kind == "d" else rng.choice(WHOLE) % (1 << 8 * struct.calcsize(kind))
     if kind == "i":

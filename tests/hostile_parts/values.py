@@ -1,4 +1,4 @@
-"""Every value of flight.yaml, of a scenario and of the command line, replaced by a hostile one."""
+"""Replaces values of flight.yaml, of a scenario and of the command line by hostile ones."""
 
 import json
 import re
@@ -45,13 +45,13 @@ SHAPES = [
     "1 # 2", "{<<: 1}"]
 ALL = NUMBERS + TEXTS + SHAPES
 
-# A key and its value; `{` or `[` begins a value with more values in it.
+# Matches a key and its value. A value that begins with `{` or `[` contains further values.
 LINE = re.compile(r"^(?P<head>\s*(?:- )?(?P<key>\w+):(?: |$))(?P<value>.*)$")
 INNER = re.compile(r"[^\s\[\]{},:\"]+")
 
 
 def spots(text):
-    """(line, begin, end) of every value, of every part of a value, and of every key."""
+    """Returns (line, begin, end) of every value, every part of a value and every key."""
     found = []
     for number, line in enumerate(text.splitlines()):
         match = LINE.match(line)
@@ -126,7 +126,7 @@ STRUCTURE = [delete, double, swap, indent, outdent, tab, cut, join, lose_section
 
 
 def restructured(text, rng):
-    """Lines lost, doubled, moved or indented."""
+    """Removes, doubles, moves or indents lines."""
     lines = text.splitlines()
     at = rng.randrange(len(lines))
     change = rng.choice(STRUCTURE)
@@ -140,7 +140,7 @@ def short(value):
 
 
 def varied(text, rng, number):
-    """A variant of a yaml text: itself, what was done and written, if in one place."""
+    """Returns a variant of a YAML text with its label, the new value and whether it has a place."""
     if rng.random() < 0.12:
         changed, label = restructured(text, rng)
         return changed, label, "", False
@@ -164,7 +164,7 @@ def flight_case(base, rng, number):
                 needs_location=place, echoes=value)
 
 
-# A scenario may ask for hours of flight: that is no hang if the program ends when asked to.
+# A scenario may require hours of flight. This does not count as a hang if a signal ends the run.
 LONG_FLIGHT_MB = 2000.0
 PATIENCE = Conditions(signals=((10.0, signal.SIGINT),), time_limit_s=15.0)
 

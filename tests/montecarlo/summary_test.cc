@@ -7,7 +7,7 @@
 
 namespace dn::summary_test {
 
-/// Flights whose errors are drawn from their covariances, scaled: 1 is honest.
+/// Draws records whose errors have the stated covariances times a scale; 1 is consistent.
 std::vector<FlightRecord> Records(int flights, double scale) {
   Random random(5, "records");
   std::vector<FlightRecord> records;
@@ -49,7 +49,7 @@ TEST(MonteCarloSummary, HonestCovariancesAreInsideEveryBand) {
   EXPECT_EQ(summary.flights, 60);
   for (const TrajectoryConsistency& c : summary.trajectory) {
     EXPECT_NEAR(c.mean_nees_per_dof, 1.0, 0.03) << c.quantity;
-    EXPECT_LT(c.share_outside, 0.05) << c.quantity << ": 1 % is expected of 200 epochs";
+    EXPECT_LT(c.share_outside, 0.05) << c.quantity << ": 1 % of 200 epochs is expected";
   }
   EXPECT_TRUE(summary.innovations[0].variance_ratio.ok());
   EXPECT_TRUE(summary.innovations[0].lag1.ok());

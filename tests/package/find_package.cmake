@@ -1,4 +1,4 @@
-# The test package.find_package; variables come from CMakeLists.txt beside this file.
+# Runs the test package.find_package. CMakeLists.txt in this folder sets the variables.
 set(prefix ${SCRATCH_DIR}/prefix)
 file(REMOVE_RECURSE ${SCRATCH_DIR})
 
@@ -10,12 +10,12 @@ function(run)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 
-if(PCL_LIBRARY)  # as after ./bootstrap, which builds the program alone
+if(PCL_LIBRARY)  # this library is also missing after ./bootstrap, which builds only the program
   file(REMOVE ${PCL_LIBRARY})
 endif()
 run(${CMAKE_COMMAND} --install ${DN_BINARY_DIR} --prefix ${prefix})
 
-# The flags of our own builds and the paths of this tree must not reach a user.
+# The exported targets must not contain development flags or paths of this source tree.
 file(GLOB_RECURSE exported ${prefix}/*/dnTargets*.cmake)
 if(NOT exported)
   message(FATAL_ERROR "no dnTargets*.cmake under ${prefix}")
@@ -25,7 +25,7 @@ foreach(file IN LISTS exported)
   foreach(forbidden IN ITEMS "dn_dev_flags" "-Wshadow" "-fsanitize" "${DN_SOURCE_DIR}/" "${DN_BINARY_DIR}/lib")
     string(FIND "${text}" "${forbidden}" at)
     if(NOT at EQUAL -1)
-      message(FATAL_ERROR "${file} contains ${forbidden}")
+      message(FATAL_ERROR "${file} must not contain ${forbidden}")
     endif()
   endforeach()
 endforeach()
@@ -76,18 +76,18 @@ run_page(tutorial_factor ${tutorial} 1 "${lists}" "largest residual: .*distance.
 string(REGEX REPLACE "target_link_libraries[^\n]*\n" "${more_layers}" lists "${lists}")
 run_page(tutorial_flight ${tutorial} 2 "${lists}" "with the altimeter.*altimeter offset [12]\\.[0-9]+ \\+-")
 
-# A project of several layers, that of PCL among them where it was built.
+# Builds a project that uses several components, including the one with PCL if it was built.
 run(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${SCRATCH_DIR}/build ${compilers}
   -D CMAKE_BUILD_TYPE=Release -D WITH_PCL=${PCL_LIBRARY})
 run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/build)
 run(${SCRATCH_DIR}/build/consumer)
 message(STATUS "consumer: ${output}")
 
-# What there is not, is said.
+# A missing component must be reported by name.
 execute_process(
   COMMAND ${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${SCRATCH_DIR}/none ${compilers} -D COMPONENT=radar
   RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
 string(FIND "${output}" "radar" at)
 if(result EQUAL 0 OR at EQUAL -1)
-  message(FATAL_ERROR "a component that there is not was found:\n${output}")
+  message(FATAL_ERROR "find_package(dn) did not report the missing component radar:\n${output}")
 endif()

@@ -84,7 +84,7 @@ BlindContent ContentOf(const std::string& word) {
         BlindContent::kOutsider, BlindContent::kLeftOut}) {
     if (word == Word(content)) return content;
   }
-  throw InvalidInput("no flight contains '" + word + "'");
+  throw InvalidInput("unknown content of a flight '" + word + "'");
 }
 
 }  // namespace dn

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kAlarmLevel = 0.05;
 constexpr double kBeyond_sigmas = 5.0;
-constexpr double kTwinsOfQuick = 100.0;  // that p-values of dn gap are ranks among, at least
+constexpr double kTwinsOfQuick = 100.0;  // least number of replicates behind a p-value of dn gap
 constexpr double kCovered_sigmas = 1.959963984540054;
 
 bool Holds(const std::vector<std::string>& names, const std::string& name) {
@@ -33,7 +33,7 @@ Quartiles QuartilesOf(const std::vector<double>& values) {
           Quantile(values, 0.75)};
 }
 
-/// The entry of this name, made at the end where there is none.
+/// Returns the entry of this name, which is appended if there is none.
 template <class T>
 T& Entry(const std::string& name, std::string T::*key, std::vector<T>* entries) {
   for (T& entry : *entries) {
@@ -44,7 +44,7 @@ T& Entry(const std::string& name, std::string T::*key, std::vector<T>* entries) 
   return entries->back();
 }
 
-const BlindCause* CauseOf(const BlindDiagnosis& diagnosis, const std::string& effect) {
+const BlindCause* FindCause(const BlindDiagnosis& diagnosis, const std::string& effect) {
   for (const BlindCause& cause : diagnosis.causes) {
     if (cause.effect == effect) return &cause;
   }
@@ -56,15 +56,15 @@ constexpr std::array<double, 3> kSizeLimits{0.0, 2.154, 4.642};  // 10^(1/3), 10
 constexpr std::array<double, 4> kStrengthLimits{0.0, 4.5, 6.0, 8.0};  // sigmas
 constexpr std::array<double, 3> kSignatureLimits{0.0, 5.0, 8.0};
 
-/// The last of some limits that is not above x.
+/// Returns the index of the last limit that is not above x.
 template <std::size_t N>
-std::size_t ClassOf(double x, const std::array<double, N>& limits) {
+std::size_t ClassIndex(double x, const std::array<double, N>& limits) {
   const auto above = std::upper_bound(limits.begin(), limits.end(), x);
   return static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, above - limits.begin()) - 1);
 }
 
 SignatureScore& OfSignature(const BlindSignature& signature, BlindScore* score) {
-  return score->signatures[ClassOf(std::sqrt(signature.lambda_left), kSignatureLimits)];
+  return score->signatures[ClassIndex(std::sqrt(signature.lambda_left), kSignatureLimits)];
 }
 
 template <class Score>
@@ -74,7 +74,7 @@ void Count(bool detected, bool named, bool with_group, Score* score) {
   score->named_with_group.Count(with_group);
 }
 
-/// Gathers what is not simply counted.
+/// Samples for the quantiles of the score.
 struct Samples {
   std::vector<double> null_p_value, truth_posterior;
   std::vector<double> shrinkage_right, shrinkage_wrong;
@@ -108,17 +108,17 @@ void ScoreOne(const BlindRecord& record, BlindScore* score, Samples* samples) {
   Count(diagnosis.detected, named, with_group,
         &Entry(effect, &EffectScore::effect, &score->effects));
   Count(diagnosis.detected, named, with_group,
-        &score->sizes[ClassOf(SizeOf(record.effects.front()), kSizeLimits)]);
+        &score->sizes[ClassIndex(SizeOf(record.effects.front()), kSizeLimits)]);
   if (record.signature) {
     StrengthScore& strength =
-        score->strengths[ClassOf(std::sqrt(record.signature->lambda), kStrengthLimits)];
+        score->strengths[ClassIndex(std::sqrt(record.signature->lambda), kStrengthLimits)];
     Count(diagnosis.detected, named, with_group, &strength);
     if (const auto& calibrated = record.calibrated.result) {
       strength.calibrated_beyond_5_sigma.Count(calibrated->verdict == "calibrated" &&
                                                calibrated->worst() > kBeyond_sigmas);
     }
   }
-  const BlindCause* cause = CauseOf(diagnosis, effect);
+  const BlindCause* cause = FindCause(diagnosis, effect);
   if (diagnosis.detected) samples->truth_posterior.push_back(cause ? cause->posterior : 0.0);
 }
 
@@ -132,7 +132,7 @@ void ScoreTwo(const BlindRecord& record, BlindScore* score) {
   }
 }
 
-/// Of what the diagnosis does not have.
+/// Scores a flight with an effect that the diagnosis does not have.
 void ScoreOutsider(const std::string& name, const BlindRecord& record, BlindScore* score) {
   const BlindDiagnosis& diagnosis = *record.diagnosis.result;
   OutsiderScore& of_outsider = Entry(name, &OutsiderScore::outsider, &score->outsiders);
@@ -166,7 +166,7 @@ void ScoreReliability(const BlindRecord& record, BlindScore* score, Samples* sam
 void ScoreCoverage(const BlindRecord& record, BlindScore* score) {
   const BlindDiagnosis& diagnosis = *record.diagnosis.result;
   for (const Effect& effect : record.effects) {
-    const BlindCause* cause = CauseOf(diagnosis, effect.name);
+    const BlindCause* cause = FindCause(diagnosis, effect.name);
     if (!Holds(diagnosis.effects, effect.name) || cause == nullptr) continue;
     const bool fixed = FindEffect(effect.name)->kind == EffectKind::kFixed;
     Share* coverage = fixed ? &score->fixed_coverage : &score->stochastic_coverage;
@@ -223,7 +223,7 @@ void ScoreCalibration(const BlindCalibration& calibration, std::vector<Calibrati
   CalibrationScore& score = Entry(calibration.verdict, &CalibrationScore::verdict, scores);
   ++score.flights;
   score.beyond_5_sigma += calibration.worst() > kBeyond_sigmas ? 1 : 0;
-  score.rms_sigmas += calibration.error_sigmas.squaredNorm();  // its sum, up to the last flight
+  score.rms_sigmas += calibration.error_sigmas.squaredNorm();  // sum of squares until the end
 }
 
 void Finish(std::vector<CalibrationScore>* scores) {
@@ -298,7 +298,7 @@ bool NamedWithGroup(const BlindRecord& record) {
 }
 
 BlindScore ScoreBlindFlights(const std::vector<BlindRecord>& records) {
-  if (records.empty()) throw InvalidInput("there is no flight to score");
+  if (records.empty()) throw InvalidInput("no flight to score: the list of records is empty");
   BlindScore score;
   Samples samples;
   score.flights = static_cast<long>(records.size());

@@ -7,7 +7,7 @@
 namespace dn {
 namespace {
 
-// What holds names or numbers in lists separates them by blanks.
+// Lists of names or numbers are written in one field, separated by blanks.
 
 std::string Words(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
@@ -67,7 +67,7 @@ std::string SignatureFields(const std::optional<BlindSignature>& signature) {
                      signature->nearest);
 }
 
-/// A field that may hold anything.
+/// Quotes a field, which may contain any character.
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
   for (const char c : text) {

@@ -37,7 +37,7 @@ std::string Lines(const std::string& title, const std::vector<CalibrationScore>&
 std::string Fraction(const Share& share) { return fmt::format("{}/{}", share.hits, share.of); }
 
 template <class Score>
-std::string RowOf(const std::string& name, const Score& score) {
+std::string FormatRow(const std::string& name, const Score& score) {
   return fmt::format("  {:<28} {:>9} {:>9} {:>12}\n", name, Fraction(score.detected),
                      Fraction(score.named), Fraction(score.named_with_group));
 }
@@ -46,15 +46,16 @@ std::string EffectLines(const BlindScore& s) {
   std::string text;
   if (!s.effects.empty()) {
     text += fmt::format(
-        "flights with one effect, by its size in usual sizes\n"
+        "flights with one effect, by its size / typical size\n"
         "  {:<28} {:>9} {:>9} {:>12}\n",
         "", "detected", "named", "with groups");
-    text += RowOf("below 2.2", s.sizes[0]) + RowOf("2.2 to 4.6", s.sizes[1]) +
-            RowOf("above 4.6", s.sizes[2]) + "by effect\n";
+    text += FormatRow("below 2.2", s.sizes[0]) + FormatRow("2.2 to 4.6", s.sizes[1]) +
+            FormatRow("above 4.6", s.sizes[2]) + "by effect\n";
   }
-  for (const EffectScore& score : s.effects) text += RowOf(score.effect, score);
+  for (const EffectScore& score : s.effects) text += FormatRow(score.effect, score);
   if (!s.outsiders.empty()) {
-    text += fmt::format("by outsider\n  {:<28} {:>9} {:>9}\n", "", "detected", "rejected");
+    text += fmt::format("by effect that the diagnosis does not have\n  {:<28} {:>9} {:>9}\n", "",
+                        "detected", "rejected");
   }
   for (const OutsiderScore& score : s.outsiders) {
     text += fmt::format("  {:<28} {:>9} {:>9}\n", score.outsider, Fraction(score.detected),
@@ -67,7 +68,7 @@ std::string StrengthLines(const BlindScore& s) {
   const auto any = std::any_of(s.strengths.begin(), s.strengths.end(),
                                [](const StrengthScore& score) { return score.detected.of > 0; });
   if (!any) return {};
-  std::string text = "flights with one fixed effect, by how strongly it shows, in sigmas\n" +
+  std::string text = "flights with one fixed effect, by signal strength in sigmas\n" +
                      fmt::format("  {:<28} {:>9} {:>9} {:>12} {:>24}\n", "", "detected", "named",
                                  "with groups", "calibrated beyond 5");
   const std::array<const char*, 4> names{"below 4.5", "4.5 to 6", "6 to 8", "above 8"};
@@ -85,7 +86,7 @@ std::string SignatureLines(const BlindScore& s) {
                                [](const SignatureScore& score) { return score.detected.of > 0; });
   if (!any) return {};
   std::string text =
-      "by what of it no fixed effect of the table can mimic, in sigmas\n" +
+      "by the signature that no fixed effect of the table explains, in sigmas\n" +
       fmt::format("  {:<28} {:>9} {:>9} {:>12}\n", "", "detected", "rejected", "one named");
   const std::array<const char*, 3> names{"below 5", "5 to 8", "above 8"};
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -98,7 +99,7 @@ std::string SignatureLines(const BlindScore& s) {
 
 std::string VerdictLines(const BlindScore& s) {
   if (s.verdicts.empty()) return {};
-  std::string text = "what is there, the verdict, flights\n";
+  std::string text = "true content, verdict, number of flights\n";
   for (const VerdictCount& count : s.verdicts) {
     text +=
         fmt::format("  {:<10} {:<14} {:>5}\n", Word(count.content), count.verdict, count.flights);
@@ -108,8 +109,8 @@ std::string VerdictLines(const BlindScore& s) {
 
 std::string ReliabilityLines(const BlindScore& s) {
   std::string text =
-      "posterior of a cause, all flights: stated, and how often it is there\n"
-      "  between        causes   stated   there\n";
+      "posterior of a cause, all flights: stated probability and observed frequency\n"
+      "  between        causes   stated   observed\n";
   for (const ReliabilityBin& bin : s.reliability) {
     if (bin.true_ones.of == 0) continue;
     const Interval interval = bin.true_ones.interval_95();
@@ -124,37 +125,37 @@ std::string ReliabilityLines(const BlindScore& s) {
 
 std::string FormatTable(const BlindScore& s) {
   std::string text = fmt::format(
-      "{} blind flights; in brackets what agrees with a share at 95 %\nflights with nothing\n",
+      "{} blind flights; 95 % confidence intervals in brackets\nflights without effects\n",
       s.flights);
   text += Line("false alarms", s.false_alarms);
-  text += fmt::format("  {:<44} {} .. {} %\n", "a level of 5 % gives 95 % of the time",
+  text += fmt::format("  {:<44} {} .. {} %\n", "95 % interval at a level of 5 %",
                       Percent(s.alarms_allowed.low), Percent(s.alarms_allowed.high));
   text += Line("an effect is named", s.false_names);
   text += Line("p-values", s.null_p_value);
   if (s.null_p_value.count > 0) {
-    text += fmt::format("  {:<44} p {:.2g}\n", "uniform, as they should be", s.null_uniformity_p);
+    text += fmt::format("  {:<44} p {:.2g}\n", "test of uniform p-values", s.null_uniformity_p);
   }
   text += "flights with one effect\n";
   text += Line("detected", s.one_detected);
-  text += Line("named, and nothing else", s.one_named);
+  text += Line("named alone", s.one_named);
   text += Line("named, or in the credible set of a group", s.one_named_with_group);
-  text += Line("posterior of the effect, where detected", s.truth_posterior);
+  text += Line("posterior of the effect, if detected", s.truth_posterior);
   text += "flights with two effects\n";
   text += Line("detected", s.two_detected);
-  text += Line("both named, and nothing else", s.two_named);
+  text += Line("both named alone", s.two_named);
   text += Line("both named, or in the credible set", s.two_named_with_group);
   text += Line("each effect", s.two_members);
-  text += fmt::format("names of what is not there, in flights with effects: {}\n", s.spurious);
-  text += "flights with physics outside the table, or with an effect left out\n";
+  text += fmt::format("named effects that are absent, in flights with effects: {}\n", s.spurious);
+  text += "flights with an effect that the diagnosis does not have\n";
   text += Line("detected", s.outsider_detected);
-  text += Line("of these unknown or partial", s.outsider_rejected);
-  text += Line("of these one effect named, nothing open", s.outsider_misnamed);
-  text += "estimates of rightly named effects within 1.96 sigma\n";
+  text += Line("of these, verdict unknown or partial", s.outsider_rejected);
+  text += Line("of these, verdict a wrong effect", s.outsider_misnamed);
+  text += "estimates of correctly named effects within 1.96 sigma\n";
   text += Line("fixed effects, components", s.fixed_coverage);
   text += Line("ratios, sigmas, correlation times", s.stochastic_coverage);
-  text += "share of the gap that closes\n";
-  text += Line("with the right name", s.shrinkage_right);
-  text += Line("with another", s.shrinkage_wrong);
+  text += "closed share of the gap\n";
+  text += Line("with the correct effects", s.shrinkage_right);
+  text += Line("with wrong effects", s.shrinkage_wrong);
   text += VerdictLines(s);
   text += ReliabilityLines(s);
   text += Lines("boresight of dn calibrate, by its verdict", s.calibrated);

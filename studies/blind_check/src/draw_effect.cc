@@ -13,7 +13,7 @@ constexpr double kLongestStep_s = 200.0;
 
 bool IsRatio(const EffectSpec& effect) { return effect.components.front().name == "ratio"; }
 
-/// A component that says how long something lasts or reaches, not how much of it there is.
+/// Returns true for a component that is a duration or a length instead of a size.
 bool TellsNoSize(const EffectSpec& effect, std::size_t i) {
   const std::string& name = effect.components[i].name;
   return name == "tau" || (name == "size" && i > 0);
@@ -23,7 +23,7 @@ double DrawRatio(double usual, Random& random) {
   return 1.0 + (usual - 1.0) * LogUniform(0.5, 4.0, random);
 }
 
-/// Components with one unit, with random signs and axes.
+/// Draws the components of a fixed effect with random signs and axes.
 std::vector<double> DrawFixed(const EffectSpec& effect, double factor, Random& random) {
   std::vector<double> value = DrawAxes(effect.components.size(), factor, random);
   for (std::size_t i = 0; i < value.size(); ++i) value[i] *= effect.components[i].typical;
@@ -47,7 +47,7 @@ std::vector<double> DrawValue(const EffectSpec& effect, Random& random) {
                                            : DrawStochastic(effect, factor, random);
 }
 
-/// A window of random length inside [begin_s, end_s].
+/// Draws a window of random length inside [begin_s, end_s].
 std::pair<double, double> WindowInside(double begin_s, double end_s, double longest_s,
                                        Random& random) {
   const double most_s = std::min(longest_s, end_s - begin_s);
@@ -56,8 +56,8 @@ std::pair<double, double> WindowInside(double begin_s, double end_s, double long
   return {start_s, start_s + length_s};
 }
 
-/// Inside one strip for the inertial unit, and from the first strip to the last for GNSS, whose
-/// epochs are few.
+/// Draws a window inside one strip for the inertial unit. For GNSS, which has few epochs, the
+/// window lies anywhere between the first and the last strip.
 std::pair<double, double> DrawWindow(const EffectSpec& effect, const FlightTimes& times,
                                      Random& random) {
   if (effect.sensor == EffectSensor::kGnss) {
@@ -68,7 +68,7 @@ std::pair<double, double> DrawWindow(const EffectSpec& effect, const FlightTimes
   return WindowInside(strip.t0_s, strip.t1_s, strip.t1_s - strip.t0_s, random);
 }
 
-/// In the middle of the time from the first strip to the last: pairs lie on both sides.
+/// Draws a start time well between the first and the last strip, so that pairs lie on both sides.
 double DrawStart(const FlightTimes& times, Random& random) {
   const double first_s = times.strips.front().t0_s, last_s = times.strips.back().t1_s;
   return first_s + random.Uniform(0.15, 0.85) * (last_s - first_s);

@@ -6,10 +6,10 @@
 
 namespace dn {
 
-/// The effects of the table that a diagnosis may be asked for: all but the faults.
+/// Returns the effects of the table that a diagnosis can name: all except the faults.
 std::vector<const EffectSpec*> DiagnosableEffects();
 
-/// An entry of `effects:` with random sizes, signs, axes and times.
+/// Draws an entry of `effects` with random sizes, signs, axes and times.
 Effect DrawEffect(const EffectSpec& effect, const FlightTimes& times, Random& random);
 
 }  // namespace dn

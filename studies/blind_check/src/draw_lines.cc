@@ -32,7 +32,7 @@ void Turn(const Vector2d& centre, double angle_rad, PlannedLine* line) {
   line->end_en_m = centre + turn * (line->end_en_m - centre);
 }
 
-/// Across the first line, over the middle of all.
+/// Returns a strip across the first line, over the centre of all lines.
 PlannedLine CrossStrip(const std::vector<PlannedLine>& lines) {
   PlannedLine cross = lines.front();
   const Vector2d half = 0.5 * (cross.end_en_m - cross.start_en_m);

@@ -5,8 +5,8 @@
 
 namespace dn {
 
-/// Changes the lines of a plan: shorter, turned together, higher or lower, fewer of them, and for
-/// some a cross strip. base_m: height of the ground.
+/// Changes the lines of a plan at random: length, common rotation, height, number and, in some
+/// plans, an additional cross strip. base_m: height of the ground, m.
 void DrawLines(double base_m, Random& random, PlanScenario* plan);
 
 }  // namespace dn

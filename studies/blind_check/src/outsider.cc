@@ -18,14 +18,14 @@ constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 double Sized(double usual, Random& random) { return usual * LogUniform(1.0, 10.0, random); }
 
-/// The size or its negative.
+/// Returns the size or its negative at random.
 double EitherSign(double size, Random& random) { return random.Uniform() < 0.5 ? -size : size; }
 
 double FirstLidarTag(const FlightTimes& times) { return times.strips.front().t0_s; }
 double LastLidarTag(const FlightTimes& times) { return times.strips.back().t1_s; }
 
-// The mirror leaves its plane by a harmonic of the scan angle. The first two are nearly a yaw of
-// the boresight and a cone.
+// The mirror deviates from its plane by a harmonic of the scan angle. The first two harmonics look
+// almost like a boresight yaw and a conical scan.
 Json DrawScanTorsion(const FlightTimes&, Random& random) {
   return {{"amplitude_deg", Sized(0.01, random)},
           {"harmonic", 3 + DrawIndex(6, random)},
@@ -122,7 +122,7 @@ Json DrawBoresightWarming(const FlightTimes& times, Random& random) {
           {"middle_s", 0.5 * (begin_s + end_s)}};
 }
 
-// Zero in the middle of the strips, as the effect boresight_drift.
+// The error is zero in the middle of the strips, as for the effect boresight_drift.
 OwnErrors BoresightWarming(const Json& p, const Scenario&) {
   const Vector3d amplitude_rad = kRadPerDeg * Vector3FromJson(p.at("amplitude_deg"));
   const double tau_s = p.at("tau_s"), begin_s = p.at("begin_s"), middle_s = p.at("middle_s");
@@ -217,7 +217,7 @@ const Physics& Find(const std::string& name) {
   for (const Physics& physics : kOutsiders) {
     if (name == physics.name) return physics;
   }
-  throw InvalidInput("no outsider is called '" + name + "'");
+  throw InvalidInput("unknown effect outside the library '" + name + "'");
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ double Share::value() const {
   return static_cast<double>(hits) / static_cast<double>(of);
 }
 
-// E. B. Wilson, Probable inference, the law of succession, and statistical inference, 1927.
+// Source: E. B. Wilson, Probable inference, the law of succession, and statistical inference, 1927.
 Interval Share::interval_95() const {
   if (of == 0) return {0.0, 1.0};
   const double z2 = std::pow(NormalQuantile(0.975), 2);

@@ -20,7 +20,8 @@ class Truth {
 
   MapPose Pose(double t_s) const { return simulated_.truth->Pose(t_s); }
 
-  // The network holds a bias over an interval: its truth is the mean over the samples in there.
+  // The network has one bias per interval, so its true value is the mean over the samples in the
+  // interval.
   Eigen::Vector3d Bias(const std::vector<ProcessChain>& chains,
                        const std::vector<Eigen::Vector3d>& samples, double t_s) const {
     double begin_s = network_.node_times().front(), end_s = network_.node_times().back();

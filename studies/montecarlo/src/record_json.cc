@@ -1,5 +1,4 @@
 #include <dn/montecarlo/flight_record.h>
-
 #include <dn/report/json_numbers.h>
 
 #include <Eigen/Cholesky>
@@ -14,7 +13,7 @@ constexpr double kMostFigure = 1e18;
 constexpr std::size_t kMostEpochs = 1'000'000;
 constexpr std::size_t kMostSeries = 1000;
 
-// t, then per quantity its NEES and three components.
+// A row contains t, then for each quantity its NEES and three components.
 Json EpochToJson(const EpochErrors& epoch) {
   Json row = Json::array({epoch.t_s});
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
@@ -35,7 +34,7 @@ EpochErrors EpochFromJson(const JsonPlace& row) {
   return epoch;
 }
 
-// The figures that a summary over many flights needs.
+// Writes only the statistics that a summary over many flights needs.
 Json SeriesToJson(const std::vector<SeriesStatistics>& series) {
   Json rows = Json::array();
   for (const SeriesStatistics& s : series) {

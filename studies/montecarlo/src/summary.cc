@@ -44,8 +44,8 @@ BoresightConsistency JudgeBoresight(const std::vector<FlightRecord>& records) {
   return result;
 }
 
-// Epochs that every flight has: the node grid hangs on the GNSS epochs, which flights share, but
-// the last ones may differ.
+// Returns the number of epochs that all flights have. Their node grids agree, since they depend on
+// the common GNSS epochs, but the last epochs may differ.
 std::size_t CommonEpochs(const std::vector<FlightRecord>& records) {
   std::size_t n = records.front().epochs.size();
   for (const FlightRecord& record : records) n = std::min(n, record.epochs.size());
@@ -82,8 +82,8 @@ TrajectoryConsistency JudgeTrajectory(const std::vector<FlightRecord>& records, 
 
 using SeriesOf = std::vector<SeriesStatistics> FlightRecord::*;
 
-// Residuals share the unknowns and are judged together by chi-square; the band of one axis takes
-// its expected variance as its degrees of freedom.
+// Residuals depend on common unknowns and are tested together by chi-square. The band of one axis
+// uses the axis's expected variance as degrees of freedom.
 std::vector<SensorConsistency> JudgeSensors(const std::vector<FlightRecord>& records,
                                             SeriesOf series) {
   struct Sums {
@@ -132,7 +132,7 @@ void AddCost(const std::vector<FlightRecord>& records, MonteCarloSummary* summar
 }
 
 void AddModelChecks(const std::vector<FlightRecord>& records, MonteCarloSummary* summary) {
-  constexpr double kFalseAlarms = 0.001;  // the level of the model check, for a flight
+  constexpr double kFalseAlarms = 0.001;  // significance level of the model check of one flight
   const auto n = static_cast<long>(records.size());
   const auto contradicted =
       std::count_if(records.begin(), records.end(),

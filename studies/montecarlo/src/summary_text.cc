@@ -84,8 +84,8 @@ Json ToJson(const MonteCarloSummary& s) {
 
 std::string FormatTable(const MonteCarloSummary& s, const std::string& scenario) {
   std::string text =
-      fmt::format("{} flights of {}, {} failed; bands hold 99 % when the covariances are right\n",
-                  s.flights, scenario, s.failures);
+      fmt::format("{} flights of {}, {} failed; 99 % bands for correct covariances\n", s.flights,
+                  scenario, s.failures);
   for (const std::string& message : s.failure_messages) text += "  " + message + "\n";
   if (s.with_pairs) {
     text += Line("boresight NEES / 3", s.boresight.nees_per_dof);
@@ -95,7 +95,7 @@ std::string FormatTable(const MonteCarloSummary& s, const std::string& scenario)
   }
   text += Line("2 x cost / redundancy", s.chi2_per_dof);
   text += Line("flights with 2 x cost in its band", s.share_chi2_inside);
-  text += Line("flights called contradicted", s.share_contradicted);
+  text += Line("flights with rejected model", s.share_contradicted);
   if (s.with_pairs) {
     const auto& b = s.boresight;
     text += fmt::format(

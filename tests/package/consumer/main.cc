@@ -1,6 +1,5 @@
-// A user's own project: an antenna located from distances to four ground stations, with a factor
-// class of the user's own, on the installed package alone. Exits with 0 when the truth is
-// recovered.
+// A user's project that uses only the installed package. It locates an antenna from distances to
+// four ground stations with a custom factor class. Exits with 0 if the truth is recovered.
 #include <dn/factor.h>
 #include <dn/geo/local_frame.h>
 #include <dn/network.h>
@@ -47,6 +46,6 @@ int main() {
   const double error_m = (net.Value(p_ma) - truth_m).norm();
   std::printf("converged %d, error %.1e m, sigma %.3f %.3f %.3f m\n", report.converged, error_m,
               sigma_m.x(), sigma_m.y(), sigma_m.z());
-  constexpr double kTolerance_m = 1e-6;  // noise-free: what the solver's tolerances leave
+  constexpr double kTolerance_m = 1e-6;  // without noise, only solver tolerances matter
   return report.converged && error_m < kTolerance_m && sigma_m.allFinite() ? 0 : 1;
 }

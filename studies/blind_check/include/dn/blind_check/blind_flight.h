@@ -10,48 +10,51 @@
 
 namespace dn {
 
-/// What a flight of a series contains.
+/// Content of a flight: no effect, one, two, one outside the library of effects, or one effect that
+/// the diagnosis must not consider (kLeftOut).
 enum class BlindContent { kNothing, kOneEffect, kTwoEffects, kOutsider, kLeftOut };
 
-/// A series of flights whose content their diagnosis does not know.
+/// A series of flights with effects that are unknown to the diagnosis.
 struct BlindSuite {
   std::uint64_t seed = 1;
-  std::vector<std::string> scenarios;  ///< at least one; the flights are made from them
-  /// What every flight contains; none: drawn for each. kLeftOut, which is not drawn: an effect of the
-  /// table that its diagnosis has to do without.
+  std::vector<std::string> scenarios;  ///< base scenarios of the flights, at least one
+  /// Content of every flight; nullopt: drawn for each flight, but never kLeftOut.
   std::optional<BlindContent> only = {};
 };
 
 /// One flight of a series.
 struct BlindFlight {
   int number = 1;
-  std::uint64_t seed = 1;  ///< of its simulation
-  std::string base;        ///< the scenario that it was made from
-  Scenario scenario;       ///< with the effects, at most two
+  std::uint64_t seed = 1;  ///< seed of the simulation
+  std::string base;        ///< base scenario
+  Scenario scenario;       ///< drawn scenario with at most two effects
   std::optional<Outsider> outsider;
-  bool left_out = false;  ///< its effect is none of those that its diagnosis considers
+  bool left_out = false;  ///< the diagnosis must not consider the effect
 
   BlindContent content() const;
 };
 
-/// Shipped scenarios whose sensors are at rest: nothing but what is drawn departs from their model.
+/// Returns the shipped scenarios with sensor noise at rest. Only drawn effects deviate from their
+/// assumed model.
 std::vector<std::string> BlindScenarioNames();
 
-/// Its largest component in usual sizes of the table; of a ratio r, (r - 1) / (usual - 1).
+/// Returns the largest component of an effect divided by its typical size in the table. For a
+/// ratio r it is (r - 1) / (typical - 1).
 double SizeOf(const Effect& effect);
 
-/// Seed of the simulation of flight `number` in a suite of this seed.
+/// Returns the seed of the simulation of flight `number` in a suite of this seed.
 std::uint64_t BlindFlightSeed(std::uint64_t suite_seed, int number);
 
-/// Draws flight `number`, from 1: the lines (heading, height, length, number), the terrain and the
-/// true boresight; then what it contains: nothing in 20 % of the flights, one effect in 50, two in
-/// 10, an outsider in 20; or what the suite says. It depends on the suite and the
-/// number alone.
+/// Draws flight `number` (from 1): the lines (heading, height, length, number), the terrain, the
+/// true boresight and the content, unless the suite prescribes it. 20 % of the flights contain no
+/// effect, 50 % one, 10 % two, and 20 % an effect outside the library. The result depends only on
+/// the suite and the number.
 ///
-/// Sizes are uniform in their logarithm: between 1 and 10 times the usual one of the table, for a
-/// ratio r between 0.5 and 4 times r - 1, and for what tells no size (a correlation time, the
-/// length of gross errors) between 0.5 and 2 times. Faults are not drawn: no diagnosis names them.
-/// Throws InvalidConfig for a scenario that is none, or that replays a trajectory.
+/// The logarithm of a size is uniform. Sizes are 1 to 10 times the typical size in the table. For a
+/// ratio r, r - 1 is 0.5 to 4 times the typical one. Components that are not a size (a correlation
+/// time, the length of outliers) are 0.5 to 2 times the typical value. Faults are not drawn, since
+/// no diagnosis names them.
+/// Throws InvalidConfig if a scenario does not exist or replays a trajectory.
 BlindFlight DrawBlindFlight(const BlindSuite& suite, int number);
 
 }  // namespace dn

@@ -11,27 +11,27 @@
 
 namespace dn {
 
-/// What a program made of a flight: a result, or why there is none.
+/// Result of a command on a flight, or the reason for its failure.
 template <class T>
 struct Outcome {
   std::optional<T> result;
-  std::string failure;  ///< empty where there is a result, or where nothing was tried
+  std::string failure;  ///< empty if there is a result or the command was not run
   double time_s = 0.0;
 };
 
-/// A cause of gap.json; NaN for a number that it leaves out.
+/// A cause in gap.json. Numbers that are missing there are NaN.
 struct BlindCause {
   std::string effect;
   double posterior = 0.0;
-  std::vector<double> estimate;  ///< in the order and unit of the table of effects
+  std::vector<double> estimate;  ///< order and units as in the table of effects
   std::vector<double> sigma;
 };
 
-/// What is scored of gap.json.
+/// Contents of gap.json that are scored.
 struct BlindDiagnosis {
   bool detected = false;
   double p_value = 1.0;
-  std::string verdict;  ///< its kind
+  std::string verdict;  ///< kind of the verdict
   std::vector<std::string> effects;
   std::vector<std::string> credible_set;
   bool unknown = false;
@@ -40,7 +40,7 @@ struct BlindDiagnosis {
   std::optional<double> size_nats_per_obs;
 };
 
-/// What is scored of a result.json.
+/// Contents of result.json that are scored.
 struct BlindCalibration {
   std::string verdict;
   Eigen::Vector3d error_sigmas = Eigen::Vector3d::Zero();  ///< (estimate - truth) / sigma
@@ -49,15 +49,15 @@ struct BlindCalibration {
   double worst() const { return error_sigmas.cwiseAbs().maxCoeff(); }
 };
 
-/// How a departure from the model would show without noise, and what of that no single fixed effect
-/// of the table can take the place of: noncentralities, squares of numbers of sigmas.
+/// Noncentralities (squared sigmas) of a deviation from the model, without noise. `lambda` is the
+/// total, `lambda_left` the part that no single fixed effect of the table can explain.
 struct BlindSignature {
   double lambda = 0.0;
   double lambda_left = 0.0;
-  std::string nearest;  ///< the effect that takes most of it
+  std::string nearest;  ///< effect that explains the largest part
 };
 
-/// A flight of the series: what it contains, and what was said of it.
+/// A flight of the series: its content, diagnosis and calibrations.
 struct BlindRecord {
   int number = 1;
   std::uint64_t seed = 1;
@@ -65,33 +65,34 @@ struct BlindRecord {
   BlindContent content = BlindContent::kNothing;
   std::vector<Effect> effects;
   std::optional<Outsider> outsider;
-  Eigen::Vector3d boresight_deg = Eigen::Vector3d::Zero();  ///< true
+  Eigen::Vector3d boresight_deg = Eigen::Vector3d::Zero();  ///< true boresight
   std::size_t strips = 0;
-  /// Of the one fixed effect or the outsider in it; of an effect of the table nothing is left unless
-  /// the diagnosis is without it.
+  /// Signature of the single fixed effect of the flight. For an effect of the table lambda_left is
+  /// 0, unless the diagnosis must not consider it.
   std::optional<BlindSignature> signature;
   Outcome<BlindDiagnosis> diagnosis;
   Outcome<BlindCalibration> calibrated;
-  Outcome<BlindCalibration> adapted;  ///< with the effects of the verdict among the unknowns
+  Outcome<BlindCalibration> adapted;  ///< calibration that also estimates the verdict's effects
 };
 
-/// The truth of a drawn flight, with nothing said of it yet.
+/// Returns a record with the truth of a drawn flight, without results.
 BlindRecord TruthOf(const BlindFlight& flight);
 
-/// Reads gap.json. Throws InvalidInput naming what is missing.
+/// Reads gap.json. Throws InvalidInput with the name of the missing key.
 BlindDiagnosis DiagnosisFromGapJson(const JsonPlace& json);
 
-/// Reads result.json and compares its boresight with the true one. Throws InvalidInput naming what
-/// is missing.
+/// Reads result.json and compares its boresight with the true one. Throws InvalidInput with the
+/// name of the missing key.
 BlindCalibration CalibrationFromResultJson(const JsonPlace& json,
                                            const Eigen::Vector3d& true_boresight_deg);
 
-/// A record as JSON, and back: doubles survive unchanged. The second throws InvalidInput for what
-/// is no record, and for a value beyond its range.
+/// Convert a record to JSON and back without any loss of digits. BlindRecordFromJson throws
+/// InvalidInput if the value is not a record or is out of range.
 Json ToJson(const BlindRecord& record);
 BlindRecord BlindRecordFromJson(const JsonPlace& json);
 
-/// "nothing", "one", "two", "outsider", "left out"; and back, throws InvalidInput for no such word.
+/// Convert a content to its word in the records and back. ContentOf throws InvalidInput for an
+/// unknown word.
 const char* Word(BlindContent content);
 BlindContent ContentOf(const std::string& word);
 

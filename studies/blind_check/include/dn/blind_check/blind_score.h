@@ -9,7 +9,7 @@
 
 namespace dn {
 
-/// How often something happened.
+/// Frequency of an event: `hits` of `of` cases.
 struct Share {
   long hits = 0;
   long of = 0;
@@ -18,27 +18,27 @@ struct Share {
     hits += hit ? 1 : 0;
     ++of;
   }
-  double value() const;  ///< NaN of nothing
-  /// The probabilities that agree with it at 95 % (Wilson's interval of a binomial).
+  double value() const;  ///< hits / of; NaN if `of` is 0
+  /// Returns the 95 % confidence interval of the probability (Wilson's binomial interval).
   Interval interval_95() const;
 };
 
-/// One tenth of the range of stated probabilities.
+/// Causes whose stated probability is in one tenth of the range from 0 to 1.
 struct ReliabilityBin {
   double low = 0.0, high = 0.0;
-  double stated = 0.0;  ///< mean of the probabilities in it; NaN of none
-  Share true_ones;      ///< causes that are really there
+  double stated = 0.0;  ///< mean stated probability; NaN without causes
+  Share true_ones;      ///< share of causes that are present in the flight
 };
 
-/// Flights with one effect, of one name.
+/// Scores of the flights that contain only the named effect.
 struct EffectScore {
   std::string effect;
   Share detected;
-  Share named;             ///< the verdict names it and nothing else
-  Share named_with_group;  ///< or it is in the credible set of a group
+  Share named;             ///< the verdict names only this effect
+  Share named_with_group;  ///< as above, or it is in the credible set of a group
 };
 
-/// Flights with one effect, by its size (SizeOf).
+/// Scores of the flights with one effect in a class of sizes (SizeOf).
 struct SizeScore {
   double from = 0.0;
   Share detected;
@@ -46,106 +46,106 @@ struct SizeScore {
   Share named_with_group;
 };
 
-/// Flights with one fixed effect, by how strongly it shows.
+/// Scores of the flights with one fixed effect in a class of signal strengths.
 struct StrengthScore {
-  double from_sigmas = 0.0;  ///< of the root of BlindSignature::lambda
+  double from_sigmas = 0.0;  ///< lower limit of sqrt(BlindSignature::lambda)
   Share detected;
   Share named;
   Share named_with_group;
-  Share calibrated_beyond_5_sigma;  ///< of those whose boresight `dn calibrate` gave as assumed
+  Share calibrated_beyond_5_sigma;  ///< verdict calibrated (not adapted), but error above 5 sigma
 };
 
-/// Flights with one outsider, or one effect left out, of one name.
+/// Scores of the flights with one named effect that the diagnosis does not have.
 struct OutsiderScore {
   std::string outsider;
   Share detected;
-  Share rejected;  ///< called unknown, or partly so
+  Share rejected;  ///< verdict unknown or partial
 };
 
-/// Flights with an outsider, or a fixed effect left out, by what of its signature no fixed effect of
-/// the table can take the place of: little, and the name of the nearest relative is all that can be
-/// expected.
+/// Scores of the flights with an effect that the diagnosis does not have, in a class of the
+/// unexplained signature. If little of the signature stays unexplained, the best possible diagnosis
+/// is the most similar effect of the table.
 struct SignatureScore {
-  double from_sigmas = 0.0;  ///< of the root of BlindSignature::lambda_left
+  double from_sigmas = 0.0;  ///< lower limit of sqrt(BlindSignature::lambda_left)
   Share detected;
-  Share rejected;  ///< of the detected ones: called unknown, or partly so
-  Share misnamed;  ///< of the detected ones: one effect is named, and nothing left open
+  Share rejected;  ///< verdict unknown or partial, among the detected flights
+  Share misnamed;  ///< verdict identified, although wrong, among the detected flights
 };
 
-/// Boresights of one verdict of `dn calibrate`.
+/// Boresight errors of the flights with one verdict of `dn calibrate`.
 struct CalibrationScore {
   std::string verdict;
   long flights = 0;
   long beyond_5_sigma = 0;
-  double rms_sigmas = 0.0;  ///< of all angles
+  double rms_sigmas = 0.0;  ///< rms of error / sigma over all angles
 };
 
-/// How many flights of one content got a verdict.
+/// Number of flights with one content that got one verdict.
 struct VerdictCount {
   BlindContent content = BlindContent::kNothing;
   std::string verdict;
   long flights = 0;
 };
 
-/// Median and quartiles; NaN of nothing.
+/// Median and quartiles; NaN if `count` is 0.
 struct Quartiles {
   long count = 0;
   double low = 0.0, median = 0.0, high = 0.0;
 };
 
-/// How well a series of blind flights was diagnosed. Named strictly: the verdict's effects are
-/// those of the flight. With groups: every effect of the flight is among them, or in the credible
-/// set where the verdict is `group`.
+/// Scores of the diagnoses of a series of blind flights. `named`: the verdict's effects are exactly
+/// those of the flight. `with_group`: each effect of the flight is one of the verdict's effects or,
+/// for the verdict `group`, in the credible set.
 struct BlindScore {
   long flights = 0;
   std::vector<std::string> failures;  ///< "flight 7: dn gap: ..."
 
-  Share false_alarms;              ///< of the flights with nothing
-  Interval alarms_allowed;         ///< holds 95 % of the shares that a level of 5 % gives
-  Share false_names;               ///< flights with nothing of which an effect is named
-  Quartiles null_p_value;          ///< of the flights with nothing: uniform when the level is right
-  double null_uniformity_p = 1.0;  ///< of such p-values, if uniform (Kolmogorov and Smirnov)
+  Share false_alarms;              ///< detections in flights without effects
+  Interval alarms_allowed;         ///< 95 % interval of the false-alarm share at a level of 5 %
+  Share false_names;               ///< flights without effects for which one is named
+  Quartiles null_p_value;          ///< p-values without effects: uniform if the level is correct
+  double null_uniformity_p = 1.0;  ///< p-value of their uniformity (Kolmogorov and Smirnov)
 
   Share one_detected, one_named, one_named_with_group;
   Share two_detected, two_named, two_named_with_group;
-  Share two_members;  ///< effects of flights with two that the verdict names
-  long spurious = 0;  ///< names in verdicts on flights with effects, of what is not there
+  Share two_members;  ///< named effects among those of flights with two
+  long spurious = 0;  ///< named effects that are absent, in flights with other effects
   Share outsider_detected;
-  Share outsider_rejected;  ///< of the detected ones: unknown, or partial
-  Share outsider_misnamed;  ///< of the detected ones: one effect is named, and nothing left open
+  Share outsider_rejected;  ///< verdict unknown or partial, among the detected flights
+  Share outsider_misnamed;  ///< verdict identified, although wrong, among the detected flights
   std::vector<VerdictCount> verdicts;
-  std::array<SizeScore, 3> sizes;          ///< the smaller, the middle and the larger third
-  std::array<StrengthScore, 4> strengths;  ///< below 4.5 sigma, 4.5 to 6, 6 to 8, above
+  std::array<SizeScore, 3> sizes;          ///< small, medium and large effects
+  std::array<StrengthScore, 4> strengths;  ///< below 4.5 sigma, 4.5 to 6, 6 to 8, above 8
   std::vector<EffectScore> effects;
   std::vector<OutsiderScore> outsiders;
-  std::array<SignatureScore, 3> signatures;  ///< below 5 sigma, 5 to 8, above
+  std::array<SignatureScore, 3> signatures;  ///< below 5 sigma, 5 to 8, above 8
 
   std::array<ReliabilityBin, 10> reliability;
-  Quartiles truth_posterior;  ///< of the effect that is there, one effect, detected
+  Quartiles truth_posterior;  ///< posterior of the true effect, in detected flights with one effect
 
-  Share fixed_coverage;       ///< components within 1.96 sigma, of effects rightly named
-  Share stochastic_coverage;  ///< the same of ratios, sigmas and correlation times
+  Share fixed_coverage;       ///< components within 1.96 sigma, for correctly named effects
+  Share stochastic_coverage;  ///< the same for ratios, sigmas and correlation times
 
   std::vector<CalibrationScore> calibrated, adapted;  ///< by verdict
-  Quartiles shrinkage_right, shrinkage_wrong;         ///< by whether the name is strictly right
+  Quartiles shrinkage_right, shrinkage_wrong;         ///< with correct and with wrong names
   Quartiles diagnosis_time_s, calibration_time_s;
 };
 
-/// Scores the records. Throws InvalidInput where there is none.
+/// Scores the records. Throws InvalidInput if there are none.
 BlindScore ScoreBlindFlights(const std::vector<BlindRecord>& records);
 
 Json ToJson(const BlindScore& score);
 
-/// The table that a person reads.
+/// Formats the scores as a text table.
 std::string FormatTable(const BlindScore& score);
 
-/// One row for each flight: what it contains, what was said of it, errors of the boresight.
+/// Formats one CSV row per flight with its content, its verdict and the boresight errors.
 std::string FormatCsv(const std::vector<BlindRecord>& records);
 
-/// True when the verdict's effects are exactly those of the flight.
+/// Returns true if the verdict's effects are exactly those of the flight.
 bool NamedStrictly(const BlindRecord& record);
 
-/// True when every effect of the flight is named, or in the credible set of a `group`.
+/// Returns true if every effect of the flight is named or in the credible set of a `group`.
 bool NamedWithGroup(const BlindRecord& record);
 
 }  // namespace dn

@@ -10,32 +10,33 @@
 
 namespace dn {
 
-/// Physics that no effect of the table describes, with the numbers of one flight.
+/// An effect outside the library of effects, with its parameters in one flight.
 struct Outsider {
   std::string name;
   Json parameters;  ///< their keys carry the units
 };
 
-/// scan_torsion, strip_range_jump, gyro_oscillation, gnss_waves, boresight_warming,
+/// Returns scan_torsion, strip_range_jump, gyro_oscillation, gnss_waves, boresight_warming,
 /// boresight_by_heading, matcher_shift, lidar_clock_walk.
 std::vector<std::string> OutsiderNames();
 
-/// Draws the numbers of an outsider: its size between 1 and 10 times the usual one of the nearest
-/// effect, in the logarithm, with random signs and axes. Throws InvalidInput for an unknown name.
+/// Draws the parameters of an effect, with random signs and axes. The size is log-uniform between 1
+/// and 10 times the typical size of the most similar effect in the library. Throws InvalidInput for
+/// an unknown name.
 Outsider DrawOutsider(const std::string& name, const FlightTimes& times, Random& random);
 
-/// What the simulation does with it; `scenario`: the axes of its scanner. Throws InvalidInput for an
-/// unknown name, Json::exception for parameters that are not those of the name.
+/// Returns the errors that the simulation adds for the effect. The scanner axes are those of
+/// `scenario`. Throws InvalidInput for an unknown name, Json::exception for wrong parameters.
 OwnErrors MakeOwnErrors(const Outsider& outsider, const Scenario& scenario);
 
-/// 10^x with x uniform: between low and high, both positive.
+/// Draws a number whose logarithm is uniform between those of low and high, which are positive.
 double LogUniform(double low, double high, Random& random);
 
-/// One of 0 .. count - 1.
+/// Draws an integer from 0 to count - 1.
 std::size_t DrawIndex(std::size_t count, Random& random);
 
-/// A value of one to three axes and of this size, with random signs: as often along a single axis
-/// as along all, there with at least half the size on each.
+/// Draws a vector of one to three axes with random signs. In half of the cases it has this size
+/// along one axis. Otherwise each component is 0.5 to 1 times the size.
 std::vector<double> DrawAxes(std::size_t axes, double size, Random& random);
 
 }  // namespace dn

@@ -13,29 +13,29 @@
 
 namespace dn {
 
-/// The estimated quantities of three components whose errors are compared with their covariance.
-/// Position east, north, up of m; velocity the same; attitude about the body axes; biases in body.
+/// Estimated three-component quantities whose errors are compared with their covariance. Position
+/// and velocity are in m (east, north, up). The attitude is about the body axes, biases are in b.
 inline constexpr std::array<const char*, 5> kQuantities{"position", "velocity", "attitude",
                                                         "gyro bias", "accelerometer bias"};
 
-/// Error of the trajectory at one epoch, in the terms of its own covariance.
+/// Errors of the trajectory at one epoch, normalised by the estimated covariance C.
 struct EpochErrors {
-  double t_s = 0.0;                         ///< since the first node
+  double t_s = 0.0;                         ///< time since the first node
   std::array<double, 5> nees{};             ///< e^T C^-1 e of each quantity, expected 3
-  std::array<Eigen::Vector3d, 5> sigmas{};  ///< e_i / sigma_i of each component
+  std::array<Eigen::Vector3d, 5> sigmas{};  ///< error e_i / sigma_i of each component
 };
 
-/// What one simulated flight, once adjusted, says about its covariances.
+/// Errors and test statistics of one simulated and adjusted flight.
 struct FlightRecord {
   std::uint64_t seed = 0;
   bool with_pairs = true;
-  std::string failure;  ///< message of what went wrong; empty when the flight was adjusted
+  std::string failure;  ///< error message; empty if the flight was adjusted
   Eigen::Vector3d boresight_error_rad = Eigen::Vector3d::Zero();  ///< left perturbation from truth
   Eigen::Matrix3d boresight_covariance_rad2 = Eigen::Matrix3d::Zero();
   double chi2 = 0.0;
   long redundancy = 0;
   long outliers = 0;
-  bool contradicted = false;  ///< by the model check, although the model is the flight's own
+  bool contradicted = false;  ///< the model check rejects the model, although it is the true one
   double check_p_value = 1.0;
   std::vector<EpochErrors> epochs;
   Eigen::Vector3d position_rms_m = Eigen::Vector3d::Zero();    ///< east, north, up, all nodes
@@ -43,25 +43,25 @@ struct FlightRecord {
   Eigen::Vector3d attitude_rms_rad = Eigen::Vector3d::Zero();  ///< roll, pitch, heading
   std::vector<SeriesStatistics> residuals;
   std::vector<SeriesStatistics> innovations;
-  double time_s = 0.0;  ///< simulation and adjustment
+  double time_s = 0.0;  ///< run time of simulation and adjustment
 
   double BoresightNees() const;
 };
 
-/// How a flight is adjusted and recorded.
+/// Options for adjusting and recording a flight.
 struct FlightRecordOptions {
   bool with_pairs = true;
-  double epoch_spacing_s = 1.0;  ///< of the recorded epochs, at nodes; > 0
+  double epoch_spacing_s = 1.0;  ///< spacing of the recorded epochs, which are nodes; > 0
   std::function<bool()> interrupted = {};
 };
 
-/// Simulates and adjusts one flight. What an adjustment throws becomes the record's failure;
-/// Interrupted and errors of the scenario pass through.
+/// Simulates and adjusts one flight. An exception of the adjustment is stored as the record's
+/// failure. Interrupted and errors of the scenario are thrown.
 FlightRecord RunFlight(const Scenario& scenario, std::uint64_t seed,
                        const FlightRecordOptions& options);
 
-/// A record as JSON, and back: doubles survive unchanged. The second throws InvalidInput for what is
-/// no record, and for a value beyond its range.
+/// Convert a record to JSON and back without any loss of digits. The latter throws InvalidInput if
+/// the value is not a record or is out of range.
 Json ToJson(const FlightRecord& record);
 FlightRecord FlightRecordFromJson(const JsonPlace& json);
 

@@ -10,7 +10,7 @@
 
 namespace dn {
 
-/// A figure with the interval that holds it with 99 % probability when the covariances are right.
+/// A statistic with its 99 % interval under the hypothesis that the covariances are correct.
 struct JudgedFigure {
   double value = 0.0;
   Interval band;
@@ -27,28 +27,28 @@ struct BoresightConsistency {
 };
 
 /// Consistency of one quantity of the trajectory. At one epoch the flights are independent, so the
-/// mean of their NEES has an exact band; between epochs errors are correlated, so the share of
-/// epochs outside is 1 % in the mean only.
+/// mean of their NEES has an exact band. Errors at different epochs are correlated. Therefore the
+/// share of epochs outside the band is 1 % only on average.
 struct TrajectoryConsistency {
   std::string quantity;
   std::vector<double> t_s;
   std::vector<double> nees_per_dof;  ///< mean over the flights, per epoch
-  Interval band;                     ///< of one epoch, 99 %
+  Interval band;                     ///< 99 % interval of nees_per_dof at one epoch
   double share_outside = 0.0;
-  double share_above = 0.0;                              ///< over-confident epochs
-  double mean_nees_per_dof = 0.0;                        ///< over epochs and flights
+  double share_above = 0.0;                              ///< share of over-confident epochs
+  double mean_nees_per_dof = 0.0;                        ///< mean over epochs and flights
   Eigen::Vector3d rms_sigmas = Eigen::Vector3d::Zero();  ///< rms of e / sigma per component
 };
 
-/// One sensor and axis over all flights.
+/// Consistency of one axis of a sensor over all flights.
 struct SensorConsistency {
   std::string sensor;
   std::string axis;
   JudgedFigure variance_ratio;  ///< mean square / expected variance
-  JudgedFigure lag1;            ///< judged for innovations only, which must be white
+  JudgedFigure lag1;            ///< tested only for innovations, which must be white
 };
 
-/// What many simulated flights together say about the covariances.
+/// Consistency of the covariances over many simulated flights.
 struct MonteCarloSummary {
   long flights = 0;
   long failures = 0;
@@ -57,8 +57,8 @@ struct MonteCarloSummary {
   BoresightConsistency boresight;
   std::vector<TrajectoryConsistency> trajectory;  ///< in the order of kQuantities
   JudgedFigure chi2_per_dof;                      ///< sum of 2 x cost / sum of redundancies
-  JudgedFigure share_chi2_inside;  ///< flights whose chi2 is inside its own 99 % band
-  /// Flights that the model check calls contradicted, although the model is their own.
+  JudgedFigure share_chi2_inside;  ///< share of flights whose chi2 is inside its own 99 % band
+  /// Share of flights whose model is rejected by the model check, although it is the true one.
   JudgedFigure share_contradicted;
   std::vector<SensorConsistency> residuals;
   std::vector<SensorConsistency> innovations;
@@ -67,24 +67,25 @@ struct MonteCarloSummary {
   Eigen::Vector3d attitude_rms_deg = Eigen::Vector3d::Zero();  ///< roll, pitch, heading
   double mean_time_s = 0.0;
 
-  /// True when every judged figure is inside its band.
+  /// Returns true if every tested statistic is inside its band.
   bool consistent() const;
 };
 
-/// Judges the covariances by the flights. Throws InvalidInput when no flight was adjusted.
+/// Tests the covariances with the records of all flights. Throws InvalidInput if no flight was
+/// adjusted.
 MonteCarloSummary Summarise(const std::vector<FlightRecord>& records);
 
 Json ToJson(const MonteCarloSummary& summary);
 
-/// trajectory_nees.txt: number of the quantity in the order of the summary, from 1; t [s]; NEES / 3,
-/// mean over the flights. Empty where no epochs were judged.
+/// Formats trajectory_nees.txt. Columns: number of the quantity in the order of the summary, from
+/// 1; t [s]; NEES / 3, mean over the flights. Empty if no epochs were recorded.
 std::string FormatTrajectoryNees(const MonteCarloSummary& summary);
 
-/// boresight_errors.txt: seed, error / sigma of roll, pitch, yaw of every flight that was adjusted
-/// with pairs; empty without any.
+/// Formats boresight_errors.txt: seed and error / sigma of roll, pitch, yaw of every flight that
+/// was adjusted with pairs. Empty if there is no such flight.
 std::string FormatBoresightErrors(const std::vector<FlightRecord>& records);
 
-/// The table that a person reads.
+/// Formats the summary as a text table.
 std::string FormatTable(const MonteCarloSummary& summary, const std::string& scenario);
 
 }  // namespace dn
