@@ -3,8 +3,8 @@
 // included.
 
 #include <benchmark/benchmark.h>
-#include <dn/solvers/gauss_helmert.h>
-#include <dn/solvers/trajectory_scatter.h>
+#include <dn/fixed_trajectory/gauss_helmert.h>
+#include <dn/fixed_trajectory/trajectory_scatter.h>
 
 #include <algorithm>
 #include <fstream>

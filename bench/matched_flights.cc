@@ -2,8 +2,8 @@
 /// each flight from its strips alone (`dn calibrate --method all`). The results are compared with
 /// the truth: the pairs with the true positions of both points, and each method's boresight with
 /// its covariance.
-#include <dn/flight/flight.h>
-#include <dn/flight/truth.h>
+#include <dn/files/flight.h>
+#include <dn/files/truth.h>
 #include <dn/lidar/mounting.h>
 #include <dn/report/json_reader.h>
 #include <dn/rotation.h>

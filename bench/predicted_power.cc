@@ -5,8 +5,8 @@
 /// finds a scalar effect of a given size. Flights with their own turbulence and noise are then
 /// simulated with the effect, in both signs, and diagnosed. The program counts how often the test
 /// finds the effect.
-#include <dn/gap/diagnose.h>
-#include <dn/gap/limits.h>
+#include <dn/diagnosis/diagnose.h>
+#include <dn/diagnosis/limits.h>
 #include <dn/sim/simulate.h>
 #include <dn/study/design.h>
 #include <dn/study/study.h>

@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 #include <dn/builder/flight_network.h>
 #include <dn/builder/node_grid.h>
-#include <dn/calibration/adjust.h>
+#include <dn/adjustment/adjust.h>
 #include <dn/navigation/alignment.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/simulate.h>

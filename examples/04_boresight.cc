@@ -2,8 +2,8 @@
 //
 // Prints the true angles, the estimates with their standard deviations, the correlation of the
 // boresight with the biases, and whether the data agree with the model.
-#include <dn/calibration/solution.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/solution.h>
+#include <dn/adjustment/words.h>
 #include <dn/sim/simulate.h>
 
 #include <algorithm>

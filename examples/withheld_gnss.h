@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/solution.h>
-#include <dn/flight/flight.h>
+#include <dn/adjustment/solution.h>
+#include <dn/files/flight.h>
 
 #include <algorithm>
 #include <cmath>

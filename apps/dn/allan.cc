@@ -1,4 +1,4 @@
-#include <dn/calibration/adjust.h>
+#include <dn/adjustment/adjust.h>
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/allan.h>

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/montecarlo/blind_score.h>
+#include <dn/blind_check/blind_score.h>
 #include <dn/names.h>
 #include <dn/report/plot.h>
 #include <fmt/format.h>

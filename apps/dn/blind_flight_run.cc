@@ -1,10 +1,10 @@
 #include "blind_flight_run.h"
 
-#include <dn/calibration/adjust.h>
+#include <dn/adjustment/adjust.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/flight/atomic_file.h>
-#include <dn/gap/signature.h>
+#include <dn/files/atomic_file.h>
+#include <dn/diagnosis/signature.h>
 #include <dn/interrupted.h>
 #include <dn/sim/simulate.h>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/swaths.h>
-#include <dn/calibration/words.h>
-#include <dn/flight/truth.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/swaths.h>
+#include <dn/adjustment/words.h>
+#include <dn/files/truth.h>
 #include <dn/names.h>
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "calibrate_planes.h"
 
-#include <dn/flight/strip_files.h>
+#include <dn/files/strip_files.h>
 #include <dn/matching/shared_planes.h>
 #include <dn/seconds_since.h>
 

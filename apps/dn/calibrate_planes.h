@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/calibration/plane_flight.h>
-#include <dn/calibration/result_files.h>
-#include <dn/flight/flight.h>
+#include <dn/adjustment/plane_flight.h>
+#include <dn/adjustment/result_files.h>
+#include <dn/files/flight.h>
 
 #include <string>
 #include <vector>

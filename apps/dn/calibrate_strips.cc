@@ -1,7 +1,7 @@
 #include "calibrate_strips.h"
 
 #include <dn/error.h>
-#include <dn/flight/strip_files.h>
+#include <dn/files/strip_files.h>
 #include <dn/lidar/pairs.h>
 
 #include <algorithm>

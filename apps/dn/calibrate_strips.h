@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/flight_config.h>
+#include <dn/files/flight_config.h>
 
 #include <functional>
 #include <string>

@@ -1,8 +1,8 @@
 #include <dn/builder/flight_network.h>
 #include <dn/builder/flight_nodes.h>
 #include <dn/error.h>
-#include <dn/flight/flight.h>
-#include <dn/flight/strip_files.h>
+#include <dn/files/flight.h>
+#include <dn/files/strip_files.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,7 +1,7 @@
 #include "command.h"
 
 #include <ceres/version.h>
-#include <dn/calibration/adjust.h>
+#include <dn/adjustment/adjust.h>
 #include <dn/error.h>
 #include <dn/page/page.h>
 #include <dn/seconds_since.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/error.h>
-#include <dn/flight/atomic_file.h>
+#include <dn/files/atomic_file.h>
 #include <dn/report/json.h>
 
 #include <CLI/CLI.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/navigation/sensor_agreement.h>
 
 #include <optional>

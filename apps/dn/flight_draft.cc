@@ -1,9 +1,9 @@
 #include "flight_draft.h"
 
 #include <dn/error.h>
-#include <dn/flight/flight.h>
-#include <dn/flight/strip_files.h>
-#include <dn/flight/yaml_sections.h>
+#include <dn/files/flight.h>
+#include <dn/files/strip_files.h>
+#include <dn/files/yaml_sections.h>
 #include <dn/geo/text_table.h>
 #include <dn/imu/white_rows.h>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/flight/file_content.h>
-#include <dn/flight/flight_config.h>
+#include <dn/files/file_content.h>
+#include <dn/files/flight_config.h>
 
 #include <filesystem>
 #include <optional>

@@ -1,8 +1,8 @@
 #include "flight_run.h"
 
-#include <dn/calibration/gnss_errors.h>
-#include <dn/calibration/left_out_gnss.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/gnss_errors.h>
+#include <dn/adjustment/left_out_gnss.h>
+#include <dn/adjustment/words.h>
 #include <dn/error.h>
 #include <dn/parallel.h>
 #include <dn/report/plot.h>

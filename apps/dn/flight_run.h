@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/calibration/result_files.h>
-#include <dn/calibration/solution.h>
-#include <dn/flight/flight.h>
+#include <dn/adjustment/result_files.h>
+#include <dn/adjustment/solution.h>
+#include <dn/files/flight.h>
 
 #include <optional>
 

@@ -1,7 +1,7 @@
-#include <dn/gap/adapt.h>
-#include <dn/gap/diagnose.h>
-#include <dn/gap/report.h>
-#include <dn/gap/twin.h>
+#include <dn/diagnosis/adapt.h>
+#include <dn/diagnosis/diagnose.h>
+#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/twin.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

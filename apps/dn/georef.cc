@@ -1,10 +1,10 @@
-#include <dn/calibration/swaths.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/swaths.h>
+#include <dn/adjustment/words.h>
 #include <dn/error.h>
-#include <dn/flight/accuracy_files.h>
-#include <dn/flight/flight.h>
-#include <dn/flight/georeference_strip.h>
-#include <dn/flight/strip_files.h>
+#include <dn/files/accuracy_files.h>
+#include <dn/files/flight.h>
+#include <dn/files/georeference_strip.h>
+#include <dn/files/strip_files.h>
 #include <dn/geo/text_table.h>
 #include <dn/interrupted.h>
 #include <dn/names.h>

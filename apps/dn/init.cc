@@ -1,6 +1,6 @@
 #include <dn/error.h>
-#include <dn/flight/atomic_file.h>
-#include <dn/flight/strip_files.h>
+#include <dn/files/atomic_file.h>
+#include <dn/files/strip_files.h>
 #include <dn/names.h>
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 #include "match_flight.h"
 
-#include <dn/calibration/swaths.h>
+#include <dn/adjustment/swaths.h>
 #include <dn/error.h>
-#include <dn/flight/flight.h>
-#include <dn/flight/strip_files.h>
+#include <dn/files/flight.h>
+#include <dn/files/strip_files.h>
 #include <dn/lidar/strip_io.h>
 #include <dn/matching/match_report.h>
 #include <fmt/format.h>

@@ -1,10 +1,10 @@
 #include "output_folder.h"
 
 #include <dn/error.h>
-#include <dn/flight/accuracy_files.h>
-#include <dn/flight/atomic_file.h>
-#include <dn/flight/flight.h>
-#include <dn/flight/strip_files.h>
+#include <dn/files/accuracy_files.h>
+#include <dn/files/atomic_file.h>
+#include <dn/files/flight.h>
+#include <dn/files/strip_files.h>
 #include <dn/geo/read_file.h>
 #include <dn/sim/scenario.h>
 #include <fmt/format.h>

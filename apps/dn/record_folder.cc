@@ -1,6 +1,6 @@
 #include "record_folder.h"
 
-#include <dn/flight/atomic_file.h>
+#include <dn/files/atomic_file.h>
 #include <fmt/format.h>
 
 #include <system_error>

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/atomic_file.h>
+#include <dn/files/atomic_file.h>
 #include <dn/page/page.h>
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/montecarlo/blind_record.h>
+#include <dn/blind_check/blind_record.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/study/sweep.h>
 

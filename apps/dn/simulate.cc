@@ -1,4 +1,4 @@
-#include <dn/calibration/adjust.h>
+#include <dn/adjustment/adjust.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/simulate.h>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-#include <dn/calibration/filter_separation.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/filter_separation.h>
+#include <dn/adjustment/words.h>
 
 #include <utility>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "smooth_summary.h"
 
-#include <dn/calibration/achieved_accuracy.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/achieved_accuracy.h>
+#include <dn/adjustment/words.h>
 #include <fmt/format.h>
 
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/filter_separation.h>
+#include <dn/adjustment/filter_separation.h>
 
 #include "flight_run.h"
 

@@ -1,6 +1,6 @@
 #include "strip_lines.h"
 
-#include <dn/flight/strip_at.h>
+#include <dn/files/strip_at.h>
 #include <dn/rotation.h>
 #include <fmt/format.h>
 

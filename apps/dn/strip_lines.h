@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 
 #include <map>
 #include <string>

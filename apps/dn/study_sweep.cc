@@ -1,6 +1,6 @@
 #include "study_sweep.h"
 
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/interrupted.h>
 #include <dn/report/plot.h>
 #include <dn/study/sweep.h>

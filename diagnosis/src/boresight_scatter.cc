@@ -1,7 +1,7 @@
 #include "boresight_scatter.h"
 
 #include <dn/error.h>
-#include <dn/flight/strip_at.h>
+#include <dn/files/strip_at.h>
 #include <dn/parallel.h>
 #include <dn/solvers/marginals.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/gap/diagnose.h>
+#include <dn/diagnosis/diagnose.h>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,7 +1,7 @@
 #include "design_limits.h"
 
 #include <dn/builder/build.h>
-#include <dn/gap/limits.h>
+#include <dn/diagnosis/limits.h>
 #include <dn/interrupted.h>
 #include <dn/solvers/marginals.h>
 

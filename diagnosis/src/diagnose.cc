@@ -1,10 +1,10 @@
-#include <dn/calibration/result.h>
+#include <dn/adjustment/result.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/gap/adapt.h>
-#include <dn/gap/diagnose.h>
-#include <dn/gap/report.h>
-#include <dn/gap/twin.h>
+#include <dn/diagnosis/adapt.h>
+#include <dn/diagnosis/diagnose.h>
+#include <dn/diagnosis/report.h>
+#include <dn/diagnosis/twin.h>
 #include <dn/interrupted.h>
 #include <dn/quantile.h>
 #include <dn/rotation.h>

@@ -1,9 +1,9 @@
 #include "diagnose_gauss_helmert.h"
 
-#include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
 #include <dn/effects/effect_table.h>
-#include <dn/gap/adapt.h>
-#include <dn/gap/report.h>
+#include <dn/diagnosis/adapt.h>
+#include <dn/diagnosis/report.h>
 #include <dn/interrupted.h>
 #include <dn/log_sum.h>
 #include <dn/rotation.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/gap/diagnosis.h>
+#include <dn/diagnosis/diagnosis.h>
 #include <dn/geo/local_frame.h>
 
 #include <string>

@@ -1,6 +1,6 @@
 #include "evidence_adjustment.h"
 
-#include <dn/calibration/stages.h>
+#include <dn/adjustment/stages.h>
 #include <dn/navigation/robust_scale.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/prediction.h>

@@ -1,7 +1,7 @@
 #include "explained_flight.h"
 
 #include <dn/effects/effect_table.h>
-#include <dn/gap/adapt.h>
+#include <dn/diagnosis/adapt.h>
 #include <dn/interrupted.h>
 #include <dn/navigation/robust_scale.h>
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/calibration/solution.h>
-#include <dn/flight/flight.h>
-#include <dn/gap/diagnose.h>
+#include <dn/adjustment/solution.h>
+#include <dn/files/flight.h>
+#include <dn/diagnosis/diagnose.h>
 
 #include <memory>
 #include <string>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/sim/scenario.h>
 

@@ -1,4 +1,4 @@
-#include <dn/gap/report.h>
+#include <dn/diagnosis/report.h>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/lasting_errors.h>
-#include <dn/calibration/linear_pairs.h>
+#include <dn/adjustment/lasting_errors.h>
+#include <dn/adjustment/linear_pairs.h>
 
 #include <Eigen/Core>
 #include <map>

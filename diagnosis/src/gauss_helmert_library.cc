@@ -1,10 +1,10 @@
 #include "gauss_helmert_library.h"
 
-#include <dn/calibration/candidate_effects.h>
-#include <dn/calibration/laser_departures.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/adjustment/laser_departures.h>
 #include <dn/effects/effect_table.h>
-#include <dn/flight/scan_angle.h>
-#include <dn/flight/strip_at.h>
+#include <dn/files/scan_angle.h>
+#include <dn/files/strip_at.h>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/linear_pairs.h>
-#include <dn/flight/flight.h>
+#include <dn/adjustment/linear_pairs.h>
+#include <dn/files/flight.h>
 
 #include <Eigen/Core>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/candidate_effects.h>
-#include <dn/flight/flight.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/files/flight.h>
 #include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>

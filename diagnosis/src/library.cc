@@ -1,7 +1,7 @@
 #include "library.h"
 
-#include <dn/calibration/candidate_effects.h>
-#include <dn/calibration/laser_departures.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/adjustment/laser_departures.h>
 #include <dn/effects/effect_table.h>
 
 #include <algorithm>

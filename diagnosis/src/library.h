@@ -2,7 +2,7 @@
 
 #include <dn/builder/flight_network.h>
 #include <dn/effects/effect_table.h>
-#include <dn/flight/effect_times.h>
+#include <dn/files/effect_times.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/score_test.h>
 

@@ -1,7 +1,7 @@
 #include "locations.h"
 
-#include <dn/flight/scan_angle.h>
-#include <dn/flight/strip_at.h>
+#include <dn/files/scan_angle.h>
+#include <dn/files/strip_at.h>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/gap/adapt.h>
+#include <dn/diagnosis/adapt.h>
 #include <dn/log_sum.h>
 #include <dn/size_prior.h>
 #include <dn/solvers/restricted_likelihood.h>

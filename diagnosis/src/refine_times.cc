@@ -1,6 +1,6 @@
 #include "refine_times.h"
 
-#include <dn/calibration/candidate_effects.h>
+#include <dn/adjustment/candidate_effects.h>
 #include <dn/effects/effect_table.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
-#include <dn/gap/diagnosis.h>
+#include <dn/diagnosis/diagnosis.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/score_test.h>
 

@@ -1,5 +1,5 @@
-#include <dn/calibration/stages.h>
-#include <dn/gap/signature.h>
+#include <dn/adjustment/stages.h>
+#include <dn/diagnosis/signature.h>
 #include <dn/solvers/marginals.h>
 
 #include <algorithm>

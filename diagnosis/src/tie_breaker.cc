@@ -2,7 +2,7 @@
 
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/gap/twin.h>
+#include <dn/diagnosis/twin.h>
 #include <dn/geo/nearest_pose.h>
 #include <dn/interrupted.h>
 #include <dn/parallel.h>

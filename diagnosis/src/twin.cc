@@ -1,8 +1,8 @@
 #include <dn/builder/edge_factors.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/gap/adapt.h>
-#include <dn/gap/twin.h>
+#include <dn/diagnosis/adapt.h>
+#include <dn/diagnosis/twin.h>
 #include <dn/median.h>
 
 #include <algorithm>

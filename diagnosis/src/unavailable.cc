@@ -1,7 +1,7 @@
 #include "unavailable.h"
 
 #include <dn/effects/effect_table.h>
-#include <dn/gap/report.h>
+#include <dn/diagnosis/report.h>
 
 #include <limits>
 #include <utility>

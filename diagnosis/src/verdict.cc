@@ -1,4 +1,4 @@
-#include <dn/gap/diagnosis.h>
+#include <dn/diagnosis/diagnosis.h>
 
 namespace dn {
 

@@ -1,7 +1,7 @@
 #include <dn/builder/calibration_effect.h>
 #include <dn/effects/effect_table.h>
-#include <dn/gap/adapt.h>
-#include <dn/gap/report.h>
+#include <dn/diagnosis/adapt.h>
+#include <dn/diagnosis/report.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

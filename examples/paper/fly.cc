@@ -1,7 +1,7 @@
 #include "fly.h"
 
-#include <dn/calibration/result_files.h>
-#include <dn/calibration/solution.h>
+#include <dn/adjustment/result_files.h>
+#include <dn/adjustment/solution.h>
 #include <dn/geo/trajectory.h>
 #include <dn/rotation.h>
 

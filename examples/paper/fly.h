@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/result.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/result.h>
 #include <dn/sim/simulate.h>
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 #include "on_the_job.h"
 
-#include <dn/calibration/solution.h>
+#include <dn/adjustment/solution.h>
 #include <dn/report/distributions.h>
 #include <fmt/format.h>
 

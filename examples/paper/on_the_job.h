@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/finding.h>
+#include <dn/adjustment/finding.h>
 
 #include <Eigen/Core>
 #include <cstdint>

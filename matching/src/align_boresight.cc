@@ -1,5 +1,5 @@
 #include <dn/rotation.h>
-#include <dn/solvers/gauss_helmert.h>
+#include <dn/fixed_trajectory/gauss_helmert.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>

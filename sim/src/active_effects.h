@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/flight/effect_times.h>
-#include <dn/flight/flight_config.h>
+#include <dn/files/effect_times.h>
+#include <dn/files/flight_config.h>
 #include <dn/geo/local_frame.h>
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>

@@ -1,5 +1,5 @@
-#include <dn/flight/file_units.h>
-#include <dn/flight/yaml_sections.h>
+#include <dn/files/file_units.h>
+#include <dn/files/yaml_sections.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/text_table.h>
 #include <dn/sim/scenario.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/map_gnss.h>
+#include <dn/files/map_gnss.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/truth.h>
 

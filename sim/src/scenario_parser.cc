@@ -1,5 +1,5 @@
 #include <dn/config/yaml_value.h>
-#include <dn/flight/yaml_sections.h>
+#include <dn/files/yaml_sections.h>
 #include <dn/geo/local_frame.h>
 #include <dn/names.h>
 #include <dn/sim/scenario.h>

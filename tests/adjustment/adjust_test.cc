@@ -1,4 +1,4 @@
-#include <dn/calibration/adjust.h>
+#include <dn/adjustment/adjust.h>
 #include <dn/error.h>
 #include <dn/sim/random.h>
 #include <dn/solvers/solve.h>

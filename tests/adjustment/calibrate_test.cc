@@ -1,6 +1,6 @@
-#include <dn/calibration/candidate_effects.h>
-#include <dn/calibration/result.h>
-#include <dn/calibration/result_files.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/adjustment/result.h>
+#include <dn/adjustment/result_files.h>
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
 #include <dn/solvers/score_test.h>

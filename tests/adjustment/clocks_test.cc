@@ -1,5 +1,5 @@
 // Tests of flights whose GNSS or scanner clock differs from the inertial clock.
-#include <dn/calibration/words.h>
+#include <dn/adjustment/words.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

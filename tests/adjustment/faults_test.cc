@@ -1,5 +1,5 @@
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/adjust.h>
+#include <dn/adjustment/words.h>
 #include <dn/error.h>
 #include <dn/sim/random.h>
 #include <gmock/gmock.h>

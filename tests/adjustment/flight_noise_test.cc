@@ -1,4 +1,4 @@
-#include <dn/calibration/result_files.h>
+#include <dn/adjustment/result_files.h>
 #include <dn/sim/simulate.h>
 #include <gtest/gtest.h>
 

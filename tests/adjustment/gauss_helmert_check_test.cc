@@ -1,7 +1,7 @@
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/result_files.h>
-#include <dn/calibration/trajectory_covariance.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/result_files.h>
+#include <dn/adjustment/trajectory_covariance.h>
+#include <dn/adjustment/words.h>
 #include <dn/geo/trajectory_covariance.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/words.h>
 #include <dn/error.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory_covariance.h>

@@ -3,7 +3,7 @@
 
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/prior.h>
-#include <dn/solvers/gauss_helmert.h>
+#include <dn/fixed_trajectory/gauss_helmert.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/solve.h>
 #include <gtest/gtest.h>

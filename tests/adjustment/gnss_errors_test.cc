@@ -1,7 +1,7 @@
 // Covariances over many flights with time-correlated GNSS errors, with and without the states that
 // model them.
-#include <dn/calibration/gnss_errors.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/gnss_errors.h>
+#include <dn/adjustment/words.h>
 #include <dn/report/distributions.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

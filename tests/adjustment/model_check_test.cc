@@ -1,6 +1,6 @@
-#include <dn/calibration/candidate_effects.h>
-#include <dn/calibration/model_check.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/adjustment/model_check.h>
+#include <dn/adjustment/words.h>
 #include <dn/effects/effect_table.h>
 #include <dn/rotation.h>
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
-#include <dn/calibration/pair_residuals.h>
-#include <dn/calibration/pose_interpolator.h>
-#include <dn/calibration/result.h>
+#include <dn/adjustment/pair_residuals.h>
+#include <dn/adjustment/pose_interpolator.h>
+#include <dn/adjustment/result.h>
 #include <dn/rotation.h>
 #include <gtest/gtest.h>
 

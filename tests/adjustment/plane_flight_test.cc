@@ -1,7 +1,7 @@
-#include <dn/calibration/plane_flight.h>
-#include <dn/calibration/result_files.h>
-#include <dn/calibration/trajectory_ends.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/plane_flight.h>
+#include <dn/adjustment/result_files.h>
+#include <dn/adjustment/trajectory_ends.h>
+#include <dn/adjustment/words.h>
 #include <dn/error.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

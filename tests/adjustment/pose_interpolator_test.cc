@@ -1,4 +1,4 @@
-#include <dn/calibration/pose_interpolator.h>
+#include <dn/adjustment/pose_interpolator.h>
 #include <dn/error.h>
 #include <dn/rotation.h>
 #include <gmock/gmock.h>

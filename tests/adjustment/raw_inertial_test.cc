@@ -1,6 +1,6 @@
 // A network with a node at every inertial sample gives the same adjustment as preintegrated
 // increments.
-#include <dn/calibration/adjust.h>
+#include <dn/adjustment/adjust.h>
 #include <dn/rotation.h>
 #include <dn/sim/random.h>
 #include <dn/solvers/marginals.h>

@@ -1,5 +1,5 @@
-#include <dn/calibration/solution.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/solution.h>
+#include <dn/adjustment/words.h>
 #include <gtest/gtest.h>
 
 #include <type_traits>

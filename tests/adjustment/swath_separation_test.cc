@@ -1,4 +1,4 @@
-#include <dn/calibration/swath_separation.h>
+#include <dn/adjustment/swath_separation.h>
 #include <gtest/gtest.h>
 
 namespace dn::swath_separation_test {

@@ -1,4 +1,4 @@
-#include <dn/calibration/words.h>
+#include <dn/adjustment/words.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 #include <dn/effects/effect_table.h>
-#include <dn/flight/flight_config.h>
+#include <dn/files/flight_config.h>
 #include <dn/report/json.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

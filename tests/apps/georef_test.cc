@@ -1,4 +1,4 @@
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/geo/text_table.h>
 #include <dn/lidar/strip_io.h>
 #include <dn/report/json.h>

@@ -1,4 +1,4 @@
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/report/json.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include <dn/flight/flight_config.h>
+#include <dn/files/flight_config.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <dn/report/json.h>

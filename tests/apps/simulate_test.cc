@@ -1,5 +1,5 @@
-#include <dn/flight/flight_config.h>
-#include <dn/flight/truth.h>
+#include <dn/files/flight_config.h>
+#include <dn/files/truth.h>
 #include <dn/geo/trajectory.h>
 #include <dn/lidar/strip_io.h>
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/montecarlo/blind_flight.h>
-#include <dn/montecarlo/blind_record.h>
+#include <dn/blind_check/blind_flight.h>
+#include <dn/blind_check/blind_record.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

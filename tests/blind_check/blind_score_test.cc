@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/montecarlo/blind_score.h>
+#include <dn/blind_check/blind_score.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include <dn/error.h>
-#include <dn/gap/adapt.h>
-#include <dn/gap/diagnose.h>
+#include <dn/diagnosis/adapt.h>
+#include <dn/diagnosis/diagnose.h>
 #include <dn/interrupted.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

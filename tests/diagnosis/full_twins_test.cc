@@ -1,7 +1,7 @@
 #include "full_twins.h"
 
-#include <dn/calibration/result.h>
-#include <dn/gap/twin.h>
+#include <dn/adjustment/result.h>
+#include <dn/diagnosis/twin.h>
 #include <dn/sim/random.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-#include <dn/gap/adapt.h>
-#include <dn/gap/diagnose.h>
+#include <dn/diagnosis/adapt.h>
+#include <dn/diagnosis/diagnose.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

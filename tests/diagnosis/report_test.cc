@@ -1,4 +1,4 @@
-#include <dn/gap/report.h>
+#include <dn/diagnosis/report.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/gap/signature.h>
+#include <dn/diagnosis/signature.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/gap/diagnosis.h>
-#include <dn/gap/report.h>
+#include <dn/diagnosis/diagnosis.h>
+#include <dn/diagnosis/report.h>
 #include <dn/geo/local_frame.h>
 
 #include <limits>

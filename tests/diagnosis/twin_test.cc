@@ -1,6 +1,6 @@
 #include <dn/effects/effect_table.h>
-#include <dn/gap/adapt.h>
-#include <dn/gap/twin.h>
+#include <dn/diagnosis/adapt.h>
+#include <dn/diagnosis/twin.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

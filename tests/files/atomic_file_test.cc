@@ -1,4 +1,4 @@
-#include <dn/flight/atomic_file.h>
+#include <dn/files/atomic_file.h>
 #include <sys/stat.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-#include <dn/flight/file_content.h>
+#include <dn/files/file_content.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <fmt/format.h>

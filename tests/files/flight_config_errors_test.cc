@@ -1,5 +1,5 @@
 // Each test has one error of flight.yaml and checks the message and its line.
-#include <dn/flight/flight_config.h>
+#include <dn/files/flight_config.h>
 
 #include <filesystem>
 #include <fstream>

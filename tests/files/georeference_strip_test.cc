@@ -1,5 +1,5 @@
-#include <dn/flight/georeference_strip.h>
-#include <dn/flight/strip_source.h>
+#include <dn/files/georeference_strip.h>
+#include <dn/files/strip_source.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>
 #include <dn/lidar/point_covariance.h>

@@ -1,4 +1,4 @@
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/geo/text_table.h>
 #include <sys/stat.h>
 

@@ -1,5 +1,5 @@
 // Real flight folders outside this project; the tests are skipped if they are absent.
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/imu/noise_check.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Measured point clouds outside this project; the tests are skipped if they are absent.
-#include <dn/flight/georeference_strip.h>
-#include <dn/flight/strip_files.h>
+#include <dn/files/georeference_strip.h>
+#include <dn/files/strip_files.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

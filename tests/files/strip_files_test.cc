@@ -1,4 +1,4 @@
-#include <dn/flight/strip_files.h>
+#include <dn/files/strip_files.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/solvers/gauss_helmert.h>
+#include <dn/fixed_trajectory/gauss_helmert.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

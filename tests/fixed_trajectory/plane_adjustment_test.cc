@@ -1,6 +1,6 @@
 #include <dn/error.h>
 #include <dn/report/distributions.h>
-#include <dn/solvers/plane_adjustment.h>
+#include <dn/fixed_trajectory/plane_adjustment.h>
 #include <gmock/gmock.h>
 
 #include <Eigen/LU>

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/solvers/trajectory_scatter.h>
+#include <dn/fixed_trajectory/trajectory_scatter.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>

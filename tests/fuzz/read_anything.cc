@@ -1,8 +1,8 @@
 #include "read_anything.h"
 
 #include <dn/error.h>
-#include <dn/flight/file_content.h>
-#include <dn/flight/flight_config.h>
+#include <dn/files/file_content.h>
+#include <dn/files/flight_config.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <dn/geo/trajectory_covariance.h>
@@ -11,7 +11,7 @@
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>
 #include <dn/lidar/strip_io.h>
-#include <dn/montecarlo/blind_record.h>
+#include <dn/blind_check/blind_record.h>
 #include <dn/montecarlo/flight_record.h>
 #include <dn/report/json_reader.h>
 #include <dn/sim/scenario.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/solvers/plane_adjustment.h>
+#include <dn/fixed_trajectory/plane_adjustment.h>
 
 #include <Eigen/Core>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "comparison.h"
 
-#include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
 #include <dn/page/page.h>
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 
 #include <algorithm>
 #include <utility>

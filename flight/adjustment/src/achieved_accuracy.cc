@@ -1,4 +1,4 @@
-#include <dn/calibration/achieved_accuracy.h>
+#include <dn/adjustment/achieved_accuracy.h>
 #include <dn/geo/local_frame.h>
 #include <dn/quantile.h>
 

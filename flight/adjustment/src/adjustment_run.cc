@@ -1,4 +1,4 @@
-#include <dn/calibration/stages.h>
+#include <dn/adjustment/stages.h>
 #include <dn/error.h>
 #include <dn/solvers/solve.h>
 

@@ -1,5 +1,5 @@
-#include <dn/calibration/bias_correlation.h>
-#include <dn/calibration/result.h>
+#include <dn/adjustment/bias_correlation.h>
+#include <dn/adjustment/result.h>
 
 namespace dn {
 namespace {

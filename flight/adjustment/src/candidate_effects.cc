@@ -1,5 +1,5 @@
 #include <dn/autodiff.h>
-#include <dn/calibration/candidate_effects.h>
+#include <dn/adjustment/candidate_effects.h>
 #include <dn/effects/effect_table.h>
 #include <dn/imu/imu_means.h>
 #include <dn/parallel.h>

@@ -1,4 +1,4 @@
-#include <dn/calibration/clocks.h>
+#include <dn/adjustment/clocks.h>
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "common_errors.h"
 
-#include <dn/flight/strip_at.h>
+#include <dn/files/strip_at.h>
 
 #include <cmath>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include <dn/calibration/result.h>
+#include <dn/adjustment/result.h>
 #include <dn/imu/strapdown.h>
 #include <dn/parallel.h>
 

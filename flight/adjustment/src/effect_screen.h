@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/candidate_effects.h>
-#include <dn/calibration/model_check.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/adjustment/model_check.h>
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Core>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/error.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 
 namespace dn::internal {
 

@@ -1,4 +1,4 @@
-#include <dn/calibration/filter_separation.h>
+#include <dn/adjustment/filter_separation.h>
 #include <dn/geo/text_table.h>
 #include <dn/rotation.h>
 

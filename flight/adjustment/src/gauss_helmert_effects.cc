@@ -1,9 +1,9 @@
 #include "gauss_helmert_effects.h"
 
-#include <dn/calibration/laser_departures.h>
-#include <dn/calibration/lasting_errors.h>
-#include <dn/calibration/lidar_effects.h>
-#include <dn/calibration/linear_pairs.h>
+#include <dn/adjustment/laser_departures.h>
+#include <dn/adjustment/lasting_errors.h>
+#include <dn/adjustment/lidar_effects.h>
+#include <dn/adjustment/linear_pairs.h>
 #include <dn/rotation.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
 
 #include <Eigen/Core>
 #include <vector>

@@ -1,6 +1,6 @@
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/trajectory_ends.h>
+#include <dn/adjustment/adjust.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/trajectory_ends.h>
 #include <dn/error.h>
 #include <dn/geo/median_step.h>
 #include <dn/parallel.h>

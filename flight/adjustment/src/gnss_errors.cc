@@ -1,4 +1,4 @@
-#include <dn/calibration/gnss_errors.h>
+#include <dn/adjustment/gnss_errors.h>
 #include <dn/geo/text_table.h>
 
 namespace dn {

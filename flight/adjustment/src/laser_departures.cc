@@ -1,6 +1,6 @@
-#include <dn/calibration/laser_departures.h>
+#include <dn/adjustment/laser_departures.h>
 #include <dn/factors/lidar_effect.h>
-#include <dn/flight/scan_angle.h>
+#include <dn/files/scan_angle.h>
 
 #include <algorithm>
 #include <cmath>

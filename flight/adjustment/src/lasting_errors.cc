@@ -1,4 +1,4 @@
-#include <dn/calibration/lasting_errors.h>
+#include <dn/adjustment/lasting_errors.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

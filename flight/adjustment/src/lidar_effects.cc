@@ -1,4 +1,4 @@
-#include <dn/calibration/lidar_effects.h>
+#include <dn/adjustment/lidar_effects.h>
 #include <dn/effects/effect_table.h>
 
 #include <functional>

@@ -1,5 +1,5 @@
-#include <dn/calibration/linear_pairs.h>
-#include <dn/calibration/pose_interpolator.h>
+#include <dn/adjustment/linear_pairs.h>
+#include <dn/adjustment/pose_interpolator.h>
 #include <dn/rotation.h>
 
 #include <Eigen/Cholesky>

@@ -1,8 +1,8 @@
-#include <dn/calibration/candidate_effects.h>
-#include <dn/calibration/laser_departures.h>
-#include <dn/calibration/model_check.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/adjustment/laser_departures.h>
+#include <dn/adjustment/model_check.h>
 #include <dn/effects/effect_table.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/parallel.h>
 #include <dn/report/distributions.h>
 #include <dn/solvers/fit_check.h>

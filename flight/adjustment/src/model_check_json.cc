@@ -1,6 +1,6 @@
 #include "model_check_json.h"
 
-#include <dn/calibration/words.h>
+#include <dn/adjustment/words.h>
 #include <dn/rotation.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/model_check.h>
+#include <dn/adjustment/model_check.h>
 #include <dn/report/json.h>
 
 namespace dn {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/model_check.h>
-#include <dn/calibration/plane_flight.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/model_check.h>
+#include <dn/adjustment/plane_flight.h>
 
 namespace dn::internal {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/stages.h>
+#include <dn/adjustment/stages.h>
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/adjust.h>
+#include <dn/adjustment/adjust.h>
 #include <dn/navigation/directed_filter.h>
 
 #include <optional>

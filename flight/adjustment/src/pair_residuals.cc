@@ -1,7 +1,7 @@
-#include <dn/calibration/pair_residuals.h>
-#include <dn/calibration/swath_separation.h>
-#include <dn/flight/scan_angle.h>
-#include <dn/flight/strip_at.h>
+#include <dn/adjustment/pair_residuals.h>
+#include <dn/adjustment/swath_separation.h>
+#include <dn/files/scan_angle.h>
+#include <dn/files/strip_at.h>
 #include <dn/geo/text_table.h>
 
 #include <algorithm>

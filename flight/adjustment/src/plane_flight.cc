@@ -1,4 +1,4 @@
-#include <dn/calibration/plane_flight.h>
+#include <dn/adjustment/plane_flight.h>
 #include <dn/error.h>
 #include <dn/rotation.h>
 #include <dn/seconds_since.h>

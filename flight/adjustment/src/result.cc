@@ -1,6 +1,6 @@
-#include <dn/calibration/bias_correlation.h>
-#include <dn/calibration/result.h>
-#include <dn/calibration/trajectory_sigma.h>
+#include <dn/adjustment/bias_correlation.h>
+#include <dn/adjustment/result.h>
+#include <dn/adjustment/trajectory_sigma.h>
 #include <dn/solvers/prediction.h>
 #include <dn/solvers/solve.h>
 

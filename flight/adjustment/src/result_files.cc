@@ -1,6 +1,6 @@
-#include <dn/calibration/achieved_accuracy.h>
-#include <dn/calibration/result_files.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/achieved_accuracy.h>
+#include <dn/adjustment/result_files.h>
+#include <dn/adjustment/words.h>
 #include <dn/geo/text_table.h>
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/result_files.h>
+#include <dn/adjustment/result_files.h>
 
 #include <string>
 #include <vector>

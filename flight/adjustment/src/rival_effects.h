@@ -1,8 +1,8 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
-#include <dn/calibration/candidate_effects.h>
-#include <dn/calibration/checks.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/adjustment/checks.h>
 #include <dn/solvers/marginals.h>
 #include <dn/solvers/score_test.h>
 

@@ -1,4 +1,4 @@
-#include <dn/calibration/solution.h>
+#include <dn/adjustment/solution.h>
 
 #include <utility>
 

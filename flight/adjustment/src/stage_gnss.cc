@@ -1,6 +1,6 @@
-#include <dn/calibration/left_out_gnss.h>
-#include <dn/calibration/stages.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/left_out_gnss.h>
+#include <dn/adjustment/stages.h>
+#include <dn/adjustment/words.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/gnss_correlation.h>
 #include <dn/navigation/gnss_screening.h>

@@ -1,6 +1,6 @@
 #include <dn/builder/flight_nodes.h>
 #include <dn/builder/keep_in_use.h>
-#include <dn/calibration/stages.h>
+#include <dn/adjustment/stages.h>
 #include <dn/imu/strapdown.h>
 #include <dn/navigation/alignment.h>
 

@@ -1,4 +1,4 @@
-#include <dn/calibration/stages.h>
+#include <dn/adjustment/stages.h>
 #include <dn/geo/text_table.h>
 #include <dn/navigation/robust_scale.h>
 

@@ -1,4 +1,4 @@
-#include <dn/calibration/swath_separation.h>
+#include <dn/adjustment/swath_separation.h>
 
 #include <cmath>
 

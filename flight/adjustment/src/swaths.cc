@@ -1,5 +1,5 @@
-#include <dn/calibration/swaths.h>
-#include <dn/flight/strip_at.h>
+#include <dn/adjustment/swaths.h>
+#include <dn/files/strip_at.h>
 #include <dn/report/json.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-#include <dn/calibration/gauss_helmert_flight.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
 #include <dn/error.h>
-#include <dn/flight/accuracy_files.h>
+#include <dn/files/accuracy_files.h>
 #include <dn/geo/accuracy_series.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory_covariance.h>

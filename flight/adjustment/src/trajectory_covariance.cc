@@ -1,5 +1,5 @@
 #include <dn/builder/node_grid.h>
-#include <dn/calibration/trajectory_covariance.h>
+#include <dn/adjustment/trajectory_covariance.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include <dn/calibration/trajectory_ends.h>
+#include <dn/adjustment/trajectory_ends.h>
 #include <dn/error.h>
 
 #include <algorithm>

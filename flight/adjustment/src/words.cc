@@ -1,5 +1,5 @@
-#include <dn/calibration/angle_names.h>
-#include <dn/calibration/words.h>
+#include <dn/adjustment/angle_names.h>
+#include <dn/adjustment/words.h>
 #include <dn/geo/text_table.h>
 #include <dn/gnss/gnss_process.h>
 #include <dn/rotation.h>

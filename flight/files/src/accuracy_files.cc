@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/accuracy_files.h>
+#include <dn/files/accuracy_files.h>
 
 #include <cctype>
 #include <string>

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <dn/config/yaml_value.h>
-#include <dn/flight/file_units.h>
-#include <dn/flight/flight_config.h>
-#include <dn/flight/yaml_sections.h>
+#include <dn/files/file_units.h>
+#include <dn/files/flight_config.h>
+#include <dn/files/yaml_sections.h>
 
 #include "config_names.h"
 

@@ -1,4 +1,4 @@
-#include <dn/flight/effect_times.h>
+#include <dn/files/effect_times.h>
 #include <dn/geo/text_table.h>
 
 namespace dn {

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/file_content.h>
+#include <dn/files/file_content.h>
 #include <dn/geo/text_table.h>
 #include <dn/geo/trajectory.h>
 #include <dn/median.h>

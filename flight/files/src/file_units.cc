@@ -1,4 +1,4 @@
-#include <dn/flight/file_units.h>
+#include <dn/files/file_units.h>
 #include <dn/geo/text_table.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/week_seconds.h>
 #include <dn/parallel.h>

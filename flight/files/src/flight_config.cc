@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/flight_config.h>
+#include <dn/files/flight_config.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/read_file.h>
 #include <dn/names.h>

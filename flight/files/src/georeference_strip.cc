@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/georeference_strip.h>
+#include <dn/files/georeference_strip.h>
 #include <dn/lidar/point_covariance.h>
 #include <dn/parallel.h>
 #include <dn/rotation.h>

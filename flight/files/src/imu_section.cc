@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/effect_times.h>
+#include <dn/files/effect_times.h>
 #include <dn/names.h>
 
 #include <filesystem>

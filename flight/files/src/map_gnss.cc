@@ -1,4 +1,4 @@
-#include <dn/flight/map_gnss.h>
+#include <dn/files/map_gnss.h>
 
 namespace dn {
 

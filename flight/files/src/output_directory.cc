@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/atomic_file.h>
+#include <dn/files/atomic_file.h>
 #include <dn/names.h>
 #include <fcntl.h>
 #include <sys/file.h>

@@ -1,4 +1,4 @@
-#include <dn/flight/scan_angle.h>
+#include <dn/files/scan_angle.h>
 
 #include <cmath>
 

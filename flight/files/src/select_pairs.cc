@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "staged_commit.h"
 
 #include <dn/error.h>
-#include <dn/flight/atomic_file.h>
+#include <dn/files/atomic_file.h>
 #include <dn/geo/read_file.h>
 #include <sys/stat.h>
 #include <unistd.h>

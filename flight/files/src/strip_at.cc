@@ -1,4 +1,4 @@
-#include <dn/flight/strip_at.h>
+#include <dn/files/strip_at.h>
 
 #include <algorithm>
 

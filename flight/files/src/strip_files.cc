@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/strip_files.h>
+#include <dn/files/strip_files.h>
 #include <dn/geo/local_frame.h>
 #include <dn/geo/read_file.h>
 #include <dn/geo/text_table.h>

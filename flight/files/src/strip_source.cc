@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/flight/strip_source.h>
+#include <dn/files/strip_source.h>
 #include <dn/lidar/strip_io.h>
 
 #include <algorithm>

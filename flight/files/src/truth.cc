@@ -1,5 +1,5 @@
 #include <dn/config/yaml_value.h>
-#include <dn/flight/truth.h>
+#include <dn/files/truth.h>
 #include <dn/geo/read_file.h>
 
 namespace dn {

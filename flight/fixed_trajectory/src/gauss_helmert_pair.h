@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/solvers/gauss_helmert.h>
+#include <dn/fixed_trajectory/gauss_helmert.h>
 
 #include <Eigen/Core>
 

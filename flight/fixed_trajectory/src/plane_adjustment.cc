@@ -2,7 +2,7 @@
 #include <dn/median.h>
 #include <dn/parallel.h>
 #include <dn/rotation.h>
-#include <dn/solvers/plane_adjustment.h>
+#include <dn/fixed_trajectory/plane_adjustment.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

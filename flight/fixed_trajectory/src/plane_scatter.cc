@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/solvers/plane_adjustment.h>
+#include <dn/fixed_trajectory/plane_adjustment.h>
 
 #include <Eigen/LU>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/solvers/trajectory_scatter.h>
+#include <dn/fixed_trajectory/trajectory_scatter.h>
 
 #include <Eigen/Core>
 #include <functional>

@@ -1,5 +1,5 @@
 #include <dn/error.h>
-#include <dn/solvers/trajectory_scatter.h>
+#include <dn/fixed_trajectory/trajectory_scatter.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/imu/preintegration.h>
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
-#include <dn/montecarlo/blind_flight.h>
+#include <dn/blind_check/blind_flight.h>
 #include <fmt/format.h>
 
 #include <algorithm>

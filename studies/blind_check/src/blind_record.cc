@@ -1,6 +1,6 @@
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
-#include <dn/montecarlo/blind_record.h>
+#include <dn/blind_check/blind_record.h>
 #include <dn/rotation.h>
 
 #include <algorithm>

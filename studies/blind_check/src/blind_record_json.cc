@@ -1,6 +1,6 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/montecarlo/blind_record.h>
+#include <dn/blind_check/blind_record.h>
 
 #include "blind_json.h"
 

@@ -1,6 +1,6 @@
 #include <dn/effects/effect_table.h>
 #include <dn/error.h>
-#include <dn/montecarlo/blind_score.h>
+#include <dn/blind_check/blind_score.h>
 #include <dn/quantile.h>
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "draw_effect.h"
 
-#include <dn/montecarlo/blind_flight.h>
+#include <dn/blind_check/blind_flight.h>
 
 #include <algorithm>
 #include <cmath>

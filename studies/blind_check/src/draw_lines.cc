@@ -1,6 +1,6 @@
 #include "draw_lines.h"
 
-#include <dn/montecarlo/outsider.h>
+#include <dn/blind_check/outsider.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

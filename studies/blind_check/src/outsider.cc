@@ -1,6 +1,6 @@
 #include <dn/error.h>
 #include <dn/geo/local_frame.h>
-#include <dn/montecarlo/outsider.h>
+#include <dn/blind_check/outsider.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include <dn/montecarlo/blind_score.h>
+#include <dn/blind_check/blind_score.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include <dn/builder/flight_nodes.h>
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/result.h>
+#include <dn/adjustment/adjust.h>
+#include <dn/adjustment/result.h>
 #include <dn/error.h>
 #include <dn/rotation.h>
 #include <dn/sim/no_overlap.h>

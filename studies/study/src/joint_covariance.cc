@@ -1,6 +1,6 @@
 #include "joint_covariance.h"
 
-#include <dn/calibration/bias_correlation.h>
+#include <dn/adjustment/bias_correlation.h>
 #include <dn/effects/effect_table.h>
 #include <dn/geo/local_frame.h>
 

@@ -1,7 +1,7 @@
-#include <dn/calibration/solution.h>
-#include <dn/calibration/trajectory_sigma.h>
+#include <dn/adjustment/solution.h>
+#include <dn/adjustment/trajectory_sigma.h>
 #include <dn/error.h>
-#include <dn/flight/strip_at.h>
+#include <dn/files/strip_at.h>
 #include <dn/study/remedies.h>
 #include <dn/study/study.h>
 

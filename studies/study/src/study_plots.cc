@@ -1,4 +1,4 @@
-#include <dn/calibration/angle_names.h>
+#include <dn/adjustment/angle_names.h>
 #include <dn/geo/local_frame.h>
 #include <dn/study/report.h>
 #include <fmt/format.h>

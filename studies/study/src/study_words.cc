@@ -1,4 +1,4 @@
-#include <dn/calibration/words.h>
+#include <dn/adjustment/words.h>
 #include <dn/rotation.h>
 #include <dn/study/report.h>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/effect_times.h>
+#include <dn/files/effect_times.h>
 
 #include <Eigen/Core>
 #include <optional>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/calibration/solution.h>
-#include <dn/gap/diagnose.h>
-#include <dn/gap/diagnosis.h>
+#include <dn/adjustment/solution.h>
+#include <dn/diagnosis/diagnose.h>
+#include <dn/diagnosis/diagnosis.h>
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/gap/diagnosis.h>
+#include <dn/diagnosis/diagnosis.h>
 #include <dn/report/json.h>
 #include <dn/report/plot.h>
 

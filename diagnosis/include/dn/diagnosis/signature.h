@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/flight/flight.h>
-#include <dn/gap/diagnose.h>
+#include <dn/files/flight.h>
+#include <dn/diagnosis/diagnose.h>
 
 #include <string>
 

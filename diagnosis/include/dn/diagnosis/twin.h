@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/flight/flight.h>
-#include <dn/gap/diagnosis.h>
+#include <dn/files/flight.h>
+#include <dn/diagnosis/diagnosis.h>
 #include <dn/geo/trajectory.h>
 #include <dn/sim/scenario.h>
 

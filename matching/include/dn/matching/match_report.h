@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/swath_separation.h>
+#include <dn/adjustment/swath_separation.h>
 #include <dn/matching/match.h>
 #include <dn/report/json.h>
 

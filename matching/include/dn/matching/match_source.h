@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/strip_source.h>
+#include <dn/files/strip_source.h>
 #include <dn/geo/trajectory.h>
 #include <dn/lidar/mounting.h>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/plane_flight.h>
+#include <dn/adjustment/plane_flight.h>
 #include <dn/matching/match.h>
 #include <dn/matching/strip_planes.h>
 

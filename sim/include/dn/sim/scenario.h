@@ -1,8 +1,8 @@
 #pragma once
 
 #include <dn/error.h>
-#include <dn/flight/effect_times.h>
-#include <dn/flight/flight_config.h>
+#include <dn/files/effect_times.h>
+#include <dn/files/flight_config.h>
 #include <dn/geo/local_frame.h>
 #include <dn/gnss/gnss_process.h>
 #include <dn/imu/imu_model.h>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/flight/atomic_file.h>
-#include <dn/flight/flight.h>
+#include <dn/files/atomic_file.h>
+#include <dn/files/flight.h>
 #include <dn/sim/own_errors.h>
 #include <dn/sim/scenario.h>
 #include <dn/sim/simulated_clouds.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/result.h>
+#include <dn/adjustment/result.h>
 #include <dn/report/json.h>
 
 #include <vector>

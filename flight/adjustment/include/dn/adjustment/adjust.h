@@ -2,10 +2,10 @@
 
 #include <dn/builder/flight_network.h>
 #include <dn/builder/flight_nodes.h>
-#include <dn/calibration/clocks.h>
-#include <dn/calibration/finding.h>
+#include <dn/adjustment/clocks.h>
+#include <dn/adjustment/finding.h>
 #include <dn/error.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/interrupted.h>
 #include <dn/navigation/alignment.h>
 #include <dn/navigation/gnss_correlation.h>
@@ -21,7 +21,7 @@ namespace dn {
 
 class AdjustmentRun;
 
-/// One stage of an adjustment; dn/calibration/stages.h has the predefined ones.
+/// One stage of an adjustment; dn/adjustment/stages.h has the predefined ones.
 struct AdjustmentStage {
   std::string name;
   std::function<void(AdjustmentRun&)> run;

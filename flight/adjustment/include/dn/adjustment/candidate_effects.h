@@ -2,7 +2,7 @@
 
 #include <dn/builder/calibration_effect.h>
 #include <dn/builder/flight_network.h>
-#include <dn/flight/effect_times.h>
+#include <dn/files/effect_times.h>
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Core>

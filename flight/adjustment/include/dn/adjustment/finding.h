@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/checks.h>
-#include <dn/calibration/clocks.h>
+#include <dn/adjustment/checks.h>
+#include <dn/adjustment/clocks.h>
 #include <dn/navigation/gnss_correlation.h>
 
 #include <Eigen/Core>
@@ -21,7 +21,7 @@ enum class Verdict {
   kContradicted,   ///< the data contradict the assumed model; overrides the others
 };
 
-/// The kinds of findings, each a type with the numbers that describe it. dn/calibration/words.h
+/// The kinds of findings, each a type with the numbers that describe it. dn/adjustment/words.h
 /// formats them as sentences.
 namespace facts {
 

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <dn/calibration/model_check.h>
-#include <dn/calibration/result.h>
-#include <dn/flight/flight.h>
-#include <dn/solvers/gauss_helmert.h>
-#include <dn/solvers/trajectory_scatter.h>
+#include <dn/adjustment/model_check.h>
+#include <dn/adjustment/result.h>
+#include <dn/files/flight.h>
+#include <dn/fixed_trajectory/gauss_helmert.h>
+#include <dn/fixed_trajectory/trajectory_scatter.h>
 
 #include <Eigen/Core>
 #include <functional>

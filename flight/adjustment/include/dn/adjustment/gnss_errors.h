@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/finding.h>
+#include <dn/adjustment/adjust.h>
+#include <dn/adjustment/finding.h>
 #include <dn/report/json.h>
 #include <dn/solvers/marginals.h>
 

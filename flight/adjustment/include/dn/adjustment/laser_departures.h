@@ -1,9 +1,9 @@
 #pragma once
 
 #include <dn/builder/flight_network.h>
-#include <dn/calibration/candidate_effects.h>
-#include <dn/calibration/lidar_effects.h>
-#include <dn/flight/flight.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/adjustment/lidar_effects.h>
+#include <dn/files/flight.h>
 
 #include <cstddef>
 #include <vector>

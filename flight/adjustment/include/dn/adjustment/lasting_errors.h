@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/candidate_effects.h>
-#include <dn/flight/flight_config.h>
+#include <dn/adjustment/candidate_effects.h>
+#include <dn/files/flight_config.h>
 #include <dn/solvers/score_test.h>
 
 #include <Eigen/Core>

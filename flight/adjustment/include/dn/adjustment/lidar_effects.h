@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/calibration/candidate_effects.h>
+#include <dn/adjustment/candidate_effects.h>
 #include <dn/factors/lidar_effect.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 
 #include <Eigen/Core>
 #include <vector>

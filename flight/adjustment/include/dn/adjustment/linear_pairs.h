@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/lasting_errors.h>
-#include <dn/calibration/lidar_effects.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/lasting_errors.h>
+#include <dn/adjustment/lidar_effects.h>
 
 #include <Eigen/Core>
 #include <cstddef>

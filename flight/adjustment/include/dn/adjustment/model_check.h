@@ -1,9 +1,9 @@
 #pragma once
 
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/checks.h>
-#include <dn/calibration/finding.h>
-#include <dn/calibration/result.h>
+#include <dn/adjustment/adjust.h>
+#include <dn/adjustment/checks.h>
+#include <dn/adjustment/finding.h>
+#include <dn/adjustment/result.h>
 #include <dn/solvers/marginals.h>
 
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/pose_interpolator.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/pose_interpolator.h>
 #include <dn/report/json.h>
 
 #include <Eigen/Core>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/solvers/plane_adjustment.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/fixed_trajectory/plane_adjustment.h>
 
 #include <Eigen/Core>
 #include <string>

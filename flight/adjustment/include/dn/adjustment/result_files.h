@@ -1,10 +1,10 @@
 #pragma once
 
-#include <dn/calibration/gauss_helmert_flight.h>
-#include <dn/calibration/model_check.h>
-#include <dn/calibration/pair_residuals.h>
-#include <dn/calibration/plane_flight.h>
-#include <dn/calibration/result.h>
+#include <dn/adjustment/gauss_helmert_flight.h>
+#include <dn/adjustment/model_check.h>
+#include <dn/adjustment/pair_residuals.h>
+#include <dn/adjustment/plane_flight.h>
+#include <dn/adjustment/result.h>
 #include <dn/report/json.h>
 
 #include <string>

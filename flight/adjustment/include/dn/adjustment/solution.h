@@ -1,9 +1,9 @@
 #pragma once
 
-#include <dn/calibration/adjust.h>
-#include <dn/calibration/model_check.h>
-#include <dn/calibration/result.h>
-#include <dn/calibration/trajectory_covariance.h>
+#include <dn/adjustment/adjust.h>
+#include <dn/adjustment/model_check.h>
+#include <dn/adjustment/result.h>
+#include <dn/adjustment/trajectory_covariance.h>
 #include <dn/solvers/marginals.h>
 
 #include <optional>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/pair_residuals.h>
-#include <dn/flight/flight_config.h>
+#include <dn/adjustment/pair_residuals.h>
+#include <dn/files/flight_config.h>
 #include <dn/lidar/swath.h>
 
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/adjust.h>
-#include <dn/flight/flight.h>
+#include <dn/adjustment/adjust.h>
+#include <dn/files/flight.h>
 #include <dn/geo/trajectory_covariance.h>
 #include <dn/solvers/marginals.h>
 

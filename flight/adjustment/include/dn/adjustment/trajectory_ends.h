@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/calibration/pose_interpolator.h>
-#include <dn/flight/flight.h>
-#include <dn/solvers/gauss_helmert.h>
+#include <dn/adjustment/pose_interpolator.h>
+#include <dn/files/flight.h>
+#include <dn/fixed_trajectory/gauss_helmert.h>
 
 #include <Eigen/Core>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/calibration/finding.h>
-#include <dn/calibration/model_check.h>
+#include <dn/adjustment/finding.h>
+#include <dn/adjustment/model_check.h>
 
 #include <string>
 #include <vector>

@@ -4,8 +4,8 @@
 #include <dn/factors/gnss_antenna.h>
 #include <dn/factors/lidar_effect.h>
 #include <dn/factors/preintegrated_inertial.h>
-#include <dn/flight/effect_times.h>
-#include <dn/flight/flight.h>
+#include <dn/files/effect_times.h>
+#include <dn/files/flight.h>
 #include <dn/imu/imu_effect.h>
 
 #include <Eigen/Core>

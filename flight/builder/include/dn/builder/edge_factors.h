@@ -5,7 +5,7 @@
 #include <dn/factors/lidar_effect.h>
 #include <dn/factors/lidar_point.h>
 #include <dn/factors/preintegrated_inertial.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>
 #include <dn/noise.h>

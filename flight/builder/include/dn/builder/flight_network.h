@@ -9,7 +9,7 @@
 #include <dn/factors/point_to_point.h>
 #include <dn/factors/preintegrated_inertial.h>
 #include <dn/factors/state_after_node.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/preintegration.h>
 #include <dn/network.h>

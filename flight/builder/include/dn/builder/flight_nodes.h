@@ -2,7 +2,7 @@
 
 #include <dn/builder/calibration_state.h>
 #include <dn/builder/node_grid.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 
 #include <optional>
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/error.h>
-#include <dn/flight/effect_times.h>
+#include <dn/files/effect_times.h>
 
 #include <Eigen/Core>
 #include <optional>

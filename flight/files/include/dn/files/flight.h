@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/flight/flight_config.h>
-#include <dn/flight/map_gnss.h>
+#include <dn/files/flight_config.h>
+#include <dn/files/map_gnss.h>
 #include <dn/geo/trajectory.h>
 #include <dn/imu/imu_data.h>
 #include <dn/lidar/pairs.h>

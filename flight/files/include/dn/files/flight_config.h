@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/estimate.h>
+#include <dn/files/estimate.h>
 #include <dn/geo/local_frame.h>
 #include <dn/gnss/gnss_data.h>
 #include <dn/gnss/gnss_process.h>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/strip_files.h>
+#include <dn/files/strip_files.h>
 #include <dn/geo/accuracy_series.h>
 #include <dn/geo/point_crs.h>
 #include <dn/geo/trajectory.h>

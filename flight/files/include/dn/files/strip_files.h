@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/flight/flight_config.h>
+#include <dn/files/flight_config.h>
 #include <dn/lidar/mounting.h>
 #include <dn/lidar/strip_io.h>
 #include <dn/lidar/vector_origin.h>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/config/yaml_value.h>
-#include <dn/flight/flight_config.h>
+#include <dn/files/flight_config.h>
 #include <dn/gnss/gnss_process.h>
 #include <dn/imu/imu_model.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <dn/solvers/gauss_helmert.h>
-#include <dn/solvers/trajectory_scatter.h>
+#include <dn/fixed_trajectory/gauss_helmert.h>
+#include <dn/fixed_trajectory/trajectory_scatter.h>
 
 #include <Eigen/Core>
 #include <cstddef>

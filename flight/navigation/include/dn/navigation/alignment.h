@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/builder/flight_nodes.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/navigation/forward_filter.h>
 
 #include <functional>

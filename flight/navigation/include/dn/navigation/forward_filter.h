@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/builder/calibration_state.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/geo/trajectory.h>
 
 #include <Eigen/Core>

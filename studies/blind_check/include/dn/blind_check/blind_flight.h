@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/montecarlo/outsider.h>
+#include <dn/blind_check/outsider.h>
 #include <dn/sim/simulate.h>
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/montecarlo/blind_flight.h>
+#include <dn/blind_check/blind_flight.h>
 #include <dn/report/json_reader.h>
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <dn/calibration/result.h>
+#include <dn/adjustment/result.h>
 #include <dn/report/json_reader.h>
 #include <dn/sim/simulate.h>
 

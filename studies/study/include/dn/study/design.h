@@ -1,7 +1,7 @@
 #pragma once
 
 #include <dn/builder/build.h>
-#include <dn/flight/flight.h>
+#include <dn/files/flight.h>
 #include <dn/sim/scenario.h>
 
 #include <cstdint>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <dn/calibration/bias_correlation.h>
-#include <dn/calibration/result.h>
-#include <dn/calibration/solution.h>
+#include <dn/adjustment/bias_correlation.h>
+#include <dn/adjustment/result.h>
+#include <dn/adjustment/solution.h>
 #include <dn/study/design.h>
 
 #include <optional>
